@@ -1,0 +1,29 @@
+"""The one place where numerical kernels are compiled, so that every kernel has the same flags."""
+
+from collections.abc import Callable
+from typing import TypeVar
+
+import numba
+
+_Kernel = TypeVar("_Kernel", bound=Callable[..., object])
+
+# Reordering and fused multiply-add are allowed; NaN and infinity keep their meaning, because an
+# unstable loop overflows and must be seen to.
+_FAST = frozenset({"contract", "reassoc", "nsz", "arcp"})
+
+
+def compiled(function: _Kernel) -> _Kernel:
+    """Compile a numerical kernel with Numba, cached on disk and free of the interpreter lock.
+
+    Parameters
+    ----------
+    function : callable
+        A function of arrays and numbers in Numba's nopython subset.
+
+    Returns
+    -------
+    callable
+        The compiled function, with the signature of the original.
+    """
+    kernel: _Kernel = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=set(_FAST))(function)
+    return kernel

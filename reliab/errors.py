@@ -1,0 +1,42 @@
+"""Errors that a user can act on: each states the rule, the value found and the remedy."""
+
+
+class ReliabError(Exception):
+    """Base of every error that this package raises on purpose."""
+
+
+class InputError(ReliabError, ValueError):
+    """Something that the user gave breaks a rule.
+
+    Parameters
+    ----------
+    rule : str
+        What must hold, as a statement ("The time step must be positive").
+    value : object, optional
+        What was found instead.
+    remedy : str, optional
+        What to do about it, as a sentence without its final full stop.
+    where : str, optional
+        Where the value stands: a file and line, an option, a key.
+
+    Examples
+    --------
+    >>> raise InputError("The damping ratio must lie in (0, 1)", value=2.0, remedy="Give 0.02 for 2 %")
+    Traceback (most recent call last):
+    ...
+    reliab.errors.InputError: The damping ratio must lie in (0, 1); found 2.0. Give 0.02 for 2 %.
+    """
+
+    def __init__(self, rule: str, *, value: object = None, remedy: str = "", where: str = "") -> None:
+        self.rule = rule
+        self.value = value
+        self.remedy = remedy
+        self.where = where
+        place = f"{where}: " if where else ""
+        found = "" if value is None else f"; found {value}"
+        advice = f" {remedy}." if remedy else ""
+        super().__init__(f"{place}{rule}{found}.{advice}")
+
+
+class IncompleteError(ReliabError):
+    """Work stopped half-way; what is finished is safe and can be resumed."""
