@@ -1,0 +1,172 @@
+"""The catalogue of a suite: a file ``catalog.csv`` beside its records.
+
+Columns: ``motion`` (unique name) and ``file`` (path from the catalogue); optionally ``event`` (the
+earthquake, so that its components stay together), ``set``, ``dt_s`` (the true step [s], which corrects a
+header's rounded one), ``units`` (g, cm/s2 or m/s2) and ``channel`` (of a file with several, from 1).
+Columns ``header_npts`` and ``header_dt_s`` note what the header of the right file states and are compared
+with it. Further columns are ignored.
+"""
+
+import csv
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TypeVar
+
+from reliab.motions.faults import Report
+from reliab.motions.readers.header import number
+from reliab.motions.readers.reading import Declared
+from reliab.motions.readers.source import open_source
+from reliab.motions.record import RecordFile
+from reliab.motions.units import AccelerationUnit, find_unit
+
+T = TypeVar("T")
+
+CATALOGUE = "catalog.csv"
+"""Name of a catalogue in its folder."""
+
+COLUMNS = ("motion", "event", "set", "file", "dt_s", "units")
+"""Columns that a written catalogue has."""
+
+_REQUIRED = ("motion", "file")
+
+
+def read_catalogue(path: Path, report: Report, given: Declared) -> list[RecordFile]:
+    """Read a catalogue.
+
+    Parameters
+    ----------
+    path : Path
+        The catalogue.
+    report : Report
+        Takes every fault of every row.
+    given : Declared
+        Step and units for rows that declare none.
+
+    Returns
+    -------
+    list of RecordFile
+        The motions of all rows without a fault, in order.
+    """
+    source = open_source(path, report)
+    if source is None:
+        return []
+    rows = csv.reader(line.text for line in source.lines())
+    filled = _filled(rows, report)
+    columns = [name.strip().lower() for name in next(filled, [])]
+    missing = [name for name in _REQUIRED if name not in columns]
+    if missing:
+        report.add(
+            "A catalogue must have the columns motion and file",
+            line=1,
+            value=f"no column {' or '.join(missing)}",
+            remedy="Name the columns in the first line",
+        )
+        return []
+    found: list[RecordFile] = []
+    seen: dict[str, int] = {}
+    for cells in filled:
+        line = rows.line_num
+        row = dict(zip(columns, (cell.strip() for cell in cells), strict=False))
+        if _has_name(row, seen, line, report):
+            found.extend(_record(path, row, line, given, report))
+    if not seen:
+        report.add(
+            "A catalogue must name a motion", line=1, value="no rows", remedy="Add a row for each record"
+        )
+    return found
+
+
+def _filled(rows: Iterator[list[str]], report: Report) -> Iterator[list[str]]:
+    try:
+        yield from (cells for cells in rows if any(cell.strip() for cell in cells))
+    except csv.Error as error:
+        report.add("A catalogue must be comma-separated text", value=error, remedy="Save it as CSV")
+
+
+def _has_name(row: dict[str, str], seen: dict[str, int], line: int, report: Report) -> bool:
+    for column in _REQUIRED:
+        if not row.get(column):
+            report.add(
+                f"Every row of a catalogue must fill the column {column}", line=line, value="an empty cell"
+            )
+            return False
+    name = row["motion"]
+    if name in seen:
+        report.add(
+            "The names of the motions in a catalogue must differ",
+            line=line,
+            value=f"{name}, as in line {seen[name]}",
+            remedy="Rename one of them",
+        )
+        return False
+    seen[name] = line
+    return True
+
+
+def _record(
+    path: Path, row: dict[str, str], line: int, given: Declared, report: Report
+) -> Iterator[RecordFile]:
+    """Yield the record of a row, if nothing is wrong with the row."""
+    faults_before = len(report.faults)
+    file = path.parent / row["file"].replace("\\", "/")
+    if not file.is_file():
+        report.add(
+            "Every file of a catalogue must exist",
+            line=line,
+            value=row["file"],
+            remedy="Correct the path, which starts at the catalogue, or remove the row",
+        )
+    declared = Declared(
+        time_step=_one_of(_positive(row, "dt_s", line, report), given.time_step, "time steps", line, report),
+        units=_one_of(_units(row, line, report), given.units, "units", line, report),
+        header_count=_whole(row, "header_npts", line, report),
+        header_time_step=_positive(row, "header_dt_s", line, report),
+        where=f"{path.name}, line {line}",
+    )
+    channel = _whole(row, "channel", line, report)
+    if len(report.faults) == faults_before:
+        yield RecordFile(
+            path=file,
+            name=row["motion"],
+            event=row.get("event", "") or row["motion"],
+            set_name=row.get("set", ""),
+            channel=channel,
+            declared=declared,
+        )
+
+
+def _one_of(noted: T | None, given: T | None, what: str, line: int, report: Report) -> T | None:
+    """Return what the catalogue notes or the caller gives, which must not differ."""
+    if noted is not None and given is not None and noted != given:
+        report.add(
+            f"The {what} that are given must be those of the catalogue",
+            line=line,
+            value=f"{given} against {noted}",
+            remedy="Give none, since the catalogue has them",
+        )
+    return given if noted is None else noted
+
+
+def _positive(row: dict[str, str], column: str, line: int, report: Report) -> float | None:
+    text = row.get(column, "")
+    value = number(text) if text else None
+    if text and (value is None or not 0 < value < float("inf")):
+        report.add(f"The column {column} must hold a positive number", line=line, value=text)
+        return None
+    return value
+
+
+def _whole(row: dict[str, str], column: str, line: int, report: Report) -> int | None:
+    value = _positive(row, column, line, report)
+    if value is not None and not (0 < value < 1e9 and value.is_integer()):  # noqa: PLR2004 - no record has more
+        report.add(f"The column {column} must hold a whole number", line=line, value=row[column])
+        return None
+    return None if value is None else int(value)
+
+
+def _units(row: dict[str, str], line: int, report: Report) -> AccelerationUnit | None:
+    text = row.get("units", "")
+    unit = find_unit(text) if text else None
+    if text and unit is None:
+        report.add("The column units must hold g, cm/s2 or m/s2", line=line, value=text)
+    return unit

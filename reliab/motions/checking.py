@@ -1,0 +1,165 @@
+"""Check whole folders of records and report every fault at once."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+
+import numpy as np
+
+from reliab.errors import InputError
+from reliab.motions.catalogue import CATALOGUE, read_catalogue
+from reliab.motions.faults import Fault, Report
+from reliab.motions.folder import motion_name, scan_file, scan_folder
+from reliab.motions.loading import BUILT_IN, declare, load_motions
+from reliab.motions.readers.reading import Declared
+from reliab.motions.record import RecordFile
+from reliab.vocabulary import STANDARD_GRAVITY
+
+_LIKENESS = 50.0
+"""Factor from the median of a folder that a peak may have; g is 981 cm/s2, and m/s2 is 100 cm/s2."""
+_FEWEST = 3  # records from which a median says something about the others
+
+
+@dataclass(frozen=True, kw_only=True)
+class Inspection:
+    """Outcome of checking a source of motions.
+
+    Parameters
+    ----------
+    records : int
+        Number of motions that were checked.
+    faults : list of Fault
+        Everything that is wrong, in the order of the catalogue or of the paths.
+    """
+
+    records: int
+    faults: list[Fault]
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Peak:
+    """Peak [m/s²] of a record, and whether its units are confirmed by a catalogue."""
+
+    file: str
+    value: float
+    confirmed: bool
+
+
+def check_folder(
+    path: str | Path,
+    *,
+    sets: Sequence[str] | None = None,
+    time_step: float | None = None,
+    units: str | None = None,
+) -> list[Fault]:
+    """Read every record of a folder and report every fault of every file.
+
+    Parameters
+    ----------
+    path : str or Path
+        A folder with or without a catalogue, or one file.
+    sets : sequence of str, optional
+        Sets of the catalogue to check; None checks all, the set ``held_out`` too.
+    time_step : float, optional
+        Step of the records [s], where their headers state none.
+    units : str, optional
+        Units of the records, where their headers state none.
+
+    Returns
+    -------
+    list of Fault
+        Empty if all is well.
+
+    Raises
+    ------
+    InputError
+        If the path does not exist.
+
+    Notes
+    -----
+    Beyond the rules for each file, the peaks in one folder are compared: one that differs from their median
+    by more than a factor of 50 is reported as a likely mixture of units, unless the catalogue confirms the
+    units of the record.
+    """
+    return inspect(path, sets=sets, time_step=time_step, units=units).faults
+
+
+def inspect(
+    path: str | Path,
+    *,
+    sets: Sequence[str] | None = None,
+    time_step: float | None = None,
+    units: str | None = None,
+) -> Inspection:
+    """Check a folder, a file or a built-in suite like `check_folder`, and count the records too."""
+    if path in BUILT_IN:
+        return Inspection(records=len(list(load_motions(path))), faults=[])
+    source, given = Path(path), declare(time_step, units)
+    if not source.exists():
+        raise InputError(
+            "A source of motions must exist", value=str(path), remedy="Name a folder of records or one file"
+        )
+    faults: list[Fault] = []
+    peaks: list[_Peak] = []
+    checked = 0
+    for record, report in _records(source, given, faults):
+        if sets is not None and record.set_name not in sets:
+            continue
+        checked += 1
+        reading = record.read(report)
+        faults.extend(report.faults)
+        if reading is not None:
+            value = float(np.abs(reading.acceleration).max())
+            confirmed = record.declared.units is not None
+            peaks.append(_Peak(file=report.file, value=value, confirmed=confirmed))
+    if not checked and not faults:
+        faults.append(_no_records(source, sets))
+    return Inspection(records=checked, faults=[*faults, *_mixed_units(peaks)])
+
+
+def _records(source: Path, given: Declared, faults: list[Fault]) -> Iterator[tuple[RecordFile, Report]]:
+    """Find the records, each with a new report, and note the faults of catalogues and headers."""
+    catalogue = source / CATALOGUE
+    if catalogue.is_file():
+        report = Report(file=str(catalogue))
+        found = read_catalogue(catalogue, report, given)
+        faults.extend(report.faults)
+        scanned: Iterable[tuple[Path, list[RecordFile], Report]] = [
+            (record.path, [record], Report(file=str(record.path))) for record in found
+        ]
+    elif source.is_dir():
+        scanned = scan_folder(source, given)
+    else:
+        report = Report(file=str(source))
+        scanned = [(source, scan_file(source, motion_name(Path(source.name)), given, report), report)]
+    for path, records, report in scanned:
+        if not records:
+            faults.extend(report.faults)
+        for record in records:
+            yield record, Report(file=str(path))
+
+
+def _no_records(source: Path, sets: Sequence[str] | None) -> Fault:
+    return Fault(
+        file=str(source),
+        line=None,
+        rule="A source of motions must hold a record",
+        value="none" if sets is None else f"none in the sets {', '.join(sets)}",
+        remedy=f"Put records or a {CATALOGUE} into it",
+    )
+
+
+def _mixed_units(peaks: list[_Peak]) -> Iterator[Fault]:
+    if len(peaks) < _FEWEST:
+        return
+    middle = median(peak.value for peak in peaks)
+    for peak in peaks:
+        if not peak.confirmed and not middle / _LIKENESS <= peak.value <= middle * _LIKENESS:
+            yield Fault(
+                file=peak.file,
+                line=None,
+                rule=f"Peaks in one folder must lie within a factor of {_LIKENESS:g} of their median",
+                value=f"{peak.value / STANDARD_GRAVITY:.3g} g against {middle / STANDARD_GRAVITY:.3g} g",
+                remedy="Check for mixed units; confirm a true peak in a catalogue's column units",
+            )

@@ -1,0 +1,89 @@
+"""Faults found in record files, collected so that one check reports them all."""
+
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+from reliab.errors import InputError
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fault:
+    """One thing that is wrong with one file.
+
+    Parameters
+    ----------
+    file : str
+        The file, as the user named it.
+    line : int or None
+        Line in the file, counted from 1, where that can be said.
+    rule : str
+        What must hold.
+    value : str
+        What was found instead; may be empty.
+    remedy : str
+        What to do about it; may be empty.
+    """
+
+    file: str
+    line: int | None
+    rule: str
+    value: str = ""
+    remedy: str = ""
+
+    def error(self) -> InputError:
+        """Return the fault as an error of one sentence for the user."""
+        where = self.file if self.line is None else f"{self.file}, line {self.line}"
+        return InputError(self.rule, value=self.value or None, remedy=self.remedy, where=where)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Report:
+    """The faults of one file, in the order in which they were found.
+
+    Parameters
+    ----------
+    file : str
+        The file, as the user named it.
+    """
+
+    file: str
+    faults: list[Fault] = field(default_factory=list)
+
+    def add(self, rule: str, *, line: int | None = None, value: object = "", remedy: str = "") -> None:
+        """Record a fault of the file."""
+        self.faults.append(Fault(file=self.file, line=line, rule=rule, value=str(value), remedy=remedy))
+
+    def raise_first(self) -> None:
+        """Raise the first fault, if there is one.
+
+        Raises
+        ------
+        InputError
+            If there is a fault.
+        """
+        if self.faults:
+            raise self.faults[0].error()
+
+    def require(self, found: T | None) -> T:
+        """Return what was found if the file has no fault.
+
+        Parameters
+        ----------
+        found : T or None
+            What was found; None only after a fault.
+
+        Returns
+        -------
+        T
+            The same.
+
+        Raises
+        ------
+        InputError
+            The first fault, if there is one.
+        """
+        if found is None or self.faults:
+            raise self.faults[0].error()
+        return found

@@ -1,0 +1,116 @@
+"""A folder of records without a catalogue.
+
+Every record below the folder is a motion. Its name is its path from the folder, without the ending if that
+is one of a record and no other motion is called the same; channels of one file are numbered.
+
+Events are known only where the headers say so: records share an event if they are channels of one file, or
+if their headers give the same earthquake and date (PEER), the same origin time and epicentre (K-NET), the
+same origin time (CSMIP, COSMOS) or the same line ``# event: NAME`` (text). Every other motion is an event
+of its own. To declare events, write a catalogue with a column ``event``.
+"""
+
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+
+from reliab.motions.catalogue import CATALOGUE
+from reliab.motions.faults import Report
+from reliab.motions.readers.reading import Declared
+from reliab.motions.readers.registry import ENDINGS, TEXT, detect, open_records
+from reliab.motions.readers.source import HEAD, open_source
+from reliab.motions.record import RecordFile
+
+_STRIPPED = frozenset((".at2", ".v2", ".v2c", ".txt", ".csv", ".tsv", ".dat", ".asc", ".acc"))
+_NOT_RECORDS = ("readme", "license", "licence", "copying", "changelog")
+
+
+def scan_folder(folder: Path, given: Declared) -> Iterator[tuple[Path, list[RecordFile], Report]]:
+    """Find the records of a folder.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder.
+    given : Declared
+        Step and units for the records.
+
+    Yields
+    ------
+    path : Path
+        A file that is a record or claims to be one, in the order of paths.
+    records : list of RecordFile
+        The motions in it.
+    report : Report
+        The faults of its header.
+    """
+    paths = [path for path in sorted(folder.rglob("*")) if _may_be_record(path, folder)]
+    names = _names(paths, folder)
+    for path in paths:
+        report = Report(file=str(path))
+        yield path, scan_file(path, names[path], given, report), report
+
+
+def scan_file(path: Path, name: str, given: Declared, report: Report) -> list[RecordFile]:
+    """Find the motions in one file.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    name : str
+        Name of the motion, or of the file whose channels are numbered.
+    given : Declared
+        Step and units for the records.
+    report : Report
+        Takes the faults of the header.
+
+    Returns
+    -------
+    list of RecordFile
+        One entry for each record of the file.
+    """
+    opened = open_records(path, report, whole=False)
+    headers = opened[1] if opened else []
+    if len(headers) == 1:
+        return [RecordFile(path=path, name=name, event=headers[0].event or name, declared=given)]
+    return [
+        RecordFile(
+            path=path, name=f"{name}/{channel}", event=header.event or name, channel=channel, declared=given
+        )
+        for channel, header in enumerate(headers, start=1)
+    ]
+
+
+def _may_be_record(path: Path, folder: Path) -> bool:
+    """Tell whether a file ends like a record or is recognised as one by a header of its own."""
+    inner = path.relative_to(folder)
+    if any(part.startswith(".") for part in inner.parts) or not path.is_file():
+        return False
+    if path.name.lower() == CATALOGUE or path.stem.lower().lstrip("_").startswith(_NOT_RECORDS):
+        return False
+    if path.suffix.lower() in ENDINGS:
+        return True
+    source = open_source(path, Report(file=str(path)), limit=HEAD)
+    return source is not None and detect(source) not in {None, TEXT}
+
+
+def _names(paths: list[Path], folder: Path) -> dict[Path, str]:
+    short = {path: motion_name(path.relative_to(folder)) for path in paths}
+    count = Counter(short.values())
+    return {
+        path: name if count[name] == 1 else path.relative_to(folder).as_posix()
+        for path, name in short.items()
+    }
+
+
+def motion_name(path: Path) -> str:
+    """Name of a motion after its file: the path without the ending of a record.
+
+    Endings that tell a component, such as ``.NS`` and ``.EW`` of K-NET, stay.
+
+    Examples
+    --------
+    >>> motion_name(Path("KOBE/NIS000.AT2")), motion_name(Path("AOM001.EW"))
+    ('KOBE/NIS000', 'AOM001.EW')
+    """
+    return (path.with_suffix("") if path.suffix.lower() in _STRIPPED else path).as_posix()

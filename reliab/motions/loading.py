@@ -1,0 +1,188 @@
+"""Load motions from files, folders and built-in suites."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from reliab.errors import InputError
+from reliab.motions.catalogue import CATALOGUE, read_catalogue
+from reliab.motions.faults import Report
+from reliab.motions.folder import motion_name, scan_file, scan_folder
+from reliab.motions.motion import Motion
+from reliab.motions.readers.reading import Declared
+from reliab.motions.record import RecordFile
+from reliab.motions.suite import MotionEntry, MotionSuite
+from reliab.motions.units import parse_unit
+
+BUILT_IN = ("synthetic",)
+"""Names of the suites that come with the package."""
+
+HELD_OUT = "held_out"
+"""The set of a catalogue that is used only when it is named."""
+
+
+def load_motions(
+    *sources: str | Path,
+    sets: Sequence[str] | None = None,
+    time_step: float | None = None,
+    units: str | None = None,
+) -> MotionSuite:
+    """Load a suite of motions; records are read when they are asked for.
+
+    Parameters
+    ----------
+    *sources : str or Path
+        Record files, folders with or without a ``catalog.csv``, or names of built-in suites
+        (``"synthetic"``; a folder of that name is ``"./synthetic"``).
+    sets : sequence of str, optional
+        Sets of the catalogues to take; None takes all but the set ``held_out``.
+    time_step : float, optional
+        Step of the records [s], where their headers state none or round it.
+    units : str, optional
+        Units of the records (g, cm/s2, m/s2), where their headers state none.
+
+    Returns
+    -------
+    MotionSuite
+        The motions in the order of the sources.
+
+    Raises
+    ------
+    InputError
+        If a source does not exist or holds no motion, a catalogue is faulty, a file is no record, a set is
+        unknown, or two motions have one name.
+
+    Notes
+    -----
+    In a folder without a catalogue, records are components of one event only if their headers say so beyond
+    doubt; `reliab.motions.folder` has the rule. A catalogue with a column ``event`` declares events.
+    """
+    if not sources:
+        raise InputError(
+            "At least one source of motions must be given", remedy="Name a file, a folder or synthetic"
+        )
+    given = declare(time_step, units)
+    suite = MotionSuite(entry for source in sources for entry in _entries(source, given))
+    kept = suite.select(sets=sets if sets is not None else set(suite.set_names) - {HELD_OUT})
+    if not kept:
+        raise InputError(
+            "At least one motion must be left",
+            value=f"only motions of the set {HELD_OUT}",
+            remedy=f"Name the set {HELD_OUT} to use it",
+        )
+    return kept
+
+
+def read_motion(
+    path: str | Path,
+    *,
+    name: str | None = None,
+    event: str = "",
+    set_name: str = "",
+    time_step: float | None = None,
+    units: str | None = None,
+    channel: int | None = None,
+) -> Motion:
+    """Read one record file.
+
+    Parameters
+    ----------
+    path : str or Path
+        A PEER AT2, K-NET, KiK-net, COSMOS or CSMIP file, or text in one or two columns.
+    name : str, optional
+        Name of the motion; the file's name by default.
+    event : str, optional
+        The earthquake; what the header says by default, or else the name.
+    set_name : str, optional
+        Set that the motion belongs to.
+    time_step : float, optional
+        Step [s], where the header states none or rounds it.
+    units : str, optional
+        Units (g, cm/s2, m/s2), where the header states none.
+    channel : int, optional
+        Which record of a file that holds several, counted from 1.
+
+    Returns
+    -------
+    Motion
+        The motion in m/s².
+
+    Raises
+    ------
+    InputError
+        With the file, the line, the rule and the remedy, if the file breaks a rule.
+    """
+    record = RecordFile(
+        path=Path(path),
+        name=name or motion_name(Path(Path(path).name)),
+        event=event,
+        set_name=set_name,
+        channel=channel,
+        declared=declare(time_step, units),
+    )
+    return record.load()
+
+
+def declare(time_step: float | None, units: str | None) -> Declared:
+    """Check what a caller says about records.
+
+    Parameters
+    ----------
+    time_step : float or None
+        Step [s].
+    units : str or None
+        Units of acceleration.
+
+    Returns
+    -------
+    Declared
+        The checked step and units.
+
+    Raises
+    ------
+    InputError
+        If the step is not positive or the units are unknown.
+    """
+    if time_step is not None and not 0 < time_step < float("inf"):
+        raise InputError("The time step must be positive", value=time_step, remedy="Give it in seconds")
+    return Declared(time_step=time_step, units=None if units is None else parse_unit(units))
+
+
+def _entries(source: str | Path, given: Declared) -> list[MotionEntry]:
+    if source in BUILT_IN:
+        from reliab.motions.synthetic import synthetic_suite
+
+        return list(synthetic_suite().entries)
+    path = Path(source)
+    if path.is_dir():
+        return list(_folder_entries(path, given))
+    if path.is_file():
+        report = Report(file=str(path))
+        found = scan_file(path, motion_name(Path(path.name)), given, report)
+        report.raise_first()
+        return list(found)
+    raise InputError(
+        "A source of motions must be a file, a folder or a built-in suite",
+        value=str(source),
+        remedy=f"Correct the path; built in is {', '.join(BUILT_IN)}",
+    )
+
+
+def _folder_entries(folder: Path, given: Declared) -> list[RecordFile]:
+    catalogue = folder / CATALOGUE
+    if catalogue.is_file():
+        report = Report(file=str(catalogue))
+        found = read_catalogue(catalogue, report, given)
+        report.raise_first()
+        return found
+    found = []
+    for _, records, report in scan_folder(folder, given):
+        report.raise_first()
+        found.extend(records)
+    if not found:
+        raise InputError(
+            "A folder of motions must hold a record",
+            value="none",
+            remedy=f"Put records or a {CATALOGUE} into it",
+            where=str(folder),
+        )
+    return found

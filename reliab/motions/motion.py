@@ -1,0 +1,131 @@
+"""One ground motion: an acceleration record at equal time steps."""
+
+import hashlib
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.errors import InputError
+from reliab.vocabulary import STANDARD_GRAVITY
+
+PEAK_LIMIT_G = 5.0
+"""Largest believable peak [g]; the strongest record so far has about 4 g, and more is a mistake in units."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Motion:
+    """One component of ground acceleration, sampled at equal steps and linear in between.
+
+    Two motions are equal when their names, events, sets and checksums are.
+
+    Parameters
+    ----------
+    name : str
+        Unique name within a suite, for example ``"KOBE/NIS000"``.
+    acceleration : array of float, shape (n,)
+        Ground acceleration [m/s²], finite, n ≥ 2, peak at most 5 g. It is copied and made read-only.
+    time_step : float
+        Interval between samples [s], positive.
+    event : str, optional
+        The earthquake; empty makes the motion an event of its own, named like the motion.
+    set_name : str, optional
+        The set of a catalogue that the motion belongs to.
+
+    Raises
+    ------
+    InputError
+        If the samples or the step break one of the rules above.
+
+    Examples
+    --------
+    >>> motion = Motion(name="pulse", acceleration=[0.0, 2.0, 0.0], time_step=0.5)
+    >>> motion.duration, motion.peak_acceleration, motion.event
+    (1.0, 2.0, 'pulse')
+    """
+
+    name: str
+    acceleration: NDArray[np.float64]
+    time_step: float
+    event: str = ""
+    set_name: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.name:
+            raise InputError("A motion must have a name")
+        object.__setattr__(self, "acceleration", _checked_samples(self.acceleration, self.name))
+        object.__setattr__(self, "time_step", _checked_step(self.time_step, self.name))
+        object.__setattr__(self, "event", self.event or self.name)
+
+    @property
+    def duration(self) -> float:
+        """Time between the first and the last sample [s]."""
+        return (self.acceleration.size - 1) * self.time_step
+
+    @cached_property
+    def peak_acceleration(self) -> float:
+        """Largest absolute acceleration [m/s²]."""
+        return float(np.abs(self.acceleration).max())
+
+    @property
+    def times(self) -> NDArray[np.float64]:
+        """Times of the samples, from zero [s], shape (n,)."""
+        return np.arange(self.acceleration.size, dtype=np.float64) * self.time_step
+
+    @cached_property
+    def checksum(self) -> str:
+        """SHA-256 of the step and the samples as little-endian doubles, the same on every platform."""
+        digest = hashlib.sha256(np.float64(self.time_step).astype("<f8").tobytes())
+        digest.update(self.acceleration.astype("<f8").tobytes())
+        return digest.hexdigest()
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Motion):
+            return NotImplemented
+        return self._identity() == other._identity()
+
+    def __hash__(self) -> int:
+        return hash(self._identity())
+
+    def _identity(self) -> tuple[str, str, str, str]:
+        return self.name, self.event, self.set_name, self.checksum
+
+
+def _checked_samples(samples: NDArray[np.float64], name: str) -> NDArray[np.float64]:
+    copied = np.array(samples, dtype=np.float64)
+    if copied.ndim != 1 or copied.size < 2:  # noqa: PLR2004 - two samples make the shortest record
+        raise InputError(
+            "A motion must be a one-dimensional array of at least two samples",
+            value=f"shape {copied.shape}",
+            where=name,
+        )
+    if not np.isfinite(copied).all():
+        first = int(np.flatnonzero(~np.isfinite(copied))[0])
+        raise InputError(
+            "Every sample of a motion must be finite",
+            value=f"{copied[first]} at sample {first}",
+            remedy="Repair or leave out the record",
+            where=name,
+        )
+    peak = float(np.abs(copied).max()) / STANDARD_GRAVITY
+    if peak > PEAK_LIMIT_G:
+        raise InputError(
+            f"The peak of a motion must not exceed {PEAK_LIMIT_G:g} g",
+            value=f"{peak:.4g} g",
+            remedy="Check the units; a motion holds m/s²",
+            where=name,
+        )
+    copied.flags.writeable = False
+    return copied
+
+
+def _checked_step(time_step: float, name: str) -> float:
+    if not (np.isfinite(time_step) and time_step > 0):
+        raise InputError(
+            "The time step must be positive and finite",
+            value=time_step,
+            remedy="Give it in seconds",
+            where=name,
+        )
+    return float(time_step)

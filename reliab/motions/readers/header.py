@@ -1,0 +1,143 @@
+"""What the header of a record says, whatever its format."""
+
+import re
+from dataclasses import dataclass
+from decimal import Decimal, InvalidOperation
+from typing import Generic, TypeVar
+
+from reliab.motions.faults import Report
+from reliab.motions.units import AccelerationUnit, find_unit
+
+T = TypeVar("T")
+
+NUMBER = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[EeDd][-+]?[0-9]+)?"
+"""Pattern of a number as Fortran and everyone else print it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Statement(Generic[T]):
+    """Something that a header states.
+
+    Parameters
+    ----------
+    value : T
+        The value.
+    line : int
+        The line that states it.
+    tolerance : float, optional
+        By how much the true value may differ, because the header rounds.
+    """
+
+    value: T
+    line: int
+    tolerance: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Header:
+    """What a header says about one record of a file.
+
+    Parameters
+    ----------
+    start, stop : int
+        Where the samples stand in the file [bytes].
+    count : Statement of int, optional
+        Number of samples.
+    time_step : Statement of float, optional
+        Interval between samples [s].
+    units : Statement of AccelerationUnit, optional
+        Units of the samples.
+    default_units : AccelerationUnit, optional
+        Units by definition of the format, where the header states none.
+    scale : float, optional
+        Factor from the numbers in the file to the units.
+    remove_mean : bool, optional
+        Whether the mean of the whole record is an instrument's offset.
+    width : int, optional
+        Columns that each number takes, where the format fixes it.
+    columns : int, optional
+        Numbers in each line, where that matters: one sample, or two with the sample's time first.
+    delimiter : str, optional
+        What separates numbers, besides blanks.
+    missing : float, optional
+        The number that marks a missing sample.
+    event : str, optional
+        The earthquake, where the header identifies it beyond doubt.
+    channel : str, optional
+        The component, as the header calls it.
+    """
+
+    start: int
+    stop: int
+    count: Statement[int] | None = None
+    time_step: Statement[float] | None = None
+    units: Statement[AccelerationUnit] | None = None
+    default_units: AccelerationUnit | None = None
+    scale: float = 1.0
+    remove_mean: bool = False
+    width: int | None = None
+    columns: int | None = None
+    delimiter: str = ""
+    missing: float | None = None
+    event: str = ""
+    channel: str = ""
+
+
+def number(text: str) -> float | None:
+    """Turn a printed number into a float; None if it is none."""
+    return float(_decimal(text)) if re.fullmatch(NUMBER, text) else None
+
+
+def last_place(text: str) -> float:
+    """Value of one unit in the last printed place of a number."""
+    return float(Decimal(1).scaleb(int(_decimal(text).as_tuple().exponent)))
+
+
+def _decimal(text: str) -> Decimal:
+    try:
+        return Decimal(text.upper().replace("D", "E"))
+    except InvalidOperation:
+        return Decimal("NaN")
+
+
+def state_count(text: str, line: int, report: Report) -> Statement[int] | None:
+    """State a number of samples, or report that the text is none."""
+    if re.fullmatch(r"\+?[0-9]{1,9}\.?", text):
+        count = int(text.rstrip("."))
+        if count > 1:
+            return Statement(value=count, line=line)
+    report.add(
+        "The number of samples in a header must be a whole number from 2 on",
+        line=line,
+        value=text or "nothing",
+        remedy="Correct the header",
+    )
+    return None
+
+
+def state_time_step(text: str, line: int, report: Report, *, factor: float = 1.0) -> Statement[float] | None:
+    """State a time step, or report that the text is none; the factor turns its unit into seconds."""
+    value = number(text)
+    if value is not None and 0 < value * factor < float("inf"):
+        return Statement(value=value * factor, line=line, tolerance=last_place(text) * factor)
+    report.add(
+        "The time step in a header must be a positive number",
+        line=line,
+        value=text or "nothing",
+        remedy="Correct the header or leave the record out",
+    )
+    return None
+
+
+def state_units(text: str, line: int, report: Report) -> Statement[AccelerationUnit] | None:
+    """State the units of the samples, or report that the text names none."""
+    unit = find_unit(text)
+    if unit is not None:
+        return Statement(value=unit, line=line)
+    report.add(
+        "The units in a header must be g, cm/s2 or m/s2",
+        line=line,
+        value=repr(text.strip()),
+        remedy="Convert the record to acceleration in one of them",
+    )
+    return None

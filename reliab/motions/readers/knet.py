@@ -1,0 +1,138 @@
+"""K-NET and KiK-net ASCII: seventeen labelled lines, then counts of the instrument.
+
+A count times the scale factor of the header is acceleration in gal. The instrument has an offset; NIED,
+which publishes the records, subtracts the mean of the whole record before it states the largest
+acceleration, and so does this reader.
+
+References
+----------
+NIED, *K-NET ASCII format* and *K-NET and KiK-net: questions and answers*, questions 1 and 2.
+"""
+
+import re
+
+from reliab.motions.faults import Report
+from reliab.motions.readers.header import NUMBER, Header, Statement, number, state_time_step
+from reliab.motions.readers.source import Line, Source
+from reliab.motions.units import AccelerationUnit
+
+_LABELS = {
+    "origin": re.compile(r"^Origin Time\s+(.*)$", re.IGNORECASE),
+    "latitude": re.compile(r"^Lat\.\s+(\S+)", re.IGNORECASE),
+    "longitude": re.compile(r"^Long?\.\s+(\S+)", re.IGNORECASE),
+    "rate": re.compile(r"^Sampling Freq\S*\s+(\S+?)\s*(?:Hz)?\s*$", re.IGNORECASE),
+    "duration": re.compile(r"^Duration Time\S*\s+(\S+)", re.IGNORECASE),
+    "channel": re.compile(r"^Dir\.\s+(\S+)", re.IGNORECASE),
+    "scale": re.compile(r"^Scale Factor\s+(.*)$", re.IGNORECASE),
+    "memo": re.compile(r"^Memo\.?(.*)$", re.IGNORECASE),
+}
+_HEADER_LINES = 30
+_SCALE = re.compile(rf"\s*({NUMBER})\s*\(\s*gal\s*\)\s*/\s*({NUMBER})\s*", re.IGNORECASE)
+_DIRECTIONS = {"1": "N-S", "2": "E-W", "3": "U-D", "4": "N-S", "5": "E-W", "6": "U-D"}
+
+
+def recognises(source: Source) -> bool:
+    """Tell whether a file begins with the labels of K-NET."""
+    found = _labelled(source)
+    return "origin" in found and "scale" in found
+
+
+def headers(source: Source, report: Report) -> list[Header]:
+    """Read the header of a K-NET or KiK-net file.
+
+    Parameters
+    ----------
+    source : Source
+        The file.
+    report : Report
+        Takes every fault of the header.
+
+    Returns
+    -------
+    list of Header
+        The header of the one component; empty if a line is missing that it needs.
+    """
+    found = _labelled(source)
+    missing = [label for label in ("rate", "duration", "scale", "memo") if label not in found]
+    if missing:
+        report.add(
+            "The header of a K-NET file must be complete",
+            line=1,
+            value=f"no line for {', '.join(missing)}",
+            remedy="Obtain the file again",
+        )
+        return []
+    time_step = _time_step(found["rate"], report)
+    scale = _scale(found["scale"], report)
+    if time_step is None or scale is None:
+        return []
+    channel = found["channel"][1] if "channel" in found else ""
+    return [
+        Header(
+            start=found["memo"][0].stop,
+            stop=len(source.content),
+            count=_count(found["duration"], time_step.value, report),
+            time_step=time_step,
+            units=Statement(value=AccelerationUnit.CENTIMETRE, line=found["scale"][0].number),
+            scale=scale,
+            remove_mean=True,
+            event=_event(found),
+            channel=_DIRECTIONS.get(channel, channel),
+        )
+    ]
+
+
+def _labelled(source: Source) -> dict[str, tuple[Line, str]]:
+    found: dict[str, tuple[Line, str]] = {}
+    for _, line in zip(range(_HEADER_LINES), source.lines(), strict=False):
+        for label, pattern in _LABELS.items():
+            if label not in found and (match := pattern.match(line.text)):
+                found[label] = line, match[1].strip()
+        if "memo" in found:
+            break
+    return found
+
+
+def _time_step(entry: tuple[Line, str], report: Report) -> Statement[float] | None:
+    line, text = entry
+    rate = number(text)
+    if rate is None or not 0 < rate < float("inf"):
+        return state_time_step(text, line.number, report)
+    return Statement(value=1.0 / rate, line=line.number)
+
+
+def _scale(entry: tuple[Line, str], report: Report) -> float | None:
+    line, text = entry
+    match = _SCALE.fullmatch(text)
+    gal, counts = (number(match[1]), number(match[2])) if match else (None, None)
+    if gal and counts and 0 < gal / counts < float("inf"):
+        return gal / counts
+    report.add(
+        "The scale factor of a K-NET file must be gal over counts, as in 3920(gal)/6182761",
+        line=line.number,
+        value=text or "nothing",
+        remedy="Obtain the file again",
+    )
+    return None
+
+
+def _count(entry: tuple[Line, str], time_step: float, report: Report) -> Statement[int] | None:
+    line, text = entry
+    duration = number(text)
+    if duration is None or not 2 * time_step <= duration < 1e6:  # noqa: PLR2004 - eleven days, no accelerogram
+        report.add(
+            "The duration of a K-NET file must be a positive number of seconds",
+            line=line.number,
+            value=text,
+            remedy="Obtain the file again",
+        )
+        return None
+    return Statement(value=round(duration / time_step), line=line.number)
+
+
+def _event(found: dict[str, tuple[Line, str]]) -> str:
+    """Origin time and epicentre, as in ``2018-01-24 19:51:00 41.0N 142.5E``; empty if one is missing."""
+    parts = [found[label][1] for label in ("origin", "latitude", "longitude") if label in found]
+    if len(parts) < 3 or not all(parts):  # noqa: PLR2004 - time, latitude and longitude
+        return ""
+    return f"{parts[0].replace('/', '-')} {parts[1]}N {parts[2]}E"

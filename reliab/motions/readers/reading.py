@@ -1,0 +1,232 @@
+"""From a header and its samples to an acceleration record, with everything checked on the way."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.motions.faults import Report
+from reliab.motions.motion import PEAK_LIMIT_G
+from reliab.motions.readers.columns import check_columns, split_times
+from reliab.motions.readers.header import Header, Statement
+from reliab.motions.readers.samples import line_of_sample, parse_samples
+from reliab.motions.readers.source import Source
+from reliab.motions.units import AccelerationUnit
+from reliab.vocabulary import STANDARD_GRAVITY
+
+_RELATIVE = 1e-9  # two steps closer than this are one
+_SLACK = 1.001  # lets a step lie exactly on the edge of what a header rounds
+
+
+@dataclass(frozen=True, kw_only=True)
+class Declared:
+    """What a catalogue or a caller says about a record, whatever its own header says.
+
+    Parameters
+    ----------
+    time_step : float, optional
+        True step [s], which may correct a rounded one.
+    units : AccelerationUnit, optional
+        Units of the samples.
+    header_count : int, optional
+        Number of samples that the header should state.
+    header_time_step : float, optional
+        Step that the header should state [s].
+    where : str, optional
+        Where all this is said.
+    """
+
+    time_step: float | None = None
+    units: AccelerationUnit | None = None
+    header_count: int | None = None
+    header_time_step: float | None = None
+    where: str = "the arguments"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reading:
+    """An acceleration record as it was read.
+
+    Parameters
+    ----------
+    acceleration : array of float, shape (n,)
+        Samples [m/s²].
+    time_step : float
+        Interval between samples [s].
+    event, channel : str
+        The earthquake and the component, where the header names them.
+    """
+
+    acceleration: NDArray[np.float64]
+    time_step: float
+    event: str
+    channel: str
+
+
+def complete(source: Source, header: Header, declared: Declared, report: Report) -> Reading | None:
+    """Read the samples that a header announces and turn them into acceleration.
+
+    Parameters
+    ----------
+    source : Source
+        The file.
+    header : Header
+        What its header says.
+    declared : Declared
+        What is said elsewhere.
+    report : Report
+        Takes every fault.
+
+    Returns
+    -------
+    Reading or None
+        The record; None if there was a fault.
+    """
+    units = _settle_units(header, declared, report)
+    regular = check_columns(source, header, report)
+    values = parse_samples(source, header, report)
+    if not regular:
+        values = None
+    elif values is not None and header.columns == 2:  # noqa: PLR2004 - times and samples
+        values, header = split_times(source, header, values, report)
+    time_step = _settle_time_step(header, declared, report)
+    _check_against_catalogue(header, declared, report)
+    if values is not None:
+        values = _settle_count(source, header, values, report)
+    if values is None or units is None or time_step is None:
+        return None
+    acceleration = _in_si(source, header, values, units, report)
+    if report.faults:
+        return None
+    return Reading(acceleration=acceleration, time_step=time_step, event=header.event, channel=header.channel)
+
+
+def _settle_units(header: Header, declared: Declared, report: Report) -> AccelerationUnit | None:
+    stated = header.units
+    if stated is not None and declared.units not in {None, stated.value}:
+        report.add(
+            "The units in the header must be those that are declared for the record",
+            line=stated.line,
+            value=f"{stated.value} in the header, {declared.units} in {declared.where}",
+            remedy="Correct whichever is wrong",
+        )
+        return None
+    units = stated.value if stated is not None else declared.units or header.default_units
+    if units is None and not report.faults:
+        report.add(
+            "The units must be stated",
+            value="none in the header",
+            remedy="Give --units g, cm/s2 or m/s2, or a column units in a catalogue",
+        )
+    return units
+
+
+def _settle_time_step(header: Header, declared: Declared, report: Report) -> float | None:
+    stated = header.time_step
+    if stated is None:
+        if declared.time_step is None and not report.faults:
+            report.add(
+                "The time step must be stated",
+                value="none in the header",
+                remedy="Give --time-step in seconds, or a column dt_s in a catalogue",
+            )
+        return declared.time_step
+    if declared.time_step is None:
+        return stated.value
+    if not _rounds_to(declared.time_step, stated):
+        report.add(
+            "A declared time step must be the header's, give or take what the header rounds",
+            line=stated.line,
+            value=f"{stated.value:g} s in the header, {declared.time_step:g} s in {declared.where}",
+            remedy="Correct whichever is wrong",
+        )
+        return None
+    return declared.time_step
+
+
+def _rounds_to(time_step: float, stated: Statement[float]) -> bool:
+    tolerance = max(stated.tolerance * _SLACK, stated.value * _RELATIVE)
+    return abs(time_step - stated.value) <= tolerance
+
+
+def _check_against_catalogue(header: Header, declared: Declared, report: Report) -> None:
+    count, step = header.count, header.time_step
+    if count is not None and declared.header_count not in {None, count.value}:
+        report.add(
+            "The header must state the number of samples that the catalogue notes for it",
+            line=count.line,
+            value=f"{count.value} in the header, {declared.header_count} in {declared.where}",
+            remedy="Check that the catalogue names the right file",
+        )
+    noted = declared.header_time_step
+    if step is not None and noted is not None and not _rounds_to(noted, step):
+        report.add(
+            "The header must state the time step that the catalogue notes for it",
+            line=step.line,
+            value=f"{step.value:g} s in the header, {noted:g} s in {declared.where}",
+            remedy="Check that the catalogue names the right file",
+        )
+
+
+def _settle_count(
+    source: Source, header: Header, values: NDArray[np.float64], report: Report
+) -> NDArray[np.float64] | None:
+    found, count = values.size, header.count
+    last_line = source.line_number(max(header.start, header.stop - 1))
+    if count is None:
+        if found > 1:
+            return values
+        report.add("A record must hold at least two samples", line=last_line, value=found)
+        return None
+    if found < count.value:
+        report.add(
+            "A record must hold as many samples as its header states",
+            line=last_line,
+            value=f"the end after {found} of {count.value} samples",
+            remedy="The file is cut short; obtain it again",
+        )
+        return None
+    if found > count.value and line_of_sample(source, header, found - 1) != line_of_sample(
+        source, header, count.value - 1
+    ):
+        report.add(
+            "A record must hold as many samples as its header states",
+            line=line_of_sample(source, header, count.value),
+            value=f"{found} samples instead of {count.value}",
+            remedy="Check whether two records were joined, or correct the header",
+        )
+        return None
+    return values[: count.value]
+
+
+def _in_si(
+    source: Source, header: Header, values: NDArray[np.float64], units: AccelerationUnit, report: Report
+) -> NDArray[np.float64]:
+    if header.missing is not None and (values == header.missing).any():
+        gap = int(np.flatnonzero(values == header.missing)[0])
+        report.add(
+            "A record must have no gaps",
+            line=line_of_sample(source, header, gap),
+            value=f"the mark of a missing sample, {header.missing:g}",
+            remedy="Fill the gap or leave the record out",
+        )
+    if header.remove_mean:
+        values = values - values.mean()
+    acceleration = values * (header.scale * units.in_si)
+    largest = int(np.abs(acceleration).argmax())
+    peak = abs(float(acceleration[largest])) / STANDARD_GRAVITY
+    if peak > PEAK_LIMIT_G:
+        report.add(
+            f"The peak of a record must not exceed {PEAK_LIMIT_G:g} g",
+            line=line_of_sample(source, header, largest),
+            value=f"{peak:.4g} g with samples in {units}",
+            remedy="Check the units; cm/s2 read as g is 981 times too large",
+        )
+    if peak == 0:
+        report.add(
+            "A record must move",
+            line=source.line_number(header.start),
+            value="nothing but zeros",
+            remedy="Leave it out",
+        )
+    return acceleration

@@ -1,0 +1,126 @@
+"""All readers, and the choice between them by content."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from reliab.motions.faults import Report
+from reliab.motions.readers import cosmos, csmip, knet, peer, text
+from reliab.motions.readers.header import Header
+from reliab.motions.readers.source import HEAD, Source, open_source
+
+
+@dataclass(frozen=True, kw_only=True)
+class Format:
+    """A format of record files.
+
+    Parameters
+    ----------
+    name : str
+        What users call it.
+    endings : tuple of str
+        Endings by which a file without recognisable content still claims to be one.
+    recognises : callable
+        Tells from the content whether a file is one.
+    headers : callable
+        Reads the headers of all records of a file.
+    several : bool
+        Whether one file may hold several records.
+    """
+
+    name: str
+    endings: tuple[str, ...]
+    recognises: Callable[[Source], bool]
+    headers: Callable[[Source, Report], list[Header]]
+    several: bool = False
+
+
+FORMATS = (
+    Format(name="PEER AT2", endings=(".at2",), recognises=peer.recognises, headers=peer.headers),
+    Format(
+        name="K-NET",
+        endings=(".ns", ".ew", ".ud", ".ns1", ".ew1", ".ud1", ".ns2", ".ew2", ".ud2"),
+        recognises=knet.recognises,
+        headers=knet.headers,
+    ),
+    Format(
+        name="COSMOS",
+        endings=(".v2c", ".v1c"),
+        recognises=cosmos.recognises,
+        headers=cosmos.headers,
+        several=True,
+    ),
+    Format(
+        name="CSMIP Volume 2",
+        endings=(".v2",),
+        recognises=csmip.recognises,
+        headers=csmip.headers,
+        several=True,
+    ),
+    Format(
+        name="text",
+        endings=(".txt", ".csv", ".tsv", ".dat", ".asc", ".acc"),
+        recognises=text.recognises,
+        headers=text.headers,
+    ),
+)
+TEXT = FORMATS[-1]
+ENDINGS = frozenset(ending for form in FORMATS for ending in form.endings)
+"""Endings that claim to be a record."""
+
+
+def detect(source: Source) -> Format | None:
+    """Choose the format of a file by its content, and by its ending only where the content tells nothing.
+
+    Parameters
+    ----------
+    source : Source
+        The file, or at least its first `HEAD` bytes.
+
+    Returns
+    -------
+    Format or None
+        The format; None if the file is no record.
+    """
+    ending = source.path.suffix.lower()
+    for form in FORMATS:
+        if form is not TEXT and form.recognises(source):
+            return form
+    for form in FORMATS:
+        if ending in form.endings:
+            return form
+    return TEXT if TEXT.recognises(source) else None
+
+
+def open_records(path: Path, report: Report, *, whole: bool = True) -> tuple[Source, list[Header]] | None:
+    """Open a file and read the headers of all its records.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    report : Report
+        Takes every fault.
+    whole : bool, optional
+        Whether the samples are wanted too; if not, only the top is read where that is enough.
+
+    Returns
+    -------
+    tuple of Source and list of Header, or None
+        The file and its headers; None if it cannot be opened or is no record.
+    """
+    source = open_source(path, report, limit=None if whole else HEAD)
+    if source is None:
+        return None
+    form = detect(source)
+    if form is None:
+        report.add(
+            "The format must be known",
+            line=1,
+            value="neither PEER AT2, K-NET, COSMOS, CSMIP nor columns of numbers",
+            remedy="Export the record as text",
+        )
+        return None
+    if form.several and not whole:
+        return open_records(path, report)
+    return source, form.headers(source, report)

@@ -1,0 +1,147 @@
+"""Parse the samples of a record: fast while nothing is wrong, line by line to say what is."""
+
+import math
+import re
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.motions.faults import Report
+from reliab.motions.readers.header import NUMBER, Header
+from reliab.motions.readers.source import Line, Source
+
+_PLAIN = b"0123456789+-.eE \t\n\r\v\f"
+_FORTRAN_EXPONENTS = bytes.maketrans(b"Dd", b"EE")
+_NUMBER = re.compile(NUMBER)
+_NOT_FINITE = re.compile(r"[-+]?(?:nan(?:\(\w*\))?|inf(?:inity)?|1\.#(?:qnan|ind|inf)\w*)", re.IGNORECASE)
+_GLUED = re.compile(r"[-+]?[0-9]*\.[0-9]+(?:[EeDd][-+][0-9]{2}(?=[-+.]|$)|(?=[-+]|$))")
+
+_MUST_BE_NUMBER = "Every sample must be a number"
+_MUST_BE_FINITE = "Every sample must be finite"
+_REMEDY = "Correct the line, obtain the file again or leave it out"
+
+
+def parse_samples(source: Source, header: Header, report: Report) -> NDArray[np.float64] | None:
+    """Parse the numbers that a header announces.
+
+    Parameters
+    ----------
+    source : Source
+        The file.
+    header : Header
+        Where the numbers stand and how they are printed.
+    report : Report
+        Takes a fault for every run of lines that hold something else.
+
+    Returns
+    -------
+    array of float, shape (n,), or None
+        All numbers in the order of the file; None if there was a fault.
+    """
+    values = _parse_plain(separated(source, header))
+    if values is not None:
+        return values
+    return _parse_lines(source, header, report)
+
+
+def separated(source: Source, header: Header) -> bytes:
+    """Return the samples with blanks between the numbers and ``E`` before exponents."""
+    data = source.content[header.start : header.stop]
+    if b"D" in data or b"d" in data:
+        data = data.translate(_FORTRAN_EXPONENTS)
+    if header.delimiter:
+        data = data.replace(header.delimiter.encode(), b" ")
+    return data
+
+
+def _parse_plain(data: bytes) -> NDArray[np.float64] | None:
+    if data.translate(None, _PLAIN):
+        return None
+    tokens = data.split()
+    try:
+        values = np.fromiter(map(float, tokens), np.float64, len(tokens))
+    except ValueError:
+        return None
+    return values if np.isfinite(values).all() else None
+
+
+@dataclass(frozen=True, kw_only=True)
+class _BadToken:
+    """A token that is no finite number."""
+
+    line: int
+    rule: str
+    token: str
+
+
+def _parse_lines(source: Source, header: Header, report: Report) -> NDArray[np.float64] | None:
+    values: list[float] = []
+    bad: list[_BadToken] = []
+    for line in source.lines(header.start, header.stop):
+        for token in split_line(line, header):
+            value = _finite(token)
+            if value is None:
+                rule = _MUST_BE_FINITE if _is_not_finite(token) else _MUST_BE_NUMBER
+                bad.append(_BadToken(line=line.number, rule=rule, token=token))
+            else:
+                values.append(value)
+    _report_runs(bad, report)
+    return None if bad else np.array(values)
+
+
+def split_line(line: Line, header: Header) -> list[str]:
+    """Split a line into its numbers, glued ones included where that is certain."""
+    text = line.text.replace(header.delimiter, " ") if header.delimiter else line.text
+    tokens = text.split()
+    if all(_NUMBER.fullmatch(token) for token in tokens):
+        return tokens
+    if header.width is not None:
+        return _split_columns(line.text.rstrip(), header.width)
+    return [part for token in tokens for part in _split_glued(token)]
+
+
+def _split_columns(text: str, width: int) -> list[str]:
+    return [text[start : start + width].strip() for start in range(0, len(text), width)]
+
+
+def _split_glued(token: str) -> list[str]:
+    """Split ``-.1E-02-.2E-02``: a sign after no exponent letter starts a number, if each has its point."""
+    parts = _GLUED.findall(token)
+    return parts if len(parts) > 1 and "".join(parts) == token else [token]
+
+
+def _finite(token: str) -> float | None:
+    if not _NUMBER.fullmatch(token):
+        return None
+    value = float(token.translate(str.maketrans("Dd", "EE")))
+    return value if math.isfinite(value) else None
+
+
+def _is_not_finite(token: str) -> bool:
+    return bool(_NOT_FINITE.fullmatch(token) or _NUMBER.fullmatch(token))
+
+
+def _report_runs(bad: list[_BadToken], report: Report) -> None:
+    """Report one fault for each run of consecutive lines that break the same rule."""
+    start = 0
+    for position, token in enumerate(bad):
+        following = bad[position + 1] if position + 1 < len(bad) else None
+        if following and following.rule == token.rule and following.line <= token.line + 1:
+            continue
+        first = bad[start]
+        further = f", and so on to line {token.line}" if token.line > first.line else ""
+        shown = first.token if len(first.token) <= 40 else f"{first.token[:40]}…"  # noqa: PLR2004 - fits a line
+        report.add(first.rule, line=first.line, value=f"{shown!r}{further}", remedy=_REMEDY)
+        start = position + 1
+
+
+def line_of_sample(source: Source, header: Header, index: int) -> int | None:
+    """Line in which a sample stands, counted from 1."""
+    seen = 0
+    per_sample = header.columns or 1
+    for line in source.lines(header.start, header.stop):
+        seen += len(split_line(line, header))
+        if seen > index * per_sample:
+            return line.number
+    return None

@@ -1,0 +1,123 @@
+"""The bytes of a record file, and where its lines are."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from reliab.motions.faults import Report
+
+HEAD = 65_536
+"""Bytes in which every header of a one-record file ends."""
+
+_BYTE_ORDER_MARK = b"\xef\xbb\xbf"
+_END_OF_FILE = b"\x1a"  # what old DOS programs put after the text
+_CONTROL = bytes(set(range(32)) - set(b"\t\n\v\f\r\x1a")) + b"\x7f"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Line:
+    """One line of a file.
+
+    Parameters
+    ----------
+    number : int
+        Counted from 1.
+    start, stop : int
+        Where it starts, and where the next one does [bytes].
+    text : str
+        The line without its end.
+    """
+
+    number: int
+    start: int
+    stop: int
+    text: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Source:
+    r"""A text file in memory.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    content : bytes
+        Its bytes, with ``\n`` at the end of every line.
+    """
+
+    path: Path
+    content: bytes
+
+    def line_number(self, offset: int) -> int:
+        """Line in which a byte stands, counted from 1."""
+        return self.content.count(b"\n", 0, offset) + 1
+
+    def lines(self, start: int = 0, stop: int | None = None) -> Iterator[Line]:
+        """Go through the lines from one byte to another."""
+        end = len(self.content) if stop is None else stop
+        number = self.line_number(start)
+        while start < end:
+            newline = self.content.find(b"\n", start, end)
+            after = end if newline < 0 else newline + 1
+            yield Line(number=number, start=start, stop=after, text=decode(self.content[start:after]))
+            start, number = after, number + 1
+
+
+def decode(raw: bytes) -> str:
+    """Decode a piece of a header: UTF-8 where it is, Latin-1 otherwise, without the line's end."""
+    try:
+        text = raw.decode("utf-8")
+    except UnicodeDecodeError:
+        text = raw.decode("latin-1")
+    return text.rstrip("\r\n")
+
+
+def open_source(path: Path, report: Report, *, limit: int | None = None) -> Source | None:
+    """Read a file as text, or report why it cannot be.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    report : Report
+        Takes the fault, if there is one.
+    limit : int, optional
+        Read no more than so many bytes.
+
+    Returns
+    -------
+    Source or None
+        The text; None if the file is missing, unreadable, empty or binary.
+    """
+    content = _read(path, report, limit)
+    if content is None:
+        return None
+    content = content.removeprefix(_BYTE_ORDER_MARK).rstrip(_END_OF_FILE)
+    if b"\n" not in content:
+        content = content.replace(b"\r", b"\n")
+    if not content.strip():
+        report.add("A record must not be empty", line=1, remedy="Obtain the file again or leave it out")
+        return None
+    if len(content[:HEAD].translate(None, _CONTROL)) < len(content[:HEAD]):
+        report.add(
+            "A record must be a text file",
+            line=1,
+            value="binary data",
+            remedy="Unpack it or export it as text",
+        )
+        return None
+    return Source(path=path, content=content)
+
+
+def _read(path: Path, report: Report, limit: int | None) -> bytes | None:
+    try:
+        with path.open("rb") as stream:
+            return stream.read(-1 if limit is None else limit)
+    except FileNotFoundError:
+        report.add("A record must exist", value="no such file", remedy="Correct the path")
+    except IsADirectoryError:
+        report.add("A record must be a file", value="a folder", remedy="Name one of its files")
+    except OSError as error:
+        report.add("A record must be readable", value=error.strerror, remedy="Check the file's permissions")
+    return None

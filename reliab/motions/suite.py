@@ -1,0 +1,181 @@
+"""Suites of ground motions, read one at a time."""
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Protocol, overload
+
+from reliab.errors import InputError
+from reliab.motions.motion import Motion
+
+
+class MotionEntry(Protocol):
+    """A motion of a suite before it is read."""
+
+    @property
+    def name(self) -> str:
+        """Unique name within the suite."""
+
+    @property
+    def event(self) -> str:
+        """The earthquake."""
+
+    @property
+    def set_name(self) -> str:
+        """Set of the catalogue; may be empty."""
+
+    def load(self) -> Motion:
+        """Read the motion."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotionInMemory:
+    """An entry whose motion is there already.
+
+    Parameters
+    ----------
+    motion : Motion
+        The motion.
+    """
+
+    motion: Motion
+
+    @property
+    def name(self) -> str:
+        """Name of the motion."""
+        return self.motion.name
+
+    @property
+    def event(self) -> str:
+        """Earthquake of the motion."""
+        return self.motion.event
+
+    @property
+    def set_name(self) -> str:
+        """Set of the motion."""
+        return self.motion.set_name
+
+    def load(self) -> Motion:
+        """Return the motion."""
+        return self.motion
+
+
+class MotionSuite(Sequence[Motion]):
+    """An ordered suite of motions with unique names.
+
+    Names, events and sets are known at once; a record is read when its motion is asked for and is not kept,
+    so that ten thousand motions stream in the memory of one.
+
+    Parameters
+    ----------
+    entries : iterable of MotionEntry
+        What stands for each motion until it is read.
+
+    Raises
+    ------
+    InputError
+        If two entries have the same name.
+
+    Examples
+    --------
+    >>> pulse = Motion(name="pulse", acceleration=[0.0, 1.0, 0.0], time_step=0.01, event="test")
+    >>> suite = MotionSuite.from_motions([pulse])
+    >>> len(suite), suite.names, suite.events, suite[0].duration
+    (1, ('pulse',), ('test',), 0.02)
+    """
+
+    def __init__(self, entries: Iterable[MotionEntry]) -> None:
+        self._entries = tuple(entries)
+        repeated = [name for name, count in Counter(self.names).items() if count > 1]
+        if repeated:
+            raise InputError(
+                "The names of the motions in a suite must differ",
+                value=f"{', '.join(repeated[:3])} more than once",
+                remedy="Load the sources one by one, or name the motions in a catalogue",
+            )
+
+    @classmethod
+    def from_motions(cls, motions: Iterable[Motion]) -> "MotionSuite":
+        """Make a suite of motions that are in memory."""
+        return cls(MotionInMemory(motion=motion) for motion in motions)
+
+    @property
+    def entries(self) -> tuple[MotionEntry, ...]:
+        """What stands for each motion, in order."""
+        return self._entries
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the motions, in order."""
+        return tuple(entry.name for entry in self._entries)
+
+    @property
+    def events(self) -> tuple[str, ...]:
+        """Earthquakes of the motions, in order; one name for several components of an earthquake."""
+        return tuple(entry.event for entry in self._entries)
+
+    @property
+    def set_names(self) -> tuple[str, ...]:
+        """Sets of the motions, in order; empty where a motion belongs to none."""
+        return tuple(entry.set_name for entry in self._entries)
+
+    def select(
+        self, *, names: Iterable[str] | None = None, sets: Iterable[str] | None = None
+    ) -> "MotionSuite":
+        """Keep the motions of given names or sets, in the order of the suite.
+
+        Parameters
+        ----------
+        names, sets : iterable of str, optional
+            What to keep; None keeps all.
+
+        Returns
+        -------
+        MotionSuite
+            The motions that have one of the names and one of the sets.
+
+        Raises
+        ------
+        InputError
+            If the suite has no such name or set.
+        """
+        kept_names = _known(names, self.names, "motion")
+        kept_sets = _known(sets, self.set_names, "set")
+        return MotionSuite(
+            entry for entry in self._entries if entry.name in kept_names and entry.set_name in kept_sets
+        )
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+    @overload
+    def __getitem__(self, index: int) -> Motion: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> "MotionSuite": ...
+
+    def __getitem__(self, index: int | slice) -> "Motion | MotionSuite":
+        if isinstance(index, slice):
+            return MotionSuite(self._entries[index])
+        return self._entries[index].load()
+
+    def __repr__(self) -> str:
+        return f"<MotionSuite of {len(self)} motions from {len(set(self.events))} events>"
+
+
+def _known(wanted: Iterable[str] | None, present: tuple[str, ...], what: str) -> set[str]:
+    """Return the wanted ones, all of which must be present."""
+    if wanted is None:
+        return set(present)
+    kept = {wanted} if isinstance(wanted, str) else set(wanted)
+    unknown = sorted(kept - set(present))
+    if unknown:
+        choices = sorted({name for name in present if name})
+        close = get_close_matches(unknown[0], choices, n=3, cutoff=0.4) or choices[:5]
+        raise InputError(
+            f"A chosen {what} must be in the suite",
+            value=unknown[0],
+            remedy=f"Choose for example {', '.join(close)}" if close else f"The suite has no {what}s",
+        )
+    return kept

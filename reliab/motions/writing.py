@@ -1,0 +1,129 @@
+"""Write a suite as a folder that reads back bit by bit."""
+
+import csv
+import re
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+from reliab.errors import InputError
+from reliab.motions.catalogue import CATALOGUE, COLUMNS
+from reliab.motions.motion import Motion
+from reliab.motions.suite import MotionSuite
+from reliab.motions.units import AccelerationUnit
+
+_UNSAFE = re.compile(r"[^A-Za-z0-9._+-]+")
+
+
+def write_suite(suite: MotionSuite, folder: str | Path, *, event: str | None = None) -> Path:
+    """Write every motion of a suite as text, and a catalogue.
+
+    The samples are in m/s² with as many digits as they need to be read back unchanged, one in a line, after a
+    header with units, time step, number of samples and event.
+
+    Parameters
+    ----------
+    suite : MotionSuite
+        The motions; they are read and written one at a time.
+    folder : str or Path
+        Where to write; it must not exist, or be empty.
+    event : str, optional
+        The earthquake of all motions, instead of their own.
+
+    Returns
+    -------
+    Path
+        The catalogue.
+
+    Raises
+    ------
+    InputError
+        If the folder holds something or cannot be written, or a motion cannot be read, or there is none.
+        Nothing is left behind then.
+    """
+    target = Path(folder)
+    if not len(suite):
+        raise InputError("A suite to be written must hold a motion", value="none")
+    if target.exists() and (not target.is_dir() or any(target.iterdir())):
+        raise InputError(
+            "The folder to write to must be new or empty",
+            value=str(folder),
+            remedy="Name another folder, or empty this one",
+        )
+    with _all_or_nothing(target) as unfinished:
+        _write_all(suite, unfinished, event)
+    return target / CATALOGUE
+
+
+def _write_all(suite: MotionSuite, folder: Path, event: str | None) -> None:
+    with (folder / CATALOGUE).open("w", newline="", encoding="utf-8") as stream:
+        rows = csv.writer(stream, lineterminator="\n")
+        rows.writerow(COLUMNS)
+        for original, file in zip(suite, _files(suite), strict=True):
+            motion = original if event is None else replace(original, event=event)
+            write_motion(motion, folder / file)
+            labels = (_one_line(text) for text in (motion.name, motion.event, motion.set_name))
+            rows.writerow([*labels, file, repr(motion.time_step), AccelerationUnit.METRE.value])
+
+
+def write_motion(motion: Motion, path: Path) -> None:
+    """Write one motion as text in one column.
+
+    Parameters
+    ----------
+    motion : Motion
+        The motion.
+    path : Path
+        The file; folders above it are made.
+    """
+    header = (
+        f"# motion: {_one_line(motion.name)}\n"
+        f"# event: {_one_line(motion.event)}\n"
+        f"# units: {AccelerationUnit.METRE}\n"
+        f"# time_step: {motion.time_step!r}\n"
+        f"# samples: {motion.acceleration.size}\n"
+    )
+    path.parent.mkdir(parents=True, exist_ok=True)
+    samples = "\n".join(map(repr, motion.acceleration.tolist()))
+    path.write_text(f"{header}{samples}\n", encoding="utf-8", newline="\n")
+
+
+@contextmanager
+def _all_or_nothing(target: Path) -> Iterator[Path]:
+    """Give a folder beside the target that takes its place at the end, or vanishes."""
+    unfinished = target.parent / f".{target.name}.unfinished"
+    shutil.rmtree(unfinished, ignore_errors=True)
+    try:
+        unfinished.mkdir(parents=True)
+        yield unfinished
+        if target.exists():
+            target.rmdir()
+        unfinished.rename(target)
+    except OSError as error:
+        raise InputError(
+            "The folder to write to must be writable",
+            value=error.strerror,
+            remedy="Name another folder",
+            where=str(target),
+        ) from error
+    finally:
+        shutil.rmtree(unfinished, ignore_errors=True)
+
+
+def _files(suite: MotionSuite) -> Iterator[str]:
+    """Name of a file for each motion, unique even where capitals do not count."""
+    taken: set[str] = set()
+    for name, set_name in zip(suite.names, suite.set_names, strict=True):
+        stem = _UNSAFE.sub("_", name).strip(".") or "motion"
+        folder = f"{_UNSAFE.sub('_', set_name).strip('.') or 'motions'}/"
+        file, again = f"{folder}{stem}.txt", 2
+        while file.lower() in taken:
+            file, again = f"{folder}{stem}_{again}.txt", again + 1
+        taken.add(file.lower())
+        yield file
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())
