@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from rich import box
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -50,11 +51,12 @@ def list_motions(
     rows = _describe(load_motions(*sources, sets=sets, time_step=time_step, units=units))
     if _write_json({"motions": rows}, json_target):
         return
-    table = Table(title=f"{len(rows)} motions from {len({row['event'] for row in rows})} events")
+    events = {row["event"] for row in rows}
+    table = Table(title=f"{len(rows)} motions from {len(events)} events", box=box.SIMPLE)
     for heading in ("motion", "event", "set"):
-        table.add_column(heading, overflow="fold")
+        table.add_column(heading, overflow="fold", no_wrap=heading == "motion")
     for heading in ("dt [s]", "T [s]", "PGA [g]", "I_A [m/s]", "D5-95 [s]", "T_m [s]"):
-        table.add_column(Text(heading), justify="right")
+        table.add_column(Text(heading), justify="right", no_wrap=True)
     for row in rows:
         table.add_row(
             *(Text(row[label]) for label in ("motion", "event", "set")),

@@ -115,7 +115,7 @@ def inspect(
             peaks.append(_Peak(file=report.file, value=value, confirmed=confirmed))
     if not checked and not faults:
         faults.append(_no_records(source, sets))
-    return Inspection(records=checked, faults=[*faults, *_mixed_units(peaks)])
+    return Inspection(records=checked, faults=list(dict.fromkeys([*faults, *_mixed_units(peaks)])))
 
 
 def _records(source: Path, given: Declared, faults: list[Fault]) -> Iterator[tuple[RecordFile, Report]]:

@@ -6,9 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.motions.faults import Report
-from reliab.motions.readers.header import Header, Statement, last_place
+from reliab.motions.readers.header import Header, Statement, last_place, may_round
 from reliab.motions.readers.samples import line_of_sample, separated, split_line
 from reliab.motions.readers.source import Source
+
+TWO_COLUMNS = 2
+"""Numbers in a line that holds a time and a sample."""
 
 _JITTER = 0.01  # share of a step by which a time may be off; it moves the response by far less
 _DIGITS = 12  # significant digits to which a step is known from times in double precision
@@ -115,7 +118,7 @@ def _with_step(source: Source, header: Header, step: float, tolerance: float, re
     stated = header.time_step
     if stated is None:
         return replace(header, time_step=Statement(value=step, line=line, tolerance=tolerance))
-    if abs(stated.value - step) > max(stated.tolerance, tolerance, _JITTER * step):
+    if not may_round(step, stated):
         report.add(
             "The time step in the header must be the one between the times",
             line=stated.line,

@@ -87,7 +87,7 @@ def _channel(source: Source, match: re.Match[bytes], begin: int, stop: int, repo
         time_step=state_time_step(step, line, report),
         units=stated,
         width=int(width) or None if width else None,
-        event=" ".join(decode(origin[1]).split()) if origin else "",
+        event=" ".join(decode(origin[1]).replace(",", " ").split()) if origin else "",
         channel=decode(label[2]).strip() if label else "",
     )
 

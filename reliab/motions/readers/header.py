@@ -10,6 +10,9 @@ from reliab.motions.units import AccelerationUnit, find_unit
 
 T = TypeVar("T")
 
+_CORRECTION = 0.05  # share of a step by which it may be off, zeros printed after it or not
+_SLACK = 1.001  # lets a step lie exactly on the edge of what a header rounds
+
 NUMBER = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[EeDd][-+]?[0-9]+)?"
 """Pattern of a number as Fortran and everyone else print it."""
 
@@ -25,7 +28,7 @@ class Statement(Generic[T]):
     line : int
         The line that states it.
     tolerance : float, optional
-        By how much the true value may differ, because the header rounds.
+        One unit in the last place that the header prints.
     """
 
     value: T
@@ -91,6 +94,13 @@ def number(text: str) -> float | None:
 def last_place(text: str) -> float:
     """Value of one unit in the last printed place of a number."""
     return float(Decimal(1).scaleb(int(_decimal(text).as_tuple().exponent)))
+
+
+def may_round(time_step: float, stated: Statement[float]) -> bool:
+    """Tell whether a header may print this true step as it does: rounded, cut off, or off by 5 % at most."""
+    excess = time_step - stated.value
+    place = stated.tolerance * _SLACK
+    return -place / 2 <= excess <= place or abs(excess) <= _CORRECTION * stated.value
 
 
 def _decimal(text: str) -> Decimal:

@@ -21,10 +21,11 @@ from reliab.motions.units import AccelerationUnit
 
 _HEADER_LINES = 30
 _TITLE = 1  # the second line that is not blank
-_VALUE = rf"({NUMBER}|[^\s,;]+)"
+_VALUE = rf"({NUMBER}|[^\s,;=:]+)"
 _LABEL_FIRST = re.compile(rf"\bNPTS\b\s*[=:]?\s*(?!DT\b){_VALUE}.*?\bDT\b\s*[=:]?\s*{_VALUE}", re.IGNORECASE)
 _STEP_FIRST = re.compile(rf"\bDT\b\s*[=:]?\s*(?!NPTS\b){_VALUE}.*?\bNPTS\b\s*[=:]?\s*{_VALUE}", re.IGNORECASE)
 _VALUE_FIRST = re.compile(rf"^\s*{_VALUE}[\s,]+{_VALUE}[\s,]+NPTS[\s,]+DT\b", re.IGNORECASE)
+_LABELS_FIRST = re.compile(rf"\bNPTS[\s,]+DT\s*[=:]\s*{_VALUE}[\s,]+{_VALUE}", re.IGNORECASE)
 _BOTH = re.compile(r"\bNPTS\b.*\bDT\b|\bDT\b.*\bNPTS\b", re.IGNORECASE)
 _UNITS = re.compile(r"\bUNITS?\s*(?:OF|ARE|IN|[:=])\s*([^.,;:\s]+(?:\s?/\s?[^.,;:\s]+)*)", re.IGNORECASE)
 _NOT_ACCELERATION = re.compile(r"\b(VELOCITY|DISPLACEMENT)\s+(?:TIME|IN UNITS)", re.IGNORECASE)
@@ -88,8 +89,9 @@ def _sizes_line(top: list[Line]) -> Line | None:
 
 
 def _parse_sizes(line: Line) -> tuple[str, str]:
-    if match := _VALUE_FIRST.search(line.text) or _LABEL_FIRST.search(line.text):
-        return match[1], match[2]
+    for pattern in (_VALUE_FIRST, _LABEL_FIRST, _LABELS_FIRST):
+        if match := pattern.search(line.text):
+            return match[1], match[2]
     if match := _STEP_FIRST.search(line.text):
         return match[2], match[1]
     return "", ""

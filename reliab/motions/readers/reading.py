@@ -7,15 +7,12 @@ from numpy.typing import NDArray
 
 from reliab.motions.faults import Report
 from reliab.motions.motion import PEAK_LIMIT_G
-from reliab.motions.readers.columns import check_columns, split_times
-from reliab.motions.readers.header import Header, Statement
+from reliab.motions.readers.columns import TWO_COLUMNS, check_columns, split_times
+from reliab.motions.readers.header import Header, may_round
 from reliab.motions.readers.samples import line_of_sample, parse_samples
 from reliab.motions.readers.source import Source
 from reliab.motions.units import AccelerationUnit
 from reliab.vocabulary import STANDARD_GRAVITY
-
-_RELATIVE = 1e-9  # two steps closer than this are one
-_SLACK = 1.001  # lets a step lie exactly on the edge of what a header rounds
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,14 +79,15 @@ def complete(source: Source, header: Header, declared: Declared, report: Report)
     Reading or None
         The record; None if there was a fault.
     """
-    units = _settle_units(header, declared, report)
+    sound = not report.faults
+    units = _settle_units(header, declared, report, sound=sound)
     regular = check_columns(source, header, report)
     values = parse_samples(source, header, report)
     if not regular:
         values = None
-    elif values is not None and header.columns == 2:  # noqa: PLR2004 - times and samples
+    elif values is not None and header.columns == TWO_COLUMNS:
         values, header = split_times(source, header, values, report)
-    time_step = _settle_time_step(header, declared, report)
+    time_step = _settle_time_step(header, declared, report, sound=sound and header.columns != TWO_COLUMNS)
     _check_against_catalogue(header, declared, report)
     if values is not None:
         values = _settle_count(source, header, values, report)
@@ -101,7 +99,10 @@ def complete(source: Source, header: Header, declared: Declared, report: Report)
     return Reading(acceleration=acceleration, time_step=time_step, event=header.event, channel=header.channel)
 
 
-def _settle_units(header: Header, declared: Declared, report: Report) -> AccelerationUnit | None:
+def _settle_units(
+    header: Header, declared: Declared, report: Report, *, sound: bool
+) -> AccelerationUnit | None:
+    """Find the units; a faulty header, which may have tried to state them, is not blamed twice."""
     stated = header.units
     if stated is not None and declared.units not in {None, stated.value}:
         report.add(
@@ -112,7 +113,7 @@ def _settle_units(header: Header, declared: Declared, report: Report) -> Acceler
         )
         return None
     units = stated.value if stated is not None else declared.units or header.default_units
-    if units is None and not report.faults:
+    if units is None and sound:
         report.add(
             "The units must be stated",
             value="none in the header",
@@ -121,10 +122,10 @@ def _settle_units(header: Header, declared: Declared, report: Report) -> Acceler
     return units
 
 
-def _settle_time_step(header: Header, declared: Declared, report: Report) -> float | None:
+def _settle_time_step(header: Header, declared: Declared, report: Report, *, sound: bool) -> float | None:
     stated = header.time_step
     if stated is None:
-        if declared.time_step is None and not report.faults:
+        if declared.time_step is None and sound:
             report.add(
                 "The time step must be stated",
                 value="none in the header",
@@ -133,7 +134,7 @@ def _settle_time_step(header: Header, declared: Declared, report: Report) -> flo
         return declared.time_step
     if declared.time_step is None:
         return stated.value
-    if not _rounds_to(declared.time_step, stated):
+    if not may_round(declared.time_step, stated):
         report.add(
             "A declared time step must be the header's, give or take what the header rounds",
             line=stated.line,
@@ -142,11 +143,6 @@ def _settle_time_step(header: Header, declared: Declared, report: Report) -> flo
         )
         return None
     return declared.time_step
-
-
-def _rounds_to(time_step: float, stated: Statement[float]) -> bool:
-    tolerance = max(stated.tolerance * _SLACK, stated.value * _RELATIVE)
-    return abs(time_step - stated.value) <= tolerance
 
 
 def _check_against_catalogue(header: Header, declared: Declared, report: Report) -> None:
@@ -159,7 +155,7 @@ def _check_against_catalogue(header: Header, declared: Declared, report: Report)
             remedy="Check that the catalogue names the right file",
         )
     noted = declared.header_time_step
-    if step is not None and noted is not None and not _rounds_to(noted, step):
+    if step is not None and noted is not None and not may_round(noted, step):
         report.add(
             "The header must state the time step that the catalogue notes for it",
             line=step.line,
@@ -202,17 +198,17 @@ def _settle_count(
 def _in_si(
     source: Source, header: Header, values: NDArray[np.float64], units: AccelerationUnit, report: Report
 ) -> NDArray[np.float64]:
-    if header.missing is not None and (values == header.missing).any():
-        gap = int(np.flatnonzero(values == header.missing)[0])
-        report.add(
-            "A record must have no gaps",
-            line=line_of_sample(source, header, gap),
-            value=f"the mark of a missing sample, {header.missing:g}",
-            remedy="Fill the gap or leave the record out",
-        )
+    _check_gaps(source, header, values, report)
     if header.remove_mean:
         values = values - values.mean()
     acceleration = values * (header.scale * units.in_si)
+    if not acceleration.any():
+        report.add(
+            "A record must move",
+            line=source.line_number(header.start),
+            value="nothing but zeros",
+            remedy="Leave it out",
+        )
     largest = int(np.abs(acceleration).argmax())
     peak = abs(float(acceleration[largest])) / STANDARD_GRAVITY
     if peak > PEAK_LIMIT_G:
@@ -222,11 +218,15 @@ def _in_si(
             value=f"{peak:.4g} g with samples in {units}",
             remedy="Check the units; cm/s2 read as g is 981 times too large",
         )
-    if peak == 0:
-        report.add(
-            "A record must move",
-            line=source.line_number(header.start),
-            value="nothing but zeros",
-            remedy="Leave it out",
-        )
     return acceleration
+
+
+def _check_gaps(source: Source, header: Header, values: NDArray[np.float64], report: Report) -> None:
+    gaps = np.flatnonzero(values == header.missing) if header.missing is not None else np.array([])
+    if gaps.size:
+        report.add(
+            "A record must have no gaps",
+            line=line_of_sample(source, header, int(gaps[0])),
+            value=f"the mark of a missing sample, {header.missing:g}",
+            remedy="Fill the gap or leave the record out",
+        )

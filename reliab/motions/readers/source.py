@@ -94,8 +94,8 @@ def open_source(path: Path, report: Report, *, limit: int | None = None) -> Sour
     if content is None:
         return None
     content = content.removeprefix(_BYTE_ORDER_MARK).rstrip(_END_OF_FILE)
-    if b"\n" not in content:
-        content = content.replace(b"\r", b"\n")
+    if b"\r" in content:
+        content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     if not content.strip():
         report.add("A record must not be empty", line=1, remedy="Obtain the file again or leave it out")
         return None

@@ -27,7 +27,7 @@ from reliab.motions.readers.header import (
 )
 from reliab.motions.readers.samples import split_line
 from reliab.motions.readers.source import HEAD, Line, Source
-from reliab.motions.units import AccelerationUnit
+from reliab.motions.units import AccelerationUnit, find_unit
 
 T = TypeVar("T")
 
@@ -44,12 +44,14 @@ _RATE = re.compile(
     _FLAGS,
 )
 _COUNT = re.compile(rf"\b(?:npts|n?samples|number[ _]of[ _](?:points|samples))\s*[=:]\s*{_VALUE}", _FLAGS)
+_NAMES = re.compile(r"^[#%!/\s]*(?:motion|event|name)\s*[=:]", _FLAGS)
 _EVENT = re.compile(r"^[#%!/\s]*event\s*[=:]\s*(.+?)\s*$", _FLAGS)
-_UNITS = (
-    re.compile(r"\bunits?\s*(?:of|are|is|in|[=:])\s*(?:acceleration\s*(?:in|[=:])?\s*)?([^,;]+)", _FLAGS),
-    re.compile(r"\bacc\w*\b[^\[(,;]*[\[(]([^\])]+(?:\)\w*)?)[\])]", _FLAGS),
-    re.compile(r"\bacc[a-z]*(?:_[a-z])?_(g|gal|mps2|m_s2|cmps2|cm_s2)\b", _FLAGS),
-    re.compile(r"\bacc\w*\s+in\s+([^\s,;]+)", _FLAGS),
+_UNITS = re.compile(r"\bunits?\s*(?:of|are|is|in|[=:])\s*(.+)", _FLAGS)
+_PER_SECOND = re.compile(r"[a-z]\s*/\s*s", _FLAGS)
+_COLUMN_UNITS = (
+    re.compile(r"\b(?:acc\w*|a_?g?)\b[^\[(,;]*[\[(]([^\])]+(?:\)\w*)?)[\])]", _FLAGS),
+    re.compile(r"(?<![a-z])acc[a-z]*(?:_[a-z])?_(g|gal|mps2|m_s2|cmps2|cm_s2)\b", _FLAGS),
+    re.compile(r"\bacc\w*\s+in\s+(\S+)", _FLAGS),
 )
 
 
@@ -89,16 +91,18 @@ def headers(source: Source, report: Report) -> list[Header]:
             remedy="Export the component alone, or mark lines of the header with #",
         )
         return []
+    events = (match[1] for line in top if (match := _EVENT.match(line.text)))
+    said = [line for line in top if not _NAMES.match(line.text)]
     return [
         Header(
             start=first.start,
             stop=len(source.content),
-            count=_first(_counts(top, report)),
-            time_step=_agreeing(list(_time_steps(top, report)), "time step", report),
-            units=_agreeing(list(_stated_units(top, report)), "kind of units", report),
+            count=_first(_counts(said, report)),
+            time_step=_agreeing(list(_time_steps(said, report)), "time step", report),
+            units=_agreeing(list(_stated_units(said, report)), "kind of units", report),
             columns=columns,
             delimiter=delimiter,
-            event=_first(match[1] for line in top if (match := _EVENT.match(line.text))) or "",
+            event=_first(events) or "",
         )
     ]
 
@@ -148,14 +152,14 @@ def _agreeing(found: list[Statement[T]], what: str, report: Report) -> Statement
     return found[0] if found else None
 
 
-def _counts(top: list[Line], report: Report) -> Iterator[Statement[int]]:
-    for line in top:
+def _counts(said: list[Line], report: Report) -> Iterator[Statement[int]]:
+    for line in said:
         if (match := _COUNT.search(line.text)) and (count := state_count(match[1], line.number, report)):
             yield count
 
 
-def _time_steps(top: list[Line], report: Report) -> Iterator[Statement[float]]:
-    for line in top:
+def _time_steps(said: list[Line], report: Report) -> Iterator[Statement[float]]:
+    for line in said:
         if match := _STEP.search(line.text):
             step = state_time_step(match[1], line.number, report, factor=1e-3 if match[2] else 1.0)
             if step:
@@ -168,8 +172,22 @@ def _time_steps(top: list[Line], report: Report) -> Iterator[Statement[float]]:
                 yield Statement(value=1.0 / rate, line=line.number)
 
 
-def _stated_units(top: list[Line], report: Report) -> Iterator[Statement[AccelerationUnit]]:
-    for line in top:
-        match = _first(found for pattern in _UNITS if (found := pattern.search(line.text)))
-        if match and (units := state_units(match[1], line.number, report)):
+def _stated_units(said: list[Line], report: Report) -> Iterator[Statement[AccelerationUnit]]:
+    for line in said:
+        named = _named_units(line.text)
+        if named and (units := state_units(named, line.number, report)):
             yield units
+
+
+def _named_units(text: str) -> str | None:
+    """Return what a line of the header calls the units of acceleration, known or not."""
+    if match := _UNITS.search(text):
+        return _unit_among(match[1])
+    matches = (match[1] for pattern in _COLUMN_UNITS if (match := pattern.search(text)))
+    return _first(name for name in matches if find_unit(name) or _PER_SECOND.search(name))
+
+
+def _unit_among(text: str) -> str:
+    """Return the part of ``s, m/s2`` or of ``acceleration: g`` that is a unit, or else all of it."""
+    parts = re.split(r"[,;:=]|\band\b|\bin\b", text, flags=_FLAGS)
+    return next((part for part in parts if find_unit(part)), text)

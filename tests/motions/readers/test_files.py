@@ -1,0 +1,87 @@
+"""What no reader can help: files that are missing, locked, empty, binary or of no known format."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from reliab.errors import InputError
+from reliab.motions import Motion, read_motion
+
+Write = Callable[[str, str | bytes], Path]
+
+
+def test_every_format_is_recognised_without_its_ending(records: dict[str, str], write: Write) -> None:
+    for number, text in enumerate(records.values()):
+        assert isinstance(read_motion(write(f"record-{number}", text)), Motion)
+
+
+@pytest.mark.parametrize(
+    ("content", "rule"),
+    [
+        (b"", "must not be empty"),
+        (b"  \n\t\r\n", "must not be empty"),
+        (b"\xef\xbb\xbf", "must not be empty"),
+        (b"\x1a", "must not be empty"),
+        (b"PK\x03\x04\x14\x00\x00\x00", "must be a text file; found binary data. Unpack it"),
+        (b"\x89PNG\r\n\x1a\n\x00\x00", "must be a text file"),
+        ("0.1\n0.2\n".encode("utf-16"), "must be a text file"),
+        (b"%PDF-1.4\nsome words\n", "format must be known"),
+    ],
+)
+@pytest.mark.parametrize("name", ["record", "record.bin"])
+def test_what_is_no_text_is_explained(name: str, content: bytes, rule: str, write: Write) -> None:
+    path = write(name, content)
+    with pytest.raises(InputError, match=rule) as caught:
+        read_motion(path)
+    assert str(caught.value).startswith(f"{path}, line 1: ")
+
+
+@pytest.mark.parametrize("name", ["a.AT2", "a.NS", "a.V2", "a.V2c", "a.txt"])
+@pytest.mark.parametrize("content", [b"", b"\x00\x01\x02\x03"])
+def test_empty_and_binary_records_are_explained_in_every_format(
+    name: str, content: bytes, write: Write
+) -> None:
+    with pytest.raises(InputError, match="must not be empty" if not content else "must be a text file"):
+        read_motion(write(name, content))
+
+
+def test_a_missing_file_is_explained(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"none.AT2: A record must exist; found no such file"):
+        read_motion(tmp_path / "none.AT2")
+
+
+def test_a_folder_is_no_record(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="must be a file; found a folder"):
+        read_motion(tmp_path)
+
+
+@pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="needs a user whom permissions bind")
+def test_an_unreadable_file_is_explained(write: Write) -> None:
+    path = write("a.txt", "0.1\n")
+    path.chmod(0)
+    with pytest.raises(InputError, match="must be readable; found Permission denied"):
+        read_motion(path)
+
+
+def test_a_path_below_a_file_is_explained(write: Write) -> None:
+    with pytest.raises(InputError, match="must be readable; found Not a directory"):
+        read_motion(write("a.txt", "0.1\n") / "b.txt")
+
+
+@pytest.mark.parametrize("time_step", [0.0, -0.01, float("nan"), float("inf")])
+def test_an_impossible_step_is_refused(time_step: float, write: Write) -> None:
+    with pytest.raises(InputError, match="time step must be positive"):
+        read_motion(write("a.txt", "0.1\n0.2\n"), time_step=time_step, units="g")
+
+
+def test_unknown_units_are_refused(write: Write) -> None:
+    with pytest.raises(InputError, match="units of acceleration must be known; found 'ft/s2'"):
+        read_motion(write("a.txt", "0.1\n0.2\n"), time_step=0.01, units="ft/s2")
+
+
+def test_a_run_of_bad_lines_is_one_fault(write: Write) -> None:
+    text = "# units: g\n# dt = 1\n0.1\nx\ny\nz\n0.2\nnan\n"
+    with pytest.raises(InputError, match=r"line 4: .*found 'x', and so on to line 6"):
+        read_motion(write("a.txt", text))

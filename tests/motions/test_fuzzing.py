@@ -1,0 +1,163 @@
+"""No content of a file, however damaged, gives anything but a motion or an error that says what to do."""
+
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from reliab.errors import InputError
+from reliab.motions import Motion, check_folder, load_motions, read_motion
+
+NAMES = ["record.AT2", "record.NS", "record.V2", "record.V2c", "record.csv", "record.txt", "record"]
+TOKENS = st.sampled_from(
+    [
+        *(
+            "nan",
+            "-inf",
+            "1e999",
+            "-1e-400",
+            "1.0D+01",
+            "******",
+            "0",
+            "-1",
+            "1e9",
+            "999999999999999999999",
+            "0x1F",
+        ),
+        *(
+            "-.1234E-02-.2345E-02",
+            "1.5.5",
+            "--1",
+            "+",
+            ".",
+            "E5",
+            "1_000",
+            "٣",
+            "½",
+            "",
+            "\x00",
+            "\t",
+            "\r",
+            "\x1a",
+        ),
+        *(
+            "NPTS=",
+            "DT=",
+            "NPTS, DT",
+            "UNITS OF",
+            "G",
+            "cm/sec2",
+            "units: m/s2",
+            "dt = ",
+            ",",
+            ";",
+            "#",
+            "(8f0.0)",
+        ),
+        *(
+            "points of accel data equally spaced at 0 sec",
+            "End of data",
+            "Real-header values",
+            "units=g,Format=(1E0.1)",
+        ),
+    ]
+)
+
+
+@st.composite
+def damage(draw: st.DrawFn) -> Callable[[str], bytes]:
+    """Replace, insert or remove pieces of a text a few times."""
+    edits = draw(
+        st.lists(
+            st.tuples(
+                st.floats(0, 1),
+                st.integers(0, 40),
+                st.one_of(
+                    TOKENS,
+                    st.text(max_size=6),
+                    st.from_regex(r"[-+]?[0-9]{0,3}\.[0-9E+-]{0,6}", fullmatch=True),
+                ),
+            ),
+            min_size=1,
+            max_size=5,
+        )
+    )
+    ending = draw(st.sampled_from(["\n", "\r\n", "\r"]))
+    encoding = draw(st.sampled_from(["utf-8", "latin-1", "utf-16"]))
+
+    def apply(text: str) -> bytes:
+        for place, removed, inserted in edits:
+            start = int(place * len(text))
+            text = text[:start] + inserted + text[start + removed :]
+        return text.replace("\n", ending).encode(encoding, errors="replace")
+
+    return apply
+
+
+def outcomes(name: str, content: bytes) -> None:
+    """Read a file in every way."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / name
+        path.write_bytes(content)
+        faults = check_folder(folder, units="g" if path.suffix == ".txt" else None)
+        assert all(fault.rule and fault.file for fault in faults)
+        try:
+            motions = list(load_motions(path))
+        except InputError as error:
+            assert str(path) in str(error)  # noqa: PT017 - both outcomes are right
+        else:
+            assert all(isinstance(motion, Motion) for motion in motions)
+
+
+@pytest.mark.parametrize("kind", ["record.AT2", "record.NS", "record.V2", "record.V2c", "record.csv"])
+@given(damaged=damage())
+@settings(max_examples=150, deadline=None)
+def test_a_damaged_record_is_read_or_explained(
+    kind: str, damaged: Callable[[str], bytes], records: dict[str, str]
+) -> None:
+    outcomes(kind, damaged(records[kind]))
+
+
+@given(name=st.sampled_from(NAMES), content=st.binary(max_size=300))
+@settings(max_examples=200, deadline=None)
+def test_any_bytes_are_read_or_explained(name: str, content: bytes) -> None:
+    outcomes(name, content)
+
+
+@given(name=st.sampled_from(NAMES), lines=st.lists(st.lists(TOKENS, max_size=5), max_size=12))
+@settings(max_examples=300, deadline=None)
+def test_any_words_of_the_formats_are_read_or_explained(name: str, lines: list[list[str]]) -> None:
+    outcomes(name, "\n".join(" ".join(line) for line in lines).encode())
+
+
+@given(rows=st.lists(st.lists(st.one_of(TOKENS, st.text(max_size=5)), max_size=6), max_size=5))
+@settings(max_examples=200, deadline=None)
+def test_any_catalogue_is_read_or_explained(rows: list[list[str]], records: dict[str, str]) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "a").write_text(records["record.AT2"])
+        table = [["motion", "file", "dt_s", "units", "channel", "header_npts"], *rows]
+        text = "\n".join(",".join(row) for row in table)
+        (Path(folder) / "catalog.csv").write_bytes(text.encode("utf-8", errors="replace"))
+        check_folder(folder)
+        try:
+            load_motions(folder)
+        except InputError as error:
+            assert "catalog.csv" in str(error)  # noqa: PT017 - both outcomes are right
+
+
+@given(
+    samples=st.lists(st.floats(-49.0, 49.0), min_size=2, max_size=40).filter(any),
+    step=st.floats(1e-4, 1.0),
+)
+@settings(max_examples=100, deadline=None)
+def test_plain_text_keeps_every_bit(samples: list[float], step: float) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "record.txt"
+        path.write_text("\n".join(map(repr, samples)))
+        motion = read_motion(path, time_step=step, units="m/s2")
+    np.testing.assert_array_equal(motion.acceleration, samples)
+    assert motion.time_step == step

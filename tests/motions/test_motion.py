@@ -1,0 +1,83 @@
+import hashlib
+import pickle
+import struct
+
+import numpy as np
+import pytest
+
+from reliab.errors import InputError
+from reliab.motions import Motion
+from reliab.vocabulary import STANDARD_GRAVITY
+
+G = STANDARD_GRAVITY
+
+
+def motion(**changes: object) -> Motion:
+    arguments: dict[str, object] = {"name": "a", "acceleration": [0.0, 1.0, -2.0], "time_step": 0.5} | changes
+    return Motion(**arguments)  # type: ignore[arg-type]
+
+
+def test_samples_are_a_read_only_contiguous_copy() -> None:
+    original = np.arange(10.0)[::2]
+    copied = motion(acceleration=original).acceleration
+    original[0] = 7.0
+    assert copied[0] == 0.0
+    assert copied.dtype == np.float64
+    assert copied.flags.c_contiguous
+    with pytest.raises(ValueError, match="read-only"):
+        copied[0] = 1.0
+
+
+def test_properties_follow_from_the_samples() -> None:
+    record = motion()
+    assert record.duration == 1.0
+    assert record.peak_acceleration == 2.0
+    assert record.times.tolist() == [0.0, 0.5, 1.0]
+
+
+def test_a_motion_without_event_is_an_event_of_its_own() -> None:
+    assert motion().event == "a"
+    assert motion(event="KOBE").event == "KOBE"
+
+
+def test_the_checksum_is_that_of_little_endian_doubles() -> None:
+    expected = hashlib.sha256(struct.pack("<4d", 0.5, 0.0, 1.0, -2.0)).hexdigest()
+    assert motion().checksum == expected
+    assert motion(name="b").checksum == expected
+    assert motion(time_step=0.25).checksum != expected
+
+
+def test_equal_motions_are_equal_and_hash_alike() -> None:
+    assert motion() == motion()
+    assert hash(motion()) == hash(motion())
+    assert motion() != motion(event="other")
+    assert motion() != motion(acceleration=[0.0, 1.0, -2.5])
+    assert motion() != "a"
+
+
+def test_a_motion_survives_pickling() -> None:
+    assert pickle.loads(pickle.dumps(motion())) == motion()  # noqa: S301 - our own bytes
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"acceleration": [1.0]}, "at least two samples"),
+        ({"acceleration": [[1.0, 2.0]]}, "one-dimensional"),
+        ({"acceleration": [0.0, np.nan]}, r"finite; found nan at sample 1"),
+        ({"acceleration": [-np.inf, 0.0]}, r"finite; found -inf at sample 0"),
+        ({"acceleration": [0.0, -5.01 * G]}, r"must not exceed 5 g; found 5.01 g"),
+        ({"time_step": 0.0}, "step must be positive"),
+        ({"time_step": -0.01}, "step must be positive"),
+        ({"time_step": np.nan}, "step must be positive"),
+        ({"time_step": np.inf}, "step must be positive"),
+        ({"name": ""}, "must have a name"),
+    ],
+)
+def test_a_motion_that_breaks_a_rule_is_refused(changes: dict[str, object], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        motion(**changes)
+
+
+def test_a_peak_of_five_g_is_allowed() -> None:
+    assert motion(acceleration=[0.0, 5.0 * G]).peak_acceleration == 5.0 * G

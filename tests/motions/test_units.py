@@ -1,0 +1,76 @@
+import pytest
+
+from reliab.errors import InputError
+from reliab.motions.units import AccelerationUnit, find_unit, parse_unit
+
+G, CM, M = AccelerationUnit
+
+
+@pytest.mark.parametrize(
+    ("unit", "spellings"),
+    [
+        (G, ["g", "G", " G.", "g's", "(g)", "[g]", "gravity"]),
+        (
+            CM,
+            [
+                "gal",
+                "GALS",
+                "cm/s2",
+                "cm/sec2",
+                "CM/SEC/SEC",
+                "cm/s/s",
+                "cm/s^2",
+                "cm/s**2",
+                "cm/s²",
+                "cm s-2",
+            ],
+        ),
+        (
+            CM,
+            [
+                "cm/sec^2",
+                "cm / s / s",
+                "cm/(s2)",
+                "cm.s-2",
+                "cm/second/second",
+                "centimeters/sec**2",
+                "cmps2",
+            ],
+        ),
+        (
+            M,
+            [
+                "m/s2",
+                "M/S/S",
+                "m/sec2",
+                "m/s**2",
+                "m/s^2",
+                "m/s²",
+                "m s^-2",
+                "mps2",
+                "meters/second/second",
+                "m/s2,",
+            ],
+        ),
+    ],
+)
+def test_every_spelling_is_recognised(unit: AccelerationUnit, spellings: list[str]) -> None:
+    assert [find_unit(spelling) for spelling in spellings] == [unit] * len(spellings)
+
+
+def test_a_square_sign_in_utf8_read_as_latin1_is_recognised() -> None:
+    assert find_unit("m/s²".encode().decode("latin-1")) is M
+
+
+@pytest.mark.parametrize(
+    "text", ["", "cm", "cm/s", "in/s2", "mg", "g/10", "%g", "s", "counts", "m", "mm/s2", "furlongs"]
+)
+def test_anything_else_is_no_unit_of_acceleration(text: str) -> None:
+    assert find_unit(text) is None
+    with pytest.raises(InputError, match="must be known"):
+        parse_unit(text)
+
+
+def test_one_g_is_981_gal_and_a_metre_is_a_hundred_centimetres() -> None:
+    assert G.in_si / CM.in_si == pytest.approx(980.665, rel=1e-15)
+    assert M.in_si / CM.in_si == pytest.approx(100.0, rel=1e-15)
