@@ -69,7 +69,7 @@ def read_catalogue(path: Path, report: Report, given: Declared) -> list[RecordFi
         row = dict(zip(columns, (cell.strip() for cell in cells), strict=False))
         if _has_name(row, seen, line, report):
             found.extend(_record(path, row, line, given, report))
-    if not seen:
+    if not seen and not report.faults:
         report.add(
             "A catalogue must name a motion", line=1, value="no rows", remedy="Add a row for each record"
         )

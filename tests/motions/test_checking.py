@@ -1,0 +1,115 @@
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from reliab.errors import InputError
+from reliab.motions import Fault, check_folder
+from reliab.motions.checking import inspect
+
+Write = Callable[[str, str | bytes], Path]
+
+
+def two_columns(units: str, scale: float) -> str:
+    lines = "".join(f"{0.01 * i:.2f} {scale * (-1) ** i:.6g}\n" for i in range(20))
+    return f"# units: {units}\n{lines}"
+
+
+def test_sound_records_have_no_faults(records: dict[str, str], write: Write, tmp_path: Path) -> None:
+    write("a.AT2", records["record.AT2"])
+    write("b.csv", records["record.csv"])
+    assert inspect(tmp_path).records == 2
+    assert check_folder(tmp_path) == []
+    assert check_folder(str(tmp_path / "a.AT2")) == []
+
+
+def test_every_fault_of_every_file_is_reported(records: dict[str, str], write: Write, tmp_path: Path) -> None:
+    at2 = records["record.AT2"]
+    write("good.AT2", at2)
+    write("binary.AT2", b"\x00\x01\x02")
+    write("empty.AT2", b"")
+    write("cut.AT2", at2.replace("NPTS=      7", "NPTS=      9"))
+    write(
+        "many.AT2",
+        at2.replace(".3000000E+00", "NaN").replace("-.6000000E-01", "oops").replace("OF G", "OF FT"),
+    )
+    write("peak.AT2", at2.replace(".5000000E+00", ".5000000E+02"))
+    write("step.AT2", at2.replace("DT=   .0050", "DT=   .0000"))
+    write("unitless.txt", "0.1\n0.2\n")
+    found = [(Path(fault.file).name, fault.line, fault.rule) for fault in check_folder(tmp_path)]
+    assert found == [
+        ("binary.AT2", 1, "A record must be a text file"),
+        ("cut.AT2", 6, "A record must hold as many samples as its header states"),
+        ("empty.AT2", 1, "A record must not be empty"),
+        ("many.AT2", 3, "The units in a header must be g, cm/s2 or m/s2"),
+        ("many.AT2", 5, "Every sample must be finite"),
+        ("many.AT2", 6, "Every sample must be a number"),
+        ("peak.AT2", 5, "The peak of a record must not exceed 5 g"),
+        ("step.AT2", 4, "The time step in a header must be a positive number"),
+        ("unitless.txt", None, "The units must be stated"),
+        ("unitless.txt", None, "The time step must be stated"),
+    ]
+
+
+def test_units_and_step_can_be_given_for_records_that_state_none(write: Write, tmp_path: Path) -> None:
+    write("a.txt", "0.1\n0.2\n")
+    assert check_folder(tmp_path, units="g", time_step=0.01) == []
+
+
+def test_a_fault_in_one_of_several_channels_is_reported_once(
+    records: dict[str, str], write: Write, tmp_path: Path
+) -> None:
+    one = records["record.V2"]
+    write("a.V2", one + one.replace("in cm/sec2.", "in ft.") + one)
+    faults = [(fault.line, fault.value) for fault in check_folder(tmp_path)]
+    assert len(faults) == len(set(faults)) == 1
+
+
+def test_sets_choose_what_is_checked_and_all_are_by_default(
+    records: dict[str, str], write: Write, tmp_path: Path
+) -> None:
+    write("a.AT2", records["record.AT2"])
+    write("b.AT2", b"")
+    write("catalog.csv", "motion,set,file\na,near,a.AT2\nb,held_out,b.AT2\n")
+    assert len(check_folder(tmp_path)) == 1
+    assert check_folder(tmp_path, sets=["near"]) == []
+    assert check_folder(tmp_path, sets=["far"])[0].value == "none in the sets far"
+
+
+@pytest.mark.parametrize(("units", "scale"), [("cm/s2", 0.3), ("m/s2", 0.0003), ("cm/s2", 2.0)])
+def test_a_record_out_of_scale_with_its_folder_is_reported(
+    units: str, scale: float, write: Write, tmp_path: Path
+) -> None:
+    for name, peak in {"a": 0.2, "b": 0.3, "c": 0.9}.items():
+        write(f"{name}.txt", two_columns("g", peak))
+    odd = write("odd.txt", two_columns(units, scale))
+    (fault,) = check_folder(tmp_path)
+    assert (fault.file, fault.line) == (str(odd), None)
+    assert "within a factor of 50" in fault.rule
+    assert "mixed units" in fault.remedy
+
+
+def test_a_record_whose_units_the_catalogue_confirms_may_be_weak(write: Write, tmp_path: Path) -> None:
+    rows = ""
+    for name, peak in {"a": 0.2, "b": 0.3, "c": 0.9, "weak": 0.001}.items():
+        write(f"{name}.txt", two_columns("g", peak))
+        rows += f"{name},{name}.txt,{'g' if name == 'weak' else ''}\n"
+    write("catalog.csv", f"motion,file,units\n{rows}")
+    assert check_folder(tmp_path) == []
+
+
+def test_records_of_a_wide_but_possible_range_are_not_reported(write: Write, tmp_path: Path) -> None:
+    for name, peak in {"a": 0.02, "b": 0.15, "c": 0.3, "d": 0.5, "e": 1.5}.items():
+        write(f"{name}.txt", two_columns("g", peak))
+    assert check_folder(tmp_path) == []
+
+
+def test_a_path_that_does_not_exist_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="source of motions must exist"):
+        check_folder(tmp_path / "gone")
+
+
+def test_a_fault_is_an_error_of_one_sentence() -> None:
+    fault = Fault(file="a.AT2", line=3, rule="It must be so", value="not so", remedy="Make it so")
+    assert str(fault.error()) == "a.AT2, line 3: It must be so; found not so. Make it so."
+    assert str(Fault(file="a", line=None, rule="It must be so").error()) == "a: It must be so."

@@ -1,0 +1,89 @@
+import tracemalloc
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from reliab.errors import InputError
+from reliab.motions import load_motions
+
+Write = Callable[[str, str | bytes], Path]
+
+
+@pytest.fixture
+def folder(records: dict[str, str], write: Write) -> Path:
+    """A catalogue of four motions in three sets, one of them held out."""
+    for name in "abcd":
+        write(f"{name}.AT2", records["record.AT2"])
+    rows = "a,near,a.AT2\nb,far,b.AT2\nc,held_out,c.AT2\nd,,d.AT2\n"
+    return write("catalog.csv", f"motion,set,file\n{rows}").parent
+
+
+def test_the_held_out_set_is_used_only_when_it_is_named(folder: Path) -> None:
+    assert load_motions(folder).names == ("a", "b", "d")
+    assert load_motions(folder, sets=["held_out"]).names == ("c",)
+    assert load_motions(folder, sets=["near", "held_out"]).names == ("a", "c")
+
+
+def test_an_unknown_set_is_refused(folder: Path) -> None:
+    with pytest.raises(
+        InputError, match=r"chosen set must be in the suite; found fra. Choose for example far"
+    ):
+        load_motions(folder, sets=["fra"])
+
+
+def test_a_suite_of_nothing_but_held_out_motions_is_refused(records: dict[str, str], write: Write) -> None:
+    write("a.AT2", records["record.AT2"])
+    folder = write("catalog.csv", "motion,set,file\na,held_out,a.AT2\n").parent
+    with pytest.raises(InputError, match="Name the set held_out to use it"):
+        load_motions(folder)
+
+
+def test_sources_are_joined_in_order(folder: Path, records: dict[str, str], write: Write) -> None:
+    other = write("elsewhere/z.csv", records["record.csv"])
+    assert load_motions(other, folder).names == ("z", "a", "b", "d")
+    assert load_motions(str(other)).names == ("z",)
+
+
+def test_motions_of_one_name_cannot_be_joined(folder: Path) -> None:
+    with pytest.raises(InputError, match="must differ; found a more than once"):
+        load_motions(folder, folder / "a.AT2")
+
+
+def test_a_source_that_does_not_exist_is_explained() -> None:
+    with pytest.raises(
+        InputError, match=r"file, a folder or a built-in suite; found nowhere/at_all. Correct the path"
+    ):
+        load_motions("nowhere/at_all")
+    with pytest.raises(InputError, match="At least one source"):
+        load_motions()
+
+
+def test_records_are_read_when_asked_for(folder: Path) -> None:
+    suite = load_motions(folder)
+    (folder / "b.AT2").write_text("damaged later")
+    assert suite[0].name == "a"
+    with pytest.raises(InputError, match=r"b.AT2"):
+        suite[1]
+
+
+def test_ten_thousand_motions_stream_in_the_memory_of_one(write: Write) -> None:
+    """Two thousand here, each of 40 kB: 80 MB if they were kept."""
+    path = write("a.txt", "# units: g\n# dt = 0.01\n" + "0.1\n-0.1\n" * 2500)
+    rows = "".join(f"m{number},{path.name}\n" for number in range(2000))
+    folder = write("catalog.csv", f"motion,file\n{rows}").parent
+    suite = load_motions(folder)
+    tracemalloc.start()
+    for motion in suite[:300]:
+        assert motion.acceleration.size == 5000
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert len(suite) == 2000
+    assert peak < 3e6
+
+
+def test_the_built_in_suite_is_loaded_by_name() -> None:
+    suite = load_motions("synthetic")
+    assert len(suite) == 100
+    assert len(set(suite.events)) == 50
+    assert suite[0].name == suite.names[0]

@@ -1,0 +1,87 @@
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from reliab.errors import InputError
+from reliab.motions import Motion, MotionSuite, check_folder, load_motions, read_motion
+from reliab.motions.writing import write_motion, write_suite
+
+LABELS = st.text("abcXYZ019 /.,;-_()'\"äß", max_size=12).map(lambda text: " ".join(text.split()))
+
+
+def motion(name: str = "a", **changes: object) -> Motion:
+    arguments: dict[str, object] = {"acceleration": [0.1, -1.0 / 3.0, 1e-300], "time_step": 1 / 150} | changes
+    return Motion(name=name, **arguments)  # type: ignore[arg-type]
+
+
+@given(
+    samples=st.lists(st.floats(-49.0, 49.0), min_size=2, max_size=30).filter(any),
+    time_step=st.floats(1e-5, 10.0),
+    name=LABELS.filter(bool),
+    event=LABELS,
+)
+@settings(max_examples=60, deadline=None)
+def test_a_written_suite_reads_back_bit_by_bit(
+    samples: list[float], time_step: float, name: str, event: str
+) -> None:
+    original = Motion(
+        name=name, acceleration=np.array(samples), time_step=time_step, event=event, set_name="s"
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        write_suite(MotionSuite.from_motions([original]), Path(folder) / "suite")
+        (again,) = load_motions(Path(folder) / "suite")
+    assert again == original
+    assert again.acceleration.tobytes() == original.acceleration.tobytes()
+
+
+def test_a_written_motion_reads_back_without_its_catalogue(tmp_path: Path) -> None:
+    original = motion("KOBE", event="of units: g")
+    write_motion(original, tmp_path / "KOBE.txt")
+    assert read_motion(tmp_path / "KOBE.txt") == original
+
+
+def test_names_that_make_one_file_name_make_two_files(tmp_path: Path) -> None:
+    names = ["K/1", "K_1", "k 1", "..", "ÄÖ", "ß"]
+    write_suite(MotionSuite.from_motions(map(motion, names)), tmp_path / "out")
+    suite = load_motions(tmp_path / "out")
+    assert suite.names == tuple(names)
+    files = [path for path in (tmp_path / "out").rglob("*.txt") if path.is_file()]
+    assert len({path.as_posix().lower() for path in files}) == len(names)
+    assert check_folder(tmp_path / "out") == []
+
+
+def test_one_event_can_replace_all(tmp_path: Path) -> None:
+    write_suite(MotionSuite.from_motions([motion("a"), motion("b")]), tmp_path / "out", event="KOBE")
+    assert load_motions(tmp_path / "out").events == ("KOBE", "KOBE")
+    assert read_motion(tmp_path / "out/motions/a.txt").event == "KOBE"
+
+
+def test_an_empty_folder_is_filled_and_another_is_left_alone(tmp_path: Path) -> None:
+    suite = MotionSuite.from_motions([motion()])
+    (tmp_path / "empty").mkdir()
+    assert write_suite(suite, tmp_path / "empty").is_file()
+    (tmp_path / "file").write_text("x")
+    for taken in ("empty", "file"):
+        with pytest.raises(InputError, match="must be new or empty"):
+            write_suite(suite, tmp_path / taken)
+
+
+def test_nothing_is_left_of_a_suite_that_cannot_be_written(tmp_path: Path) -> None:
+    (tmp_path / "bad.AT2").write_text("NPTS= 3, DT= .01\n0.1 0.2 nan\n")
+    write_motion(motion(), tmp_path / "good.txt")
+    suite = load_motions(tmp_path / "good.txt", tmp_path / "bad.AT2")
+    with pytest.raises(InputError, match="finite"):
+        write_suite(suite, tmp_path / "out")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["bad.AT2", "good.txt"]
+
+
+def test_a_folder_that_cannot_be_made_is_explained(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("x")
+    with pytest.raises(InputError, match="must be writable; found Not a directory"):
+        write_suite(MotionSuite.from_motions([motion()]), tmp_path / "file" / "out")
+    with pytest.raises(InputError, match="must hold a motion"):
+        write_suite(MotionSuite([]), tmp_path / "out")
