@@ -1,7 +1,7 @@
 """The one place where numerical kernels are compiled, so that every kernel has the same flags."""
 
 from collections.abc import Callable
-from typing import TypeVar
+from typing import TypeVar, cast
 
 import numba
 
@@ -25,5 +25,5 @@ def compiled(function: _Kernel) -> _Kernel:
     callable
         The compiled function, with the signature of the original.
     """
-    kernel: _Kernel = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=set(_FAST))(function)
-    return kernel
+    compile_kernel = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=set(_FAST))
+    return cast("_Kernel", compile_kernel(function))

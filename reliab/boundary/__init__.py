@@ -1,0 +1,7 @@
+"""Contours of equal error and the curves that stand for them."""
+
+from reliab.boundary.contour import Contour, trace_contour
+from reliab.boundary.curves import Cosine, Curve, Ellipse, Parabola
+from reliab.boundary.motion_boundary import motion_contour
+
+__all__ = ["Contour", "Cosine", "Curve", "Ellipse", "Parabola", "motion_contour", "trace_contour"]

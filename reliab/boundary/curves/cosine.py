@@ -1,0 +1,28 @@
+"""Cosine, equation (7b)."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import curve_fit
+
+from reliab.boundary.curves.curve import Curve
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cosine(Curve):
+    """Cosine d = a cos(b(A − 1)) with a [ms] and b [rad], equation (7b)."""
+
+    name: ClassVar[str] = "cosine"
+    equation: ClassVar[str] = "d = a cos(b(A − 1))"
+
+    @classmethod
+    def _parameters(cls, offset: NDArray[np.float64], delay: NDArray[np.float64]) -> tuple[float, float]:
+        guess = (float(delay.max()), 0.5 * np.pi / float(np.abs(offset).max()))
+        (a, b), _ = curve_fit(lambda x, a, b: a * np.cos(b * x), offset, delay, p0=guess)
+        return float(a), float(b)
+
+    @classmethod
+    def _squared_delay(cls, offset: NDArray[np.float64], a: float, b: float) -> NDArray[np.float64]:
+        return np.asarray((a * np.cos(b * offset)) ** 2)

@@ -1,0 +1,82 @@
+"""What a curve that is fitted to a contour of equal error can do."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.boundary.contour import Contour
+from reliab.errors import InputError
+
+_MILLISECONDS = 1e3
+_FEWEST_POINTS = 3
+
+
+@dataclass(frozen=True, kw_only=True)
+class Curve(ABC):
+    """A curve d(A) of two parameters, fitted to a contour with the delay in milliseconds.
+
+    Attributes
+    ----------
+    a, b : float
+        Parameters; their meaning and units are the curve's own.
+    sse : float
+        Fitting error of equation (10), Σ(d̄² − d²)² [ms⁴].
+    n : int
+        Number of points of the contour.
+    """
+
+    name: ClassVar[str]
+    equation: ClassVar[str]
+
+    a: float
+    b: float
+    sse: float
+    n: int
+
+    @classmethod
+    @abstractmethod
+    def _parameters(cls, offset: NDArray[np.float64], delay: NDArray[np.float64]) -> tuple[float, float]:
+        """Parameters a and b that fit delays [ms] at amplitude offsets A − 1."""
+
+    @classmethod
+    @abstractmethod
+    def _squared_delay(cls, offset: NDArray[np.float64], a: float, b: float) -> NDArray[np.float64]:
+        """Square of the delay [ms²] at amplitude offsets A − 1; negative outside the curve."""
+
+    @classmethod
+    def fit(cls, contour: Contour) -> Self:
+        """Fit the curve to a contour by least squares.
+
+        Parameters
+        ----------
+        contour : Contour
+            At least three points.
+
+        Returns
+        -------
+        Curve
+            The curve with its fitting error.
+
+        Raises
+        ------
+        InputError
+            If there are fewer than three points.
+        """
+        if contour.amplitude.size < _FEWEST_POINTS:
+            raise InputError(
+                f"A curve is fitted to at least {_FEWEST_POINTS} points of a contour",
+                value=contour.amplitude.size,
+                remedy="Sample the contour more finely",
+            )
+        offset, delay = contour.amplitude - 1.0, _MILLISECONDS * contour.delay
+        a, b = cls._parameters(offset, delay)
+        misfit = cls._squared_delay(offset, a, b) - delay**2
+        return cls(a=a, b=b, sse=float(misfit @ misfit), n=offset.size)
+
+    def delay(self, amplitude: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Delay on the curve [s] at given amplitudes [-]; NaN where the curve does not reach."""
+        squared = self._squared_delay(np.asarray(amplitude) - 1.0, self.a, self.b)
+        return np.sqrt(np.where(squared >= 0.0, squared, np.nan)) / _MILLISECONDS

@@ -1,0 +1,26 @@
+"""Parabola, equation (7c)."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.boundary.curves.curve import Curve
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parabola(Curve):
+    """Parabola d = a(A − 1)² + b with a and b [ms], equation (7c)."""
+
+    name: ClassVar[str] = "parabola"
+    equation: ClassVar[str] = "d = a(A − 1)² + b"
+
+    @classmethod
+    def _parameters(cls, offset: NDArray[np.float64], delay: NDArray[np.float64]) -> tuple[float, float]:
+        slope, intercept = np.polynomial.Polynomial.fit(offset**2, delay, 1).convert().coef[::-1]
+        return float(slope), float(intercept)
+
+    @classmethod
+    def _squared_delay(cls, offset: NDArray[np.float64], a: float, b: float) -> NDArray[np.float64]:
+        return np.asarray((a * offset**2 + b) ** 2)

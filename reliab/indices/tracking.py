@@ -1,0 +1,181 @@
+"""Established measures of actuator tracking in the time domain.
+
+All compare the measured displacement x_m with the command x_c. They say how well the actuator
+followed, not how reliable the test is: tracking errors accumulate in the loop.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import correlate, correlation_lags
+
+
+def maximum_tracking_error(command: NDArray[np.float64], measured: NDArray[np.float64]) -> float:
+    """Largest |x_m − x_c| over largest |x_c| [-].
+
+    Parameters
+    ----------
+    command, measured : numpy.ndarray
+        Displacements [m], shape (n,).
+
+    Returns
+    -------
+    float
+        The error [-].
+    """
+    return float(np.abs(measured - command).max() / np.abs(command).max())
+
+
+def rms_tracking_error(command: NDArray[np.float64], measured: NDArray[np.float64]) -> float:
+    """Root mean square of x_m − x_c over that of x_c [-].
+
+    Parameters
+    ----------
+    command, measured : numpy.ndarray
+        Displacements [m], shape (n,).
+
+    Returns
+    -------
+    float
+        The error [-].
+    """
+    return float(np.linalg.norm(measured - command) / np.linalg.norm(command))
+
+
+def tracking_indicator(command: NDArray[np.float64], measured: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Tracking indicator: signed area between the two displacements, Mercan and Ricles 2007.
+
+    Half of ∫x_c dx_m − ∫x_m dx_c by the trapezoidal rule; it grows while the actuator lags, falls
+    while it leads and stays level while it follows. It is π times amplitude squared times the
+    sine of the lag for each cycle of a harmonic.
+
+    Parameters
+    ----------
+    command, measured : numpy.ndarray
+        Displacements [m], shape (n,).
+
+    Returns
+    -------
+    numpy.ndarray
+        Indicator [m²] up to each sample, shape (n,); zero at the first.
+
+    Examples
+    --------
+    One cycle at unit amplitude with a lag of 0.1 rad encloses an area of π sin 0.1:
+
+    >>> phase = np.linspace(0.0, 2.0 * np.pi, 1001)
+    >>> float(tracking_indicator(np.sin(phase), np.sin(phase - 0.1))[-1].round(4))
+    0.3136
+    """
+    middle_command = 0.5 * (command[1:] + command[:-1])
+    middle_measured = 0.5 * (measured[1:] + measured[:-1])
+    increments = middle_command * np.diff(measured) - middle_measured * np.diff(command)
+    return np.concatenate([[0.0], 0.5 * np.cumsum(increments)])
+
+
+@dataclass(frozen=True, kw_only=True)
+class PhaseAmplitudeErrors:
+    """Phase and amplitude error indices.
+
+    Attributes
+    ----------
+    phase : float
+        Phase lag of the measured displacement [rad], negative when it leads.
+    amplitude : float
+        Measured over command amplitude, less one [-].
+    """
+
+    phase: float
+    amplitude: float
+
+
+def phase_amplitude_errors(
+    command: NDArray[np.float64], measured: NDArray[np.float64]
+) -> PhaseAmplitudeErrors:
+    """Phase and amplitude error indices from the ellipse of x_m over x_c, Hessabi and Mercan 2012.
+
+    The ellipse is the one with the second moments of the trace, which stays meaningful when the
+    amplitude varies; for a harmonic it is the trace itself. The direction of travel gives the sign.
+
+    Parameters
+    ----------
+    command, measured : numpy.ndarray
+        Displacements [m], shape (n,).
+
+    Returns
+    -------
+    PhaseAmplitudeErrors
+        Phase lag and relative amplitude error.
+
+    Examples
+    --------
+    >>> phase = np.linspace(0.0, 20.0 * np.pi, 20001)
+    >>> found = phase_amplitude_errors(np.sin(phase), 0.98 * np.sin(phase - 0.05))
+    >>> round(found.phase, 3), round(found.amplitude, 3)
+    (0.05, -0.02)
+    """
+    amplitude = float(np.std(measured) / np.std(command))
+    correlation = float(np.clip(np.corrcoef(command, measured)[0, 1], -1.0, 1.0))
+    direction = float(np.sign(tracking_indicator(command, measured)[-1]))
+    return PhaseAmplitudeErrors(phase=direction * float(np.arccos(correlation)), amplitude=amplitude - 1.0)
+
+
+def energy_error(
+    command: NDArray[np.float64], measured: NDArray[np.float64], force: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Energy that the tracking error adds to the structure, Mosqueda and others 2007.
+
+    The specimen does the work ∫r dx_m; the numerical substructure reckons with ∫r dx_c. The
+    difference is taken up by the structure although no ground motion supplied it.
+
+    Parameters
+    ----------
+    command, measured : numpy.ndarray
+        Displacements [m], shape (n,).
+    force : numpy.ndarray
+        Restoring force r of the specimen [N], shape (n,).
+
+    Returns
+    -------
+    numpy.ndarray
+        Energy error [J] up to each sample, positive when energy is added, shape (n,).
+    """
+    middle_force = 0.5 * (force[1:] + force[:-1])
+    return np.concatenate([[0.0], np.cumsum(middle_force * (np.diff(measured) - np.diff(command)))])
+
+
+def delay_by_cross_correlation(
+    command: NDArray[np.float64], measured: NDArray[np.float64], time_step: float
+) -> float:
+    """Delay at which the cross-correlation of command and measured displacement is largest [s].
+
+    Parameters
+    ----------
+    command, measured : numpy.ndarray
+        Displacements [m], shape (n,).
+    time_step : float
+        Step between samples [s].
+
+    Returns
+    -------
+    float
+        Delay [s], refined between samples by a parabola; positive when the measured displacement
+        lags.
+
+    Examples
+    --------
+    >>> t = np.arange(0.0, 20.0, 0.001)
+    >>> command, measured = np.sin(2 * np.pi * t) * np.exp(-t / 5), np.zeros_like(t)
+    >>> measured[4:] = command[:-4]
+    >>> round(1e3 * delay_by_cross_correlation(command, measured, 0.001), 2)
+    4.0
+    """
+    correlation = correlate(measured, command, method="fft")
+    lags = correlation_lags(measured.size, command.size)
+    best = int(np.argmax(correlation))
+    shift = 0.0
+    if 0 < best < correlation.size - 1:
+        before, peak, after = correlation[best - 1 : best + 2]
+        shift = 0.5 * (before - after) / (before - 2.0 * peak + after)
+    return float((lags[best] + shift) * time_step)

@@ -1,0 +1,1 @@
+"""The loop: structure, actuator, stability and the engines that solve it."""

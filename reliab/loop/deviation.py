@@ -1,0 +1,127 @@
+"""Statistics of the deviation x_m − x_I, accumulated while stepping; no history is kept.
+
+The stepping engines keep a `Track` of each cell: the sum of squares, the last two deviations, and
+the largest deviation with its two neighbours, through which a parabola finds the peak between
+samples.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.compiled import compiled
+
+TRACKS = 6
+_SQUARES, _, _LATEST, _LEFT, _PEAK, _RIGHT = range(TRACKS)
+
+Track = tuple[float, float, float, float, float, float]
+"""Of one cell: sum of squares, the last two deviations, the largest with its two neighbours."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Deviation:
+    """How far the measured displacement x_m strays from the exact response x_I over a window.
+
+    Attributes
+    ----------
+    mean_square : numpy.ndarray
+        Mean of (x_m − x_I)² [m²], shape (cells,).
+    peak : numpy.ndarray
+        Largest |x_m − x_I| [m], shape (cells,).
+    ideal_peak : float
+        Largest |x_I| [m].
+    """
+
+    mean_square: NDArray[np.float64]
+    peak: NDArray[np.float64]
+    ideal_peak: float
+
+
+@compiled
+def _higher(
+    highest: tuple[float, float, float], latest: tuple[float, float, float]
+) -> tuple[float, float, float]:
+    """Of two triples of neighbouring samples the one whose middle is larger in modulus."""
+    up = abs(latest[1]) > abs(highest[1])
+    return (
+        latest[0] if up else highest[0],
+        latest[1] if up else highest[1],
+        latest[2] if up else highest[2],
+    )
+
+
+@compiled
+def follow(track: Track, now: float, weight: float) -> Track:
+    """Account for one deviation with its weight in the trapezoidal rule."""
+    squares, before, latest, left, peak, right = track
+    left, peak, right = _higher((left, peak, right), (before, latest, now))
+    return squares + weight * now * now, latest, now, left, peak, right
+
+
+@compiled
+def follow_four(track: Track, p: float, q: float, r: float, s: float) -> Track:
+    """Account for four deviations in a row inside the window."""
+    squares, w, x, left, peak, right = track
+    triple = _higher((left, peak, right), (w, x, p))
+    triple = _higher(triple, (x, p, q))
+    triple = _higher(triple, (p, q, r))
+    left, peak, right = _higher(triple, (q, r, s))
+    return squares + (p * p + q * q) + (r * r + s * s), r, s, left, peak, right
+
+
+def summary(tracks: NDArray[np.float64], intervals: float, ideal_peak: float) -> Deviation:
+    """Turn the tracks of all lanes into the statistics of the window.
+
+    Parameters
+    ----------
+    tracks : numpy.ndarray
+        Shape (tracks, cells).
+    intervals : float
+        Length of the window in steps.
+    ideal_peak : float
+        Largest |x_I| [m].
+
+    Returns
+    -------
+    Deviation
+        Mean square and refined peak of each cell.
+    """
+    inner = refined_peak(tracks[_LEFT], tracks[_PEAK], tracks[_RIGHT])
+    peak = np.fmax(inner, np.abs(tracks[_LATEST]))
+    return Deviation(mean_square=tracks[_SQUARES] / intervals, peak=peak, ideal_peak=ideal_peak)
+
+
+def refined_peak(
+    left: NDArray[np.float64], middle: NDArray[np.float64], right: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Largest modulus of the parabola through a sampled extreme value and its neighbours."""
+    with np.errstate(all="ignore"):  # a violently unstable cell may overflow to infinity
+        curvature = left + right - 2.0 * middle
+        rise = -((right - left) ** 2) / (8.0 * curvature)
+        # Around an extreme value the vertex rises by at most an eighth of the curvature.
+        return np.abs(middle + np.where(np.abs(rise) <= 0.125 * np.abs(curvature), rise, 0.0))
+
+
+def peak_of_history(history: NDArray[np.float64]) -> float:
+    """Largest modulus of a sampled history, refined between samples.
+
+    Parameters
+    ----------
+    history : numpy.ndarray
+        Samples, shape (n,), n ≥ 2.
+
+    Returns
+    -------
+    float
+        The peak in the unit of the samples.
+
+    Examples
+    --------
+    >>> peak_of_history(np.array([0.0, -0.75, -1.0, -0.75]))
+    1.0
+    """
+    at = int(np.argmax(np.abs(history)))
+    if at in (0, history.size - 1):
+        return float(abs(history[at]))
+    return float(refined_peak(history[at - 1 : at], history[at : at + 1], history[at + 1 : at + 2])[0])

@@ -1,0 +1,157 @@
+"""The loop's engines behind one function: each question goes to the fastest that may answer it.
+
+`pole`
+    dominant pole pair, fastest; valid while what it leaves out is below the tolerance for the
+    record at hand, which is checked for every cell
+`delay`
+    the delay equation, for any delay
+`spectral`
+    frequency domain, exact below the stability limit; the oracle of the other two
+"""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.errors import InputError
+from reliab.loop import delay_stepper, pole_recursion, spectral
+from reliab.loop.blocks import Blocks, block_length, cut
+from reliab.loop.cells import Cells
+from reliab.loop.deviation import Deviation
+from reliab.loop.dominant_pole import band_edges
+from reliab.loop.excitation import Excitation
+from reliab.loop.structure import Structure
+
+REDUCTION_TOLERANCE = 5e-6
+"""Largest relative error of RMS^R that the reduction to the dominant pole may cause [-]; the peak,
+and with it MTE^R, then stays within 1e-3 of the exact one."""
+
+
+class Engine(StrEnum):
+    """How the loop is solved."""
+
+    AUTOMATIC = "automatic"
+    POLE = "pole"
+    DELAY = "delay"
+    SPECTRAL = "spectral"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Loop:
+    """One structure under one ground motion, ready to be solved for any actuator.
+
+    Parameters
+    ----------
+    excitation : Excitation
+        Record and window.
+    structure : Structure
+        The structure under test.
+    engine : Engine, optional
+        How the loop is solved; by default the dominant pole where it is valid and the delay
+        equation elsewhere.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> record = np.sin(2 * np.pi * np.arange(0, 20, 0.01))
+    >>> loop = Loop(
+    ...     excitation=Excitation(acceleration=record, time_step=0.01),
+    ...     structure=Structure(frequency=1.0, damping_ratio=0.05),
+    ... )
+    >>> found = loop.deviation(loop.cells(gain=[1.0, 0.99], delay=[0.002, 0.0]))
+    >>> (found.peak / found.ideal_peak).round(3)
+    array([0.142, 0.099])
+    """
+
+    excitation: Excitation
+    structure: Structure
+    engine: Engine = Engine.AUTOMATIC
+
+    def cells(self, *, gain: object, delay: object) -> Cells:
+        """Actuators before this structure; gain [-] and delay [s] are broadcast and flattened."""
+        gains, delays = np.broadcast_arrays(np.asarray(gain, dtype=float), np.asarray(delay, dtype=float))
+        return Cells(structure=self.structure, gain=gains.ravel(), delay=delays.ravel())
+
+    @cached_property
+    def blocks(self) -> Blocks:
+        """The record cut for the stepping engines."""
+        return cut(self.excitation, self.structure)
+
+    @cached_property
+    def _band_power(self) -> NDArray[np.float64]:
+        return self.excitation.band_power(band_edges(self.structure))
+
+    def reduction_error(self, cells: Cells) -> NDArray[np.float64]:
+        """Relative error of RMS^R that the reduction to the dominant pole causes [-], shape (cells,).
+
+        Parameters
+        ----------
+        cells : Cells
+            The actuators.
+
+        Returns
+        -------
+        numpy.ndarray
+            Error for this record, as if it were followed to rest; infinite where no dominant pole
+            was found.
+        """
+        lost, sought = cells.reduction
+        with np.errstate(invalid="ignore"):  # infinite loss in a band without power
+            error = np.sqrt(self._band_power @ lost / np.maximum(self._band_power @ sought, 1e-300))
+        return np.where(np.isnan(error), np.inf, error)
+
+    def deviation(self, cells: Cells) -> Deviation:
+        """Deviation of the measured displacement from the exact response over the window.
+
+        Parameters
+        ----------
+        cells : Cells
+            The actuators, before this loop's structure.
+
+        Returns
+        -------
+        Deviation
+            Mean square and peak of each cell, in the order of the cells.
+
+        Raises
+        ------
+        InputError
+            If the engine was chosen and cannot solve a cell; the message says which could.
+        """
+        if self.engine is Engine.SPECTRAL:
+            return spectral.deviation(self.excitation, self.structure, cells.gain, cells.delay)
+        if self.engine is Engine.DELAY:
+            return delay_stepper.deviation(self.blocks, self.structure, cells.gain, cells.delay)
+        error = self.reduction_error(cells)
+        reducible = error <= REDUCTION_TOLERANCE
+        if reducible.all():
+            return self._reduced(cells)
+        if self.engine is Engine.POLE:
+            worst = int(np.argmax(error))
+            raise InputError(
+                "The dominant pole may stand for the loop only where the error of RMS^R that this causes "
+                f"is at most {REDUCTION_TOLERANCE:g}",
+                value=f"{error[worst]:.2g} at k_p = {cells.gain[worst]:g}, τ = {cells.delay[worst]:g} s",
+                remedy="Use the engine 'automatic' or 'delay'",
+            )
+        return self._mixed(cells, reducible)
+
+    def _reduced(self, cells: Cells) -> Deviation:
+        same = self.blocks.step == block_length(self.structure)
+        coefficients = cells.coefficients if same else pole_recursion.recursion(cells.modal, self.blocks.step)
+        return pole_recursion.deviation(self.blocks, coefficients)
+
+    def _mixed(self, cells: Cells, reducible: NDArray[np.bool_]) -> Deviation:
+        mean_square, peak = np.empty(reducible.size), np.empty(reducible.size)
+        stubborn = cells[~reducible]
+        parts = [
+            (~reducible, delay_stepper.deviation(self.blocks, self.structure, stubborn.gain, stubborn.delay))
+        ]
+        if reducible.any():
+            parts.append((reducible, self._reduced(cells[reducible])))
+        for where, part in parts:
+            mean_square[where], peak[where] = part.mean_square, part.peak
+        return Deviation(mean_square=mean_square, peak=peak, ideal_peak=self.blocks.ideal_peak)

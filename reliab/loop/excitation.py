@@ -1,0 +1,69 @@
+"""The ground acceleration as the engines see it: linear between samples, with a window of time."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.errors import InputError
+
+
+@dataclass(frozen=True, kw_only=True)
+class Excitation:
+    """A piecewise-linear ground acceleration and the part of it over which errors are taken.
+
+    Parameters
+    ----------
+    acceleration : numpy.ndarray
+        Ground acceleration a_g [m/s²], shape (n,); the structure is at rest at the first sample.
+    time_step : float
+        Step between samples [s].
+    window : tuple of float, optional
+        Begin and end of the window [s] on the record's own time axis; the whole record by default.
+
+    Raises
+    ------
+    InputError
+        If the window is empty or reaches beyond the record.
+    """
+
+    acceleration: NDArray[np.float64]
+    time_step: float
+    window: tuple[float, float] = (0.0, -1.0)
+
+    def __post_init__(self) -> None:
+        duration = (self.acceleration.size - 1) * self.time_step
+        begin, end = self.window
+        if end < 0.0:
+            end = duration
+            object.__setattr__(self, "window", (begin, end))
+        if not 0.0 <= begin < end <= duration * (1.0 + 1e-9):
+            raise InputError(
+                "The window must lie inside the record and not be empty",
+                value=f"{begin:g} s to {end:g} s of a record of {duration:g} s",
+                remedy="Give a window within the record, or use a longer record",
+            )
+
+    @property
+    def window_duration(self) -> float:
+        """Length of the window [s]."""
+        return self.window[1] - self.window[0]
+
+    def band_power(self, edges: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Power of the record in frequency bands.
+
+        Parameters
+        ----------
+        edges : numpy.ndarray
+            Edges of the bands [Hz], increasing, shape (bands + 1,).
+
+        Returns
+        -------
+        numpy.ndarray
+            Share of each band in the record's sum of squares [-], shape (bands,).
+        """
+        power = np.abs(np.fft.rfft(self.acceleration)) ** 2
+        cumulative = np.concatenate([[0.0], np.cumsum(power)])
+        frequency = (np.arange(cumulative.size) - 0.5) / (self.acceleration.size * self.time_step)
+        share: NDArray[np.float64] = np.diff(np.interp(edges, frequency, cumulative)) / cumulative[-1]
+        return share

@@ -1,0 +1,56 @@
+"""The single-degree-of-freedom structure of which one part is tested."""
+
+import math
+from dataclasses import dataclass
+
+from reliab.errors import InputError
+
+
+@dataclass(frozen=True, kw_only=True)
+class Structure:
+    """A linear elastic single-degree-of-freedom structure, divided for hybrid simulation.
+
+    Parameters
+    ----------
+    frequency : float
+        Natural frequency f of the whole structure [Hz].
+    damping_ratio : float
+        Inherent damping ratio ξ [-], in (0, 1).
+    experimental_fraction : float, optional
+        Share α of the stiffness that stands in the laboratory [-], in (0, 1]; the paper's worst
+        case, and the default, is 1.
+
+    Examples
+    --------
+    >>> Structure(frequency=1.0, damping_ratio=0.02).circular_frequency
+    6.283185307179586
+    """
+
+    frequency: float
+    damping_ratio: float
+    experimental_fraction: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.frequency) and self.frequency > 0.0):
+            raise InputError(
+                "The natural frequency must be positive and finite",
+                value=f"{self.frequency} Hz",
+                remedy="Give the frequency of the whole structure in hertz",
+            )
+        if not 0.0 < self.damping_ratio < 1.0:
+            raise InputError(
+                "The damping ratio must lie between 0 and 1",
+                value=self.damping_ratio,
+                remedy="Give a fraction of critical damping, 0.02 for 2 %",
+            )
+        if not 0.0 < self.experimental_fraction <= 1.0:
+            raise InputError(
+                "The experimental fraction of the stiffness must lie in (0, 1]",
+                value=self.experimental_fraction,
+                remedy="Give the specimen's share of the total stiffness, 1 for the worst case",
+            )
+
+    @property
+    def circular_frequency(self) -> float:
+        """Natural circular frequency ω₀ [rad/s]."""
+        return 2.0 * math.pi * self.frequency

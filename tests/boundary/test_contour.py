@@ -1,0 +1,87 @@
+"""Contours of equal error and the curves fitted to them."""
+
+import csv
+
+import numpy as np
+import pytest
+
+from reliab.boundary import Contour, Cosine, Ellipse, Parabola, motion_contour, trace_contour
+from reliab.errors import InputError
+from reliab.indices.response_error import relative_error
+from reliab.loop.engine import Loop
+from reliab.loop.excitation import Excitation
+from reliab.loop.structure import Structure
+from reliab.motions import load_motions
+from reliab.vocabulary import Metric
+
+
+@pytest.mark.parametrize("half_width", [0.002, 0.02, 0.3])
+def test_ellipse_of_known_axes_comes_back(half_width):
+    contour = trace_contour(
+        lambda a, d: 0.05 * np.hypot((a - 1.0) / half_width, d / 0.003), 0.05, time_scale=0.1
+    )
+    found = Ellipse.fit(contour)
+    assert 11 <= contour.amplitude.size <= 201
+    assert found.a == pytest.approx(half_width**2, rel=1e-5)
+    assert found.b == pytest.approx(9.0, rel=1e-5)
+    assert found.sse < 1e-6
+
+
+def test_points_lie_on_the_threshold_for_both_errors():
+    rng = np.random.default_rng(7)
+    t = np.arange(0.0, 20.0, 0.01)
+    record = rng.standard_normal(t.size) * np.exp(-(((t - 8.0) / 4.0) ** 2))
+    loop = Loop(
+        excitation=Excitation(acceleration=record, time_step=0.01),
+        structure=Structure(frequency=1.0, damping_ratio=0.04),
+    )
+    for metric in Metric:
+        for threshold in (0.01, 0.05, 0.2):
+            contour = motion_contour(loop, threshold=threshold, metric=metric)
+            error = relative_error(
+                loop.deviation(loop.cells(gain=contour.amplitude, delay=contour.delay)), metric
+            )
+            np.testing.assert_allclose(error, threshold, rtol=1e-4)
+
+
+def test_error_that_never_reaches_the_threshold_is_refused():
+    with pytest.raises(InputError, match="reach the threshold"):
+        trace_contour(lambda a, d: 0.01 * np.tanh(np.hypot(a - 1.0, d)), 0.05, time_scale=1.0)
+
+
+def test_threshold_must_be_positive():
+    with pytest.raises(InputError, match="positive"):
+        trace_contour(lambda a, d: np.hypot(a - 1.0, d), -0.05, time_scale=1.0)
+
+
+def test_curves_fit_their_own_points():
+    amplitude = np.linspace(0.99, 1.01, 21)
+    cosine = Cosine.fit(Contour(amplitude=amplitude, delay=1.6e-3 * np.cos(118.0 * (amplitude - 1.0))))
+    assert (cosine.a, cosine.b) == (pytest.approx(1.6), pytest.approx(118.0))
+    parabola = Parabola.fit(Contour(amplitude=amplitude, delay=1e-3 * (1.6 - 1e4 * (amplitude - 1.0) ** 2)))
+    assert (parabola.a, parabola.b) == (pytest.approx(-1e4), pytest.approx(1.6))
+    np.testing.assert_allclose(parabola.delay(np.array([1.0])), 1.6e-3)
+
+
+def test_two_points_are_no_contour():
+    with pytest.raises(InputError, match="at least 3 points"):
+        Ellipse.fit(Contour(amplitude=np.ones(2), delay=np.ones(2)))
+
+
+def test_table_2_from_the_records(real_motions_folder, shared_folder):
+    structure = Structure(frequency=1.0, damping_ratio=0.02)
+    with (shared_folder / "reference" / "table2_prototype.csv").open() as file:
+        rows = {row["motion"]: row for row in csv.DictReader(file)}
+    near_prototype = near_print = 0
+    for motion in load_motions(real_motions_folder):
+        loop = Loop(
+            excitation=Excitation(acceleration=motion.acceleration, time_step=motion.time_step),
+            structure=structure,
+        )
+        found, row = Ellipse.fit(motion_contour(loop)), rows[motion.name]
+        ratios = (found.a / float(row["a"]), found.b / float(row["b"]))
+        near_prototype += max(abs(ratio - 1.0) for ratio in ratios) < 0.01
+        ratios = (found.a / float(row["a_pub"]), found.b / float(row["b_pub"]))
+        near_print += max(abs(ratio - 1.0) for ratio in ratios) < 0.10
+    assert near_prototype >= 95
+    assert near_print >= 74

@@ -1,0 +1,48 @@
+"""Value objects of the loop refuse what makes no sense."""
+
+import numpy as np
+import pytest
+
+from reliab.errors import InputError
+from reliab.loop.actuator import Actuator
+from reliab.loop.cells import Cells
+from reliab.loop.excitation import Excitation
+from reliab.loop.structure import Structure
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"frequency": 0.0},
+        {"frequency": np.nan},
+        {"damping_ratio": 2.0},
+        {"damping_ratio": 0.0},
+        {"experimental_fraction": 0.0},
+        {"experimental_fraction": 1.1},
+    ],
+)
+def test_structure(wrong):
+    with pytest.raises(InputError, match="must"):
+        Structure(**{"frequency": 1.0, "damping_ratio": 0.02, **wrong})
+
+
+@pytest.mark.parametrize("wrong", [{"gain": 0.0}, {"gain": np.inf}, {"delay": -1e-3}, {"delay": np.nan}])
+def test_actuator(wrong):
+    with pytest.raises(InputError, match="must"):
+        Actuator(**wrong)
+
+
+@pytest.mark.parametrize(("gain", "delay"), [(np.nan, 0.0), (-1.0, 0.0), (1.0, -1.0)])
+def test_cells(gain, delay):
+    with pytest.raises(InputError, match="must"):
+        Cells(
+            structure=Structure(frequency=1.0, damping_ratio=0.02),
+            gain=np.array([gain]),
+            delay=np.array([delay]),
+        )
+
+
+@pytest.mark.parametrize("window", [(0.0, 11.0), (5.0, 5.0), (-1.0, 3.0)])
+def test_window(window):
+    with pytest.raises(InputError, match="window"):
+        Excitation(acceleration=np.ones(101), time_step=0.1, window=window)
