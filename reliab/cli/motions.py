@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 app = typer.Typer(no_args_is_help=True, help="Ground motions: list, check, import and synthesize.")
 
+_WIDTH_OF_PIPES = 160
+
 Sources = Annotated[
     list[str], typer.Argument(metavar="SOURCE...", help="Files, folders or a built-in suite (synthetic).")
 ]
@@ -52,7 +54,9 @@ def list_motions(
     if _write_json({"motions": rows}, json_target):
         return
     events = {row["event"] for row in rows}
-    table = Table(title=f"{len(rows)} motions from {len(events)} events", box=box.SIMPLE)
+    table = Table(
+        title=f"{len(rows)} motions from {len(events)} events", box=box.SIMPLE, padding=(0, 1, 0, 0)
+    )
     for heading in ("motion", "event", "set"):
         table.add_column(heading, overflow="fold", no_wrap=heading == "motion")
     for heading in ("dt [s]", "T [s]", "PGA [g]", "I_A [m/s]", "D5-95 [s]", "T_m [s]"):
@@ -67,7 +71,7 @@ def list_motions(
             f"{row['significant_duration']:.2f}",
             f"{row['mean_period']:.3f}",
         )
-    Console().print(table)
+    _console().print(table)
 
 
 @app.command("check")
@@ -85,7 +89,7 @@ def check(
     faults = [fault for inspection in inspections for fault in inspection.faults]
     records = sum(inspection.records for inspection in inspections)
     if not _write_json({"records": records, "faults": [asdict(fault) for fault in faults]}, json_target):
-        _show_faults(faults, records)
+        _show_faults(faults, records, sources)
     if faults:
         raise typer.Exit(2)
 
@@ -153,26 +157,42 @@ def _describe(suite: "MotionSuite") -> list[dict[str, Any]]:
     return rows
 
 
-def _show_faults(faults: "list[Fault]", records: int) -> None:
+def _show_faults(faults: "list[Fault]", records: int, sources: list[str]) -> None:
     if not faults:
-        Console().print(f"{records} records, no faults.")
+        _console().print(f"{records} records, no faults.")
         return
     files = len({fault.file for fault in faults})
     table = Table(title=f"{len(faults)} faults in {files} files", show_lines=True)
     for heading in ("file", "line", "rule", "found", "remedy"):
-        table.add_column(heading, overflow="fold", justify="right" if heading == "line" else "left")
+        right = heading == "line"
+        table.add_column(
+            heading, overflow="fold", no_wrap=heading == "file", justify="right" if right else "left"
+        )
     for fault in faults:
         line = "" if fault.line is None else str(fault.line)
-        cells = (fault.file, line, fault.rule, fault.value, fault.remedy)
+        cells = (_within(fault.file, sources), line, fault.rule, fault.value, fault.remedy)
         table.add_row(*(Text(cell) for cell in cells))
-    Console().print(table)
+    _console().print(table)
+
+
+def _within(file: str, sources: list[str]) -> str:
+    """Path of a file from the source that it was found in."""
+    return next(
+        (file[len(start) :] for source in sources if file.startswith(start := f"{Path(source)}/")), file
+    )
+
+
+def _console() -> Console:
+    """Tables fit the terminal; in a pipe or a file they are wide enough to be searched."""
+    console = Console()
+    return console if console.is_terminal else Console(width=_WIDTH_OF_PIPES)
 
 
 def _report_written(catalogue: Path, names: tuple[str, ...], events: int, json_target: str | None) -> None:
     written = {"catalogue": str(catalogue), "motions": list(names), "events": events}
     if not _write_json(written, json_target):
         text = f"{len(names)} motions from {events} events written to {catalogue.parent}"
-        Console().print(text, markup=False, highlight=False, soft_wrap=True)
+        _console().print(text, markup=False, highlight=False, soft_wrap=True)
 
 
 def _write_json(content: dict[str, Any], target: str | None) -> bool:

@@ -122,6 +122,25 @@ def test_a_damaged_record_is_read_or_explained(
     outcomes(kind, damaged(records[kind]))
 
 
+@pytest.mark.parametrize(
+    ("kind", "last"),
+    [
+        ("record.AT2", ".7000000E-02"),
+        ("record.NS", "13106"),
+        ("record.V2", "8.140768"),
+        ("record.V2c", "3.442641e-01"),
+    ],
+)
+def test_a_record_cut_before_its_last_sample_is_never_read(
+    kind: str, last: str, records: dict[str, str], tmp_path: Path
+) -> None:
+    text = records[kind]
+    for end in range(0, text.rindex(last), 11):
+        (tmp_path / kind).write_text(text[:end])
+        with pytest.raises(InputError):
+            read_motion(tmp_path / kind, units="g" if "NPTS" not in text[:end] else None, time_step=0.005)
+
+
 @given(name=st.sampled_from(NAMES), content=st.binary(max_size=300))
 @settings(max_examples=200, deadline=None)
 def test_any_bytes_are_read_or_explained(name: str, content: bytes) -> None:

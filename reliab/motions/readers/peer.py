@@ -16,7 +16,7 @@ import re
 
 from reliab.motions.faults import Report
 from reliab.motions.readers.header import NUMBER, Header, Statement, state_count, state_time_step, state_units
-from reliab.motions.readers.source import Line, Source
+from reliab.motions.readers.source import LONGEST_LINE, Line, Source
 from reliab.motions.units import AccelerationUnit
 
 _HEADER_LINES = 30
@@ -83,7 +83,11 @@ def _top(source: Source) -> list[Line]:
 
 def _sizes_line(top: list[Line]) -> Line | None:
     for line in top:
-        if _BOTH.search(line.text) and not line.text.lstrip().startswith(("#", "%", "!")):
+        if (
+            len(line.text) <= LONGEST_LINE
+            and _BOTH.search(line.text)
+            and not line.text.lstrip().startswith(("#", "%", "!"))
+        ):
             return line
     return None
 

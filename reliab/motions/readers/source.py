@@ -9,6 +9,9 @@ from reliab.motions.faults import Report
 HEAD = 65_536
 """Bytes in which every header of a one-record file ends."""
 
+LONGEST_LINE = 1000
+"""Characters beyond which a line is no line of a header."""
+
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 _END_OF_FILE = b"\x1a"  # what old DOS programs put after the text
 _CONTROL = bytes(set(range(32)) - set(b"\t\n\v\f\r\x1a")) + b"\x7f"
@@ -93,7 +96,10 @@ def open_source(path: Path, report: Report, *, limit: int | None = None) -> Sour
     content = _read(path, report, limit)
     if content is None:
         return None
-    content = content.removeprefix(_BYTE_ORDER_MARK).rstrip(_END_OF_FILE)
+    content = content.removeprefix(LONGEST_LINE = 1000
+"""Characters beyond which a line is no line of a header."""
+
+_BYTE_ORDER_MARK).rstrip(_END_OF_FILE)
     if b"\r" in content:
         content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     if not content.strip():

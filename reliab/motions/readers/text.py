@@ -26,7 +26,7 @@ from reliab.motions.readers.header import (
     state_units,
 )
 from reliab.motions.readers.samples import split_line
-from reliab.motions.readers.source import HEAD, Line, Source
+from reliab.motions.readers.source import HEAD, LONGEST_LINE, Line, Source
 from reliab.motions.units import AccelerationUnit, find_unit
 
 T = TypeVar("T")
@@ -92,7 +92,7 @@ def headers(source: Source, report: Report) -> list[Header]:
         )
         return []
     events = (match[1] for line in top if (match := _EVENT.match(line.text)))
-    said = [line for line in top if not _NAMES.match(line.text)]
+    said = [line for line in top if len(line.text) <= LONGEST_LINE and not _NAMES.match(line.text)]
     return [
         Header(
             start=first.start,
