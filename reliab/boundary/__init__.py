@@ -1,7 +1,7 @@
 """Contours of equal error and the curves that stand for them."""
 
-from reliab.boundary.contour import Contour, trace_contour
+from reliab.boundary.contour import Contour, trace_contours
 from reliab.boundary.curves import Cosine, Curve, Ellipse, Parabola
-from reliab.boundary.motion_boundary import motion_contour
+from reliab.boundary.motion_boundary import motion_contours
 
-__all__ = ["Contour", "Cosine", "Curve", "Ellipse", "Parabola", "motion_contour", "trace_contour"]
+__all__ = ["Contour", "Cosine", "Curve", "Ellipse", "Parabola", "motion_contours", "trace_contours"]

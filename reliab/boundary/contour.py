@@ -14,16 +14,17 @@ from scipy.optimize import elementwise
 
 from reliab.errors import InputError
 
-ErrorOfCells = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
-"""Error [-] of the whole test for given amplitudes [-] and delays [s], shape (cells,)."""
+ErrorOfCells = Callable[[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]], NDArray[np.float64]]
+"""Error [-] of the whole test for amplitudes [-], delays [s] and the contour that asks, shape (cells,)."""
 
 AMPLITUDE_STEP = 0.001
 _FEWEST_STEPS, _MOST_STEPS = 5, 100
 _FIRST_GUESS = 1e-5  # small against any contour; the error grows in proportion from there
 _GROWTH = 1.4
 _TIP = 1e-6
-_LOWEST_AMPLITUDE = 0.02
-_LARGEST_AMPLITUDE = 20.0
+LOWEST_AMPLITUDE, HIGHEST_AMPLITUDE = 0.5, 2.0
+"""A contour that reaches beyond half or twice the amplitude is cut there."""
+
 _TOLERANCES = {"xrtol": 1e-7, "frtol": 1e-8, "xatol": 1e-12}
 
 
@@ -43,17 +44,24 @@ class Contour:
     delay: NDArray[np.float64]
 
 
-def trace_contour(
-    error: ErrorOfCells, threshold: float, *, time_scale: float, amplitude_step: float = AMPLITUDE_STEP
-) -> Contour:
-    """Trace the contour of equal error around the perfect actuator A = 1, d = 0.
+def trace_contours(
+    error: ErrorOfCells,
+    thresholds: NDArray[np.float64],
+    *,
+    time_scale: float,
+    amplitude_step: float = AMPLITUDE_STEP,
+) -> list[Contour]:
+    """Trace contours of equal error around the perfect actuator A = 1, d = 0.
+
+    All contours advance together, so that the error is asked for many cells at once.
 
     Parameters
     ----------
     error : callable
-        Error [-] of given amplitudes [-] and delays [s]; zero at A = 1, d = 0.
-    threshold : float
-        Error [-] on the contour, positive.
+        Error [-] of given amplitudes [-] and delays [s] for the contours of given indices; zero at
+        A = 1, d = 0.
+    thresholds : numpy.ndarray
+        Error [-] on each contour, positive, shape (contours,).
     time_scale : float
         Time [s] by which delays compare with amplitudes, 1/ω₀ of the structure.
     amplitude_step : float, optional
@@ -61,86 +69,98 @@ def trace_contour(
 
     Returns
     -------
-    Contour
-        At least eleven points with d ≥ 0.
+    list of Contour
+        One for each threshold, each of at least eleven points with d > 0; cut at half and twice the
+        amplitude where it reaches so far.
 
     Raises
     ------
     InputError
-        If the error does not reach the threshold however wrong the amplitude is.
+        If a threshold is not positive.
 
     Examples
     --------
-    >>> circle = trace_contour(lambda a, d: np.hypot(a - 1.0, d), 0.05, time_scale=1.0)
+    >>> def error(amplitude, delay, contour):
+    ...     return np.hypot(amplitude - 1.0, delay)
+    >>> (circle,) = trace_contours(error, np.array([0.05]), time_scale=1.0)
     >>> circle.amplitude.size, float(circle.delay.max().round(6))
     (99, 0.05)
     """
-    if not (np.isfinite(threshold) and threshold > 0.0):
+    wrong = ~(np.isfinite(thresholds) & (thresholds > 0.0))
+    if wrong.any():
         raise InputError(
-            "The error threshold must be positive", value=threshold, remedy="Give a fraction, 0.05 for 5 %"
+            "The error threshold must be positive",
+            value=thresholds[wrong][0],
+            remedy="Give a fraction, 0.05 for 5 %",
         )
-    lower, upper = _amplitude_range(error, threshold)
-    amplitude = _amplitudes(lower, upper, amplitude_step)
-    return Contour(
-        amplitude=amplitude, delay=_delays(error, threshold, amplitude, (lower, upper), time_scale)
-    )
+    half_widths = _half_widths(error, thresholds)
+    offsets = [_offsets(below, above, amplitude_step) for below, above in half_widths]
+    owner = np.repeat(np.arange(thresholds.size), [offset.size for offset in offsets])
+    offset = np.concatenate(offsets)
+    delay = _delays(error, thresholds, offset, owner, half_widths, time_scale)
+    return [
+        Contour(amplitude=1.0 + offset[owner == each], delay=delay[owner == each])
+        for each in range(thresholds.size)
+    ]
 
 
-def _amplitude_range(error: ErrorOfCells, threshold: float) -> tuple[float, float]:
-    """Amplitudes below and above 1 at which the error reaches the threshold without delay."""
-    side = np.array([-1.0, 1.0])
+def _half_widths(error: ErrorOfCells, thresholds: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Amplitude offsets below and above 1 at which each contour ends; shape (contours, 2)."""
+    owner = np.repeat(np.arange(thresholds.size), 2)
+    side = np.tile([-1.0, 1.0], thresholds.size)
+    furthest = np.where(side < 0.0, 1.0 - LOWEST_AMPLITUDE, HIGHEST_AMPLITUDE - 1.0)
 
-    def excess(change: NDArray[np.float64], side: NDArray[np.float64]) -> NDArray[np.float64]:
-        return _finite(error(1.0 + side * change, np.zeros_like(change))) - threshold
+    def excess(
+        offset: NDArray[np.float64], side: NDArray[np.float64], owner: NDArray[np.int64]
+    ) -> NDArray[np.float64]:
+        return _finite(error(1.0 + side * offset, np.zeros_like(offset), owner)) - thresholds[owner]
 
-    slope = (excess(np.full(2, _FIRST_GUESS), side) + threshold) / _FIRST_GUESS
-    outer = threshold / slope
-    furthest = np.array([1.0 - _LOWEST_AMPLITUDE, _LARGEST_AMPLITUDE - 1.0])
-    outer = np.minimum(outer, furthest)
-    while (inside := excess(outer, side) < 0.0).any():
-        if (inside & (outer >= furthest)).any():
-            raise InputError(
-                f"The error must reach the threshold for some amplitude between {_LOWEST_AMPLITUDE:g} and "
-                f"{_LARGEST_AMPLITUDE:g}",
-                value=f"a threshold of {threshold:g}",
-                remedy="Give a smaller threshold",
-            )
+    guess = np.full(owner.size, _FIRST_GUESS)
+    slope = (excess(guess, side, owner) + thresholds[owner]) / guess
+    outer = np.minimum(thresholds[owner] / slope, furthest)
+    while ((inside := excess(outer, side, owner) < 0.0) & (outer < furthest)).any():
         outer = np.where(inside, np.minimum(_GROWTH * outer, furthest), outer)
-    root = elementwise.find_root(excess, (np.zeros(2), outer), args=(side,), tolerances=_TOLERANCES)
-    return 1.0 - float(root.x[0]), 1.0 + float(root.x[1])
+    root = elementwise.find_root(
+        excess, (np.zeros_like(outer), outer), args=(side, owner), tolerances=_TOLERANCES
+    )
+    return np.where(inside, furthest, root.x).reshape(-1, 2)
 
 
-def _amplitudes(lower: float, upper: float, step: float) -> NDArray[np.float64]:
-    """Amplitudes 1 ± j·step inside the contour."""
-    narrow, wide = min(1.0 - lower, upper - 1.0), max(1.0 - lower, upper - 1.0)
+def _offsets(below: float, above: float, step: float) -> NDArray[np.float64]:
+    """Amplitude offsets ± j·step inside a contour."""
+    narrow, wide = min(below, above), max(below, above)
     if narrow < (_FEWEST_STEPS + 1) * step:
         step /= np.ceil((_FEWEST_STEPS + 1) * step / narrow)
     if wide > _MOST_STEPS * step:
         step *= np.ceil(wide / (_MOST_STEPS * step))
     # A point at the very tip would have no delay left to find.
-    below, above = int((1.0 - lower) / step - _TIP), int((upper - 1.0) / step - _TIP)
-    return 1.0 + step * np.arange(-below, above + 1, dtype=np.float64)
+    first, last = int(below / step - _TIP), int(above / step - _TIP)
+    return step * np.arange(-first, last + 1, dtype=np.float64)
 
 
 def _delays(
     error: ErrorOfCells,
-    threshold: float,
-    amplitude: NDArray[np.float64],
-    ends: tuple[float, float],
+    thresholds: NDArray[np.float64],
+    offset: NDArray[np.float64],
+    owner: NDArray[np.int64],
+    half_widths: NDArray[np.float64],
     time_scale: float,
 ) -> NDArray[np.float64]:
-    """Delay on the contour at each amplitude."""
+    """Delay on its contour at each amplitude."""
 
-    def excess(delay: NDArray[np.float64], amplitude: NDArray[np.float64]) -> NDArray[np.float64]:
-        return _finite(error(amplitude, delay)) - threshold
+    def excess(
+        delay: NDArray[np.float64], offset: NDArray[np.float64], owner: NDArray[np.int64]
+    ) -> NDArray[np.float64]:
+        return _finite(error(1.0 + offset, delay, owner)) - thresholds[owner]
 
-    half_width = np.where(amplitude < 1.0, 1.0 - ends[0], ends[1] - 1.0)
-    height = np.sqrt(np.maximum(1.0 - ((amplitude - 1.0) / half_width) ** 2, 1e-3))
+    half_width = half_widths[owner, (offset > 0.0).astype(np.int64)]
+    height = np.sqrt(np.maximum(1.0 - (offset / half_width) ** 2, 1e-3))
     outer = 1.1 * time_scale * half_width * height
-    while (inside := excess(outer, amplitude) < 0.0).any():
+    while (inside := excess(outer, offset, owner) < 0.0).any():
         outer = np.where(inside, _GROWTH * outer, outer)
-    start = np.zeros_like(outer)
-    root = elementwise.find_root(excess, (start, outer), args=(amplitude,), tolerances=_TOLERANCES)
+    root = elementwise.find_root(
+        excess, (np.zeros_like(outer), outer), args=(offset, owner), tolerances=_TOLERANCES
+    )
     return np.asarray(root.x, dtype=np.float64)
 
 

@@ -5,7 +5,7 @@ import csv
 import numpy as np
 import pytest
 
-from reliab.boundary import Contour, Cosine, Ellipse, Parabola, motion_contour, trace_contour
+from reliab.boundary import Contour, Cosine, Ellipse, Parabola, motion_contours, trace_contours
 from reliab.errors import InputError
 from reliab.indices.response_error import relative_error
 from reliab.loop.engine import Loop
@@ -17,8 +17,8 @@ from reliab.vocabulary import Metric
 
 @pytest.mark.parametrize("half_width", [0.002, 0.02, 0.3])
 def test_ellipse_of_known_axes_comes_back(half_width):
-    contour = trace_contour(
-        lambda a, d: 0.05 * np.hypot((a - 1.0) / half_width, d / 0.003), 0.05, time_scale=0.1
+    (contour,) = trace_contours(
+        lambda a, d, _: 0.05 * np.hypot((a - 1.0) / half_width, d / 0.003), np.array([0.05]), time_scale=0.1
     )
     found = Ellipse.fit(contour)
     assert 11 <= contour.amplitude.size <= 201
@@ -36,22 +36,25 @@ def test_points_lie_on_the_threshold_for_both_errors():
         structure=Structure(frequency=1.0, damping_ratio=0.04),
     )
     for metric in Metric:
-        for threshold in (0.01, 0.05, 0.2):
-            contour = motion_contour(loop, threshold=threshold, metric=metric)
+        thresholds = (0.01, 0.05, 0.2)
+        for threshold, contour in zip(thresholds, motion_contours(loop, thresholds, metric), strict=True):
             error = relative_error(
                 loop.deviation(loop.cells(gain=contour.amplitude, delay=contour.delay)), metric
             )
             np.testing.assert_allclose(error, threshold, rtol=1e-4)
 
 
-def test_error_that_never_reaches_the_threshold_is_refused():
-    with pytest.raises(InputError, match="reach the threshold"):
-        trace_contour(lambda a, d: 0.01 * np.tanh(np.hypot(a - 1.0, d)), 0.05, time_scale=1.0)
+def test_contour_is_cut_where_the_amplitude_is_out_of_all_proportion():
+    (contour,) = trace_contours(
+        lambda a, d, _: 0.05 * np.hypot(0.3 * (a - 1.0), d / 0.003), np.array([0.05]), time_scale=0.1
+    )
+    assert (contour.amplitude.min(), contour.amplitude.max()) == (pytest.approx(0.5), pytest.approx(2.0))
+    np.testing.assert_allclose(contour.delay, 0.003 * np.sqrt(1 - (0.3 * (contour.amplitude - 1)) ** 2))
 
 
 def test_threshold_must_be_positive():
     with pytest.raises(InputError, match="positive"):
-        trace_contour(lambda a, d: np.hypot(a - 1.0, d), -0.05, time_scale=1.0)
+        trace_contours(lambda a, d, _: np.hypot(a - 1.0, d), np.array([-0.05]), time_scale=1.0)
 
 
 def test_curves_fit_their_own_points():
@@ -78,7 +81,7 @@ def test_table_2_from_the_records(real_motions_folder, shared_folder):
             excitation=Excitation(acceleration=motion.acceleration, time_step=motion.time_step),
             structure=structure,
         )
-        found, row = Ellipse.fit(motion_contour(loop)), rows[motion.name]
+        found, row = Ellipse.fit(*motion_contours(loop)), rows[motion.name]
         ratios = (found.a / float(row["a"]), found.b / float(row["b"]))
         near_prototype += max(abs(ratio - 1.0) for ratio in ratios) < 0.01
         ratios = (found.a / float(row["a_pub"]), found.b / float(row["b_pub"]))

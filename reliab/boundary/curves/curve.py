@@ -14,6 +14,13 @@ _MILLISECONDS = 1e3
 _FEWEST_POINTS = 3
 
 
+def fit_line(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[float, float]:
+    """Slope and intercept of the least-squares straight line."""
+    centred = x - x.mean()
+    slope = float(centred @ y / (centred @ centred))
+    return slope, float(y.mean() - slope * x.mean())
+
+
 @dataclass(frozen=True, kw_only=True)
 class Curve(ABC):
     """A curve d(A) of two parameters, fitted to a contour with the delay in milliseconds.

@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.boundary.curves.curve import Curve
+from reliab.boundary.curves.curve import Curve, fit_line
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,8 +18,7 @@ class Parabola(Curve):
 
     @classmethod
     def _parameters(cls, offset: NDArray[np.float64], delay: NDArray[np.float64]) -> tuple[float, float]:
-        slope, intercept = np.polynomial.Polynomial.fit(offset**2, delay, 1).convert().coef[::-1]
-        return float(slope), float(intercept)
+        return fit_line(offset**2, delay)
 
     @classmethod
     def _squared_delay(cls, offset: NDArray[np.float64], a: float, b: float) -> NDArray[np.float64]:

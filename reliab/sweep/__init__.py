@@ -1,0 +1,1 @@
+"""From a grid of actuators to a labelled dataset: storage, resume, clusters."""

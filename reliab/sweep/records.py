@@ -1,0 +1,33 @@
+"""What a dataset remembers of the ground motions it was computed from."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from reliab.motions import Motion
+from reliab.vocabulary import Dimension
+
+
+def motion_coordinates(motions: Sequence[Motion]) -> dict[str, xr.Variable]:
+    """Coordinates along the dimension of the motions.
+
+    Parameters
+    ----------
+    motions : sequence of Motion
+        The ground motions, in order.
+
+    Returns
+    -------
+    dict of str to xarray.Variable
+        Names, earthquakes, durations [s], time steps [s], peak accelerations [m/s²] and checksums.
+    """
+    columns = {
+        "motion": np.array([motion.name for motion in motions], dtype=np.str_),
+        "event": np.array([motion.event for motion in motions], dtype=np.str_),
+        "duration": np.array([motion.duration for motion in motions]),
+        "dt": np.array([motion.time_step for motion in motions]),
+        "pga": np.array([motion.peak_acceleration for motion in motions]),
+        "checksum": np.array([motion.checksum for motion in motions], dtype=np.str_),
+    }
+    return {name: xr.Variable((Dimension.MOTION,), values) for name, values in columns.items()}
