@@ -96,10 +96,7 @@ def open_source(path: Path, report: Report, *, limit: int | None = None) -> Sour
     content = _read(path, report, limit)
     if content is None:
         return None
-    content = content.removeprefix(LONGEST_LINE = 1000
-"""Characters beyond which a line is no line of a header."""
-
-_BYTE_ORDER_MARK).rstrip(_END_OF_FILE)
+    content = content.removeprefix(_BYTE_ORDER_MARK).rstrip(_END_OF_FILE)
     if b"\r" in content:
         content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     if not content.strip():
