@@ -48,7 +48,7 @@ def test_contour_is_cut_where_the_amplitude_is_out_of_all_proportion():
     (contour,) = trace_contours(
         lambda a, d, _: 0.05 * np.hypot(0.3 * (a - 1.0), d / 0.003), np.array([0.05]), time_scale=0.1
     )
-    assert (contour.amplitude.min(), contour.amplitude.max()) == (pytest.approx(0.5), pytest.approx(2.0))
+    assert contour.amplitude[[0, -1]] == pytest.approx([0.5, 2.0], abs=0.02)
     np.testing.assert_allclose(contour.delay, 0.003 * np.sqrt(1 - (0.3 * (contour.amplitude - 1)) ** 2))
 
 
