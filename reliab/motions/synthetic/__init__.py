@@ -1,0 +1,18 @@
+"""The built-in suite of synthetic ground motions, the product's embedded default.
+
+The motions follow Dabaghi & Der Kiureghian (2018), a stochastic model of near-fault ground motion whose
+parameters depend on magnitude, mechanism, distance, V_S30 and directivity. Its range (M 5.5 to 7.9, up to 31
+km, V_S30 of 139 to 2016 m/s) holds every record of the FEMA P-695 far-field and near-field sets, soil sites
+and velocity pulses included. Its parent, Rezaeian & Der Kiureghian (2010), holds for firm ground (V_S30 of
+600 m/s and more) beyond 10 km only, where 4 of those 50 stations lie, and has no pulses.
+
+The steps, one module each: `fema_p695_2009` draws earthquakes and stations (with `wells_coppersmith_1994`),
+`shahi_baker_2014` decides on a pulse, `dabaghi_der_kiureghian_2018` predicts the parameters, `event_errors`
+and `marginals` scatter them, `modulation`, `filtered_noise` and `pulse` make the motion, `high_pass` cleans
+it, `recording` and `event` put the pieces together and `suite` names the result.
+"""
+
+from reliab.motions.synthetic.scenario import Mechanism, Scenario
+from reliab.motions.synthetic.suite import SyntheticEntry, synthetic_entries, synthetic_suite
+
+__all__ = ["Mechanism", "Scenario", "SyntheticEntry", "synthetic_entries", "synthetic_suite"]

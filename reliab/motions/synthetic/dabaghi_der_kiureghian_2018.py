@@ -1,0 +1,187 @@
+"""From an earthquake and a station to the parameters of a near-fault motion: the published regression.
+
+Dabaghi, M. and Der Kiureghian, A. (2018), Simulation of orthogonal horizontal components of near-fault ground
+motion for specified earthquake source and site characteristics, Earthquake Engng Struct. Dyn. 47; the
+stochastic model is that of the same authors (2017), Stochastic model for simulation of near-fault ground
+motions, Earthquake Engng Struct. Dyn. 46, and of PEER report 2014/20.
+
+Each parameter is transformed to a normal variable ν, for which (2017, eq. 12)
+
+    ν = β₀ + β₁ M + β₂ max(M − 6.5, 0) + β₃ ln R' + β₄ M ln R' + β₅ F Z + β₆ ln V + β₇ s + ε
+
+with R' = √(R_rup² + 6²) [km], F = 1 for reverse faulting and 0 for strike-slip, Z = min(Z_TOR, 1) [km],
+V = min(V_S30, 1100) [m/s] and s the larger of the directivity lengths s and d [km]. The errors ε are jointly
+normal, with the standard deviations and the correlations below, and are cut at two standard deviations.
+
+The tables are those of the authors' own program, which two public programs of independent hands carry over
+(SimCenter's smelt, in C++, and J. Guo's NearFaultMotionSim, in Python). Both agree in every digit; here the
+coefficients are rounded to five decimals and the correlations to four.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import hypot, log
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.motions.synthetic.scenario import Mechanism, Scenario
+
+_MAGNITUDE_HINGE: Final = 6.5
+_DISTANCE_FLOOR: Final = 6.0
+_DEPTH_CAP: Final = 1.0
+_VELOCITY_CAP: Final = 1100.0
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Regression:
+    """The regression of one class of motions, for its p transformed parameters at once.
+
+    Parameters
+    ----------
+    names : tuple of str, length p
+        Names of the parameters.
+    coefficients : array of float, shape (p, 8)
+        β₀ to β₇ of each parameter.
+    deviations : array of float, shape (p,)
+        Standard deviations σ of the errors.
+    correlation : array of float, shape (p, p)
+        Correlations of the errors.
+    """
+
+    names: tuple[str, ...]
+    coefficients: NDArray[np.float64]
+    deviations: NDArray[np.float64]
+    correlation: NDArray[np.float64]
+
+    def means(self, scenario: Scenario) -> NDArray[np.float64]:
+        """Mean of the transformed parameters in a scenario, shape (p,)."""
+        means: NDArray[np.float64] = np.sum(self.coefficients * _covariates(scenario), axis=1)
+        return means
+
+    @cached_property
+    def factor(self) -> NDArray[np.float64]:
+        """Cholesky factor of the correlations, shape (p, p), lower triangular."""
+        return np.linalg.cholesky(self.correlation).astype(np.float64)
+
+
+def _covariates(scenario: Scenario) -> NDArray[np.float64]:
+    log_distance = log(hypot(scenario.rupture_distance, _DISTANCE_FLOOR))
+    reverse = scenario.mechanism is Mechanism.REVERSE
+    return np.array(
+        [
+            1.0,
+            scenario.magnitude,
+            max(scenario.magnitude - _MAGNITUDE_HINGE, 0.0),
+            log_distance,
+            scenario.magnitude * log_distance,
+            min(scenario.depth_to_top, _DEPTH_CAP) if reverse else 0.0,
+            log(min(scenario.shear_wave_velocity, _VELOCITY_CAP)),
+            scenario.directivity_length,
+        ]
+    )
+
+
+def _read(table: str, triangle: str) -> Regression:
+    rows = [line.split() for line in table.strip().splitlines()]
+    numbers = np.array([[float(entry) for entry in row[1:]] for row in rows])
+    correlation = np.eye(len(rows))
+    for i, line in enumerate(triangle.strip().splitlines(), start=1):
+        correlation[i, :i] = correlation[:i, i] = [float(entry) * 1e-4 for entry in line.split()]
+    return Regression(
+        names=tuple(row[0] for row in rows),
+        coefficients=numbers[:, :8],
+        deviations=numbers[:, 8],
+        correlation=correlation,
+    )
+
+
+# Units: cm/s for the pulse velocity and for Arias intensities, s, Hz, Hz/s.
+# Component 1 lies in the direction of the largest pulse and is described without it (residual); component 2
+# is orthogonal to it.
+#                            1         M  (M-6.5)+     ln R'   M ln R'       F Z      ln V         s    sigma
+_PULSE_TABLE: Final = """
+pulse_velocity        1.69863   0.60819  -0.60819  -0.57622         0   0.18307  -0.09393   0.00657  0.38532
+pulse_period         -2.47924   0.67040         0         0         0  -0.26396  -0.23255   0.00792  0.58060
+pulse_oscillations          0         0         0         0         0         0         0         0        1
+pulse_phase                 0         0         0         0         0         0         0         0        1
+pulse_time           -4.24873   0.85219         0   0.38960         0  -0.38032  -0.08801         0  0.46860
+arias_1              -2.11599   1.47405  -1.37811  -1.07312         0   0.33651         0         0  0.78146
+d5_95_1              -0.38109   0.73282         0   0.21650         0  -0.16265  -0.42657         0  0.37195
+d0_5_1               -5.56311   0.90524         0   0.38515         0  -0.28243         0         0  0.44212
+d0_30_1              -4.77682   0.87998         0   0.31061         0  -0.33923         0         0  0.39355
+frequency_1           0.96671  -0.11094         0         0         0         0   0.18329         0  0.40999
+slope_1              -2.16588   0.32150         0         0         0         0         0         0  0.82013
+bandwidth_1          -1.70735   0.43303         0  -0.41265         0         0         0         0  1.09644
+arias_2              -0.26320   1.13061  -1.16957  -1.65164   0.10475   0.40406         0         0  0.74655
+d5_95_2              -0.51597   0.75414         0   0.19158         0  -0.12167  -0.42384         0  0.40244
+d0_5_2               -5.77208   0.92314         0   0.40294         0  -0.23820         0         0  0.46142
+d0_30_2              -5.01588   0.90503         0   0.32684         0  -0.32828         0         0  0.40772
+frequency_2           0.43434  -0.12523         0         0         0         0   0.30163         0  0.44017
+slope_2              -2.87545   0.41568         0         0         0         0         0         0  0.82463
+bandwidth_2          -1.86756   0.45745         0  -0.50110         0         0         0         0  0.96200
+"""
+
+# Lower triangle below the diagonal, in units of 1e-4, in the order of the table above.
+_PULSE_CORRELATION: Final = """
+-1758
+-203 1834
+1736 13 -1900
+1911 4316 2428 1192
+4466 -803 1782 -812 597
+422 984 1072 912 1637 -244
+268 3105 1505 654 7331 584 612
+1200 3682 2364 718 7887 857 2454 8552
+-3822 510 -1140 -1336 -313 784 -247 120 299
+573 223 536 -920 -1538 991 -2248 -490 -618 -2415
+1551 1752 642 299 1261 265 459 2000 1978 1125 1124
+4072 -979 689 -242 158 8378 364 213 1049 1718 -107 -274
+-406 1431 1279 -173 1869 236 7605 1468 2626 -492 -488 871 -1684
+165 2952 894 663 6808 72 370 9316 7955 494 -635 1609 139 585
+415 3709 2137 729 7493 802 2057 8504 9066 1127 -911 2564 607 2431 8412
+-2829 410 -697 -1462 75 1255 -838 232 381 8647 -886 2755 951 101 320 1000
+1062 -682 212 1000 -1658 813 -339 -39 -144 -2862 4215 -1759 1663 -1343 396 -849 -4330
+486 2433 1231 -409 1925 454 -275 2444 2260 1579 2395 7925 -378 858 1833 2773 2624 -1849
+"""
+
+# Components 1 and 2 lie along the major and the intermediate principal axis of the horizontal motion.
+#                            1         M  (M-6.5)+     ln R'   M ln R'       F Z      ln V         s    sigma
+_NO_PULSE_TABLE: Final = """
+arias_1               8.09696   1.00610  -1.39348  -4.85870   0.47264   0.43455  -0.86256         0  1.05272
+d5_95_1              -1.03474   0.76909         0   0.41224         0  -0.37774  -0.42423         0  0.39843
+d0_5_1               -4.72728   0.70972         0   0.47097         0  -0.12352         0         0  0.45683
+d0_30_1              -4.44400   0.79809         0   0.34541         0  -0.23082         0         0  0.30573
+frequency_1           0.24713  -0.14921         0         0         0         0   0.37720         0  0.44752
+slope_1              -1.44303   0.22305         0         0         0         0         0         0  0.94129
+bandwidth_1          -0.38041   0.15934         0  -0.29821         0         0         0         0  1.00768
+arias_2               7.30683   0.99926  -1.33083  -4.95306   0.49055   0.44250  -0.83531         0  1.02823
+d5_95_2              -0.40371   0.67238         0   0.33537         0  -0.33032  -0.36670         0  0.37588
+d0_5_2               -4.79820   0.70916         0   0.47256         0  -0.07558         0         0  0.45841
+d0_30_2              -4.35042   0.78529         0   0.32546         0  -0.22153         0         0  0.29412
+frequency_2           0.42485  -0.18120         0         0         0         0   0.40155         0  0.39997
+slope_2              -2.97912   0.42002         0         0         0         0         0         0  0.83155
+bandwidth_2          -0.70369   0.16057         0  -0.14579         0         0         0         0  0.88787
+"""
+
+_NO_PULSE_CORRELATION: Final = """
+-1836
+890 854
+1041 3074 8132
+143 -150 -2254 -1629
+2029 -1494 7 -946 -1875
+-1519 888 -841 -192 -1637 -854
+9452 -794 563 1310 720 1520 -1098
+-778 8484 1372 2895 -806 -283 606 -745
+496 951 9076 7528 -1730 22 -674 477 782
+967 2887 7883 9085 -1651 -879 -179 1170 2947 7861
+918 -597 -1892 -1515 8971 -875 -880 1047 -896 -1775 -1684
+1037 -161 -219 -638 -778 6475 -1059 1375 -502 87 -774 -1838
+-1212 1139 -932 -499 -42 -1571 7613 -1072 968 -672 -275 69 -1109
+"""
+
+PULSE: Final = _read(_PULSE_TABLE, _PULSE_CORRELATION)
+"""Motions with a velocity pulse: five parameters of the pulse, seven of each component."""
+
+NO_PULSE: Final = _read(_NO_PULSE_TABLE, _NO_PULSE_CORRELATION)
+"""Motions without a pulse: seven parameters of each component."""

@@ -1,0 +1,114 @@
+"""Noise whose frequency wanders: white noise through a filter with time-varying parameters."""
+
+from collections.abc import Iterator
+from itertools import pairwise
+from math import ceil, cos, exp, log, pi, sin, sqrt
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from reliab.motions.synthetic.modulation import Modulation
+from reliab.motions.synthetic.parameters import ComponentParameters
+
+_LOWEST_FREQUENCY: Final = 0.3
+"""Lower bound of the filter frequency [Hz] (Dabaghi & Der Kiureghian 2017)."""
+
+_FORGOTTEN: Final = 1e-5
+"""Responses that have decayed to this part of their first amplitude are left out."""
+
+_STEPS_PER_BANDWIDTH: Final = 8
+"""The frequency goes in steps of ζ/8 of itself, a sixteenth of the width of the filter's peak."""
+
+_NARROWEST: Final = 0.05
+"""Bandwidth ζ below which the steps become no smaller."""
+
+
+def filter_frequency(
+    component: ComponentParameters, modulation: Modulation, times: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Frequency of the filter at each time.
+
+    It changes linearly between the times of 1 % and 99 % of the Arias intensity, is constant before and
+    after, and never falls below 0.3 Hz; ``component.frequency`` holds at 30 %.
+
+    Parameters
+    ----------
+    component : ComponentParameters
+        Frequency and its slope.
+    modulation : Modulation
+        The modulating function, for the times of the shares.
+    times : array of float, shape (n,)
+        Times from the start [s].
+
+    Returns
+    -------
+    array of float, shape (n,)
+        Frequency [Hz].
+    """
+    first, middle, last = (modulation.time_of_share(share) for share in (0.01, 0.30, 0.99))
+    linear = component.frequency + component.frequency_slope * (np.clip(times, first, last) - middle)
+    return np.maximum(linear, _LOWEST_FREQUENCY)
+
+
+def filtered_noise(
+    noise: NDArray[np.float64], frequency: NDArray[np.float64], bandwidth: float, time_step: float
+) -> NDArray[np.float64]:
+    """Filter white noise through a damped oscillator whose frequency each impulse keeps from its own time.
+
+    x(t) = Σ h(t − τ, ω(τ)) w(τ) / √(Σ h(t − τ, ω(τ))²) over all earlier impulses τ, with h(t, ω) = ω/√(1 −
+    ζ²) exp(−ζωt) sin(ω√(1 − ζ²) t) (Rezaeian & Der Kiureghian 2010; Dabaghi & Der Kiureghian 2017). The
+    variance of x is 1 at every time but the first, where x is 0. Neighbouring impulses of nearly the same
+    frequency share one recursion; that makes ω a staircase whose steps are narrow against the filter's peak.
+
+    Parameters
+    ----------
+    noise : array of float, shape (n,)
+        Independent standard normal numbers w.
+    frequency : array of float, shape (n,)
+        Filter frequency ω/2π at each time [Hz].
+    bandwidth : float
+        Damping ratio ζ of the filter, between 0 and 1.
+    time_step : float
+        Interval between samples [s].
+
+    Returns
+    -------
+    array of float, shape (n,)
+        Noise of unit variance.
+
+    Examples
+    --------
+    >>> noise = np.array([1.0, 0.0, 0.0, 0.0])
+    >>> filtered_noise(noise, np.full(4, 2.0), bandwidth=0.2, time_step=0.01)
+    array([0.        , 1.        , 0.88843676, 0.7887594 ])
+    """
+    total, power = np.zeros(noise.size), np.zeros(noise.size)
+    for begin, end in _blocks(frequency, bandwidth):
+        angle = 2.0 * pi * time_step * float(frequency[(begin + end) // 2])
+        stop = min(end + ceil(-log(_FORGOTTEN) / (bandwidth * angle)), noise.size)
+        impulses = np.zeros((2, stop - begin))
+        impulses[0, : end - begin] = noise[begin:end]
+        impulses[1, 0] = 1.0
+        responses = _oscillate(impulses, angle, bandwidth)
+        energy = np.cumsum(responses[1] ** 2)
+        total[begin:stop] += responses[0]
+        power[begin:stop] += energy
+        power[end:stop] -= energy[: stop - end]
+    return np.divide(total, np.sqrt(power), out=total, where=power > 0.0)
+
+
+def _blocks(frequency: NDArray[np.float64], bandwidth: float) -> Iterator[tuple[int, int]]:
+    """Begin and end of each run of samples whose frequency lies on one step of the staircase."""
+    step = max(bandwidth, _NARROWEST) / _STEPS_PER_BANDWIDTH
+    ends = np.flatnonzero(np.diff(np.floor(np.log(frequency) / step))) + 1
+    yield from pairwise([0, *ends.tolist(), frequency.size])
+
+
+def _oscillate(impulses: NDArray[np.float64], angle: float, bandwidth: float) -> NDArray[np.float64]:
+    """Response ω h of an oscillator of ω Δt = angle to impulses, shape (..., n)."""
+    decay, turn = exp(-bandwidth * angle), angle * sqrt(1.0 - bandwidth**2)
+    ahead, behind = 2.0 * decay * cos(turn), decay**2
+    response: NDArray[np.float64] = lfilter([0.0, angle * decay * sin(turn)], [1.0, -ahead, behind], impulses)
+    return response

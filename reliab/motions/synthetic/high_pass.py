@@ -1,0 +1,102 @@
+"""Post-processing: no long waves that the process has and earthquakes have not, and rest at the end."""
+
+from math import ceil
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+_ORDER: Final = 4
+
+
+def corner_frequency(magnitude: float) -> float:
+    """Corner frequency of the high-pass filter, 10^(1.4071 − 0.3452 M) (Dabaghi & Der Kiureghian 2018).
+
+    Parameters
+    ----------
+    magnitude : float
+        Moment magnitude.
+
+    Returns
+    -------
+    float
+        Frequency [Hz].
+
+    Examples
+    --------
+    >>> round(corner_frequency(7.0), 4)
+    0.0979
+    """
+    return float(10.0 ** (1.4071 - 0.3452 * magnitude))
+
+
+def padding(magnitude: float, time_step: float) -> int:
+    """Return the number of zeros that the filter needs at either end, three periods of its corner."""
+    return ceil(0.75 * _ORDER / corner_frequency(magnitude) / time_step)
+
+
+def high_pass(acceleration: NDArray[np.float64], magnitude: float, time_step: float) -> NDArray[np.float64]:
+    """Take out the waves below the corner frequency, without a shift in phase.
+
+    The amplitude response of the Butterworth filter is √(r / (1 + r)) with r = (f/f_c)⁸, so that neither the
+    velocity nor the displacement keeps a residual.
+
+    Parameters
+    ----------
+    acceleration : array of float, shape (..., n)
+        Acceleration with zeros before and after the motion, see `padding`.
+    magnitude : float
+        Moment magnitude, for the corner frequency.
+    time_step : float
+        Interval between samples [s].
+
+    Returns
+    -------
+    array of float, shape (..., n)
+        Filtered acceleration, in the units of the input.
+    """
+    count = acceleration.shape[-1]
+    length = fft.next_fast_len(count, real=True)
+    ratio = (fft.rfftfreq(length, time_step) / corner_frequency(magnitude)) ** (2 * _ORDER)
+    spectrum = fft.rfft(acceleration, length) * np.sqrt(ratio / (1.0 + ratio))
+    filtered: NDArray[np.float64] = fft.irfft(spectrum, length)[..., :count]
+    return filtered
+
+
+def settle(acceleration: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Bring the ground to rest where it was: subtract the least straight line that does so.
+
+    Parameters
+    ----------
+    acceleration : array of float, shape (..., n)
+        Acceleration, linear between samples at equal steps.
+
+    Returns
+    -------
+    array of float, shape (..., n)
+        Acceleration with no velocity and no displacement at the last sample.
+
+    Examples
+    --------
+    >>> settle(np.array([1.0, 1.0, 1.0, 1.0]))
+    array([0., 0., 0., 0.])
+    """
+    count = acceleration.shape[-1]
+    weights = _weights_of_rest(count)
+    line = np.stack([np.ones(count), np.linspace(-1.0, 1.0, count)])
+    residuals = np.sum(acceleration[..., np.newaxis, :] * weights, axis=-1)
+    effects = np.sum(weights[:, np.newaxis, :] * line, axis=-1)
+    slopes = np.linalg.solve(effects, residuals[..., np.newaxis])[..., 0]
+    settled: NDArray[np.float64] = acceleration - np.sum(slopes[..., np.newaxis] * line, axis=-2)
+    return settled
+
+
+def _weights_of_rest(count: int) -> NDArray[np.float64]:
+    """Weights of the samples in the last velocity (over Δt) and the last displacement (over Δt²)."""
+    velocity = np.ones(count)
+    velocity[[0, -1]] = 0.5
+    displacement = np.arange(count - 1, -1, -1, dtype=np.float64)
+    displacement[0] = (count - 1) / 2 - 1 / 6
+    displacement[-1] = 1 / 6
+    return np.stack([velocity, displacement])

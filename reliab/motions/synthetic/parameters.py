@@ -1,0 +1,154 @@
+"""The physical parameters of one recording, and how a scenario and an error give them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import exp, pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.motions.synthetic import marginals
+from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import NO_PULSE, PULSE, Regression
+
+_CENTIMETRE = 0.01
+
+
+@dataclass(frozen=True, kw_only=True)
+class ComponentParameters:
+    """What one horizontal component is built from.
+
+    Parameters
+    ----------
+    arias_intensity : float
+        Arias intensity I_a [m/s].
+    strong_duration : float
+        Time between 5 % and 95 % of the Arias intensity, D5-95 [s].
+    onset_duration : float
+        Time from the start to 5 % of it, D0-5 [s].
+    rise_duration : float
+        Time from the start to 30 % of it, D0-30 [s].
+    frequency : float
+        Frequency of the noise filter when 30 % is reached [Hz].
+    frequency_slope : float
+        Rate of change of that frequency [Hz/s].
+    bandwidth : float
+        Damping ratio ζ of the noise filter, between 0 and 1.
+    """
+
+    arias_intensity: float
+    strong_duration: float
+    onset_duration: float
+    rise_duration: float
+    frequency: float
+    frequency_slope: float
+    bandwidth: float
+
+    @property
+    def strong_end(self) -> float:
+        """Time from the start to 95 % of the Arias intensity, D0-95 [s]."""
+        return self.onset_duration + self.strong_duration
+
+
+@dataclass(frozen=True, kw_only=True)
+class PulseParameters:
+    """What the velocity pulse of a recording is built from.
+
+    Parameters
+    ----------
+    velocity : float
+        Amplitude V_p [m/s].
+    period : float
+        Period T_p of the oscillation [s].
+    oscillations : float
+        Length of the pulse in periods, γ.
+    phase : float
+        Phase of the oscillation against its envelope [rad].
+    peak_time : float
+        Time from the start to the peak of the envelope [s].
+    """
+
+    velocity: float
+    period: float
+    oscillations: float
+    phase: float
+    peak_time: float
+
+    @property
+    def start(self) -> float:
+        """Time at which the pulse begins [s]."""
+        return self.peak_time - 0.5 * self.oscillations * self.period
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecordingParameters:
+    """What both components of one recording are built from.
+
+    Parameters
+    ----------
+    first : ComponentParameters
+        Along the major principal axis, or in the direction of the pulse (without the pulse itself).
+    second : ComponentParameters
+        Orthogonal to the first.
+    pulse : PulseParameters, optional
+        The velocity pulse in the direction of the first component.
+    """
+
+    first: ComponentParameters
+    second: ComponentParameters
+    pulse: PulseParameters | None = None
+
+
+def regression_of(*, pulse_like: bool) -> Regression:
+    """Return the regression for motions with or without a pulse."""
+    return PULSE if pulse_like else NO_PULSE
+
+
+def physical_parameters(normal: NDArray[np.float64], *, pulse_like: bool) -> RecordingParameters:
+    """Transform the normal variables of the regression to physical parameters.
+
+    Parameters
+    ----------
+    normal : array of float, shape (19,) with a pulse or (14,) without
+        Transformed parameters ν, in the order of the regression's names.
+    pulse_like : bool
+        Whether the motion holds a pulse.
+
+    Returns
+    -------
+    RecordingParameters
+        The parameters in SI units.
+
+    Examples
+    --------
+    >>> parameters = physical_parameters(NO_PULSE.coefficients[:, 0], pulse_like=False)
+    >>> round(parameters.second.arias_intensity, 2)
+    14.9
+    """
+    values = dict(zip(regression_of(pulse_like=pulse_like).names, normal.tolist(), strict=True))
+    return RecordingParameters(
+        first=_component(values, "1"),
+        second=_component(values, "2"),
+        pulse=_pulse(values) if pulse_like else None,
+    )
+
+
+def _component(values: Mapping[str, float], number: str) -> ComponentParameters:
+    return ComponentParameters(
+        arias_intensity=exp(values[f"arias_{number}"]) * _CENTIMETRE,
+        strong_duration=exp(values[f"d5_95_{number}"]),
+        onset_duration=exp(values[f"d0_5_{number}"]),
+        rise_duration=exp(values[f"d0_30_{number}"]),
+        frequency=exp(values[f"frequency_{number}"]),
+        frequency_slope=marginals.slope(values[f"slope_{number}"]),
+        bandwidth=marginals.bandwidth(values[f"bandwidth_{number}"]),
+    )
+
+
+def _pulse(values: Mapping[str, float]) -> PulseParameters:
+    return PulseParameters(
+        velocity=exp(values["pulse_velocity"]) * _CENTIMETRE,
+        period=exp(values["pulse_period"]),
+        oscillations=marginals.oscillations(values["pulse_oscillations"]),
+        phase=pi * marginals.phase(values["pulse_phase"]),
+        peak_time=exp(values["pulse_time"]),
+    )
