@@ -1,0 +1,47 @@
+"""How close the suite is to the 100 real components, in intensity, duration and period."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from reliab.motions import MotionSuite, load_motions
+from reliab.motions.intensity import measure
+from reliab.motions.synthetic import synthetic_suite
+
+
+def _logarithms(suite: MotionSuite) -> NDArray[np.float64]:
+    """Peak, Arias intensity, D5-95 and mean period, shape (4, n)."""
+    measures = [measure(motion) for motion in suite]
+    return np.log(
+        [
+            [each.peak_acceleration, each.arias_intensity, each.significant_duration, each.mean_period]
+            for each in measures
+        ]
+    ).T
+
+
+@pytest.fixture(scope="module")
+def distributions(real_motions_folder: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    return _logarithms(load_motions(real_motions_folder)), _logarithms(synthetic_suite(count=400))
+
+
+@pytest.mark.parametrize(
+    ("row", "ratio"),
+    [(0, 0.85), (1, 1.1), (2, 1.3), (3, 0.65)],
+    ids=["peak", "Arias intensity", "duration", "mean period"],
+)
+def test_medians_stand_in_the_stated_ratio(
+    distributions: tuple[NDArray[np.float64], NDArray[np.float64]], row: int, ratio: float
+) -> None:
+    real, synthetic = (np.median(measures[row]) for measures in distributions)
+    assert np.exp(synthetic - real) == pytest.approx(ratio, rel=0.15)
+
+
+@pytest.mark.parametrize("row", range(4), ids=["peak", "Arias intensity", "duration", "mean period"])
+def test_scatter_is_that_of_the_real_records(
+    distributions: tuple[NDArray[np.float64], NDArray[np.float64]], row: int
+) -> None:
+    real, synthetic = (np.std(measures[row]) for measures in distributions)
+    assert synthetic == pytest.approx(real, rel=0.25)
