@@ -15,7 +15,7 @@ from typing import TypeVar
 from reliab.motions.faults import Report
 from reliab.motions.readers.header import number
 from reliab.motions.readers.reading import Declared
-from reliab.motions.readers.source import open_source
+from reliab.motions.readers.source import is_file, open_source
 from reliab.motions.record import RecordFile
 from reliab.motions.units import AccelerationUnit, find_unit
 
@@ -109,7 +109,7 @@ def _record(
     """Yield the record of a row, if nothing is wrong with the row."""
     faults_before = len(report.faults)
     file = path.parent / row["file"].replace("\\", "/")
-    if not file.is_file():
+    if not is_file(file):
         report.add(
             "Every file of a catalogue must exist",
             line=line,

@@ -13,6 +13,7 @@ from reliab.motions.faults import Fault, Report
 from reliab.motions.folder import motion_name, scan_file, scan_folder
 from reliab.motions.loading import BUILT_IN, declare, load_motions
 from reliab.motions.readers.reading import Declared
+from reliab.motions.readers.source import is_file, is_folder
 from reliab.motions.record import RecordFile
 from reliab.vocabulary import STANDARD_GRAVITY
 
@@ -96,7 +97,7 @@ def inspect(
     if path in BUILT_IN:
         return Inspection(records=len(list(load_motions(path))), faults=[])
     source, given = Path(path), declare(time_step, units)
-    if not source.exists():
+    if not (is_folder(source) or is_file(source)):
         raise InputError(
             "A source of motions must exist", value=str(path), remedy="Name a folder of records or one file"
         )
@@ -121,14 +122,14 @@ def inspect(
 def _records(source: Path, given: Declared, faults: list[Fault]) -> Iterator[tuple[RecordFile, Report]]:
     """Find the records, each with a new report, and note the faults of catalogues and headers."""
     catalogue = source / CATALOGUE
-    if catalogue.is_file():
+    if is_file(catalogue):
         report = Report(file=str(catalogue))
         found = read_catalogue(catalogue, report, given)
         faults.extend(report.faults)
         scanned: Iterable[tuple[Path, list[RecordFile], Report]] = [
             (record.path, [record], Report(file=str(record.path))) for record in found
         ]
-    elif source.is_dir():
+    elif is_folder(source):
         scanned = scan_folder(source, given)
     else:
         report = Report(file=str(source))

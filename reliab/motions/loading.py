@@ -9,6 +9,7 @@ from reliab.motions.faults import Report
 from reliab.motions.folder import motion_name, scan_file, scan_folder
 from reliab.motions.motion import Motion
 from reliab.motions.readers.reading import Declared
+from reliab.motions.readers.source import is_file, is_folder
 from reliab.motions.record import RecordFile
 from reliab.motions.suite import MotionEntry, MotionSuite
 from reliab.motions.units import parse_unit
@@ -153,9 +154,9 @@ def _entries(source: str | Path, given: Declared) -> list[MotionEntry]:
 
         return list(synthetic_suite().entries)
     path = Path(source)
-    if path.is_dir():
+    if is_folder(path):
         return list(_folder_entries(path, given))
-    if path.is_file():
+    if is_file(path):
         report = Report(file=str(path))
         found = scan_file(path, motion_name(Path(path.name)), given, report)
         report.raise_first()
@@ -169,7 +170,7 @@ def _entries(source: str | Path, given: Declared) -> list[MotionEntry]:
 
 def _folder_entries(folder: Path, given: Declared) -> list[RecordFile]:
     catalogue = folder / CATALOGUE
-    if catalogue.is_file():
+    if is_file(catalogue):
         report = Report(file=str(catalogue))
         found = read_catalogue(catalogue, report, given)
         report.raise_first()

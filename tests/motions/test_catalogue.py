@@ -72,6 +72,7 @@ def test_channels_of_a_file_are_chosen_by_number(records: dict[str, str], write:
         ("motion,file\nx,a.AT2\nx,a.AT2\n", 3, "must differ; found x, as in line 2"),
         ("motion,file\nx,gone.AT2\n", 2, "file of a catalogue must exist; found gone.AT2"),
         ("motion,file\nx,.\n", 2, "file of a catalogue must exist"),
+        (f"motion,file\nx,{'long' * 1000}\n", 2, "file of a catalogue must exist"),
         ("motion,file\n,a.AT2\n", 2, "must fill the column motion"),
         ("motion,file\nx\n", 2, "must fill the column file"),
         ("motion,file,dt_s\nx,a.AT2,0\n", 2, "column dt_s must hold a positive number; found 0"),

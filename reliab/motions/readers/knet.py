@@ -1,8 +1,8 @@
 """K-NET and KiK-net ASCII: seventeen labelled lines, then counts of the instrument.
 
-A count times the scale factor of the header is acceleration in gal. The instrument has an offset; NIED,
-which publishes the records, subtracts the mean of the whole record before it states the largest
-acceleration, and so does this reader.
+Each component is a file of its own. A count times the scale factor of the header is acceleration in gal. The
+instrument has an offset; NIED, which publishes the records, subtracts the mean of the whole record before it
+states the largest acceleration, and so does this reader.
 
 References
 ----------
@@ -22,13 +22,11 @@ _LABELS = {
     "longitude": re.compile(r"^Long?\.\s+(\S+)", re.IGNORECASE),
     "rate": re.compile(r"^Sampling Freq\S*\s+(\S+?)\s*(?:Hz)?\s*$", re.IGNORECASE),
     "duration": re.compile(r"^Duration Time\S*\s+(\S+)", re.IGNORECASE),
-    "channel": re.compile(r"^Dir\.\s+(\S+)", re.IGNORECASE),
     "scale": re.compile(r"^Scale Factor\s+(.*)$", re.IGNORECASE),
     "memo": re.compile(r"^Memo\.?(.*)$", re.IGNORECASE),
 }
 _HEADER_LINES = 30
 _SCALE = re.compile(rf"\s*({NUMBER})\s*\(\s*gal\s*\)\s*/\s*({NUMBER})\s*", re.IGNORECASE)
-_DIRECTIONS = {"1": "N-S", "2": "E-W", "3": "U-D", "4": "N-S", "5": "E-W", "6": "U-D"}
 
 
 def recognises(source: Source) -> bool:
@@ -66,7 +64,6 @@ def headers(source: Source, report: Report) -> list[Header]:
     scale = _scale(found["scale"], report)
     if time_step is None or scale is None:
         return []
-    channel = found["channel"][1] if "channel" in found else ""
     return [
         Header(
             start=found["memo"][0].stop,
@@ -77,7 +74,6 @@ def headers(source: Source, report: Report) -> list[Header]:
             scale=scale,
             remove_mean=True,
             event=_event(found),
-            channel=_DIRECTIONS.get(channel, channel),
         )
     ]
 

@@ -50,14 +50,13 @@ class Reading:
         Samples [m/s²].
     time_step : float
         Interval between samples [s].
-    event, channel : str
-        The earthquake and the component, where the header names them.
+    event : str
+        The earthquake, where the header identifies it.
     """
 
     acceleration: NDArray[np.float64]
     time_step: float
     event: str
-    channel: str
 
 
 def complete(source: Source, header: Header, declared: Declared, report: Report) -> Reading | None:
@@ -96,7 +95,7 @@ def complete(source: Source, header: Header, declared: Declared, report: Report)
     acceleration = _in_si(source, header, values, units, report)
     if report.faults:
         return None
-    return Reading(acceleration=acceleration, time_step=time_step, event=header.event, channel=header.channel)
+    return Reading(acceleration=acceleration, time_step=time_step, event=header.event)
 
 
 def _settle_units(

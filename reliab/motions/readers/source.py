@@ -67,6 +67,22 @@ class Source:
             start, number = after, number + 1
 
 
+def is_file(path: Path) -> bool:
+    """Tell whether a path is a file, also where the system cannot even look."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
+
+
+def is_folder(path: Path) -> bool:
+    """Tell whether a path is a folder, also where the system cannot even look."""
+    try:
+        return path.is_dir()
+    except OSError:
+        return False
+
+
 def decode(raw: bytes) -> str:
     """Decode a piece of a header: UTF-8 where it is, Latin-1 otherwise, without the line's end."""
     try:

@@ -1,6 +1,5 @@
 """What no reader can help: files that are missing, locked, empty, binary or of no known format."""
 
-import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -57,10 +56,12 @@ def test_a_folder_is_no_record(tmp_path: Path) -> None:
         read_motion(tmp_path)
 
 
-@pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="needs a user whom permissions bind")
-def test_an_unreadable_file_is_explained(write: Write) -> None:
+def test_an_unreadable_file_is_explained(write: Write, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
     path = write("a.txt", "0.1\n")
-    path.chmod(0)
+    monkeypatch.setattr(Path, "open", refuse)
     with pytest.raises(InputError, match="must be readable; found Permission denied"):
         read_motion(path)
 
