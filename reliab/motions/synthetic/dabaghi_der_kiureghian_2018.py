@@ -13,9 +13,10 @@ with R' = √(R_rup² + 6²) [km], F = 1 for reverse faulting and 0 for strike-s
 V = min(V_S30, 1100) [m/s] and s the larger of the directivity lengths s and d [km]. The errors ε are jointly
 normal, with the standard deviations and the correlations below, and are cut at two standard deviations.
 
-The tables are those of the authors' own program, which two public programs of independent hands carry over
-(SimCenter's smelt, in C++, and J. Guo's NearFaultMotionSim, in Python). Both agree in every digit; here the
-coefficients are rounded to five decimals and the correlations to four.
+The tables stand in two public programs of different hands (SimCenter's smelt, in C++, and J. Guo's
+NearFaultMotionSim, in Python), which agree in all their 15 digits; the printed tables were not at hand, and
+the numbers of equations are as smelt cites them. Here the coefficients are rounded to five decimals and the
+correlations to four.
 """
 
 from dataclasses import dataclass
