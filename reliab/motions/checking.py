@@ -112,7 +112,7 @@ def inspect(
         faults.extend(report.faults)
         if reading is not None:
             value = float(np.abs(reading.acceleration).max())
-            confirmed = record.declared.units is not None
+            confirmed = record.declared.units is not None and given.units is None
             peaks.append(_Peak(file=report.file, value=value, confirmed=confirmed))
     if not checked and not faults:
         faults.append(_no_records(source, sets))

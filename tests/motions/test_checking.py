@@ -89,6 +89,14 @@ def test_a_record_out_of_scale_with_its_folder_is_reported(
     assert "mixed units" in fault.remedy
 
 
+def test_units_given_for_a_whole_folder_do_not_hide_a_mixture(write: Write, tmp_path: Path) -> None:
+    for name, peak in {"a": 200, "b": 300, "c": 900, "odd": 0.3}.items():
+        write(f"{name}.txt", two_columns("cm/s2", peak).partition("\n")[2])
+    (fault,) = check_folder(tmp_path, units="cm/s2")
+    assert Path(fault.file).name == "odd.txt"
+    assert fault.value == "0.000306 g against 0.255 g"
+
+
 def test_a_record_whose_units_the_catalogue_confirms_may_be_weak(write: Write, tmp_path: Path) -> None:
     rows = ""
     for name, peak in {"a": 0.2, "b": 0.3, "c": 0.9, "weak": 0.001}.items():

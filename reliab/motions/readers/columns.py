@@ -97,6 +97,8 @@ def _first_unequal(times: NDArray[np.float64], step: float, place: float) -> int
     backwards = np.flatnonzero(np.diff(times) <= 0)
     if backwards.size:
         return int(backwards[0]) + 1
+    if not np.isfinite(step):
+        return 1
     off = np.abs(times - times[0] - step * np.arange(times.size)) > max(place, _JITTER * step)
     if not off.any():
         return None

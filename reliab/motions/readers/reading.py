@@ -59,6 +59,7 @@ class Reading:
     event: str
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def complete(source: Source, header: Header, declared: Declared, report: Report) -> Reading | None:
     """Read the samples that a header announces and turn them into acceleration.
 
@@ -210,7 +211,7 @@ def _in_si(
         )
     largest = int(np.abs(acceleration).argmax())
     peak = abs(float(acceleration[largest])) / STANDARD_GRAVITY
-    if peak > PEAK_LIMIT_G:
+    if not peak <= PEAK_LIMIT_G:
         report.add(
             f"The peak of a record must not exceed {PEAK_LIMIT_G:g} g",
             line=line_of_sample(source, header, largest),

@@ -72,6 +72,7 @@ def test_small_differences_between_networks_are_read(old: str, new: str, knet: s
         ("Sampling Freq(Hz) 10Hz\n", "", 1, "must be complete; found no line for rate"),
         ("   13196", " 1319six", 18, "must be a number; found '1319six'"),
         ("   13196", "99999999", 18, "must not exceed 5 g"),
+        ("   13196    13187", " 1.7e308 1.7e308", 18, "must not exceed 5 g"),
         ("   13196", "     nan", 18, "must be finite; found 'nan'"),
     ],
 )

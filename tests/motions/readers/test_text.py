@@ -110,6 +110,8 @@ def test_an_event_can_be_declared_in_the_header(write: Write) -> None:
         ("# units: g\n2010/01/17 a title\n" + TWO, 2, "one column, or two"),
         ("# units: g\n0,00;0,1\n0,01;0,2\n", 2, "must be a number; found '0,00'"),
         ("# units: g\n# dt = 1\n0.5\n", 3, "at least two samples; found 1"),
+        ("# units: g\n-1e308 0.1\n1e308 0.2\n", 3, "equal steps"),
+        ("# units: g\n# dt = 1\n-1e308\n1e308\n", 3, "must not exceed 5 g; found inf g"),
         ("# units: g\n0.0 0.5\n", 2, "at least two samples; found 1"),
         ("# units: g\n# dt = 1\n0.5\nnan\n", 4, "must be finite; found 'nan'"),
         ("# units: g\n# dt = 1\ninf\n0.5\n", 3, "must be finite; found 'inf'"),
