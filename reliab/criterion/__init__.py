@@ -1,0 +1,8 @@
+"""Distributions, Bayesian fits, laws and the criterion."""
+
+from reliab.criterion.criterion import Criterion
+from reliab.criterion.derivation import derive_criterion
+from reliab.criterion.ellipse_csv import read_ellipses
+from reliab.criterion.ellipse_sample import EllipseSample, sample_of
+
+__all__ = ["Criterion", "EllipseSample", "derive_criterion", "read_ellipses", "sample_of"]

@@ -1,0 +1,61 @@
+"""A weighted sum of normal distributions of the logarithm: what the mixture and the empirical one share."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import elementwise
+from scipy.special import logsumexp
+from scipy.stats import norm
+
+from reliab.criterion.distributions.distribution import Distribution
+
+_REACH = 40.0  # standard deviations from the outermost mean within which every quantile lies
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class NormalKernels(Distribution):
+    """Weighted normal distributions of the logarithm.
+
+    Parameters
+    ----------
+    weights, means, spreads : array of float, shape (k,)
+        Weight, mean and standard deviation of the logarithm of each.
+    """
+
+    weights: NDArray[np.float64]
+    means: NDArray[np.float64]
+    spreads: NDArray[np.float64]
+
+    def log_density(self, values: ArrayLike) -> NDArray[np.float64]:
+        """Natural logarithm of the density."""
+        logarithms = np.log(values)
+        return log_mixture(logarithms, self.weights, self.means, self.spreads) - logarithms
+
+    def cumulative(self, values: ArrayLike) -> NDArray[np.float64]:
+        """Probability of being at most each value."""
+        return self._cumulative_of_logarithm(np.log(values))
+
+    def quantile(self, probability: ArrayLike) -> NDArray[np.float64]:
+        """Value that is not exceeded with the given probability."""
+        wanted = np.asarray(probability, dtype=np.float64)
+        low = np.full_like(wanted, (self.means - _REACH * self.spreads).min())
+        high = np.full_like(wanted, (self.means + _REACH * self.spreads).max())
+        root = elementwise.find_root(
+            lambda x, p: self._cumulative_of_logarithm(x) - p, (low, high), args=(wanted,)
+        )
+        return np.asarray(np.exp(root.x))
+
+    def _cumulative_of_logarithm(self, logarithms: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.asarray(norm.cdf(logarithms[..., None], self.means, self.spreads) @ self.weights)
+
+
+def log_mixture(
+    logarithms: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    means: NDArray[np.float64],
+    spreads: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Logarithm of a mixture's density of the logarithm, shape of `logarithms`."""
+    each = norm.logpdf(logarithms[..., None], means, spreads)
+    return np.asarray(logsumexp(each, b=weights, axis=-1))

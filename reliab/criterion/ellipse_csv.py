@@ -1,0 +1,120 @@
+"""A table of ellipses in a CSV file, such as the paper's Table 2.
+
+Columns `a` [-] and `b` [ms²]; where present, `motion` (or `record`), `event`, `f` (or `f_hz`) [Hz],
+`xi`, `threshold` and `metric`. Without `event`, the motion's name before the first "/" is its
+earthquake; without a motion, every row is an earthquake of its own.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from reliab.errors import InputError
+from reliab.vocabulary import ELLIPSE_DIMENSIONS, LABELS, Metric
+
+_OTHER_NAMES = {"record": "motion", "f_hz": "f"}
+_CELL = ("f", "xi", "threshold", "metric")
+
+
+def read_ellipses(
+    path: str | Path,
+    *,
+    frequency: float = 1.0,
+    damping_ratio: float = 0.02,
+    threshold: float = 0.05,
+    metric: str = Metric.RMS,
+) -> xr.Dataset:
+    """Read a table of ellipses.
+
+    Parameters
+    ----------
+    path : str or Path
+        The CSV file.
+    frequency, damping_ratio, threshold, metric
+        What the ellipses were traced for [Hz, -, -], where the file does not say.
+
+    Returns
+    -------
+    xarray.Dataset
+        `a` and `b` over (motion, f, xi, threshold, metric, curve), with the coordinate `event`.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, lacks a column, holds a parameter that is not a positive number,
+        or holds one motion twice for one structure and error; the message names the line.
+    """
+    table = _table(Path(path))
+    given = pd.DataFrame(
+        {"f": frequency, "xi": damping_ratio, "threshold": threshold, "metric": str(metric)},
+        index=table.index,
+    )
+    table = table.join(given[[name for name in given if name not in table]])
+    for name in ("a", "b", "f", "xi", "threshold"):
+        table[name] = _positive(table[name], name, str(path))
+    repeated = table.duplicated(["motion", *_CELL])
+    if repeated.any():
+        raise InputError(
+            "A motion may stand only once for one structure and error",
+            value=table["motion"][repeated].iloc[0],
+            remedy="Rename one, or add the columns f, xi, threshold that tell them apart",
+            where=f"{path}, line {_line(repeated)}",
+        )
+    return _dataset(table)
+
+
+def _table(path: Path) -> pd.DataFrame:
+    try:
+        table = pd.read_csv(path, skipinitialspace=True, dtype=str, keep_default_na=False, index_col=False)
+    except (OSError, ValueError) as error:
+        raise InputError(
+            "A table of ellipses must be a readable CSV file",
+            value=str(error).strip(),
+            remedy="Give a file with the columns a and b",
+            where=str(path),
+        ) from error
+    table = table.rename(columns=lambda name: name.strip().lower())
+    table = table.rename(columns={k: v for k, v in _OTHER_NAMES.items() if v not in table})
+    missing = [name for name in ("a", "b") if name not in table]
+    if missing:
+        raise InputError(
+            "A table of ellipses must have the columns a and b",
+            value=f"no column {' or '.join(missing)}",
+            remedy="Name the columns in the first line; a is dimensionless, b in ms²",
+            where=f"{path}, line 1",
+        )
+    if "motion" not in table:
+        table["motion"] = [f"row {row}" for row in range(1, len(table) + 1)]
+    if "event" not in table:
+        table["event"] = table["motion"].str.split("/").str[0]
+    return table
+
+
+def _positive(column: "pd.Series[str]", name: str, path: str) -> "pd.Series[float]":
+    numbers = pd.to_numeric(column, errors="coerce")
+    wrong = ~(np.isfinite(numbers) & (numbers > 0.0))
+    if wrong.any():
+        raise InputError(
+            f"The column {name} must hold positive numbers",
+            value=repr(column[wrong].iloc[0]),
+            remedy="Correct or remove the row",
+            where=f"{path}, line {_line(wrong)}",
+        )
+    return numbers
+
+
+def _line(wrong: "pd.Series[bool]") -> int:
+    """Line of the first wrong row; the names of the columns are line 1."""
+    return int(np.flatnonzero(wrong)[0]) + 2
+
+
+def _dataset(table: pd.DataFrame) -> xr.Dataset:
+    order = table["motion"].drop_duplicates().to_numpy()
+    events = table.drop_duplicates("motion").set_index("motion")["event"]
+    cube = table.assign(curve="ellipse").set_index(list(ELLIPSE_DIMENSIONS))[["a", "b"]].to_xarray()
+    cube = cube.sel(motion=order).assign_coords(event=("motion", events[order].to_numpy().astype(np.str_)))
+    for name in cube.variables:
+        cube[name].attrs.update(long_name=LABELS[str(name)].long_name, units=LABELS[str(name)].units)
+    return cube

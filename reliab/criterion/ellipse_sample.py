@@ -1,0 +1,180 @@
+"""Ellipses of many ground motions at one structure and one error: what a criterion is derived from."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from reliab.errors import InputError
+
+FEWEST_MOTIONS = 3
+"""A spread cannot be learned from fewer."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class EllipseSample:
+    """Ellipse parameters over ground motions, for one structure, threshold and metric.
+
+    Parameters
+    ----------
+    a : array of float, shape (motions,)
+        Amplitude parameters [-], positive.
+    b : array of float, shape (motions,)
+        Delay parameters [ms²], positive.
+    motions, events : array of str, shape (motions,)
+        Names of the motions and of their earthquakes.
+    frequency : float
+        Natural frequency of the structure [Hz].
+    damping_ratio : float
+        Its damping ratio [-].
+    threshold : float
+        Error on the boundaries [-].
+    metric : str
+        Which error, "rms" or "mte".
+
+    Raises
+    ------
+    InputError
+        If there are fewer than three motions, or a parameter is not positive and finite.
+
+    Examples
+    --------
+    >>> sample = EllipseSample(
+    ...     a=np.array([1e-4, 2e-4, 4e-4]), b=np.array([2.0, 4.0, 8.0]),
+    ...     motions=np.array(["K/1", "K/2", "L/1"]), events=np.array(["K", "K", "L"]),
+    ...     frequency=1.0, damping_ratio=0.02, threshold=0.05, metric="rms",
+    ... )
+    >>> sample.n_motions, sample.n_events, round(sample.correlation, 3)
+    (3, 2, 1.0)
+    """
+
+    a: NDArray[np.float64]
+    b: NDArray[np.float64]
+    motions: NDArray[np.str_]
+    events: NDArray[np.str_]
+    frequency: float
+    damping_ratio: float
+    threshold: float
+    metric: str
+
+    def __post_init__(self) -> None:
+        if self.a.size < FEWEST_MOTIONS:
+            raise InputError(
+                f"A criterion is derived from at least {FEWEST_MOTIONS} ground motions",
+                value=self.a.size,
+                remedy="Give more motions",
+            )
+        for name, values in (("a", self.a), ("b", self.b)):
+            wrong = ~(np.isfinite(values) & (values > 0.0))
+            if wrong.any():
+                raise InputError(
+                    f"The ellipse parameter {name} must be positive and finite",
+                    value=values[wrong][0],
+                    remedy="Leave the motion out, or trace its boundary again",
+                    where=str(self.motions[wrong][0]),
+                )
+
+    @property
+    def log_a(self) -> NDArray[np.float64]:
+        """Logarithms of a, shape (motions,)."""
+        return np.log(self.a)
+
+    @property
+    def log_b(self) -> NDArray[np.float64]:
+        """Logarithms of b [ms²], shape (motions,)."""
+        return np.log(self.b)
+
+    @property
+    def n_motions(self) -> int:
+        """Number of motions."""
+        return int(self.a.size)
+
+    @property
+    def n_events(self) -> int:
+        """Number of earthquakes."""
+        return int(np.unique(self.events).size)
+
+    @property
+    def correlation(self) -> float:
+        """Correlation coefficient of a and b, the paper's 0.9774; NaN when one of them is constant."""
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return float(np.corrcoef(self.a, self.b)[0, 1])
+
+
+def sample_of(
+    ellipses: xr.Dataset, *, frequency: float, damping_ratio: float, threshold: float, metric: str
+) -> EllipseSample:
+    """Take the ellipses of one structure at one error from a dataset.
+
+    Parameters
+    ----------
+    ellipses : xarray.Dataset
+        Variables `a` [-] and `b` [ms²] over (motion, f, xi, threshold, metric, curve) with the
+        coordinate `event`; motions without an ellipse there are left out (see `is_ellipse`).
+    frequency, damping_ratio, threshold, metric
+        The structure [Hz, -], the error on the boundary [-] and its name, all in the dataset.
+
+    Returns
+    -------
+    EllipseSample
+        The sample.
+
+    Raises
+    ------
+    InputError
+        If the dataset has no such structure, threshold or metric.
+    """
+    wanted = {"f": frequency, "xi": damping_ratio, "threshold": threshold}
+    chosen = {name: _position(ellipses, name, value) for name, value in wanted.items()}
+    names = [str(name) for name in ellipses["metric"].values]
+    if metric not in names:
+        raise InputError(
+            "The ellipses must have been traced for the metric",
+            value=metric,
+            remedy=f"Choose among {', '.join(names)}",
+        )
+    cell = ellipses.isel(chosen).sel(metric=metric, curve="ellipse")
+    known = is_ellipse(cell["a"].values, cell["b"].values)
+    return EllipseSample(
+        a=cell["a"].values[known].astype(np.float64),
+        b=cell["b"].values[known].astype(np.float64),
+        motions=cell["motion"].values[known].astype(np.str_),
+        events=cell["event"].values[known].astype(np.str_),
+        frequency=frequency,
+        damping_ratio=damping_ratio,
+        threshold=threshold,
+        metric=metric,
+    )
+
+
+def is_ellipse(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Tell where both parameters describe an ellipse.
+
+    A boundary that reaches beyond half or twice the amplitude is cut there, and the straight line of
+    equation (9) may then have no ellipse. Such a motion tolerates more than any criterion would allow,
+    so that leaving it out is on the safe side.
+
+    Parameters
+    ----------
+    a, b : array of float
+        Ellipse parameters, any shape.
+
+    Returns
+    -------
+    array of bool
+        True where a and b are positive and finite.
+    """
+    return np.asarray(np.isfinite(a) & np.isfinite(b) & (a > 0.0) & (b > 0.0))
+
+
+def _position(ellipses: xr.Dataset, name: str, value: float) -> int:
+    values = ellipses[name].values.astype(np.float64)
+    close = np.flatnonzero(np.isclose(values, value, rtol=1e-9, atol=0.0))
+    if close.size == 0:
+        raise InputError(
+            f"The ellipses must have been traced for the {ellipses[name].attrs.get('long_name', name)}",
+            value=f"{value:g}",
+            remedy=f"Choose among {', '.join(f'{each:g}' for each in values)}",
+        )
+    return int(close[0])

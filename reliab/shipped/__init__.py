@@ -1,0 +1,56 @@
+"""Where the studies and datasets that ship with the project are found.
+
+In an installed wheel they lie in this package's own folder; in a checkout they are the folders
+`studies/` and `datasets/` beside the package.
+"""
+
+from pathlib import Path
+
+from reliab.errors import InputError
+
+KINDS = ("datasets", "studies")
+"""What ships with the project."""
+
+_INSTALLED = Path(__file__).parent
+_CHECKOUT = Path(__file__).parents[2]
+
+
+def shipped(kind: str, name: str) -> Path:
+    """Find a file or folder that ships with the project.
+
+    Parameters
+    ----------
+    kind : {"datasets", "studies"}
+        What it is.
+    name : str
+        Its path below the folder of its kind, for example ``"paper/table2.csv"``.
+
+    Returns
+    -------
+    Path
+        Where it lies.
+
+    Raises
+    ------
+    InputError
+        If the kind is unknown or there is nothing of that name; the message lists what there is.
+
+    Examples
+    --------
+    >>> shipped("datasets", "paper/table2.csv").name
+    'table2.csv'
+    """
+    if kind not in KINDS:
+        raise InputError("What ships is a dataset or a study", value=kind, remedy=f"Use {' or '.join(KINDS)}")
+    folder = _INSTALLED / kind
+    if not folder.is_dir():
+        folder = _CHECKOUT / kind
+    path = folder / name
+    if not path.exists():
+        present = sorted(each.name for each in folder.glob("*") if each.name != "README.md")
+        raise InputError(
+            f"Nothing of that name ships among the {kind}",
+            value=name,
+            remedy=f"Choose among {', '.join(present)}",
+        )
+    return path
