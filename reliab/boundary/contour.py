@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.optimize import elementwise
 
 from reliab.errors import InputError
+from reliab.loop.structure import Structure
 
 ErrorOfCells = Callable[[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]], NDArray[np.float64]]
 """Error [-] of the whole test for amplitudes [-], delays [s] and the contour that asks, shape (cells,)."""
@@ -22,8 +23,8 @@ _FEWEST_STEPS, _MOST_STEPS = 5, 100
 _FIRST_GUESS = 1e-5  # small against any contour; the error grows in proportion from there
 _GROWTH = 1.4
 _TIP = 1e-6
-LOWEST_AMPLITUDE, HIGHEST_AMPLITUDE = 0.5, 2.0
-"""A contour that reaches beyond half or twice the amplitude is cut there."""
+REACH = 5.0
+"""A contour is cut where |ln A| exceeds this many damping ratios."""
 
 _TOLERANCES = {"xrtol": 1e-7, "frtol": 1e-8, "xatol": 1e-12}
 
@@ -47,13 +48,16 @@ class Contour:
 def trace_contours(
     error: ErrorOfCells,
     thresholds: NDArray[np.float64],
+    structure: Structure,
     *,
-    time_scale: float,
     amplitude_step: float = AMPLITUDE_STEP,
 ) -> list[Contour]:
     """Trace contours of equal error around the perfect actuator A = 1, d = 0.
 
-    All contours advance together, so that the error is asked for many cells at once.
+    All contours advance together, so that the error is asked for many cells at once. A contour is
+    cut at five damping ratios of amplitude error: further out the loop resonates at another
+    frequency than the structure, the error no longer grows, and no ellipse describes the contour.
+    Below 10 % RMS^R hardly any contour comes so far.
 
     Parameters
     ----------
@@ -62,16 +66,15 @@ def trace_contours(
         A = 1, d = 0.
     thresholds : numpy.ndarray
         Error [-] on each contour, positive, shape (contours,).
-    time_scale : float
-        Time [s] by which delays compare with amplitudes, 1/ω₀ of the structure.
+    structure : Structure
+        The structure under test, which sets the scale of amplitudes, ξ, and of delays, 1/ω₀.
     amplitude_step : float, optional
         Step of the amplitude [-], the paper's 0.001 by default.
 
     Returns
     -------
     list of Contour
-        One for each threshold, each of at least eleven points with d > 0; cut at half and twice the
-        amplitude where it reaches so far.
+        One for each threshold, each of at least eleven points with d > 0.
 
     Raises
     ------
@@ -82,7 +85,8 @@ def trace_contours(
     --------
     >>> def error(amplitude, delay, contour):
     ...     return np.hypot(amplitude - 1.0, delay)
-    >>> (circle,) = trace_contours(error, np.array([0.05]), time_scale=1.0)
+    >>> structure = Structure(frequency=1.0, damping_ratio=0.02)
+    >>> (circle,) = trace_contours(error, np.array([0.05]), structure)
     >>> circle.amplitude.size, float(circle.delay.max().round(6))
     (99, 0.05)
     """
@@ -93,22 +97,22 @@ def trace_contours(
             value=thresholds[wrong][0],
             remedy="Give a fraction, 0.05 for 5 %",
         )
-    half_widths = _half_widths(error, thresholds)
+    half_widths = _half_widths(error, thresholds, REACH * structure.damping_ratio)
     offsets = [_offsets(below, above, amplitude_step) for below, above in half_widths]
     owner = np.repeat(np.arange(thresholds.size), [offset.size for offset in offsets])
     offset = np.concatenate(offsets)
-    delay = _delays(error, thresholds, offset, owner, half_widths, time_scale)
+    delay = _delays(error, thresholds, offset, owner, half_widths, 1.0 / structure.circular_frequency)
     return [
         Contour(amplitude=1.0 + offset[owner == each], delay=delay[owner == each])
         for each in range(thresholds.size)
     ]
 
 
-def _half_widths(error: ErrorOfCells, thresholds: NDArray[np.float64]) -> NDArray[np.float64]:
+def _half_widths(error: ErrorOfCells, thresholds: NDArray[np.float64], reach: float) -> NDArray[np.float64]:
     """Amplitude offsets below and above 1 at which each contour ends; shape (contours, 2)."""
     owner = np.repeat(np.arange(thresholds.size), 2)
     side = np.tile([-1.0, 1.0], thresholds.size)
-    furthest = np.where(side < 0.0, 1.0 - LOWEST_AMPLITUDE, HIGHEST_AMPLITUDE - 1.0)
+    furthest = np.abs(np.expm1(side * reach))
 
     def excess(
         offset: NDArray[np.float64], side: NDArray[np.float64], owner: NDArray[np.int64]

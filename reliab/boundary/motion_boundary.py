@@ -36,5 +36,4 @@ def motion_contours(
     ) -> NDArray[np.float64]:
         return relative_error(loop.deviation(loop.cells(gain=amplitude, delay=delay)), metric)
 
-    scale = 1.0 / loop.structure.circular_frequency
-    return trace_contours(error, np.asarray(thresholds, dtype=np.float64), time_scale=scale)
+    return trace_contours(error, np.asarray(thresholds, dtype=np.float64), loop.structure)

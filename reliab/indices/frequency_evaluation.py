@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from scipy.signal import get_window
 
 from reliab.errors import InputError
+from reliab.loop.tracking_sums import TrackingSums
 
 _FEWEST_SAMPLES = 16
 
@@ -100,6 +101,26 @@ def frequency_evaluation(
         equivalent_frequency=equivalent_frequency,
         equivalent_delay=-phase / (2.0 * np.pi * equivalent_frequency),
     )
+
+
+def evaluate_sums(sums: TrackingSums) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Evaluate tracking of many simulated tests from sums that were accumulated while stepping.
+
+    Parameters
+    ----------
+    sums : TrackingSums
+        Sums over the positive frequencies of command and measured displacement.
+
+    Returns
+    -------
+    amplitude, equivalent_delay : numpy.ndarray
+        A [-] and d [s], shape (cells,); A within 3e-4 and d within 0.3 % of
+        :func:`frequency_evaluation` of the histories.
+    """
+    with np.errstate(all="ignore"):  # a violently unstable cell has no index
+        index = sums.cross / sums.power
+        delay = -np.angle(index) / (2.0 * np.pi * sums.equivalent_frequency)
+    return np.abs(index), delay
 
 
 def _check(command: NDArray[np.float64], measured: NDArray[np.float64]) -> None:

@@ -11,6 +11,7 @@ from the same z.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
@@ -28,7 +29,8 @@ LONGEST_BLOCK = 0.01
 """Longest block [s], so that what a soft structure takes from the record above its own frequency
 is followed too."""
 
-_PARTS = 16  # of a block in which the exact response may have its peak
+_NEAR_PEAK = 0.97  # a block that ends this high may hold the peak of the exact response
+_PARTS = 16  # in which it is then divided
 
 _Number = TypeVar("_Number", np.float64, np.complex128)
 
@@ -49,8 +51,10 @@ class Blocks:
         Ground acceleration [m/s²] at the two ends of each block, shape (blocks,).
     ideal : numpy.ndarray
         Exact response x_I [m] at the edges of the blocks, shape (blocks + 1,).
-    ideal_peak : float
-        Largest |x_I| [m] inside the window, between edges too.
+    excitation : Excitation
+        The record and its window.
+    pole : complex
+        Pole p of the structure's own mode [1/s].
     """
 
     step: float
@@ -59,12 +63,24 @@ class Blocks:
     left: NDArray[np.float64]
     right: NDArray[np.float64]
     ideal: NDArray[np.float64]
-    ideal_peak: float
+    excitation: Excitation
+    pole: complex
 
     @property
     def intervals(self) -> float:
         """Length of the window in blocks."""
         return self.left.size - self.before - 1 + self.end
+
+    @cached_property
+    def ideal_peak(self) -> float:
+        """Largest |x_I| [m] inside the window, between the edges of blocks too."""
+        begin, end = self.excitation.window
+        inside = np.abs(self.ideal[self.before :])
+        high = inside >= _NEAR_PEAK * inside.max()
+        starts = begin + self.step * np.flatnonzero(high[1:] | high[:-1])
+        close = np.add.outer(starts, self.step * np.linspace(0.0, 1.0, _PARTS + 1)).ravel()
+        mode = _mode(self.excitation, self.pole, np.minimum(close, end))
+        return float(np.abs(mode.imag).max() / self.pole.imag)
 
 
 def ramp_weights(
@@ -109,26 +125,20 @@ def cut(excitation: Excitation, structure: Structure, *, step: float | None = No
     mode = _mode(excitation, pole, edges)
     early, late, decay = ramp_weights(np.array([pole]), step)
     effect = mode[1:] - decay * mode[:-1]
-    weights = np.array([[early[0].real, late[0].real], [early[0].imag, late[0].imag]])
-    left, right = np.linalg.solve(weights, np.stack([effect.real, effect.imag]))
-    ideal = -mode.imag / pole.imag  # x_I = −2Re(z/(p − p̄))
-    near_peak = edges[before:-1][_may_hold_peak(ideal[before:])]
-    close = np.minimum(np.add.outer(near_peak, step * np.linspace(0.0, 1.0, _PARTS + 1)).ravel(), end)
+    first, second = complex(early[0]), complex(late[0])
+    determinant = (first.conjugate() * second).imag
+    left = (second.imag * effect.real - second.real * effect.imag) / determinant
+    right = (first.real * effect.imag - first.imag * effect.real) / determinant
     return Blocks(
         step=step,
         before=before,
         end=(end - begin) / step - (inside - 1),
         left=left,
         right=right,
-        ideal=ideal,
-        ideal_peak=float(np.abs(_mode(excitation, pole, close).imag).max() / pole.imag),
+        ideal=-mode.imag / pole.imag,  # x_I = −2Re(z/(p − p̄))
+        excitation=excitation,
+        pole=pole,
     )
-
-
-def _may_hold_peak(samples: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Intervals between samples at the ends of which the modulus is within 3 % of its largest."""
-    high = np.abs(samples) >= 0.97 * np.abs(samples).max()
-    return np.asarray(high[1:] | high[:-1])
 
 
 def _mode(excitation: Excitation, pole: complex, times: NDArray[np.float64]) -> NDArray[np.complex128]:

@@ -10,6 +10,7 @@ from reliab.errors import InputError
 from reliab.loop.blocks import block_length
 from reliab.loop.dominant_pole import ModalLoop, modal_loop, reduction_loss
 from reliab.loop.pole_recursion import recursion
+from reliab.loop.stability import critical_delay
 from reliab.loop.structure import Structure
 
 
@@ -48,6 +49,11 @@ class Cells:
                 )
 
     @cached_property
+    def stable(self) -> NDArray[np.bool_]:
+        """Whether the delay of each cell is below the critical delay."""
+        return self.delay < critical_delay(self.structure, self.gain)
+
+    @cached_property
     def modal(self) -> ModalLoop:
         """The loop of each cell, reduced to its dominant pole pair."""
         return modal_loop(self.structure, self.gain, self.delay)
@@ -61,7 +67,3 @@ class Cells:
     def reduction(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """What the reduction loses and what is sought, by frequency band, shape (bands, cells)."""
         return reduction_loss(self.structure, self.gain, self.delay, self.modal)
-
-    def __getitem__(self, chosen: NDArray[np.bool_]) -> "Cells":
-        """Only the chosen cells."""
-        return Cells(structure=self.structure, gain=self.gain[chosen], delay=self.delay[chosen])

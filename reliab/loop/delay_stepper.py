@@ -50,7 +50,7 @@ def _cubic_effects(pole: NDArray[np.complex128], step: float) -> tuple[NDArray[n
     """∫₀ᴴ e^(p(H−s))h(s) ds of the four cubics h."""
     s = 0.5 * (_GAUSS_NODES + 1.0)
     kernel = 0.5 * step * _GAUSS_WEIGHTS * np.exp(np.multiply.outer(pole * step, 1.0 - s))
-    return tuple(np.asarray(kernel @ shape) for shape in _cubics(s, step))
+    return tuple(np.sum(kernel * shape, axis=-1) for shape in _cubics(s, step))
 
 
 def coefficients(

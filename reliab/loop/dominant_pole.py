@@ -1,4 +1,4 @@
-"""The loop reduced to its dominant pole pair.
+"""The loop reduced to its dominant pole pair and a fast pair.
 
 A loop with a short delay is a second-order system: of the infinitely many poles of::
 
@@ -7,10 +7,11 @@ A loop with a short delay is a second-order system: of the infinitely many poles
 one lightly damped pair carries the response, and the others, about 1/τ fast and heavily damped,
 nearly follow the ground acceleration. The transfer function from −a_g is therefore split as::
 
-    k_p e^(−sτ)/Q(s) = r/(s − p) + r̄/(s − p̄) + c/(1 + sT) + O(s²τ⁴)
+    k_p e^(−sτ)/Q(s) = r/(s − p) + r̄/(s − p̄) + (n₀ + n₁s)/(1 + m₁s + m₂s²) + O(s⁴τ⁶)
 
-with the residue r = k_p e^(−pτ)/Q'(p). The quasi-static term matches value and slope of what the
-pair leaves at s = 0 (c ≈ τ²/2, T ≈ τ/3); it vanishes for τ = 0, where the pair is the whole loop.
+with the residue r = k_p e^(−pτ)/Q'(p). The last term is the Padé approximant of what the pair
+leaves; for short delays that is k_p(e^(−sτ) − 1 + sτ)/s² times a constant near one. It vanishes for
+τ = 0, where the pair is the whole loop.
 """
 
 from dataclasses import dataclass
@@ -22,6 +23,8 @@ from reliab.loop.structure import Structure
 
 _NEWTON_STEPS = 60
 _CONVERGED = 1e-14
+_MOMENTS = 4
+_SHORT = 0.02  # ω₀τ below which the shape of the rest is that of a vanishing delay
 _NO_DEVIATION = 1e-9  # of the response: a perfect actuator leaves nothing to be lost
 # Reduced and exact loop are compared at these multiples of the natural frequency.
 _COMPARED = np.geomspace(0.1, 40.0, 61)
@@ -29,20 +32,28 @@ _COMPARED = np.geomspace(0.1, 40.0, 61)
 
 @dataclass(frozen=True, kw_only=True)
 class ModalLoop:
-    """A pole pair with its residue and the quasi-static rest, one entry per cell.
+    """Two pole pairs with their residues, one entry per cell.
 
     Attributes
     ----------
     pole, residue : numpy.ndarray
-        Dominant pole p [1/s] and residue r [s] of the response to −a_g, complex, shape (cells,).
-    quasi_static, lag : numpy.ndarray
-        Gain c [s²] and time constant T [s] of what follows −a_g almost at once, shape (cells,).
+        Dominant pole p [1/s] and residue r [s] of the response to −a_g, complex, shape (cells,);
+        their conjugates belong to them.
+    fast_poles, fast_residues : numpy.ndarray
+        Poles [1/s] and residues [s] of the fast pair, complex, shape (2, cells); the residues are
+        zero where there is no delay.
     """
 
     pole: NDArray[np.complex128]
     residue: NDArray[np.complex128]
-    quasi_static: NDArray[np.float64]
-    lag: NDArray[np.float64]
+    fast_poles: NDArray[np.complex128]
+    fast_residues: NDArray[np.complex128]
+
+    def transfer(self, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Transfer function from −a_g [s²] at frequencies s [rad/s] that broadcast with the cells."""
+        slow = self.residue / (s - self.pole) + self.residue.conj() / (s - self.pole.conj())
+        (p, q), (u, v) = self.fast_poles, self.fast_residues
+        return slow + u / (s - p) + v / (s - q)
 
 
 def dominant_pole(
@@ -80,8 +91,10 @@ def dominant_pole(
     return np.where(settled & (pole.imag > 0.0), pole, np.nan)
 
 
-def modal_loop(structure: Structure, gain: NDArray[np.float64], delay: NDArray[np.float64]) -> ModalLoop:
-    """Split the loop from −a_g to the measured displacement into its dominant pair and a rest.
+def modal_loop(
+    structure: Structure, gain: NDArray[np.float64], delay: NDArray[np.float64], *, measured: bool = True
+) -> ModalLoop:
+    """Split the loop from −a_g to a displacement into its dominant pair and a rest.
 
     Parameters
     ----------
@@ -89,6 +102,8 @@ def modal_loop(structure: Structure, gain: NDArray[np.float64], delay: NDArray[n
         The structure under test.
     gain, delay : numpy.ndarray
         Actuator gain [-] and delay [s], shape (cells,).
+    measured : bool, optional
+        The measured displacement (default), or else the command.
 
     Returns
     -------
@@ -100,20 +115,61 @@ def modal_loop(structure: Structure, gain: NDArray[np.float64], delay: NDArray[n
     coupled = alpha * gain * w0**2
     pole = dominant_pole(structure, gain, delay)
     slope = 2.0 * pole + 2.0 * xi * w0 - delay * coupled * np.exp(-pole * delay)
-    residue = gain * np.exp(-pole * delay) / slope
-    # Value and slope at s = 0 of the whole transfer function, less those of the pair.
-    stiffness = (1.0 - alpha) * w0**2 + coupled
-    static = gain / stiffness
-    static_slope = -static * (delay + (2.0 * xi * w0 - coupled * delay) / stiffness)
-    value = static + 2.0 * (residue / pole).real
-    slope_left = static_slope + 2.0 * (residue / pole**2).real
-    follows = (delay > 0.0) & (value * slope_left < 0.0)
-    return ModalLoop(
-        pole=pole,
-        residue=residue,
-        quasi_static=np.where(follows, value, 0.0),
-        lag=np.where(follows, -slope_left / np.where(follows, value, 1.0), 0.0),
-    )
+    output, late = (gain, delay) if measured else (np.ones_like(gain), np.zeros_like(delay))
+    residue = output * np.exp(-pole * late) / slope
+    rest = _series(structure, gain, delay, output, late)
+    for power in range(_MOMENTS):
+        rest[power] += 2.0 * (residue / pole ** (power + 1)).real
+    short = w0 * delay < _SHORT
+    fast_poles, fast_residues = _fast_pair(rest, delay, short if measured else np.zeros_like(short))
+    if not measured:
+        fast_residues = np.where(short, 0.0, fast_residues)  # of the order of τ⁴
+    return ModalLoop(pole=pole, residue=residue, fast_poles=fast_poles, fast_residues=fast_residues)
+
+
+def _series(
+    structure: Structure,
+    gain: NDArray[np.float64],
+    delay: NDArray[np.float64],
+    output: NDArray[np.float64],
+    late: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Taylor coefficients at s = 0 of the whole transfer function, shape (4, cells)."""
+    w0, xi, alpha = structure.circular_frequency, structure.damping_ratio, structure.experimental_fraction
+    factorial = np.array([[1.0], [1.0], [2.0], [6.0]])
+    power = np.arange(_MOMENTS, dtype=np.float64)[:, np.newaxis]
+    numerator: NDArray[np.float64] = output * (-late) ** power / factorial
+    denominator = alpha * gain * w0**2 * (-delay) ** power / factorial
+    denominator[0] += (1.0 - alpha) * w0**2
+    denominator[1] += 2.0 * xi * w0
+    denominator[2] += 1.0
+    series: NDArray[np.float64] = np.zeros_like(numerator)
+    for k in range(_MOMENTS):
+        known = sum(series[j] * denominator[k - j] for j in range(k))
+        series[k] = (numerator[k] - known) / denominator[0]
+    return series
+
+
+def _fast_pair(
+    rest: NDArray[np.float64], delay: NDArray[np.float64], short: NDArray[np.bool_]
+) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """Poles and residues of the Padé approximant of Taylor coefficients, shape (2, cells) each."""
+    tau = np.maximum(delay, 1e-12)
+    c = rest / tau ** np.arange(2, 2 + _MOMENTS)[:, np.newaxis]  # in units of the delay
+    # The higher coefficients of a very short delay drown in rounding; its shape is known.
+    shape = np.array([[1.0], [-1.0 / 3.0], [1.0 / 12.0], [-1.0 / 60.0]])
+    c = np.where(short, c[0] * shape, c)
+    with np.errstate(all="ignore"):  # cells without a delay have no fast pair
+        determinant = c[1] ** 2 - c[0] * c[2]
+        m1 = (c[0] * c[3] - c[1] * c[2]) / determinant
+        m2 = (c[2] ** 2 - c[1] * c[3]) / determinant
+        root = np.sqrt((m1**2 - 4.0 * m2).astype(np.complex128))
+        poles = np.stack([-m1 + root, -m1 - root]) / (2.0 * m2)
+        residues = (c[0] + (c[1] + m1 * c[0]) * poles) / (m1 + 2.0 * m2 * poles)
+    sound = (delay > 0.0) & (m2 > 0.0) & (m1 > 0.0) & (np.abs(root) > 0.0)
+    fallback = np.array([[-1.0 + 1.0j], [-1.0 - 1.0j]])
+    scaled = np.where(sound, poles, fallback).astype(np.complex128) / tau
+    return scaled, np.where(sound, residues * tau, 0.0).astype(np.complex128)
 
 
 def transfer(
@@ -156,11 +212,6 @@ def reduction_loss(
     s = (2j * np.pi * structure.frequency * _COMPARED[:, np.newaxis]).astype(np.complex128)
     exact = transfer(structure, gain, delay, s)
     ideal = transfer(structure, np.ones(1), np.zeros(1), s)
-    reduced = (
-        loop.residue / (s - loop.pole)
-        + loop.residue.conj() / (s - loop.pole.conj())
-        + loop.quasi_static / (1.0 + s * loop.lag)
-    )
-    lost = np.abs(exact - reduced) ** 2
+    lost = np.abs(exact - loop.transfer(s)) ** 2
     sought = np.maximum(np.abs(exact - ideal), _NO_DEVIATION * np.abs(ideal)) ** 2
     return np.where(np.isfinite(lost), lost, np.inf), sought

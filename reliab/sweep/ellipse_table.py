@@ -1,7 +1,7 @@
 """Ellipses of many ground motions, traced straight from the loop without a stored grid."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import xarray as xr
@@ -16,7 +16,7 @@ from reliab.motions import Motion
 from reliab.progress import Progress, silent
 from reliab.sweep.labels import with_labels
 from reliab.sweep.records import motion_coordinates
-from reliab.vocabulary import ELLIPSE_DIMENSIONS, Metric
+from reliab.vocabulary import ELLIPSE_DIMENSIONS, Dimension, Metric
 
 _COLUMNS = ("a", "b", "sse", "n")
 
@@ -50,7 +50,7 @@ class EllipseRequest:
     thresholds: tuple[float, ...] = (0.05,)
     metrics: tuple[Metric, ...] = (Metric.RMS,)
     curves: tuple[type[Curve], ...] = (Ellipse,)
-    window: Window = Window()
+    window: Window = field(default_factory=Window)
     experimental_fraction: float = 1.0
     engine: Engine = Engine.AUTOMATIC
 
@@ -117,7 +117,10 @@ def ellipse_dataset(
     table: NDArray[np.float64], headers: Sequence[dict[str, xr.Variable]], request: EllipseRequest
 ) -> xr.Dataset:
     """Label a table of curve parameters, shape (motion, f, xi, threshold, metric, curve, 4)."""
-    coordinates = {name: xr.Variable.concat([h[name] for h in headers], "motion") for name in headers[0]}
+    coordinates = {
+        name: (Dimension.MOTION, np.concatenate([header[name].values for header in headers]))
+        for name in headers[0]
+    }
     dataset = xr.Dataset(
         {column: (ELLIPSE_DIMENSIONS, table[..., k]) for k, column in enumerate(_COLUMNS)},
         coords={

@@ -15,10 +15,13 @@ from reliab.motions import load_motions
 from reliab.vocabulary import Metric
 
 
+STRUCTURE = Structure(frequency=1.0, damping_ratio=0.1)
+
+
 @pytest.mark.parametrize("half_width", [0.002, 0.02, 0.3])
 def test_ellipse_of_known_axes_comes_back(half_width):
     (contour,) = trace_contours(
-        lambda a, d, _: 0.05 * np.hypot((a - 1.0) / half_width, d / 0.003), np.array([0.05]), time_scale=0.1
+        lambda a, d, _: 0.05 * np.hypot((a - 1.0) / half_width, d / 0.003), np.array([0.05]), STRUCTURE
     )
     found = Ellipse.fit(contour)
     assert 11 <= contour.amplitude.size <= 201
@@ -46,15 +49,15 @@ def test_points_lie_on_the_threshold_for_both_errors():
 
 def test_contour_is_cut_where_the_amplitude_is_out_of_all_proportion():
     (contour,) = trace_contours(
-        lambda a, d, _: 0.05 * np.hypot(0.3 * (a - 1.0), d / 0.003), np.array([0.05]), time_scale=0.1
+        lambda a, d, _: 0.05 * np.hypot(0.3 * (a - 1.0), d / 0.003), np.array([0.05]), STRUCTURE
     )
-    assert contour.amplitude[[0, -1]] == pytest.approx([0.5, 2.0], abs=0.02)
+    assert contour.amplitude[[0, -1]] == pytest.approx(np.exp([-0.5, 0.5]), abs=0.02)
     np.testing.assert_allclose(contour.delay, 0.003 * np.sqrt(1 - (0.3 * (contour.amplitude - 1)) ** 2))
 
 
 def test_threshold_must_be_positive():
     with pytest.raises(InputError, match="positive"):
-        trace_contours(lambda a, d, _: np.hypot(a - 1.0, d), np.array([-0.05]), time_scale=1.0)
+        trace_contours(lambda a, d, _: np.hypot(a - 1.0, d), np.array([-0.05]), STRUCTURE)
 
 
 def test_curves_fit_their_own_points():

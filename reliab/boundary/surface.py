@@ -1,0 +1,117 @@
+"""Error of the whole test over amplitude and delay, between the cells of a stored grid.
+
+The logarithm of the squared error, which is smooth where the error itself has a tip (at the perfect
+actuator) or grows beyond all bounds (beyond the critical delay), is a bicubic spline in coordinates
+that are linear at the perfect actuator, logarithmic around it and linear again further out, where
+the error saturates or grows exponentially. Many surfaces on one grid are evaluated together.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from reliab.compiled import compiled
+
+_FLOOR = 3e-4  # errors below this are not resolved
+_LARGEST_ERROR = 1e3
+
+
+GAIN_SCALE, DELAY_SCALE = 0.2, 0.1
+"""Shares of the largest |ln k_p| and delay beyond which the coordinates are linear."""
+
+
+def stretched(value: NDArray[np.float64], core: float, scale: float) -> NDArray[np.float64]:
+    """Coordinate that is linear below the core, logarithmic up to the scale, and linear beyond.
+
+    Parameters
+    ----------
+    value : numpy.ndarray
+        Values, any shape and unit.
+    core, scale : float
+        Limits of the logarithmic part, in the unit of the values.
+
+    Returns
+    -------
+    numpy.ndarray
+        Coordinate [-], odd and increasing in the value.
+    """
+    return np.arcsinh(value / core) + value / scale
+
+
+class ErrorSurfaces:
+    """Errors over one grid of gains and delays, interpolated.
+
+    Parameters
+    ----------
+    gain : numpy.ndarray
+        Gains k_p [-], increasing, with 1 among them, shape (kp,).
+    delay : numpy.ndarray
+        Delays τ [s], increasing from zero, shape (tau,).
+    error : numpy.ndarray
+        Errors [-], shape (surfaces, kp, tau).
+    """
+
+    def __init__(
+        self, gain: NDArray[np.float64], delay: NDArray[np.float64], error: NDArray[np.float64]
+    ) -> None:
+        offset = np.log(gain)
+        at_one = int(np.argmin(np.abs(offset)))
+        self._cores = (max(offset[at_one + 1], -offset[at_one - 1]), delay[1])
+        self._scales = (GAIN_SCALE * max(offset[-1], -offset[0]), DELAY_SCALE * delay[-1])
+        self._ends = (gain[0], gain[-1], delay[-1])
+        bounded = np.minimum(np.nan_to_num(error, nan=np.inf), _LARGEST_ERROR)
+        values = np.log(bounded.astype(np.float64) ** 2 + _FLOOR**2)
+        self._edges = self._stretch(offset, 0), self._stretch(delay, 1)
+        along_gain = CubicSpline(self._edges[0], values, axis=1).c  # (4, kp, surface, tau)
+        along_delay = CubicSpline(self._edges[1], along_gain, axis=3).c  # (4, tau, 4, kp, surface)
+        self._patches = np.ascontiguousarray(along_delay.transpose(4, 3, 1, 2, 0))
+
+    def _stretch(self, value: NDArray[np.float64], axis: int) -> NDArray[np.float64]:
+        return stretched(value, self._cores[axis], self._scales[axis])
+
+    def error(
+        self, amplitude: NDArray[np.float64], delay: NDArray[np.float64], surface: NDArray[np.int64]
+    ) -> NDArray[np.float64]:
+        """Error of given actuators.
+
+        Parameters
+        ----------
+        amplitude, delay : numpy.ndarray
+            Gain [-] and delay [s], shape (cells,).
+        surface : numpy.ndarray
+            Which surface is asked, shape (cells,).
+
+        Returns
+        -------
+        numpy.ndarray
+            Error [-], shape (cells,); NaN outside the grid.
+        """
+        place = self._stretch(np.log(amplitude), 0), self._stretch(delay, 1)
+        value = _evaluate(*self._edges, self._patches, *place, surface)
+        lowest, highest, longest = self._ends
+        inside = (amplitude >= lowest * (1 - 1e-9)) & (amplitude <= highest * (1 + 1e-9)) & (delay <= longest)
+        return np.where(inside, np.sqrt(np.maximum(np.exp(value) - _FLOOR**2, 0.0)), np.nan)
+
+
+@compiled
+def _evaluate(
+    gain_edges: NDArray[np.float64],
+    delay_edges: NDArray[np.float64],
+    patches: NDArray[np.float64],
+    gain: NDArray[np.float64],
+    delay: NDArray[np.float64],
+    surface: NDArray[np.int64],
+) -> NDArray[np.float64]:
+    """Bicubic patches by Horner's scheme; shape of the patches (surface, kp, tau, 4, 4)."""
+    found = np.empty(gain.size)
+    for cell in range(gain.size):
+        i = min(max(np.searchsorted(gain_edges, gain[cell], side="right") - 1, 0), gain_edges.size - 2)
+        j = min(max(np.searchsorted(delay_edges, delay[cell], side="right") - 1, 0), delay_edges.size - 2)
+        x, y = gain[cell] - gain_edges[i], delay[cell] - delay_edges[j]
+        patch = patches[surface[cell], i, j]
+        total = 0.0
+        for row in range(4):
+            along = ((patch[row, 0] * y + patch[row, 1]) * y + patch[row, 2]) * y + patch[row, 3]
+            total = total * x + along
+        found[cell] = total
+    return found

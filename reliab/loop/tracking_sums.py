@@ -1,0 +1,165 @@
+"""Sums behind the frequency-domain evaluation index, accumulated while stepping.
+
+The index needs Σ F[O]F[I]* and Σ |F[I]|² over positive frequencies, and the latter weighted with
+the frequency. By Parseval these are sums over time with the analytic signal x_c + iq_c of the
+command, q_c its Hilbert transform. The loop being linear, q_c is its response to the Hilbert
+transform of the record, so that no history is stored. That transform reaches back before the
+record, and stepping starts as much earlier as the structure remembers. The taper of the window
+enters squared; it varies slowly, so that it may be exchanged with the Hilbert transform.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import hilbert
+
+from reliab.compiled import compiled
+from reliab.loop.blocks import Blocks, cut
+from reliab.loop.dominant_pole import modal_loop
+from reliab.loop.excitation import Excitation
+from reliab.loop.pole_recursion import recursion
+from reliab.loop.structure import Structure
+
+_LARGEST_PHASE_STEP = 0.2
+_LONGEST_BLOCK = 0.025
+_MEMORY = 4.0  # time constants of free vibration that are stepped before the record
+_SUMS = 5
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrackingSums:
+    """Sums over positive frequencies of command I and measured displacement O, Hann-tapered.
+
+    Attributes
+    ----------
+    cross : numpy.ndarray
+        Σ F[O]F[I]*, complex, shape (cells,).
+    power : numpy.ndarray
+        Σ |F[I]|² in the same unit, shape (cells,).
+    equivalent_frequency : numpy.ndarray
+        Σ f|F[I]|² / Σ |F[I]|² [Hz], shape (cells,).
+    """
+
+    cross: NDArray[np.complex128]
+    power: NDArray[np.float64]
+    equivalent_frequency: NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class QuadraturePair:
+    """A record and its Hilbert transform, both with as much silence before as the record is long.
+
+    Attributes
+    ----------
+    straight, turned : Excitation
+        The record and the record with every frequency turned by a quarter of a cycle.
+    """
+
+    straight: Excitation
+    turned: Excitation
+
+    @classmethod
+    def of(cls, excitation: Excitation) -> "QuadraturePair":
+        """Pair a record with its Hilbert transform."""
+        record = excitation.acceleration
+        silence = np.zeros_like(record)
+        surrounded = np.concatenate([silence, record, silence])
+        turned = np.imag(hilbert(surrounded))[: 2 * record.size]
+        shift = record.size * excitation.time_step
+        begin, end = excitation.window
+        later = (begin + shift, end + shift)
+        return cls(
+            straight=Excitation(
+                acceleration=surrounded[: 2 * record.size], time_step=excitation.time_step, window=later
+            ),
+            turned=Excitation(acceleration=turned, time_step=excitation.time_step, window=later),
+        )
+
+
+def tracking_sums(
+    pair: QuadraturePair, structure: Structure, gain: NDArray[np.float64], delay: NDArray[np.float64]
+) -> TrackingSums:
+    """Accumulate the sums behind the index for many cells, with a Hann taper over the window.
+
+    Parameters
+    ----------
+    pair : QuadraturePair
+        The record and its Hilbert transform.
+    structure : Structure
+        The structure under test.
+    gain, delay : numpy.ndarray
+        Actuator gain [-] and delay [s], shape (cells,).
+
+    Returns
+    -------
+    TrackingSums
+        One entry per cell, as far as the dominant pole stands for the loop.
+    """
+    step = min(_LONGEST_BLOCK, _LARGEST_PHASE_STEP / structure.circular_frequency)
+    memory = _MEMORY / (structure.damping_ratio * structure.circular_frequency)
+    straight, aside = (cut(each, structure, step=step) for each in (pair.straight, pair.turned))
+    first = max(0, straight.before - int(memory / step))
+    command = recursion(modal_loop(structure, gain, delay, measured=False), step)
+    measured = recursion(modal_loop(structure, gain, delay), step)
+    taper = np.sin(np.pi * np.arange(straight.left.size - straight.before) / straight.intervals) ** 4
+    sums = _accumulate(
+        _ends(straight, first), _ends(aside, first), taper, straight.before - first, command, measured
+    )
+    # Samples one and two steps apart show sin ωH and sin 2ωH; 8 sin ωH − sin 2ωH = 6ωH + O((ωH)⁵).
+    frequency = (8.0 * sums[3] - sums[4]) / sums[2] / (12.0 * np.pi * step)
+    cross = np.empty(sums.shape[1], dtype=np.complex128)
+    cross.real, cross.imag = sums[0], sums[1]
+    return TrackingSums(cross=cross, power=sums[2], equivalent_frequency=frequency)
+
+
+def _ends(blocks: Blocks, first: int) -> NDArray[np.float64]:
+    return np.stack([blocks.left[first:], blocks.right[first:]])
+
+
+@compiled
+def _step(
+    x: NDArray[np.float64], k: NDArray[np.float64], j: int, a0: float, a1: float, a2: float, a3: float
+) -> tuple[float, float]:
+    """Next displacement of the dominant and of the fast pair of one cell."""
+    slow = k[0, j] * x[0, j] + k[1, j] * x[1, j] + k[2, j] * a0 + k[3, j] * a1 + k[4, j] * a2 + k[5, j] * a3
+    fast = k[6, j] * x[2, j] + k[7, j] * x[3, j] + k[8, j] * a0 + k[9, j] * a1 + k[10, j] * a2 + k[11, j] * a3
+    return slow, fast
+
+
+@compiled
+def _accumulate(
+    straight: NDArray[np.float64],
+    aside: NDArray[np.float64],
+    taper: NDArray[np.float64],
+    before: int,
+    command: NDArray[np.float64],
+    measured: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Step command, its quadrature and measured displacement; shape (5, cells)."""
+    cells = command.shape[1]
+    c, m = command.copy(), measured.copy()
+    x, q, o = np.zeros((4, cells)), np.zeros((4, cells)), np.zeros((4, cells))
+    past = np.zeros((4, cells))
+    sums = np.zeros((_SUMS, cells))
+    for i in range(1, before + taper.size - 1):
+        a0, a1, a2, a3 = straight[0, i], straight[1, i], straight[0, i - 1], straight[1, i - 1]
+        h0, h1, h2, h3 = aside[0, i], aside[1, i], aside[0, i - 1], aside[1, i - 1]
+        weight = taper[i + 1 - before] if i + 1 >= before else 0.0
+        for j in range(cells):
+            slow, fast = _step(x, c, j, a0, a1, a2, a3)
+            x[0, j], x[1, j], x[2, j], x[3, j] = slow, x[0, j], fast, x[2, j]
+            place = slow + fast
+            slow, fast = _step(q, c, j, h0, h1, h2, h3)
+            q[0, j], q[1, j], q[2, j], q[3, j] = slow, q[0, j], fast, q[2, j]
+            aslant = slow + fast
+            slow, fast = _step(o, m, j, a0, a1, a2, a3)
+            o[0, j], o[1, j], o[2, j], o[3, j] = slow, o[0, j], fast, o[2, j]
+            reached = slow + fast
+            sums[0, j] += weight * reached * place
+            sums[1, j] -= weight * reached * aslant
+            sums[2, j] += 0.5 * weight * (place * place + aslant * aslant)
+            sums[3, j] += 0.5 * weight * (aslant * past[0, j] - place * past[1, j])
+            sums[4, j] += 0.5 * weight * (aslant * past[2, j] - place * past[3, j])
+            past[2, j], past[3, j], past[0, j], past[1, j] = past[0, j], past[1, j], place, aslant
+    return sums

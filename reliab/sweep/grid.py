@@ -1,0 +1,176 @@
+"""Grids of actuators: which gains and delays are simulated for each structure."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import ClassVar
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from reliab.boundary.contour import REACH
+from reliab.boundary.surface import DELAY_SCALE, GAIN_SCALE, stretched
+from reliab.errors import InputError
+from reliab.loop.cells import Cells
+from reliab.loop.structure import Structure
+from reliab.vocabulary import Dimension
+
+_FEWEST_GAINS, _FEWEST_DELAYS = 5, 4
+
+
+class Grid(ABC):
+    """Gains and delays that are simulated in all combinations."""
+
+    name: ClassVar[str]
+
+    @abstractmethod
+    def gains(self, structure: Structure) -> NDArray[np.float64]:
+        """Gains k_p [-] for a structure, increasing, shape (kp,)."""
+
+    @abstractmethod
+    def delays(self, structure: Structure) -> NDArray[np.float64]:
+        """Delays τ [s] for a structure, increasing from zero, shape (tau,)."""
+
+    @abstractmethod
+    def coordinates(
+        self, frequencies: Sequence[float], damping_ratios: Sequence[float]
+    ) -> dict[str, xr.Variable]:
+        """Coordinates `kp` [-] and `tau` [s] of the dataset for all structures."""
+
+    def cells(self, structure: Structure) -> Cells:
+        """All combinations before a structure, the delay varying fastest."""
+        gain, delay = np.meshgrid(self.gains(structure), self.delays(structure), indexing="ij")
+        return Cells(structure=structure, gain=gain.ravel(), delay=delay.ravel())
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExplicitGrid(Grid):
+    """The same gains and delays for every structure, as in the paper.
+
+    Parameters
+    ----------
+    gain : tuple of float
+        Gains [-], increasing, with 1 among them; by default 0.98 to 1.02 by 0.001.
+    delay : tuple of float
+        Delays [s], increasing from zero; by default 0 to 2 ms by 0.1 ms.
+
+    Raises
+    ------
+    InputError
+        If there are too few values, or they do not increase.
+    """
+
+    name: ClassVar[str] = "explicit"
+
+    gain: tuple[float, ...] = tuple(round(0.98 + 0.001 * k, 3) for k in range(41))
+    delay: tuple[float, ...] = tuple(round(1e-4 * k, 4) for k in range(21))
+
+    def __post_init__(self) -> None:
+        for what, values, fewest in (
+            ("gains", self.gain, _FEWEST_GAINS),
+            ("delays", self.delay, _FEWEST_DELAYS),
+        ):
+            if len(values) < fewest or np.any(np.diff(values) <= 0.0):
+                raise InputError(
+                    f"An explicit grid needs at least {fewest} {what} that increase",
+                    value=list(values),
+                    remedy="Give them from the smallest to the largest",
+                )
+        if self.delay[0] != 0.0 or 1.0 not in self.gain:
+            raise InputError(
+                "An explicit grid must hold the perfect actuator, k_p = 1 and τ = 0",
+                value=f"gains {self.gain[0]:g} … {self.gain[-1]:g}, delays from {self.delay[0]:g} s",
+                remedy="Add the gain 1 and the delay 0",
+            )
+
+    def gains(self, structure: Structure) -> NDArray[np.float64]:  # noqa: ARG002 - the same for all
+        """Gains k_p [-] for a structure, increasing, shape (kp,)."""
+        return np.array(self.gain)
+
+    def delays(self, structure: Structure) -> NDArray[np.float64]:  # noqa: ARG002 - the same for all
+        """Delays τ [s] for a structure, increasing from zero, shape (tau,)."""
+        return np.array(self.delay)
+
+    def coordinates(
+        self,
+        frequencies: Sequence[float],  # noqa: ARG002 - the same for all
+        damping_ratios: Sequence[float],  # noqa: ARG002 - the same for all
+    ) -> dict[str, xr.Variable]:
+        """Coordinates `kp` [-] and `tau` [s] of the dataset for all structures."""
+        return {
+            Dimension.GAIN: xr.Variable((Dimension.GAIN,), np.array(self.gain)),
+            Dimension.DELAY: xr.Variable((Dimension.DELAY,), np.array(self.delay)),
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScaledGrid(Grid):
+    """Gains that scale with ξ and delays that scale with ξ/ω₀, as the boundaries do.
+
+    Around the perfect actuator the spacing is fine enough for the 1 % boundary of MTE^R; outwards it
+    grows in proportion, as far as contours are traced in amplitude, and in delay to four critical
+    delays, where the 20 % boundary of RMS^R lies for the most tolerant of motions.
+
+    Parameters
+    ----------
+    gain_steps : int, optional
+        Gains on each side of 1.
+    delay_steps : int, optional
+        Delays above zero.
+    """
+
+    name: ClassVar[str] = "scaled"
+
+    _CORE: ClassVar[float] = 0.015  # of ξ, or of ξ/ω₀: below it the spacing is even
+    _LONGEST: ClassVar[float] = 7.0  # of ξ/ω₀; the critical delay is about 2
+
+    gain_steps: int = 20
+    delay_steps: int = 30
+
+    def __post_init__(self) -> None:
+        if self.gain_steps < _FEWEST_GAINS or self.delay_steps < _FEWEST_DELAYS:
+            raise InputError(
+                f"A scaled grid needs at least {_FEWEST_GAINS} steps of gain and {_FEWEST_DELAYS} of delay",
+                value=f"{self.gain_steps} and {self.delay_steps}",
+                remedy="Ask for more steps",
+            )
+
+    def gains(self, structure: Structure) -> NDArray[np.float64]:
+        """Gains k_p [-] for a structure, increasing, shape (kp,)."""
+        return self._gains(structure.damping_ratio)
+
+    def delays(self, structure: Structure) -> NDArray[np.float64]:
+        """Delays τ [s] for a structure, increasing from zero, shape (tau,)."""
+        return self._delays(structure.damping_ratio / structure.circular_frequency)
+
+    def coordinates(
+        self, frequencies: Sequence[float], damping_ratios: Sequence[float]
+    ) -> dict[str, xr.Variable]:
+        """Coordinates `kp` [-] over (xi, kp) and `tau` [s] over (f, xi, tau)."""
+        gain = np.stack([self._gains(xi) for xi in damping_ratios])
+        delay = np.stack(
+            [[self._delays(xi / (2.0 * np.pi * f)) for xi in damping_ratios] for f in frequencies]
+        )
+        return {
+            Dimension.GAIN: xr.Variable((Dimension.DAMPING_RATIO, Dimension.GAIN), gain),
+            Dimension.DELAY: xr.Variable(
+                (Dimension.FREQUENCY, Dimension.DAMPING_RATIO, Dimension.DELAY), delay
+            ),
+        }
+
+    def _gains(self, damping_ratio: float) -> NDArray[np.float64]:
+        outwards = _spaced(self._CORE, GAIN_SCALE * REACH, REACH, self.gain_steps)
+        return np.exp(damping_ratio * np.concatenate([-outwards[:0:-1], outwards]))
+
+    def _delays(self, scale: float) -> NDArray[np.float64]:
+        return scale * _spaced(self._CORE, DELAY_SCALE * self._LONGEST, self._LONGEST, self.delay_steps)
+
+
+@lru_cache(maxsize=8)
+def _spaced(core: float, scale: float, furthest: float, steps: int) -> NDArray[np.float64]:
+    """Values from zero, evenly spaced in the coordinate in which surfaces are interpolated."""
+    dense = np.concatenate([[0.0], np.geomspace(1e-3 * core, furthest, 20_000)])
+    even = np.linspace(0.0, float(stretched(np.array(furthest), core, scale)), steps + 1)
+    return np.asarray(np.interp(even, stretched(dense, core, scale), dense), dtype=np.float64)
