@@ -224,6 +224,7 @@ def _effect_entry(hidden: Hidden, case: Case) -> dict[str, Any]:
         "derived": _derived(effect, case),
         "effect_to_noise_db": round(hidden.ratio_db, 2),
         "joint_effect_to_noise_db": round(hidden.joint_db, 2),
+        "nats": round(hidden.nats, 1),
         "unexplained_db": round(hidden.unexplained_db, 2),
         "rivals": hidden.rivals,
         "degenerate_with": hidden.degenerate_with,

@@ -14,11 +14,12 @@ from blind_campaigns.kinds import (
     one_channel_observations,
 )
 from blind_campaigns.laboratory import Laboratory, Wishes, draw_laboratory
+from blind_campaigns.loop_refit import loop_residual
 from blind_campaigns.motions import RecordFolder
 from blind_campaigns.ratio import Change, calibrated_residual, effect_change, effect_to_noise, nats
 from blind_campaigns.rivals import loop_rate, loop_rival_residuals, rival_residuals
 from blind_campaigns.simulator import Response
-from blind_campaigns.sizing import Sizing, believable, block_ratio, sized_effect
+from blind_campaigns.sizing import Sizing, believable, sized_effect
 from blind_campaigns.system import Array, Effect
 
 _COARSE_HZ = 1024.0
@@ -31,14 +32,15 @@ class Hidden:
     """One hidden effect and how clearly it shows.
 
     `ratio_db` after calibration; `joint_db` after the amplitudes of the other hidden effects of the channel
-    are free as well; `rivals` holds for each rival effect what it leaves (dB over the noise) and the nats
-    it loses.
+    are free as well; `nats` is what an ideal observer gains by the effect; `rivals` holds for each rival what
+    it leaves (dB over the noise) and the nats it loses.
     """
 
     effect: Effect
     in_library: bool
     ratio_db: float
     joint_db: float
+    nats: float
     rivals: dict[str, dict[str, float]]
 
     @property
@@ -48,7 +50,9 @@ class Hidden:
 
     @property
     def degenerate_with(self) -> list[str]:
-        """Rivals that even an observer who knows the noise could not tell from the effect."""
+        """Rivals that an ideal observer could not tell from the effect, though he sees it."""
+        if self.nats < 2.0 * _INDISTINGUISHABLE_NATS:
+            return []
         return [name for name, rival in self.rivals.items() if rival["nats"] < _INDISTINGUISHABLE_NATS]
 
     @property
@@ -172,9 +176,6 @@ def largest_command(laboratory: Laboratory) -> float:
 
 def _ratios(case: Case, effect: Effect, responses: list[Response]) -> tuple[float, float]:
     """Return an effect's ratio [dB] after calibration, and with the channel's other effects free as well."""
-    if case.observation in ONE_CHANNEL:
-        alone = block_ratio(case, effect, responses, evaluations=30)
-        return alone, alone
     change = effect_change(case, effect, responses)
     alone = effect_to_noise(case, change, calibrated_residual(change))
     others = [other for other in case.rig.effects if other is not effect]
@@ -201,34 +202,39 @@ def judge(case: Case, laboratory: Laboratory, *, with_rivals: bool) -> list[Hidd
     responses = training.run(_COARSE_HZ)
     if not believable(responses, largest_command(laboratory)):
         return []
-    definitions = registry()
-    found = []
-    for effect in case.rig.effects:
-        ratio, joint = _ratios(training, effect, responses)
-        rivals = _rivals(training, effect, responses, laboratory, ratio) if with_rivals else {}
-        inside = definitions[effect.name].in_library
-        found.append(Hidden(effect=effect, in_library=inside, ratio_db=ratio, joint_db=joint, rivals=rivals))
-    return found
+    return [_judged(training, effect, responses, laboratory, with_rivals) for effect in case.rig.effects]
 
 
-def _rivals(
-    case: Case, effect: Effect, responses: list[Response], laboratory: Laboratory, ratio_db: float
-) -> dict[str, dict[str, float]]:
+def _judged(
+    case: Case, effect: Effect, responses: list[Response], laboratory: Laboratory, with_rivals: bool  # noqa: FBT001
+) -> Hidden:  # fmt: skip
     if case.observation in ONE_CHANNEL:
-        strongest = _judged_tests(case)
         channel, rate = "measured_m", loop_rate(case)
-        plain, residuals = loop_rival_residuals(strongest, effect, laboratory.scales)
+        left = loop_residual(case, effect, evaluations=30)
+        ratio = joint = decibels(root_mean_square(left) / case.noise_rms[channel])
+        strongest = _judged_tests(case)
+        plain, residuals = (
+            loop_rival_residuals(strongest, effect, laboratory.scales) if with_rivals else ([], {})
+        )
     else:
         change = effect_change(case, effect, responses)
         channel, rate = change.channel, change.coarse().rate_hz
-        plain, residuals = rival_residuals(case, effect, change, responses, laboratory.scales)
-    return {
+        left = calibrated_residual(change)
+        ratio, joint = _ratios(case, effect, responses)
+        plain, residuals = (
+            rival_residuals(case, effect, change, responses, laboratory.scales) if with_rivals else ([], {})
+        )
+    rivals = {
         name: {
-            "residual_db": round(ratio_db + decibels(root_mean_square(left) / root_mean_square(plain)), 2),
-            "nats": round(nats(case, channel, left, rate), 1),
+            "residual_db": round(ratio + decibels(root_mean_square(rest) / root_mean_square(plain)), 2),
+            "nats": round(nats(case, channel, rest, rate), 1),
         }
-        for name, left in residuals.items()
+        for name, rest in residuals.items()
     }
+    return Hidden(
+        effect=effect, in_library=registry()[effect.name].in_library, ratio_db=ratio, joint_db=joint,
+        nats=nats(case, channel, left, rate), rivals=rivals,
+    )  # fmt: skip
 
 
 def acceptable(kind: Kind, hidden: list[Hidden]) -> bool:

@@ -213,7 +213,12 @@ def _lag(part: Array, rate_hz: float, theta: Array, own: _Measures) -> Spectrum:
 def _second_order(part: Array, rate_hz: float, theta: Array, own: _Measures) -> Spectrum:
     w, spectrum = shifted_spectrum(part, rate_hz)
     relative = w / (own.omega * np.exp(theta[0]))
-    return w, spectrum / (1.0 - relative**2 + 2j * np.exp(theta[1]) * relative)
+    return w, spectrum / (1.0 - relative**2 + 2j * _servo_damping(theta) * relative)
+
+
+def _servo_damping(theta: Array) -> float:
+    """Return the damping ratio, at most 1.2: a servo with two far poles is a lag by another name."""
+    return min(float(np.exp(theta[1])), 1.2)
 
 
 def _rate_limit(part: Array, rate_hz: float, theta: Array, own: _Measures) -> Spectrum:
@@ -254,7 +259,7 @@ def _none(_theta: Array) -> float:
 
 _TRANSFORMS: dict[str, tuple[Transform, Callable[[Array], float]]] = {
     "first_order_lag": (_lag, lambda theta: np.exp(theta[0])),
-    "second_order_dynamics": (_second_order, lambda theta: 2.0 * np.exp(theta[1] - theta[0])),
+    "second_order_dynamics": (_second_order, lambda theta: 2.0 * _servo_damping(theta) * np.exp(-theta[0])),
     "rate_limit": (_rate_limit, _none),
     "stroke_saturation": (_stroke, _none),
     "backlash": (_backlash, _none),
