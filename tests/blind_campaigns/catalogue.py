@@ -96,6 +96,12 @@ def registry() -> dict[str, Definition]:
     return {definition.name: definition for definition in everything}
 
 
+SLOWEST_S = 0.05
+"""No actuator worth a test lags, or drifts in delay, by more [s]."""
+
+SOFTEST_HZ = 3.0
+"""No servo worth a test is softer [Hz]."""
+
 HERTZ = 2.0 * math.pi
 """Radians to a cycle."""
 

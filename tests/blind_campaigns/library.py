@@ -2,6 +2,8 @@
 
 from blind_campaigns.catalogue import (
     HERTZ,
+    SLOWEST_S,
+    SOFTEST_HZ,
     Definition,
     Scales,
     between,
@@ -16,7 +18,7 @@ from blind_campaigns.system import Array
 
 def _delay_drift(size: float, scales: Scales, shape: Array) -> dict[str, float]:
     """Return a drift that never makes the delay negative."""
-    rate = size / (scales.omega * scales.duration)
+    rate = min(size / scales.omega, SLOWEST_S) / scales.duration
     shrinking = sign(shape[0]) < 0.0 and rate * scales.duration < 0.9 * scales.delay
     return {"delay_rate_s_per_s": -rate if shrinking else rate}
 
@@ -47,14 +49,14 @@ def _cubic(size: float, scales: Scales, shape: Array) -> dict[str, float]:
 ACTUATOR = (
     Definition(
         name="first_order_lag", block="actuator", channel="measured_m", units={"time_constant_s": "s"},
-        build=lambda size, scales, _: {"time_constant_s": size / scales.omega},
+        build=lambda size, scales, _: {"time_constant_s": min(size / scales.omega, SLOWEST_S)},
         fields=same(time_constant_s="lag"), largest=2.0,
     ),
     Definition(
         name="second_order_dynamics", block="actuator", channel="measured_m",
         units={"natural_frequency_hz": "Hz", "damping_ratio": "1"},
         build=lambda size, scales, shape: {
-            "natural_frequency_hz": scales.omega / size / HERTZ,
+            "natural_frequency_hz": max(scales.omega / size / HERTZ, SOFTEST_HZ),
             "damping_ratio": between(0.3, 0.9, shape[0]),
         },
         fields={"natural_frequency_hz": ("servo_omega", HERTZ), "damping_ratio": ("servo_damping", 1.0)},

@@ -1,6 +1,15 @@
 """Effects that no product is told about: an honest one says so, and where they act."""
 
-from blind_campaigns.catalogue import HERTZ, Definition, Scales, between, between_decades, same, sign
+from blind_campaigns.catalogue import (
+    HERTZ,
+    SLOWEST_S,
+    Definition,
+    Scales,
+    between,
+    between_decades,
+    same,
+    sign,
+)
 from blind_campaigns.system import Array
 
 
@@ -20,7 +29,7 @@ OUTSIDE = (
         name="amplitude_dependent_delay", block="actuator", channel="measured_m", in_library=False,
         units={"delay_s_per_m": "s/m", "envelope_time_s": "s"}, largest=2.0,
         build=lambda size, scales, shape: {
-            "delay_s_per_m": size / (scales.omega * scales.displacement_peak),
+            "delay_s_per_m": min(size / scales.omega, SLOWEST_S) / scales.displacement_peak,
             "envelope_time_s": between(0.5, 2.0, shape[0]),
         },
         fields=same(delay_s_per_m="delay_per_m", envelope_time_s="envelope_time"),

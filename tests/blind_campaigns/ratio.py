@@ -20,7 +20,7 @@ from blind_campaigns.system import Array, Effect, Rig, Specimen
 
 COARSE_HZ = 1024.0
 _WORKING_HZ = 256.0
-_TAPER_S, _DISCARD_S, _LARGEST_SHIFT_S = 0.5, 1.0, 0.06
+_TAPER_S, _DISCARD_S, _LARGEST_SHIFT_S = 0.5, 1.0, 0.12
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -191,7 +191,7 @@ def calibrated_residual(change: Change, extra: list[list[Array]] | None = None) 
 
 def best_shift(size: Callable[[float], float]) -> float:
     """Return the change of delay [s] that makes a residual smallest."""
-    grid = np.linspace(-_LARGEST_SHIFT_S, _LARGEST_SHIFT_S, 13)
+    grid = np.linspace(-_LARGEST_SHIFT_S, _LARGEST_SHIFT_S, 17)
     start = int(np.argmin([size(shift) for shift in grid]))
     low, high = grid[max(start - 1, 0)], grid[min(start + 1, grid.size - 1)]
     return float(
