@@ -86,10 +86,11 @@ class ErrorSurfaces:
         numpy.ndarray
             Error [-], shape (cells,); NaN outside the grid.
         """
-        place = self._stretch(np.log(amplitude), 0), self._stretch(delay, 1)
-        value = _evaluate(*self._edges, self._patches, *place, surface)
         lowest, highest, longest = self._ends
         inside = (amplitude >= lowest * (1 - 1e-9)) & (amplitude <= highest * (1 + 1e-9)) & (delay <= longest)
+        offset = np.log(np.clip(amplitude, lowest, highest))
+        place = self._stretch(offset, 0), self._stretch(np.minimum(delay, longest), 1)
+        value = _evaluate(*self._edges, self._patches, *place, surface)
         return np.where(inside, np.sqrt(np.maximum(np.exp(value) - _FLOOR**2, 0.0)), np.nan)
 
 

@@ -1,40 +1,30 @@
 """``reliab motions``: list, check, import and synthesize ground motions."""
 
-import json
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich import box
-from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from reliab.errors import InputError
+from reliab.cli.options import JsonTarget, Sets
+from reliab.cli.output import console, write_json
 
 if TYPE_CHECKING:
     from reliab.motions import Fault, MotionSuite
 
 app = typer.Typer(no_args_is_help=True, help="Ground motions: list, check, import and synthesize.")
 
-_WIDTH_OF_PIPES = 160
-
 Sources = Annotated[
     list[str], typer.Argument(metavar="SOURCE...", help="Files, folders or a built-in suite (synthetic).")
-]
-Sets = Annotated[
-    list[str] | None,
-    typer.Option("--sets", metavar="NAME...", help="Sets of a catalogue; held_out counts only if named."),
 ]
 TimeStep = Annotated[
     float | None, typer.Option("--time-step", metavar="SECONDS", help="Step, where files state none.")
 ]
 Units = Annotated[
     str | None, typer.Option("--units", metavar="g|cm/s2|m/s2", help="Units, where files state none.")
-]
-JsonTarget = Annotated[
-    str | None, typer.Option("--json", metavar="FILE|-", help="Write JSON to a file, or - for nothing else.")
 ]
 Out = Annotated[Path, typer.Option("--out", metavar="FOLDER", help="New or empty folder for the suite.")]
 
@@ -51,7 +41,7 @@ def list_motions(
     from reliab.motions import load_motions
 
     rows = _describe(load_motions(*sources, sets=sets, time_step=time_step, units=units))
-    if _write_json({"motions": rows}, json_target):
+    if write_json({"motions": rows}, json_target):
         return
     events = {row["event"] for row in rows}
     table = Table(
@@ -71,7 +61,7 @@ def list_motions(
             f"{row['significant_duration']:.2f}",
             f"{row['mean_period']:.3f}",
         )
-    _console().print(table)
+    console().print(table)
 
 
 @app.command("check")
@@ -88,7 +78,7 @@ def check(
     inspections = [inspect(source, sets=sets, time_step=time_step, units=units) for source in sources]
     faults = [fault for inspection in inspections for fault in inspection.faults]
     records = sum(inspection.records for inspection in inspections)
-    if not _write_json({"records": records, "faults": [asdict(fault) for fault in faults]}, json_target):
+    if not write_json({"records": records, "faults": [asdict(fault) for fault in faults]}, json_target):
         _show_faults(faults, records, sources)
     if faults:
         raise typer.Exit(2)
@@ -159,7 +149,7 @@ def _describe(suite: "MotionSuite") -> list[dict[str, Any]]:
 
 def _show_faults(faults: "list[Fault]", records: int, sources: list[str]) -> None:
     if not faults:
-        _console().print(f"{records} records, no faults.")
+        console().print(f"{records} records, no faults.")
         return
     files = len({fault.file for fault in faults})
     table = Table(title=f"{len(faults)} faults in {files} files", show_lines=True)
@@ -172,7 +162,7 @@ def _show_faults(faults: "list[Fault]", records: int, sources: list[str]) -> Non
         line = "" if fault.line is None else str(fault.line)
         cells = (_within(fault.file, sources), line, fault.rule, fault.value, fault.remedy)
         table.add_row(*(Text(cell) for cell in cells))
-    _console().print(table)
+    console().print(table)
 
 
 def _within(file: str, sources: list[str]) -> str:
@@ -182,31 +172,8 @@ def _within(file: str, sources: list[str]) -> str:
     )
 
 
-def _console() -> Console:
-    """Tables fit the terminal; in a pipe or a file they are wide enough to be searched."""
-    console = Console()
-    return console if console.is_terminal else Console(width=_WIDTH_OF_PIPES)
-
-
 def _report_written(catalogue: Path, names: tuple[str, ...], events: int, json_target: str | None) -> None:
     written = {"catalogue": str(catalogue), "motions": list(names), "events": events}
-    if not _write_json(written, json_target):
+    if not write_json(written, json_target):
         text = f"{len(names)} motions from {events} events written to {catalogue.parent}"
-        _console().print(text, markup=False, highlight=False, soft_wrap=True)
-
-
-def _write_json(content: dict[str, Any], target: str | None) -> bool:
-    """Write JSON if asked for; tell whether it is all that may stand on standard output."""
-    if target is None:
-        return False
-    text = json.dumps(content, indent=2, ensure_ascii=False)
-    if target == "-":
-        typer.echo(text)
-        return True
-    try:
-        Path(target).write_text(f"{text}\n", encoding="utf-8")
-    except OSError as error:
-        raise InputError(
-            "The JSON file must be writable", value=error.strerror, remedy="Name another file", where=target
-        ) from error
-    return False
+        console().print(text, markup=False, highlight=False, soft_wrap=True)

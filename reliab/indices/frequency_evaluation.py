@@ -114,8 +114,8 @@ def evaluate_sums(sums: TrackingSums) -> tuple[NDArray[np.float64], NDArray[np.f
     Returns
     -------
     amplitude, equivalent_delay : numpy.ndarray
-        A [-] and d [s], shape (cells,); A within 3e-4 and d within 0.3 % of
-        :func:`frequency_evaluation` of the histories.
+        A [-] and d [s], shape (cells,); over the real records A is within 4e-4 and d within 0.6 %
+        of :func:`frequency_evaluation` of the histories in 95 of 100 cells.
     """
     with np.errstate(all="ignore"):  # a violently unstable cell has no index
         index = sums.cross / sums.power

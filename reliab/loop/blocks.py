@@ -29,6 +29,7 @@ LONGEST_BLOCK = 0.01
 """Longest block [s], so that what a soft structure takes from the record above its own frequency
 is followed too."""
 
+_AT_SAMPLE = 1e-9  # of the record's step: closer than this a time is that of the sample
 _NEAR_PEAK = 0.97  # a block that ends this high may hold the peak of the exact response
 _PARTS = 16  # in which it is then divided
 
@@ -164,6 +165,9 @@ def _step_mode(
         if times[k] > 0.0:
             i = min(int(times[k] / h + 1e-9), a.size - 2)
             into = times[k] - i * h
+            if into < _AT_SAMPLE * h:
+                z[k] = at_samples[i]
+                continue
             # z(t + s) = e^(ps)z + a(e^(ps) − 1)/p + a'(e^(ps) − 1 − ps)/p²
             grown = np.exp(pole * into)
             held = (grown - 1.0) / pole

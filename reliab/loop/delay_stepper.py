@@ -19,7 +19,7 @@ from reliab.loop.blocks import Blocks, ramp_weights
 from reliab.loop.deviation import TRACKS, Deviation, follow, summary
 from reliab.loop.structure import Structure
 
-LANES = 64
+LANES = 48
 """Cells that advance side by side; their state fits the first-level cache."""
 
 _COEFFICIENTS = 25

@@ -1,6 +1,7 @@
 """The ground acceleration as the engines see it: linear between samples, with a window of time."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,8 +63,14 @@ class Excitation:
         numpy.ndarray
             Share of each band in the record's sum of squares [-], shape (bands,).
         """
+        frequency, cumulative = self._cumulative_power
+        share: NDArray[np.float64] = np.diff(np.interp(edges, frequency, cumulative))
+        return share
+
+    @cached_property
+    def _cumulative_power(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Frequencies [Hz] and the share of the record's sum of squares below them [-]."""
         power = np.abs(np.fft.rfft(self.acceleration)) ** 2
         cumulative = np.concatenate([[0.0], np.cumsum(power)])
         frequency = (np.arange(cumulative.size) - 0.5) / (self.acceleration.size * self.time_step)
-        share: NDArray[np.float64] = np.diff(np.interp(edges, frequency, cumulative)) / cumulative[-1]
-        return share
+        return frequency, cumulative / cumulative[-1]

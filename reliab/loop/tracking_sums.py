@@ -9,6 +9,7 @@ enters squared; it varies slowly, so that it may be exchanged with the Hilbert t
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,34 +78,62 @@ class QuadraturePair:
         )
 
 
-def tracking_sums(
-    pair: QuadraturePair, structure: Structure, gain: NDArray[np.float64], delay: NDArray[np.float64]
-) -> TrackingSums:
+@dataclass(frozen=True, kw_only=True)
+class TrackedCells:
+    """Actuators before one structure whose command and measured displacement are to be summed.
+
+    Parameters
+    ----------
+    structure : Structure
+        The structure under test.
+    gain, delay : numpy.ndarray
+        Actuator gain [-] and delay [s], shape (cells,).
+    """
+
+    structure: Structure
+    gain: NDArray[np.float64]
+    delay: NDArray[np.float64]
+
+    @property
+    def step(self) -> float:
+        """Length of a block [s]; the sums need fewer blocks than the errors."""
+        return min(_LONGEST_BLOCK, _LARGEST_PHASE_STEP / self.structure.circular_frequency)
+
+    @cached_property
+    def command(self) -> NDArray[np.float64]:
+        """Coefficients of the recursion of the command, shape (12, cells)."""
+        loop = modal_loop(self.structure, self.gain, self.delay, measured=False)
+        return recursion(loop, self.step)
+
+    @cached_property
+    def measured(self) -> NDArray[np.float64]:
+        """Coefficients of the recursion of the measured displacement, shape (12, cells)."""
+        return recursion(modal_loop(self.structure, self.gain, self.delay), self.step)
+
+
+def tracking_sums(pair: QuadraturePair, cells: TrackedCells) -> TrackingSums:
     """Accumulate the sums behind the index for many cells, with a Hann taper over the window.
 
     Parameters
     ----------
     pair : QuadraturePair
         The record and its Hilbert transform.
-    structure : Structure
-        The structure under test.
-    gain, delay : numpy.ndarray
-        Actuator gain [-] and delay [s], shape (cells,).
+    cells : TrackedCells
+        The actuators.
 
     Returns
     -------
     TrackingSums
-        One entry per cell, as far as the dominant pole stands for the loop.
+        One entry per cell, as far as the reduced loop stands for the loop.
     """
-    step = min(_LONGEST_BLOCK, _LARGEST_PHASE_STEP / structure.circular_frequency)
+    structure, step = cells.structure, cells.step
     memory = _MEMORY / (structure.damping_ratio * structure.circular_frequency)
     straight, aside = (cut(each, structure, step=step) for each in (pair.straight, pair.turned))
     first = max(0, straight.before - int(memory / step))
-    command = recursion(modal_loop(structure, gain, delay, measured=False), step)
-    measured = recursion(modal_loop(structure, gain, delay), step)
     taper = np.sin(np.pi * np.arange(straight.left.size - straight.before) / straight.intervals) ** 4
+    before = straight.before - first
     sums = _accumulate(
-        _ends(straight, first), _ends(aside, first), taper, straight.before - first, command, measured
+        _ends(straight, first), _ends(aside, first), taper, before, cells.command, cells.measured
     )
     # Samples one and two steps apart show sin ωH and sin 2ωH; 8 sin ωH − sin 2ωH = 6ωH + O((ωH)⁵).
     frequency = (8.0 * sums[3] - sums[4]) / sums[2] / (12.0 * np.pi * step)

@@ -1,1 +1,18 @@
 """From a grid of actuators to a labelled dataset: storage, resume, clusters."""
+
+from reliab.sweep.ellipse_table import EllipseRequest, trace_ellipses
+from reliab.sweep.grid import ExplicitGrid, Grid, ScaledGrid
+from reliab.sweep.request import SweepRequest
+from reliab.sweep.results import open_results
+from reliab.sweep.run import run_sweep
+
+__all__ = [
+    "EllipseRequest",
+    "ExplicitGrid",
+    "Grid",
+    "ScaledGrid",
+    "SweepRequest",
+    "open_results",
+    "run_sweep",
+    "trace_ellipses",
+]

@@ -80,7 +80,6 @@ class SweepRequest:
             "tolerance": REDUCTION_TOLERANCE,
         }
 
-    def digest(self, checksums: list[str]) -> str:
-        """SHA-256 of the request and of the records' checksums, in hexadecimal."""
-        text = json.dumps({**self.describe(), "records": checksums}, sort_keys=True)
-        return hashlib.sha256(text.encode()).hexdigest()
+    def digest(self) -> str:
+        """SHA-256 of everything that determines the results for a given record, in hexadecimal."""
+        return hashlib.sha256(json.dumps(self.describe(), sort_keys=True).encode()).hexdigest()

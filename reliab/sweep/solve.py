@@ -13,14 +13,16 @@ from reliab.indices.window import Window
 from reliab.loop.cells import Cells
 from reliab.loop.engine import Loop
 from reliab.loop.excitation import Excitation
+from reliab.loop.stability import critical_delay
 from reliab.loop.structure import Structure
-from reliab.loop.tracking_sums import QuadraturePair, tracking_sums
+from reliab.loop.tracking_sums import QuadraturePair, TrackedCells, tracking_sums
 from reliab.motions import Motion
 from reliab.sweep.grid import Grid
 from reliab.sweep.request import SweepRequest
 from reliab.vocabulary import Metric
 
-_NODES = 4  # along each axis, at which the evaluation index is summed; it varies little between
+_NODES = 4  # along each axis, at which the index is summed; A/k_p and d/τ vary little between
+_CENTRAL = 2.0  # damping ratios of amplitude error within which the nodes lie
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,15 +108,38 @@ def _solve_structure(
 def _evaluate(
     pair: QuadraturePair, grid: Grid, structure: Structure
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Amplitude [-] and equivalent delay [s] over the grid, from sums at a few of its nodes."""
+    """Amplitude [-] and equivalent delay [s] over the grid, from sums at a few of its nodes.
+
+    Beyond the critical delay, and beyond twice the damping ratio of amplitude error, the shares
+    A/k_p and d/τ are those of the last node.
+    """
     gains, delays = grid.gains(structure), grid.delays(structure)
-    row = np.unique(np.linspace(0, gains.size - 1, _NODES).round().astype(int))
-    column = np.unique(np.linspace(1, delays.size - 1, _NODES).round().astype(int))
-    gain, delay = np.meshgrid(gains[row], delays[column], indexing="ij")
-    amplitude, equivalent = evaluate_sums(tracking_sums(pair, structure, gain.ravel(), delay.ravel()))
-    # A/k_p and d/τ are close to one and vary slowly.
-    shares = (amplitude.reshape(gain.shape) / gain, equivalent.reshape(gain.shape) / delay)
+    row, column, cells = _nodes(grid, structure)
+    amplitude, equivalent = evaluate_sums(tracking_sums(pair, cells))
+    shape = (row.size, column.size)
+    shares = ((amplitude / cells.gain).reshape(shape), (equivalent / cells.delay).reshape(shape))
+    degrees = min(3, row.size - 1), min(3, column.size - 1)
+    inside = np.clip(gains, *gains[row[[0, -1]]]), np.minimum(delays, delays[column[-1]])
     over_gain, over_delay = (
-        RectBivariateSpline(gains[row], delays[column], share)(gains, delays) for share in shares
+        RectBivariateSpline(gains[row], delays[column], share, kx=degrees[0], ky=degrees[1])(*inside)
+        for share in shares
     )
     return over_gain * gains[:, np.newaxis], over_delay * delays
+
+
+@lru_cache(maxsize=256)
+def _nodes(grid: Grid, structure: Structure) -> tuple[NDArray[np.intp], NDArray[np.intp], TrackedCells]:
+    """Rows, columns and cells of the grid at which the evaluation index is summed."""
+    gains, delays = grid.gains(structure), grid.delays(structure)
+    central = np.flatnonzero(np.abs(np.log(gains)) <= _CENTRAL * structure.damping_ratio)
+    row = central[0] + _evenly(gains[central], _NODES)
+    stable = delays[delays < critical_delay(structure)]
+    column = 1 + _evenly(stable[1:], _NODES)
+    gain, delay = np.meshgrid(gains[row], delays[column], indexing="ij")
+    return row, column, TrackedCells(structure=structure, gain=gain.ravel(), delay=delay.ravel())
+
+
+def _evenly(values: NDArray[np.float64], count: int) -> NDArray[np.intp]:
+    """Indices of values that are as evenly spaced as they come."""
+    wanted = np.linspace(values[0], values[-1], count)
+    return np.unique(np.argmin(np.abs(values[:, np.newaxis] - wanted), axis=0))

@@ -1,0 +1,101 @@
+"""The command line `reliab`: one command per file.
+
+Only Typer and Rich are imported here and at the top of the commands; numerics are imported when a
+command runs, so that `reliab --help` answers at once.
+"""
+
+import sys
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import typer
+
+from reliab.cli import ellipses, motions, simulate
+from reliab.errors import IncompleteError, InputError
+
+_BAD_INPUT = 2
+_INCOMPLETE = 3
+
+app = typer.Typer(
+    name="reliab",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    help="Can I trust this real-time hybrid simulation?",
+)
+app.add_typer(motions.app, name="motions")
+app.command("simulate")(simulate.simulate)
+app.command("ellipses")(ellipses.ellipses)
+
+
+def main() -> None:
+    """Run the command line; bad input ends with one sentence and exit code 2."""
+    sys.exit(run(sys.argv[1:]))
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Run a command.
+
+    Parameters
+    ----------
+    arguments : sequence of str
+        What stands after `reliab`.
+
+    Returns
+    -------
+    int
+        Exit code: 0 done, 1 the answer is "not reliable", 2 bad input, 3 unfinished but safe.
+    """
+    command = typer.main.get_command(app)
+    try:
+        command.main(list(spread(arguments, command)), prog_name="reliab")
+    except InputError as error:
+        return _fail(str(error), _BAD_INPUT)
+    except IncompleteError as error:
+        return _fail(str(error), _INCOMPLETE)
+    except SystemExit as end:
+        return end.code if isinstance(end.code, int) else 0
+    return 0
+
+
+def spread(arguments: Sequence[str], command: Any) -> Iterator[str]:  # noqa: ANN401 - Typer hides its type
+    """Write `--option a b` as `--option a --option b` for options that may be repeated.
+
+    Parameters
+    ----------
+    arguments : sequence of str
+        The arguments as given.
+    command : click.Command
+        The command that they are meant for, or the group of commands.
+
+    Yields
+    ------
+    str
+        The arguments as Click reads them.
+    """
+    repeated: set[str] = set()
+    current: str | None = None
+    first = False
+    for argument in arguments:
+        if argument in (commands := getattr(command, "commands", {})):
+            command = commands[argument]
+            repeated = {name for option in command.params if option.multiple for name in option.opts}
+        if argument.startswith("-") and not _is_number(argument) and argument != "-":
+            current, first = (argument, True) if argument in repeated else (None, False)
+        elif current is not None and not first:
+            yield current
+        else:
+            first = False
+        yield argument
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _fail(message: str, code: int) -> int:
+    typer.secho(f"Error: {message}", err=True, fg=typer.colors.RED)
+    return code

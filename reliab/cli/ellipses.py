@@ -1,0 +1,86 @@
+"""`reliab ellipses`: the boundary of each motion, as a and b."""
+
+from typing import TYPE_CHECKING, Any
+
+from reliab.cli.options import (
+    DampingRatios,
+    ExperimentalFraction,
+    Frequencies,
+    JsonTarget,
+    MetricName,
+    Motions,
+    Results,
+    Sets,
+    Thresholds,
+    WindowName,
+)
+from reliab.cli.output import console, table, write_json
+from reliab.cli.sources import ellipse_dataset
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_HEADINGS = {
+    "motion": "left",
+    "f [Hz]": "right",
+    "ξ [-]": "right",
+    "error [-]": "right",
+    "a [-]": "right",
+    "b [ms²]": "right",
+    "√a [-]": "right",
+    "√b [ms]": "right",
+    "misfit [ms⁴]": "right",
+    "points": "right",
+}
+
+
+def ellipses(
+    *,
+    motions: Motions = None,
+    sets: Sets = None,
+    results: Results = None,
+    f: Frequencies = None,
+    xi: DampingRatios = None,
+    threshold: Thresholds = None,
+    metric: MetricName = "rms",
+    window: WindowName = "record",
+    alpha: ExperimentalFraction = 1.0,
+    json_target: JsonTarget = None,
+) -> None:
+    """Fit an ellipse to the boundary of equal error of each motion."""
+    dataset = ellipse_dataset(
+        motions=motions,
+        sets=sets,
+        results=results,
+        f=f,
+        xi=xi,
+        threshold=threshold,
+        metric=metric,
+        window=window,
+        alpha=alpha,
+    )
+    rows = _rows(dataset)
+    if write_json({"ellipses": rows}, json_target):
+        return
+    shown = table(f"{len(rows)} boundaries of {metric.upper()}^R", _HEADINGS)
+    for row in rows:
+        shown.add_row(*_cells(row))
+    console().print(shown)
+
+
+def _rows(dataset: "xr.Dataset") -> list[dict[str, Any]]:
+    """One row a boundary; a and b are null where it leaves the stored grid."""
+    frame = dataset.isel(curve=0, drop=True).to_dataframe().reset_index()
+    names = ["motion", "f", "xi", "threshold", "metric", "a", "b", "sse", "n"]
+    columns = frame[names].astype(object).where(frame[names].notna(), None)
+    rows = columns.to_dict(orient="records")
+    return [{**{str(name): value for name, value in row.items()}, "n": int(row["n"] or 0)} for row in rows]
+
+
+def _cells(row: dict[str, Any]) -> list[str]:
+    where = [str(row["motion"]), f"{row['f']:g}", f"{row['xi']:g}", f"{row['threshold']:g}"]
+    if row["a"] is None:
+        return [*where, *["outside the grid"] * 2, "", "", "", "0"]
+    a, b = row["a"], row["b"]
+    root = f"{a**0.5:.4f}" if a > 0 else "-"
+    return [*where, f"{a:.3e}", f"{b:.4g}", root, f"{b**0.5:.3f}", f"{row['sse']:.3g}", str(row["n"])]

@@ -1,0 +1,42 @@
+"""Options that several commands share, so that one name means one thing everywhere."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+Motions = Annotated[
+    list[str] | None,
+    typer.Option("--motions", metavar="SOURCE...", help="Records, folders or a built-in suite (synthetic)."),
+]
+Sets = Annotated[
+    list[str] | None,
+    typer.Option("--sets", metavar="NAME...", help="Sets of a catalogue; held_out counts only if named."),
+]
+Results = Annotated[
+    Path | None, typer.Option("--results", metavar="STORE", help="Results that `reliab simulate` stored.")
+]
+Frequencies = Annotated[
+    list[float] | None, typer.Option("--f", metavar="HZ...", help="Natural frequencies [Hz].")
+]
+DampingRatios = Annotated[
+    list[float] | None, typer.Option("--xi", metavar="RATIO...", help="Damping ratios, 0.02 for 2 %.")
+]
+Thresholds = Annotated[
+    list[float] | None, typer.Option("--threshold", metavar="ERROR...", help="Errors, 0.05 for 5 %.")
+]
+MetricName = Annotated[
+    str, typer.Option("--metric", metavar="rms|mte", help="Error of the whole test: RMS^R or MTE^R.")
+]
+WindowName = Annotated[
+    str, typer.Option("--window", metavar="record|SECONDS|arias", help="Where the error is taken.")
+]
+ExperimentalFraction = Annotated[
+    float, typer.Option("--alpha", metavar="SHARE", help="Share of the stiffness in the laboratory.")
+]
+JsonTarget = Annotated[
+    str | None, typer.Option("--json", metavar="FILE|-", help="Write JSON to a file, or - for nothing else.")
+]
+
+ONE_HERTZ, TWO_PERCENT, FIVE_PERCENT = 1.0, 0.02, 0.05
+"""The paper's structure and threshold, where a command is told nothing else."""

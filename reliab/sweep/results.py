@@ -1,0 +1,355 @@
+"""Stored results, opened and asked.
+
+The accessor `dataset.reliab` answers the questions that people have of a results dataset: what the
+error is in the cell nearest to a test, along a slice, between the cells, and where it reaches a
+threshold.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from reliab.boundary import Contour, Curve, Ellipse, trace_contours
+from reliab.boundary.contour import REACH
+from reliab.boundary.surface import ErrorSurfaces
+from reliab.errors import InputError
+from reliab.loop.structure import Structure
+from reliab.progress import Progress, silent
+from reliab.sweep.labels import with_labels
+from reliab.sweep.solve import VARIABLES
+from reliab.sweep.store import read_attributes
+from reliab.vocabulary import ELLIPSE_DIMENSIONS, RESULT_DIMENSIONS, Dimension, Metric
+
+_COORDINATES = ("motion", "f", "xi", "kp", "tau", "event", "duration", "dt", "pga", "checksum")
+_COLUMNS = ("a", "b", "sse", "n")
+
+
+def open_results(path: str | Path, *, window: str | None = None) -> xr.Dataset:
+    """Open a store that `reliab simulate` wrote.
+
+    Parameters
+    ----------
+    path : str or pathlib.Path
+        The Zarr store.
+    window : str, optional
+        Which of the stored windows; the first by default.
+
+    Returns
+    -------
+    xarray.Dataset
+        `rms`, `mte`, `A` [-], `d` [s] and `stable` over (motion, f, xi, kp, tau), read from disk
+        when they are asked for, as float64.
+
+    Raises
+    ------
+    InputError
+        If there is no such store or window, or not all motions are done.
+    """
+    path = Path(path)
+    attributes = read_attributes(path)
+    windows = [str(label) for label in np.atleast_1d(np.asarray(attributes["windows"]))]
+    window = window or windows[0]
+    if window not in windows:
+        raise InputError(
+            "The window must be one that was stored",
+            value=f"{window!r}, stored are {', '.join(windows)}",
+            remedy="Choose one of these, or simulate with that window",
+        )
+    group = None if window == windows[0] else f"window_{window}"
+    dataset = xr.open_zarr(path, group=group, consolidated=False, chunks=None)
+    missing = int(np.isnan(dataset["duration"].values).sum())
+    if missing:
+        raise InputError(
+            "A store must be complete before it is used",
+            value=f"{missing} motions missing in {path}",
+            remedy="Finish it with --resume",
+        )
+    # Strings of fixed width are what everyone can compare, save and group by.
+    texts = {
+        name: dataset[name].copy(data=np.array(dataset[name].values.tolist()))
+        for name in ("motion", "event", "checksum")
+    }
+    opened: xr.Dataset = dataset.drop_vars("journal", errors="ignore").assign(texts).set_coords(_COORDINATES)
+    return opened
+
+
+@xr.register_dataset_accessor("reliab")  # type: ignore[no-untyped-call]
+class ResultsAccessor:
+    """Questions to a results dataset, as `dataset.reliab`."""
+
+    def __init__(self, dataset: xr.Dataset) -> None:
+        absent = [name for name in RESULT_DIMENSIONS if name not in dataset.dims]
+        if absent or "rms" not in dataset:
+            raise InputError(
+                "The accessor 'reliab' belongs to a results dataset",
+                value=f"a dataset without {', '.join(absent) or 'rms'}",
+                remedy="Open one with reliab.open_results",
+            )
+        self._dataset = dataset
+
+    def structure(self, f: float, xi: float) -> Structure:
+        """Structure of the dataset with given natural frequency [Hz] and damping ratio [-].
+
+        Parameters
+        ----------
+        f, xi : float
+            They must be among the dataset's.
+
+        Returns
+        -------
+        Structure
+            The structure.
+
+        Raises
+        ------
+        InputError
+            If they are not among the dataset's.
+        """
+        for name, value in ((Dimension.FREQUENCY, f), (Dimension.DAMPING_RATIO, xi)):
+            stored = self._dataset[name].values
+            if not np.isclose(stored, value, rtol=1e-9).any():
+                raise InputError(
+                    f"{name} must be among the simulated ones, {', '.join(f'{each:g}' for each in stored)}",
+                    value=value,
+                    remedy="Choose one of these, or simulate that one",
+                )
+        fraction = float(self._dataset.attrs["experimental_fraction"])
+        return Structure(frequency=f, damping_ratio=xi, experimental_fraction=fraction)
+
+    def grid(self, f: float, xi: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Gains k_p [-] and delays τ [s] that were simulated for a structure.
+
+        Parameters
+        ----------
+        f, xi : float
+            Natural frequency [Hz] and damping ratio [-] of the dataset.
+
+        Returns
+        -------
+        gains, delays : numpy.ndarray
+            Shapes (kp,) and (tau,).
+        """
+        self.structure(f, xi)
+        at = {
+            Dimension.FREQUENCY: int(np.argmin(np.abs(self._dataset["f"].values - f))),
+            Dimension.DAMPING_RATIO: int(np.argmin(np.abs(self._dataset["xi"].values - xi))),
+        }
+        gains, delays = (
+            self._dataset[name].isel(
+                {dim: index for dim, index in at.items() if dim in self._dataset[name].dims}
+            )
+            for name in (Dimension.GAIN, Dimension.DELAY)
+        )
+        return np.asarray(gains.values, dtype=np.float64), np.asarray(delays.values, dtype=np.float64)
+
+    def at_structure(self, f: float, xi: float) -> xr.Dataset:
+        """Results of one structure, as float64 with one-dimensional `kp` and `tau` coordinates.
+
+        Parameters
+        ----------
+        f, xi : float
+            Natural frequency [Hz] and damping ratio [-] of the dataset.
+
+        Returns
+        -------
+        xarray.Dataset
+            Over (motion, kp, tau).
+        """
+        gains, delays = self.grid(f, xi)
+        chosen = (
+            self._dataset.drop_vars([Dimension.GAIN, Dimension.DELAY])
+            .isel(
+                {
+                    Dimension.FREQUENCY: int(np.argmin(np.abs(self._dataset["f"].values - f))),
+                    Dimension.DAMPING_RATIO: int(np.argmin(np.abs(self._dataset["xi"].values - xi))),
+                }
+            )
+            .load()
+        )
+        floats = {name: chosen[name].astype(np.float64) for name in VARIABLES if name != "stable"}
+        return with_labels(chosen.assign(floats).assign_coords(kp=gains, tau=delays))
+
+    def nearest(self, *, f: float, xi: float, gain: float, delay: float) -> xr.Dataset:
+        """Results of the cell that is nearest to given gain [-] and delay [s], over the motions.
+
+        Parameters
+        ----------
+        f, xi : float
+            Natural frequency [Hz] and damping ratio [-] of the dataset.
+        gain, delay : float
+            Actuator gain [-] and delay [s].
+
+        Returns
+        -------
+        xarray.Dataset
+            Over (motion,), with the cell's own `kp` and `tau`.
+        """
+        return self.at_structure(f, xi).sel(kp=gain, tau=delay, method="nearest")
+
+    def error(
+        self, *, f: float, xi: float, gain: float, delay: float, metric: Metric = Metric.RMS
+    ) -> xr.DataArray:
+        """Error at given gain [-] and delay [s], between the cells, over the motions.
+
+        Parameters
+        ----------
+        f, xi : float
+            Natural frequency [Hz] and damping ratio [-] of the dataset.
+        gain, delay : float
+            Actuator gain [-] and delay [s].
+        metric : Metric, optional
+            RMS^R (default) or MTE^R.
+
+        Returns
+        -------
+        xarray.DataArray
+            Error [-] over (motion,); NaN outside the grid.
+        """
+        results = self.at_structure(f, xi)
+        surfaces = _surfaces(results[metric])
+        cells = np.full(results.sizes["motion"], gain), np.full(results.sizes["motion"], delay)
+        found = surfaces.error(*cells, np.arange(results.sizes["motion"]))
+        return results[metric].isel(kp=0, tau=0, drop=True).copy(data=found)
+
+    def contours(
+        self, *, f: float, xi: float, threshold: float, metric: Metric = Metric.RMS
+    ) -> dict[str, Contour | None]:
+        """Contour of equal error of each motion.
+
+        Parameters
+        ----------
+        f, xi : float
+            Natural frequency [Hz] and damping ratio [-] of the dataset.
+        threshold : float
+            Error on the contour [-].
+        metric : Metric, optional
+            RMS^R (default) or MTE^R.
+
+        Returns
+        -------
+        dict of str to Contour or None
+            By motion; None where the contour leaves the grid.
+        """
+        results = self.at_structure(f, xi)
+        structure = self.structure(f, xi)
+        contours = _trace(results[metric], structure, (threshold,))
+        return dict(zip(results["motion"].values.tolist(), (each[0] for each in contours), strict=True))
+
+    def ellipses(
+        self,
+        thresholds: Sequence[float] = (0.05,),
+        metrics: Sequence[Metric] = (Metric.RMS,),
+        curves: Sequence[type[Curve]] = (Ellipse,),
+        *,
+        progress: Progress = silent,
+    ) -> xr.Dataset:
+        """Curves fitted to the contours of every motion and structure, at any threshold.
+
+        Parameters
+        ----------
+        thresholds : sequence of float, optional
+            Errors on the contours [-].
+        metrics : sequence of Metric, optional
+            RMS^R, MTE^R or both.
+        curves : sequence of type, optional
+            Curves to fit; the ellipse by default.
+        progress : callable, optional
+            Called after each structure.
+
+        Returns
+        -------
+        xarray.Dataset
+            `a` [-], `b` [ms²], `sse` [ms⁴], `n` over (motion, f, xi, threshold, metric, curve); NaN
+            where a contour leaves the grid.
+        """
+        sizes = [self._dataset.sizes[name] for name in ("motion", "f", "xi")]
+        table = np.full((*sizes, len(thresholds), len(metrics), len(curves), len(_COLUMNS)), np.nan)
+        total = sizes[1] * sizes[2]
+        for i, f in enumerate(self._dataset["f"].values.tolist()):
+            for j, xi in enumerate(self._dataset["xi"].values.tolist()):
+                results, structure = self.at_structure(f, xi), self.structure(f, xi)
+                for k, metric in enumerate(metrics):
+                    contours = _trace(results[metric], structure, thresholds)
+                    table[:, i, j, :, k] = _fit(contours, curves)
+                progress(i * sizes[2] + j + 1, total)
+        return self._labelled(table, thresholds, metrics, curves)
+
+    def _labelled(
+        self,
+        table: NDArray[np.float64],
+        thresholds: Sequence[float],
+        metrics: Sequence[Metric],
+        curves: Sequence[type[Curve]],
+    ) -> xr.Dataset:
+        kept = ("motion", "f", "xi", "event", "duration", "dt", "pga", "checksum")
+        dataset = xr.Dataset(
+            {column: (ELLIPSE_DIMENSIONS, table[..., k]) for k, column in enumerate(_COLUMNS)},
+            coords={
+                **{name: self._dataset[name] for name in kept},
+                "threshold": list(thresholds),
+                "metric": [str(metric) for metric in metrics],
+                "curve": [curve.name for curve in curves],
+            },
+            attrs={
+                name: self._dataset.attrs[name] for name in ("window", "experimental_fraction", "study_hash")
+            },
+        )
+        return with_labels(dataset)
+
+
+def _surfaces(errors: xr.DataArray) -> ErrorSurfaces:
+    """Interpolate errors over (motion, kp, tau)."""
+    return ErrorSurfaces(
+        errors["kp"].values, errors["tau"].values, errors.transpose("motion", "kp", "tau").values
+    )
+
+
+def _trace(
+    errors: xr.DataArray, structure: Structure, thresholds: Sequence[float]
+) -> list[list[Contour | None]]:
+    """Contours by motion and threshold; None where one leaves the grid."""
+    surfaces = _surfaces(errors)
+    motions = errors.sizes["motion"]
+    levels = np.tile(np.asarray(thresholds, dtype=np.float64), motions)
+    surface = np.repeat(np.arange(motions), len(thresholds))
+
+    def error(
+        amplitude: NDArray[np.float64], delay: NDArray[np.float64], contour: NDArray[np.int64]
+    ) -> NDArray[np.float64]:
+        return surfaces.error(amplitude, delay, surface[contour])
+
+    contours = trace_contours(error, levels, structure)
+    inside = _inside_grid(errors, structure, thresholds)
+    chosen = [contour if ok else None for contour, ok in zip(contours, inside.ravel(), strict=True)]
+    return [chosen[k : k + len(thresholds)] for k in range(0, len(chosen), len(thresholds))]
+
+
+def _inside_grid(
+    errors: xr.DataArray, structure: Structure, thresholds: Sequence[float]
+) -> NDArray[np.bool_]:
+    """Whether contours end before the grid does; shape (motion, threshold)."""
+    level = np.asarray(thresholds)[:, np.newaxis, np.newaxis]
+    values = errors.transpose("motion", "kp", "tau").values[:, np.newaxis]
+    offset = np.abs(np.log(errors["kp"].values))
+    reach = REACH * structure.damping_ratio * (1 - 1e-9)
+    wide = (offset[[0, -1]] >= reach) | (values[..., [0, -1], 0] >= level[..., 0])
+    within = (offset <= reach) & (values[..., 0] < level[..., 0])
+    high = ~within | (values[..., -1] >= level[..., 0])
+    return np.asarray(wide.all(axis=-1) & high.all(axis=-1))
+
+
+def _fit(contours: Sequence[Sequence[Contour | None]], curves: Sequence[type[Curve]]) -> NDArray[np.float64]:
+    """Parameters of fitted curves, shape (motion, threshold, curve, 4)."""
+    absent = [[np.nan] * len(_COLUMNS)] * len(curves)
+    rows = [
+        [absent if contour is None else [_row(curve.fit(contour)) for curve in curves] for contour in each]
+        for each in contours
+    ]
+    return np.array(rows, dtype=np.float64)
+
+
+def _row(fit: Curve) -> list[float]:
+    return [getattr(fit, column) for column in _COLUMNS]

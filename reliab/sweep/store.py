@@ -1,0 +1,335 @@
+"""Results on disk: a Zarr store with one chunk a motion, safe against being killed.
+
+A store is first made whole but empty under another name and then renamed, so that it is there
+completely or not at all. Every chunk carries a checksum (CRC-32C) and is written at once or not at
+all. After a motion's results its entry in the journal is written: what is known of the record, and
+the digest of the results, which says that they are complete; `--resume` verifies each digest and
+solves again what does not match. When all are there, the journal is copied into the coordinates. A
+store that was interrupted and resumed holds the same bytes as one that was not: nothing in it
+depends on time or order.
+"""
+
+import contextlib
+import errno
+import hashlib
+import json
+import shutil
+import threading
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import filelock
+import numpy as np
+import zarr
+from numpy.typing import NDArray
+from zarr.codecs import BloscCodec, Crc32cCodec
+
+from reliab.errors import IncompleteError, InputError
+from reliab.motions import Motion
+from reliab.sweep.request import SweepRequest
+from reliab.sweep.solve import VARIABLES, MotionResults
+from reliab.vocabulary import LABELS, RESULT_DIMENSIONS, Dimension
+
+SCHEMA_VERSION = 1
+_DTYPES = {name: "bool" if name == "stable" else "float32" for name in VARIABLES}
+_RECORD_FIELDS: dict[str, type | str] = {
+    "duration": "float64",
+    "dt": "float64",
+    "pga": "float64",
+    "checksum": str,
+}
+_JOURNAL = "journal"
+_MOTIONS_PER_CHUNK = 1024
+_PACKAGES = ("reliab", "numpy", "numba", "scipy", "xarray", "zarr")
+
+
+class ResultsStore:
+    """A store of results that is open for writing by this process alone.
+
+    Use :meth:`opened` to create or resume one.
+    """
+
+    def __init__(self, path: Path, request: SweepRequest) -> None:
+        self.path = path
+        self.request = request
+        self._group = zarr.open_group(path, mode="r+")
+        self._turn = threading.Lock()
+
+    @classmethod
+    @contextlib.contextmanager
+    def opened(
+        cls, path: Path, request: SweepRequest, names: Sequence[str], events: Sequence[str], *, resume: bool
+    ) -> Iterator["ResultsStore"]:
+        """Create a store, or open an unfinished one, and keep every other process from writing to it.
+
+        Parameters
+        ----------
+        path : pathlib.Path
+            Where the store is, or is to be.
+        request : SweepRequest
+            What it holds.
+        names, events : sequence of str
+            Ground motions and their earthquakes, in order.
+        resume : bool
+            Whether an existing store is continued; without it one must not exist.
+
+        Yields
+        ------
+        ResultsStore
+            The open store.
+
+        Raises
+        ------
+        InputError
+            If the store exists and is not to be resumed, holds something else, or is being written.
+        """
+        path.parent.mkdir(parents=True, exist_ok=True)
+        lock = filelock.FileLock(path.with_name(path.name + ".lock"), timeout=0)
+        try:
+            lock.acquire()
+        except filelock.Timeout:
+            raise InputError(
+                "Only one process may write to a results store",
+                value=f"{path} in use by another",
+                remedy="Wait until it is done, or write to another store",
+            ) from None
+        with lock:
+            if path.exists():
+                _check_resumable(path, request, names, resume=resume)
+            else:
+                _create(path, request, names, events)
+            yield cls(path, request)
+
+    def complete(self) -> list[bool]:
+        """Tell for each motion whether its results are there and undamaged."""
+        return [
+            bool(entry) and json.loads(entry)["digest"] == self._stored_digest(index)
+            for index, entry in enumerate(self._journal())
+        ]
+
+    def write(self, index: int, motion: Motion, results: Sequence[MotionResults]) -> None:
+        """Write the results of one motion; may be called from several threads.
+
+        Parameters
+        ----------
+        index : int
+            Its place in the store.
+        motion : Motion
+            The ground motion.
+        results : sequence of MotionResults
+            One for each window.
+
+        Raises
+        ------
+        IncompleteError
+            If the disk is full or fails; what was written before is safe.
+        """
+        entry = {
+            "duration": motion.duration,
+            "dt": motion.time_step,
+            "pga": motion.peak_acceleration,
+            "checksum": motion.checksum,
+            "digest": _digest([[getattr(result, name) for name in VARIABLES] for result in results]),
+        }
+        with self._safe(f"at {motion.name}"):
+            for group, result in zip(self._windows, results, strict=True):
+                for name in VARIABLES:
+                    array_of(group, name)[index] = getattr(result, name)
+            with self._turn:
+                array_of(self._group, _JOURNAL)[index] = json.dumps(entry)
+
+    def finish(self) -> None:
+        """Copy what the journal knows of the records into the coordinates."""
+        entries = [json.loads(entry) for entry in self._journal()]
+        with self._safe("at its end"):
+            for group in self._windows:
+                for name, dtype in _RECORD_FIELDS.items():
+                    kind: Any = np.dtypes.StringDType() if dtype is str else dtype
+                    array_of(group, name)[:] = np.array([entry[name] for entry in entries], dtype=kind)
+
+    @contextlib.contextmanager
+    def _safe(self, where: str) -> Iterator[None]:
+        """Turn a failure of the disk into an error that says what is safe."""
+        try:
+            yield
+        except OSError as error:
+            reason = "the disk is full" if error.errno == errno.ENOSPC else str(error)
+            raise IncompleteError(
+                f"Writing {self.path} failed {where}: {reason}. The results of {sum(self.complete())} "
+                "motions are safe; make room and run the same command with --resume."
+            ) from error
+
+    def _journal(self) -> list[str]:
+        return [str(entry) for entry in np.asarray(array_of(self._group, _JOURNAL)[:])]
+
+    @cached_property
+    def _windows(self) -> list[zarr.Group]:
+        return [zarr.open_group(self.path / name, mode="r+") for name in group_names(self.request)]
+
+    def _stored_digest(self, index: int) -> str:
+        """Digest of what is stored of one motion; empty where a chunk is damaged."""
+        try:
+            return _digest([[array_of(group, name)[index] for name in VARIABLES] for group in self._windows])
+        except (ValueError, RuntimeError, OSError):
+            return ""
+
+
+def array_of(group: zarr.Group, name: str) -> Any:  # noqa: ANN401 - arrays of many types
+    """Array of a group by its name."""
+    return group[name]
+
+
+def _digest(windows: Sequence[Sequence[NDArray[np.generic]]]) -> str:
+    """SHA-256 of the results of one motion."""
+    digest = hashlib.sha256()
+    for variables in windows:
+        for values in variables:
+            digest.update(np.ascontiguousarray(values).tobytes())
+    return digest.hexdigest()
+
+
+def group_names(request: SweepRequest) -> list[str]:
+    """Group of each window: the root for the first, `window_…` for further ones."""
+    return ["", *(f"window_{window.label}" for window in request.windows[1:])]
+
+
+def _create(path: Path, request: SweepRequest, names: Sequence[str], events: Sequence[str]) -> None:
+    if not names:
+        raise InputError(
+            "A sweep needs ground motions", value="none", remedy="Name files, folders or a suite"
+        )
+    unfinished = path.with_name(path.name + ".unfinished")
+    shutil.rmtree(unfinished, ignore_errors=True)
+    root = zarr.create_group(unfinished, zarr_format=3)
+    chunk = min(len(names), _MOTIONS_PER_CHUNK)
+    for group_name, window in zip(group_names(request), request.windows, strict=True):
+        group = root.create_group(group_name) if group_name else root
+        group.attrs.update(_attributes(request, window.label))
+        _create_variables(group, request, len(names))
+        for name, values in (("motion", names), ("event", events)):
+            array = _create_array(group, name, (len(names),), (chunk,), str, (Dimension.MOTION,))
+            array[:] = np.array(values, dtype=np.dtypes.StringDType())
+        for name, dtype in _RECORD_FIELDS.items():
+            _create_array(group, name, (len(names),), (chunk,), dtype, (Dimension.MOTION,))
+    _create_array(root, _JOURNAL, (len(names),), (chunk,), str, (Dimension.MOTION,))
+    unfinished.rename(path)
+
+
+def _create_variables(group: zarr.Group, request: SweepRequest, motions: int) -> None:
+    coordinates = request.grid.coordinates(request.frequencies, request.damping_ratios)
+    axes = {
+        "f": ((Dimension.FREQUENCY,), np.array(request.frequencies)),
+        "xi": ((Dimension.DAMPING_RATIO,), np.array(request.damping_ratios)),
+        **{name: (tuple(map(str, axis.dims)), axis.values) for name, axis in coordinates.items()},
+    }
+    for name, (dims, values) in axes.items():
+        array = _create_array(group, name, values.shape, values.shape, "float64", dims)
+        array[...] = values
+    sizes = (
+        motions,
+        len(request.frequencies),
+        len(request.damping_ratios),
+        axes["kp"][1].shape[-1],
+        axes["tau"][1].shape[-1],
+    )
+    for name in VARIABLES:
+        _create_array(group, name, sizes, (1, *sizes[1:]), _DTYPES[name], RESULT_DIMENSIONS)
+
+
+def _create_array(
+    group: zarr.Group,
+    name: str,
+    shape: tuple[int, ...],
+    chunks: tuple[int, ...],
+    dtype: type | str,
+    dims: Sequence[str],
+) -> "zarr.Array[Any]":
+    compressors = [Crc32cCodec()] if dtype is str else [BloscCodec(cname="zstd", clevel=1), Crc32cCodec()]
+    label = LABELS.get(name)
+    attributes: dict[str, Any] = {} if label is None else {"long_name": label.long_name, "units": label.units}
+    return group.create_array(
+        name,
+        shape=shape,
+        chunks=chunks,
+        dtype=dtype,
+        dimension_names=[str(dim) for dim in dims],
+        compressors=compressors,
+        fill_value=float("nan") if dtype in ("float32", "float64") else None,
+        attributes=attributes,
+    )
+
+
+def _attributes(request: SweepRequest, window: str) -> dict[str, Any]:
+    described = request.describe()
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "study_hash": request.digest(),
+        "window": window,
+        "windows": described["windows"],
+        "grid": described["grid"],
+        "engine": described["engine"],
+        "tolerance": described["tolerance"],
+        "experimental_fraction": described["experimental_fraction"],
+        "versions": json.dumps({name: version(name) for name in _PACKAGES}),
+    }
+
+
+def _check_resumable(path: Path, request: SweepRequest, names: Sequence[str], *, resume: bool) -> None:
+    if not resume:
+        raise InputError(
+            "A results store is not overwritten",
+            value=f"{path} exists",
+            remedy="Continue it with --resume, remove it, or name another",
+        )
+    attributes = read_attributes(path)
+    if attributes["study_hash"] != request.digest():
+        raise InputError(
+            "Only the same sweep can be resumed",
+            value=f"{path} holds a sweep of other structures, actuators, windows or engine",
+            remedy="Give the options that it was begun with, or name another store",
+        )
+    stored = [str(name) for name in np.asarray(array_of(zarr.open_group(path, mode="r"), "motion")[:])]
+    if stored != list(names):
+        raise InputError(
+            "Only a sweep of the same ground motions can be resumed",
+            value=f"{path} holds {len(stored)} motions that are not the {len(names)} given",
+            remedy="Give the motions that it was begun with, or name another store",
+        )
+
+
+def read_attributes(path: Path) -> dict[str, object]:
+    """Attributes of a store whose schema this version knows.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        The store.
+
+    Returns
+    -------
+    dict
+        Attributes of the root group.
+
+    Raises
+    ------
+    InputError
+        If there is no store, it is something else, or of another schema version.
+    """
+    try:
+        attributes: dict[str, object] = dict(zarr.open_group(path, mode="r").attrs)
+    except (FileNotFoundError, ValueError, KeyError, zarr.errors.BaseZarrError):
+        raise InputError(
+            "Results are read from a Zarr store that 'reliab simulate' wrote",
+            value=path,
+            remedy="Check the path, or simulate first",
+        ) from None
+    if attributes.get("schema_version") != SCHEMA_VERSION:
+        raise InputError(
+            f"This version reads results of schema version {SCHEMA_VERSION}",
+            value=f"version {attributes.get('schema_version', 'none')} in {path}",
+            remedy="Simulate again, or use the version of reliab that wrote them",
+        )
+    return attributes

@@ -1,0 +1,34 @@
+"""A small suite and a small sweep."""
+
+import numpy as np
+import pytest
+
+from reliab.indices.window import Window
+from reliab.motions import Motion, MotionSuite
+from reliab.sweep import ScaledGrid, SweepRequest
+
+
+@pytest.fixture(scope="session")
+def suite() -> MotionSuite:
+    rng = np.random.default_rng(4)
+    t = np.arange(0.0, 12.0, 0.01)
+    envelope = (t / 4.0) ** 2 * np.exp(-t / 2.0)
+    return MotionSuite.from_motions(
+        Motion(
+            name=f"E{k // 2}/H{k % 2}",
+            acceleration=np.convolve(rng.standard_normal(t.size), np.ones(4) / 4, "same") * envelope,
+            time_step=0.01,
+            event=f"E{k // 2}",
+        )
+        for k in range(6)
+    )
+
+
+@pytest.fixture(scope="session")
+def request_() -> SweepRequest:
+    return SweepRequest(
+        frequencies=(0.5, 1.0),
+        damping_ratios=(0.02, 0.05),
+        grid=ScaledGrid(gain_steps=14, delay_steps=20),
+        windows=(Window(), Window.parse("arias")),
+    )

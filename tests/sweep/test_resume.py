@@ -1,0 +1,175 @@
+"""A store survives being killed, damaged, shared and filled up."""
+
+import errno
+import hashlib
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from reliab.errors import IncompleteError, InputError
+from reliab.sweep import ScaledGrid, SweepRequest, open_results, run_sweep, store
+
+SCRIPT = textwrap.dedent(
+    """
+    import sys
+    from reliab.motions import load_motions
+    from reliab.sweep import ScaledGrid, SweepRequest, run_sweep
+
+    request = SweepRequest(
+        frequencies=(0.5, 1.0), damping_ratios=(0.02,), grid=ScaledGrid(gain_steps=5, delay_steps=6)
+    )
+    print("ready", flush=True)
+    run_sweep(load_motions("synthetic")[:40], request, sys.argv[1], resume="--resume" in sys.argv)
+    """
+)
+
+
+def contents(path: Path) -> dict[str, str]:
+    return {
+        str(file.relative_to(path)): hashlib.sha256(file.read_bytes()).hexdigest()
+        for file in sorted(path.rglob("*"))
+        if file.is_file()
+    }
+
+
+def run_script(path: Path, *, resume: bool) -> subprocess.Popen[str]:
+    arguments = [sys.executable, "-c", SCRIPT, str(path), *(["--resume"] if resume else [])]
+    return subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)  # noqa: S603
+
+
+def kill_repeatedly(path: Path, times: int, rng: np.random.Generator) -> int:
+    """Kill a sweep at random moments and count how often it was really interrupted."""
+    interrupted = 0
+    for _ in range(times):
+        process = run_script(path, resume=path.exists())
+        assert process.stdout is not None
+        process.stdout.readline()
+        time.sleep(float(rng.uniform(0.0, 0.5)))
+        process.send_signal(signal.SIGKILL)
+        process.communicate()
+        interrupted += process.returncode == -signal.SIGKILL
+    finish = run_script(path, resume=path.exists())
+    _, error = finish.communicate()
+    assert finish.returncode == 0, error
+    return interrupted
+
+
+@pytest.fixture(scope="module")
+def reference(tmp_path_factory):
+    path = tmp_path_factory.mktemp("reference") / "results.zarr"
+    process = run_script(path, resume=False)
+    _, error = process.communicate()
+    assert process.returncode == 0, error
+    return contents(path)
+
+
+def test_killed_and_resumed_store_has_the_same_bytes(tmp_path, reference):
+    interrupted = kill_repeatedly(tmp_path / "results.zarr", 3, np.random.default_rng(0))
+    assert interrupted > 0
+    assert contents(tmp_path / "results.zarr") == reference
+
+
+@pytest.mark.slow
+def test_fifty_kills_leave_the_same_bytes(tmp_path, reference):
+    rng = np.random.default_rng(50)
+    interrupted = sum(kill_repeatedly(tmp_path / f"{k}" / "results.zarr", 5, rng) for k in range(10))
+    assert interrupted >= 40
+    for k in range(10):
+        assert contents(tmp_path / f"{k}" / "results.zarr") == reference
+
+
+def test_damaged_chunk_is_detected_and_solved_again(tmp_path, suite, request_):
+    path = run_sweep(suite, request_, tmp_path / "results.zarr")
+    before = contents(path)
+    chunk = next(file for file in (path / "rms" / "c" / "2").rglob("*") if file.is_file())
+    content = chunk.read_bytes()
+    chunk.write_bytes(content[: len(content) // 2])
+    flipped = next(file for file in (path / "window_arias" / "mte" / "c" / "4").rglob("*") if file.is_file())
+    flipped.write_bytes(bytes([flipped.read_bytes()[0] ^ 1]) + flipped.read_bytes()[1:])
+    solved = []
+    run_sweep(suite, request_, path, resume=True, progress=lambda done, _: solved.append(done))
+    assert solved == [4, 5, 6]
+    assert contents(path) == before
+
+
+def test_interrupted_store_is_not_mistaken_for_a_whole_one(tmp_path, suite, request_):
+    class StopError(Exception):
+        pass
+
+    def stop(done: int, _: int) -> None:
+        if done == 2:
+            raise StopError
+
+    with pytest.raises(StopError):
+        run_sweep(suite, request_, tmp_path / "results.zarr", progress=stop, workers=1)
+    with pytest.raises(InputError, match="--resume"):
+        open_results(tmp_path / "results.zarr")
+    run_sweep(suite, request_, tmp_path / "results.zarr", resume=True)
+    assert open_results(tmp_path / "results.zarr").sizes["motion"] == 6
+
+
+def test_second_process_is_refused(tmp_path, suite, request_):
+    path = tmp_path / "results.zarr"
+    with (
+        store.ResultsStore.opened(path, request_, suite.names, suite.events, resume=False),
+        pytest.raises(InputError, match="Only one process"),
+    ):
+        run_sweep(suite, request_, path, resume=True)
+
+
+def test_existing_store_is_not_overwritten(tmp_path, suite, request_):
+    path = run_sweep(suite, request_, tmp_path / "results.zarr")
+    with pytest.raises(InputError, match="not overwritten"):
+        run_sweep(suite, request_, path)
+
+
+def test_another_sweep_is_not_mixed_in(tmp_path, suite, request_):
+    path = run_sweep(suite, request_, tmp_path / "results.zarr")
+    other = SweepRequest(
+        frequencies=(0.7,), damping_ratios=(0.02,), grid=ScaledGrid(gain_steps=5, delay_steps=6)
+    )
+    with pytest.raises(InputError, match="same sweep"):
+        run_sweep(suite, other, path, resume=True)
+    with pytest.raises(InputError, match="same ground motions"):
+        run_sweep(suite[:5], request_, path, resume=True)
+
+
+def test_full_disk_ends_with_what_is_safe(tmp_path, suite, request_, monkeypatch):
+    written = []
+    original = store.array_of
+
+    def array_of(group, name):
+        if name == "rms" and len(written) >= 6:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        written.append(name)
+        return original(group, name)
+
+    path = tmp_path / "results.zarr"
+    monkeypatch.setattr(store, "array_of", array_of)
+    with pytest.raises(IncompleteError, match=r"disk is full.*--resume"):
+        run_sweep(suite, request_, path, workers=1)
+    monkeypatch.setattr(store, "array_of", original)
+    run_sweep(suite, request_, path, resume=True)
+    assert open_results(path).sizes["motion"] == 6
+
+
+@pytest.mark.parametrize("what", ["nothing", "text", "folder", "version"])
+def test_what_is_no_store_is_named(tmp_path, suite, request_, what):
+    path = tmp_path / "results.zarr"
+    if what == "text":
+        path.write_text("no store")
+    elif what == "folder":
+        path.mkdir()
+    elif what == "version":
+        run_sweep(suite, request_, path)
+        metadata = path / "zarr.json"
+        metadata.write_text(metadata.read_text().replace('"schema_version": 1', '"schema_version": 99'))
+    with pytest.raises(InputError, match="schema version 1" if what == "version" else "Zarr store"):
+        open_results(path)
