@@ -53,6 +53,15 @@ WindowName = Annotated[
     str, typer.Option("--window", metavar="record|SECONDS|arias", help="Where the error is taken.")
 ]
 MethodName = Annotated[str, typer.Option("--method", metavar="NAME", help="What the confidence means.")]
+Assurance = Annotated[
+    float | None,
+    typer.Option(
+        "--assurance", metavar="SHARE", help="Share of suites that keep the promise (tolerance ...)."
+    ),
+]
+DistributionName = Annotated[
+    str | None, typer.Option("--distribution", metavar="NAME", help="Family for the method quantile.")
+]
 Joint = Annotated[
     bool, typer.Option("--joint/--each", help="Whether a and b hold together or each for itself.")
 ]
@@ -75,6 +84,8 @@ def criterion(
     metric: MetricName = "rms",
     window: WindowName = "record",
     method: MethodName = "quantile",
+    assurance: Assurance = None,
+    distribution: DistributionName = None,
     joint: Joint = False,
     json_target: JsonTarget = None,
 ) -> None:
@@ -84,6 +95,7 @@ def criterion(
     from reliab.criterion.summary import summarise
 
     table = _ellipses(motions, sets, results, ellipses, f, xi, threshold, metric, window)
+    chosen = method_of(method, assurance=assurance, distribution=distribution)
     rows = [
         summarise(
             derive_criterion(
@@ -93,7 +105,7 @@ def criterion(
                 threshold=each_threshold,
                 metric=metric,
                 confidence=each_confidence,
-                method=method_of(method),
+                method=chosen,
                 joint=joint,
             ),
             table,

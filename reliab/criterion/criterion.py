@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reliab.criterion.laws import Law, law_from_dict, law_to_dict
-from reliab.criterion.methods.method import checked_confidence
+from reliab.criterion.methods.method import checked_share
 from reliab.criterion.provenance import SCHEMA_VERSION, Provenance
 from reliab.errors import InputError
 
@@ -62,7 +62,7 @@ class Criterion:
     provenance: Provenance
 
     def __post_init__(self) -> None:
-        checked_confidence(self.confidence)
+        checked_share(self.confidence, "confidence")
         if not 0.0 < self.threshold < np.inf:
             raise InputError(
                 "The error threshold must be positive",

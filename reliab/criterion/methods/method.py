@@ -50,7 +50,7 @@ class Method(ABC):
         InputError
             If the confidence lies outside of (0, 1).
         """
-        return self._lower_bound(logarithms, events, checked_confidence(confidence))
+        return self._lower_bound(logarithms, events, checked_share(confidence, "confidence"))
 
     @abstractmethod
     def _lower_bound(
@@ -59,12 +59,12 @@ class Method(ABC):
         """Bound for a checked confidence."""
 
 
-def checked_confidence(confidence: float, what: str = "confidence") -> float:
+def checked_share(share: float, what: str) -> float:
     """Return a share between 0 and 1 (both excluded), or say what is wrong with it."""
-    if not 0.0 < confidence < 1.0:
+    if not 0.0 < share < 1.0:
         raise InputError(
             f"The {what} must lie between 0 and 1",
-            value=confidence,
+            value=share,
             remedy="Give a fraction, 0.95 for 95 %",
         )
-    return float(confidence)
+    return float(share)

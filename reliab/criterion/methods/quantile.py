@@ -6,8 +6,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.criterion.distributions import Distribution, Lognormal
+from reliab.criterion.distributions import DISTRIBUTIONS, Lognormal
 from reliab.criterion.methods.method import Method
+from reliab.errors import InputError
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,8 +21,13 @@ class Quantile(Method):
 
     Parameters
     ----------
-    distribution : type of Distribution, optional
-        The family, lognormal as in the paper by default.
+    distribution : str, optional
+        Name of the family, lognormal as in the paper by default.
+
+    Raises
+    ------
+    InputError
+        If there is no family of that name.
 
     Examples
     --------
@@ -34,12 +40,20 @@ class Quantile(Method):
     name: ClassVar[str] = "quantile"
     exchangeable: ClassVar[str] = "motions, each counted as independent"
 
-    distribution: type[Distribution] = Lognormal
+    distribution: str = Lognormal.name
+
+    def __post_init__(self) -> None:
+        if self.distribution not in DISTRIBUTIONS:
+            raise InputError(
+                "The distribution must be known",
+                value=self.distribution,
+                remedy=f"Choose among {', '.join(DISTRIBUTIONS)}",
+            )
 
     def _lower_bound(
         self, logarithms: NDArray[np.float64], events: NDArray[np.str_], confidence: float
     ) -> float:
         del events
         centre = logarithms.mean()  # the families scale, and this keeps the exponential in range
-        fitted = self.distribution.fit(np.exp(logarithms - centre))
+        fitted = DISTRIBUTIONS[self.distribution].fit(np.exp(logarithms - centre))
         return float(centre + np.log(fitted.quantile(1.0 - confidence)))

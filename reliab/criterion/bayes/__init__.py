@@ -1,0 +1,1 @@
+"""Bayesian fits: exact posteriors and ensemble sampling."""

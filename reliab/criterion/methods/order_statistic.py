@@ -1,0 +1,56 @@
+"""Distribution-free tolerance bound: one of the motions themselves."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import binom
+
+from reliab.criterion.methods.method import Method, checked_share
+
+
+@dataclass(frozen=True, kw_only=True)
+class OrderStatistic(Method):
+    """Distribution-free tolerance bound.
+
+    Definition: in at least a share `assurance` of all suites, at least the stated share of the motions
+    exceeds the bound, whatever their distribution. The bound is the r-th smallest value with the largest
+    r for which r − 1 or fewer of n motions below the true quantile are improbable enough (Wilks 1941);
+    without such an r, as with fewer than 59 motions for 95 % and 95 %, it is minus infinity.
+
+    Parameters
+    ----------
+    assurance : float, optional
+        Share of suites for which the promise is kept, in (0, 1).
+
+    References
+    ----------
+    Wilks, S. S. (1941). Determination of sample sizes for setting tolerance limits. *Annals of
+    Mathematical Statistics* 12(1), 91-96.
+
+    Examples
+    --------
+    >>> for n in (58, 59):
+    ...     print(OrderStatistic().lower_bound(np.arange(n, dtype=float), np.arange(n).astype(str), 0.95))
+    -inf
+    0.0
+    """
+
+    name: ClassVar[str] = "order_statistic"
+    exchangeable: ClassVar[str] = "motions, each counted as independent, of any distribution"
+
+    assurance: float = 0.95
+
+    def __post_init__(self) -> None:
+        checked_share(self.assurance, "assurance")
+
+    def _lower_bound(
+        self, logarithms: NDArray[np.float64], events: NDArray[np.str_], confidence: float
+    ) -> float:
+        del events
+        n = logarithms.size
+        # The r-th smallest value is low enough when at least r motions lie below the true quantile.
+        ranks = np.arange(1, n + 1)
+        kept = binom.sf(ranks - 1, n, 1.0 - confidence) >= self.assurance
+        return float(np.sort(logarithms)[kept.sum() - 1]) if kept.any() else -np.inf
