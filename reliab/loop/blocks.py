@@ -21,8 +21,8 @@ from reliab.compiled import compiled
 from reliab.loop.excitation import Excitation
 from reliab.loop.structure import Structure
 
-LARGEST_PHASE_STEP = 0.08
-"""Largest ω₀H of a block [rad]: the sampled peak of a harmonic is then within 8e-4 of the true one
+LARGEST_PHASE_STEP = 0.09
+"""Largest ω₀H of a block [rad]: the sampled peak of a harmonic is then within 1e-3 of the true one
 before, and within 1e-3 for any record after, the parabola through three samples."""
 
 LONGEST_BLOCK = 0.01

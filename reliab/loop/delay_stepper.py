@@ -194,7 +194,7 @@ def deviation(
         alike = np.flatnonzero(reach == each)
         for first in range(0, alike.size, LANES):
             lanes = alike[first : first + LANES]
-            filled = np.pad(lanes, (0, LANES - lanes.size), mode="edge")
+            filled = np.append(lanes, np.repeat(lanes[-1], LANES - lanes.size))
             tracks[:, lanes] = _run(blocks, cells[:, filled], int(each), np.empty((2, 0)))[:, : lanes.size]
     return summary(tracks, blocks.intervals, blocks.ideal_peak)
 

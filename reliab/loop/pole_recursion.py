@@ -27,6 +27,14 @@ LANES = 64
 _COEFFICIENTS = 12
 
 
+def fill_lanes(cells: NDArray[np.float64], lanes: int) -> NDArray[np.float64]:
+    """Fill up the last set of lanes with copies of the last cell; shape (…, multiple of lanes)."""
+    missing = -cells.shape[-1] % lanes
+    return (
+        np.concatenate([cells, np.repeat(cells[..., -1:], missing, axis=-1)], axis=-1) if missing else cells
+    )
+
+
 def recursion(loop: ModalLoop, step: float) -> NDArray[np.float64]:
     """Coefficients of the recursion of each cell.
 
@@ -185,7 +193,7 @@ def deviation(blocks: Blocks, coefficients: NDArray[np.float64]) -> Deviation:
     blocks : Blocks
         Record and window, cut for the structure.
     coefficients : numpy.ndarray
-        Coefficients of the recursion of each cell for blocks of this length, shape (9, cells).
+        Coefficients of the recursion of each cell for blocks of this length, shape (12, cells).
 
     Returns
     -------
@@ -193,6 +201,6 @@ def deviation(blocks: Blocks, coefficients: NDArray[np.float64]) -> Deviation:
         Mean square and peak over the window.
     """
     cells = coefficients.shape[1]
-    filled = np.pad(coefficients, ((0, 0), (0, -cells % LANES)), mode="edge")
+    filled = fill_lanes(coefficients, LANES)
     tracks = _track(blocks.left, blocks.right, blocks.ideal, blocks.before, blocks.end, filled)
     return summary(tracks[:, :cells], blocks.intervals, blocks.ideal_peak)

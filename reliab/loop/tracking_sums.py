@@ -19,13 +19,15 @@ from reliab.compiled import compiled
 from reliab.loop.blocks import Blocks, cut
 from reliab.loop.dominant_pole import modal_loop
 from reliab.loop.excitation import Excitation
-from reliab.loop.pole_recursion import recursion
+from reliab.loop.pole_recursion import fill_lanes, recursion
 from reliab.loop.structure import Structure
 
 _LARGEST_PHASE_STEP = 0.2
 _LONGEST_BLOCK = 0.025
 _MEMORY = 4.0  # time constants of free vibration that are stepped before the record
 _SUMS = 5
+LANES = 16
+"""Cells that advance side by side."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -132,9 +134,13 @@ def tracking_sums(pair: QuadraturePair, cells: TrackedCells) -> TrackingSums:
     first = max(0, straight.before - int(memory / step))
     taper = np.sin(np.pi * np.arange(straight.left.size - straight.before) / straight.intervals) ** 4
     before = straight.before - first
-    sums = _accumulate(
-        _ends(straight, first), _ends(aside, first), taper, before, cells.command, cells.measured
-    )
+    ends = _ends(straight, first), _ends(aside, first)
+    command, measured = (fill_lanes(each, LANES) for each in (cells.command, cells.measured))
+    blocks = [
+        _accumulate(*ends, taper, before, command[:, lanes], measured[:, lanes])
+        for lanes in (slice(at, at + LANES) for at in range(0, command.shape[1], LANES))
+    ]
+    sums = np.concatenate(blocks, axis=1)[:, : cells.gain.size]
     # Samples one and two steps apart show sin ωH and sin 2ωH; 8 sin ωH − sin 2ωH = 6ωH + O((ωH)⁵).
     frequency = (8.0 * sums[3] - sums[4]) / sums[2] / (12.0 * np.pi * step)
     cross = np.empty(sums.shape[1], dtype=np.complex128)
@@ -148,12 +154,17 @@ def _ends(blocks: Blocks, first: int) -> NDArray[np.float64]:
 
 @compiled
 def _step(
-    x: NDArray[np.float64], k: NDArray[np.float64], j: int, a0: float, a1: float, a2: float, a3: float
+    slow: tuple[float, float],
+    fast: tuple[float, float],
+    k: tuple[float, float, float, float, float, float],
+    n: tuple[float, float, float, float, float, float],
+    a: tuple[float, float, float, float],
 ) -> tuple[float, float]:
     """Next displacement of the dominant and of the fast pair of one cell."""
-    slow = k[0, j] * x[0, j] + k[1, j] * x[1, j] + k[2, j] * a0 + k[3, j] * a1 + k[4, j] * a2 + k[5, j] * a3
-    fast = k[6, j] * x[2, j] + k[7, j] * x[3, j] + k[8, j] * a0 + k[9, j] * a1 + k[10, j] * a2 + k[11, j] * a3
-    return slow, fast
+    a0, a1, a2, a3 = a
+    new = k[0] * slow[0] + k[1] * slow[1] + k[2] * a0 + k[3] * a1 + k[4] * a2 + k[5] * a3
+    quick = n[0] * fast[0] + n[1] * fast[1] + n[2] * a0 + n[3] * a1 + n[4] * a2 + n[5] * a3
+    return new, quick
 
 
 @compiled
@@ -165,24 +176,27 @@ def _accumulate(
     command: NDArray[np.float64],
     measured: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Step command, its quadrature and measured displacement; shape (5, cells)."""
-    cells = command.shape[1]
-    c, m = command.copy(), measured.copy()
-    x, q, o = np.zeros((4, cells)), np.zeros((4, cells)), np.zeros((4, cells))
-    past = np.zeros((4, cells))
-    sums = np.zeros((_SUMS, cells))
+    """Step command, its quadrature and measured displacement of a set of lanes; shape (5, lanes)."""
+    c, m = np.empty((12, LANES)), np.empty((12, LANES))
+    c[:], m[:] = command, measured
+    x, q, o = np.zeros((4, LANES)), np.zeros((4, LANES)), np.zeros((4, LANES))
+    past, sums = np.zeros((4, LANES)), np.zeros((_SUMS, LANES))
     for i in range(1, before + taper.size - 1):
-        a0, a1, a2, a3 = straight[0, i], straight[1, i], straight[0, i - 1], straight[1, i - 1]
-        h0, h1, h2, h3 = aside[0, i], aside[1, i], aside[0, i - 1], aside[1, i - 1]
+        a = (straight[0, i], straight[1, i], straight[0, i - 1], straight[1, i - 1])
+        h = (aside[0, i], aside[1, i], aside[0, i - 1], aside[1, i - 1])
         weight = taper[i + 1 - before] if i + 1 >= before else 0.0
-        for j in range(cells):
-            slow, fast = _step(x, c, j, a0, a1, a2, a3)
+        for j in range(LANES):
+            k = (c[0, j], c[1, j], c[2, j], c[3, j], c[4, j], c[5, j])
+            n = (c[6, j], c[7, j], c[8, j], c[9, j], c[10, j], c[11, j])
+            slow, fast = _step((x[0, j], x[1, j]), (x[2, j], x[3, j]), k, n, a)
             x[0, j], x[1, j], x[2, j], x[3, j] = slow, x[0, j], fast, x[2, j]
             place = slow + fast
-            slow, fast = _step(q, c, j, h0, h1, h2, h3)
+            slow, fast = _step((q[0, j], q[1, j]), (q[2, j], q[3, j]), k, n, h)
             q[0, j], q[1, j], q[2, j], q[3, j] = slow, q[0, j], fast, q[2, j]
             aslant = slow + fast
-            slow, fast = _step(o, m, j, a0, a1, a2, a3)
+            k = (m[0, j], m[1, j], m[2, j], m[3, j], m[4, j], m[5, j])
+            n = (m[6, j], m[7, j], m[8, j], m[9, j], m[10, j], m[11, j])
+            slow, fast = _step((o[0, j], o[1, j]), (o[2, j], o[3, j]), k, n, a)
             o[0, j], o[1, j], o[2, j], o[3, j] = slow, o[0, j], fast, o[2, j]
             reached = slow + fast
             sums[0, j] += weight * reached * place

@@ -5,7 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import RectBivariateSpline
+from scipy.interpolate import BarycentricInterpolator
 
 from reliab.indices.frequency_evaluation import evaluate_sums
 from reliab.indices.response_error import relative_error
@@ -114,32 +114,53 @@ def _evaluate(
     A/k_p and d/τ are those of the last node.
     """
     gains, delays = grid.gains(structure), grid.delays(structure)
-    row, column, cells = _nodes(grid, structure)
-    amplitude, equivalent = evaluate_sums(tracking_sums(pair, cells))
-    shape = (row.size, column.size)
-    shares = ((amplitude / cells.gain).reshape(shape), (equivalent / cells.delay).reshape(shape))
-    degrees = min(3, row.size - 1), min(3, column.size - 1)
-    inside = np.clip(gains, *gains[row[[0, -1]]]), np.minimum(delays, delays[column[-1]])
-    over_gain, over_delay = (
-        RectBivariateSpline(gains[row], delays[column], share, kx=degrees[0], ky=degrees[1])(*inside)
-        for share in shares
-    )
+    nodes = _nodes(grid, structure)
+    amplitude, equivalent = evaluate_sums(tracking_sums(pair, nodes.cells))
+    shape = (nodes.over_gain.shape[1], nodes.over_delay.shape[1])
+    shares = ((amplitude / nodes.cells.gain).reshape(shape), (equivalent / nodes.cells.delay).reshape(shape))
+    over_gain, over_delay = (nodes.over_gain @ share @ nodes.over_delay.T for share in shares)
     return over_gain * gains[:, np.newaxis], over_delay * delays
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Nodes:
+    """Cells at which the evaluation index is summed, and the weights that carry it to the grid.
+
+    Attributes
+    ----------
+    cells : TrackedCells
+        The nodes, the delay varying fastest.
+    over_gain, over_delay : numpy.ndarray
+        Weights of the nodes along each axis, shapes (kp, gain nodes) and (tau, delay nodes).
+    """
+
+    cells: TrackedCells
+    over_gain: NDArray[np.float64]
+    over_delay: NDArray[np.float64]
+
+
 @lru_cache(maxsize=256)
-def _nodes(grid: Grid, structure: Structure) -> tuple[NDArray[np.intp], NDArray[np.intp], TrackedCells]:
-    """Rows, columns and cells of the grid at which the evaluation index is summed."""
+def _nodes(grid: Grid, structure: Structure) -> _Nodes:
     gains, delays = grid.gains(structure), grid.delays(structure)
-    central = np.flatnonzero(np.abs(np.log(gains)) <= _CENTRAL * structure.damping_ratio)
-    row = central[0] + _evenly(gains[central], _NODES)
-    stable = delays[delays < critical_delay(structure)]
-    column = 1 + _evenly(stable[1:], _NODES)
-    gain, delay = np.meshgrid(gains[row], delays[column], indexing="ij")
-    return row, column, TrackedCells(structure=structure, gain=gain.ravel(), delay=delay.ravel())
+    central = np.abs(np.log(gains)) <= _CENTRAL * structure.damping_ratio
+    at_gains = _evenly(gains[central])
+    at_delays = _evenly(delays[(delays > 0.0) & (delays < critical_delay(structure))])
+    gain, delay = np.meshgrid(at_gains, at_delays, indexing="ij")
+    return _Nodes(
+        cells=TrackedCells(structure=structure, gain=gain.ravel(), delay=delay.ravel()),
+        over_gain=_polynomial_weights(at_gains, gains),
+        over_delay=_polynomial_weights(at_delays, delays),
+    )
 
 
-def _evenly(values: NDArray[np.float64], count: int) -> NDArray[np.intp]:
-    """Indices of values that are as evenly spaced as they come."""
-    wanted = np.linspace(values[0], values[-1], count)
-    return np.unique(np.argmin(np.abs(values[:, np.newaxis] - wanted), axis=0))
+def _evenly(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Choose a few of the values, as evenly spaced as they come."""
+    wanted = np.linspace(values[0], values[-1], _NODES)
+    nearest = np.unique(np.argmin(np.abs(values[:, np.newaxis] - wanted), axis=0))
+    return np.asarray(values[nearest])
+
+
+def _polynomial_weights(nodes: NDArray[np.float64], values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Weights of the polynomial through the nodes, constant beyond them; shape (values, nodes)."""
+    inside = np.clip(values, nodes[0], nodes[-1])
+    return np.asarray(BarycentricInterpolator(nodes, np.eye(nodes.size))(inside), dtype=np.float64)
