@@ -189,30 +189,42 @@ class ResultsAccessor:
         """
         return self.at_structure(f, xi).sel(kp=gain, tau=delay, method="nearest")
 
-    def error(
-        self, *, f: float, xi: float, gain: float, delay: float, metric: Metric = Metric.RMS
+    def errors(
+        self,
+        *,
+        f: float,
+        xi: float,
+        gain: NDArray[np.float64],
+        delay: NDArray[np.float64],
+        metric: Metric = Metric.RMS,
     ) -> xr.DataArray:
-        """Error at given gain [-] and delay [s], between the cells, over the motions.
+        """Errors at given gains [-] and delays [s], between the cells, for every motion.
 
         Parameters
         ----------
         f, xi : float
             Natural frequency [Hz] and damping ratio [-] of the dataset.
-        gain, delay : float
-            Actuator gain [-] and delay [s].
+        gain, delay : numpy.ndarray
+            Actuator gains [-] and delays [s], shape (tests,).
         metric : Metric, optional
             RMS^R (default) or MTE^R.
 
         Returns
         -------
         xarray.DataArray
-            Error [-] over (motion,); NaN outside the grid.
+            Error [-] over (motion, test); NaN outside the grid.
         """
         results = self.at_structure(f, xi)
-        surfaces = _surfaces(results[metric])
-        cells = np.full(results.sizes["motion"], gain), np.full(results.sizes["motion"], delay)
-        found = surfaces.error(*cells, np.arange(results.sizes["motion"]))
-        return results[metric].isel(kp=0, tau=0, drop=True).copy(data=found)
+        motions, tests = results.sizes["motion"], np.size(gain)
+        found = _surfaces(results[metric]).error(
+            np.tile(gain, motions), np.tile(delay, motions), np.repeat(np.arange(motions), tests)
+        )
+        return xr.DataArray(
+            found.reshape(motions, tests),
+            dims=("motion", "test"),
+            coords={"motion": results["motion"], "event": results["event"]},
+            attrs=results[metric].attrs,
+        )
 
     def contours(
         self, *, f: float, xi: float, threshold: float, metric: Metric = Metric.RMS

@@ -115,7 +115,7 @@ def test_ellipses_from_the_store_are_those_traced_from_the_loop(tmp_path, suite)
 def test_error_between_cells_and_nearest_cell(results, suite):
     loop = loop_of(results, suite[3], 1.0, 0.05)
     found = relative_error(loop.deviation(loop.cells(gain=1.013, delay=0.0021)), Metric.RMS)[0]
-    assert float(results.reliab.error(f=1.0, xi=0.05, gain=1.013, delay=0.0021)[3]) == pytest.approx(
+    assert float(results.reliab.errors(f=1.0, xi=0.05, gain=[1.013], delay=[0.0021])[3, 0]) == pytest.approx(
         found, rel=3e-3
     )
     nearest = results.reliab.nearest(f=1.0, xi=0.05, gain=1.013, delay=0.0021)
