@@ -10,7 +10,7 @@ from scipy.stats import norm
 from reliab.criterion.distributions.normal_kernels import NormalKernels, log_mixture
 
 _ITERATIONS = 500
-_TOLERANCE = 1e-8
+_TOLERANCE = 1e-6
 _NARROWEST = 0.1  # share of the sample's spread; a component narrower than that would chase single values
 
 

@@ -5,9 +5,13 @@ from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import brentq
+from scipy.special import logsumexp, softmax
 from scipy.stats import weibull_min
 
-from reliab.criterion.distributions.distribution import Distribution, maximise_likelihood
+from reliab.criterion.distributions.distribution import Distribution
+
+_REACH = 1e3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,18 +36,17 @@ class Weibull(Distribution):
 
     @classmethod
     def _of_maximum_likelihood(cls, values: NDArray[np.float64]) -> Self:
-        unit = float(np.exp(np.log(values).mean()))
-        relative = values / unit
+        logarithms = np.log(values)
 
-        def log_likelihood(parameters: NDArray[np.float64]) -> float:
-            return float(
-                weibull_min.logpdf(relative, np.exp(parameters[0]), scale=np.exp(parameters[1])).sum()
-            )
+        def score(shape: float) -> float:
+            # Derivative of the likelihood along its ridge: Σ xᵏ ln x / Σ xᵏ − 1/k − mean ln x.
+            return float(softmax(shape * logarithms) @ logarithms - 1.0 / shape - logarithms.mean())
 
         # The logarithm of a Weibull variable has the standard deviation π/(√6 shape).
-        start = np.log(np.pi / np.sqrt(6.0) / np.log(values).std())
-        log_shape, log_scale = maximise_likelihood(log_likelihood, (start, 0.2), ((-3.0, 5.0), (-3.0, 5.0)))
-        return cls(shape=float(np.exp(log_shape)), scale=float(np.exp(log_scale)) * unit)
+        guess = np.pi / np.sqrt(6.0) / logarithms.std()
+        shape = brentq(score, guess / _REACH, guess * _REACH)
+        log_scale = (logsumexp(shape * logarithms) - np.log(values.size)) / shape
+        return cls(shape=float(shape), scale=float(np.exp(log_scale)))
 
     def log_density(self, values: ArrayLike) -> NDArray[np.float64]:
         """Natural logarithm of the density."""

@@ -1,0 +1,145 @@
+"""Whether a lognormal distribution will do: tests, a plain sentence, the points of a Q-Q plot."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.stats import beta, goodness_of_fit, norm, shapiro
+
+from reliab.criterion.distributions import Distribution
+
+SIGNIFICANCE = 0.05
+"""Lognormality is rejected below this p-value."""
+
+_SIMULATIONS = 1999
+_SEED = 2017
+
+
+@dataclass(frozen=True, kw_only=True)
+class LognormalityTest:
+    """Tests of whether logarithms of motions are normal.
+
+    p-values of the first two are simulated, since mean and spread are fitted to the same motions; all
+    three count the motions as independent.
+
+    Parameters
+    ----------
+    kolmogorov_smirnov, anderson_darling, shapiro_wilk : float
+        p-values.
+    """
+
+    kolmogorov_smirnov: float
+    anderson_darling: float
+    shapiro_wilk: float
+
+    @property
+    def rejected(self) -> bool:
+        """Whether any of the three rejects at 5 %, each at a third of it."""
+        return 3.0 * min(self.kolmogorov_smirnov, self.anderson_darling, self.shapiro_wilk) < SIGNIFICANCE
+
+    def sentence(self, parameter: str) -> str:
+        """Say plainly what the tests mean for the criterion; nothing when nothing is rejected.
+
+        Parameters
+        ----------
+        parameter : str
+            The tested parameter, "a" or "b".
+        """
+        if not self.rejected:
+            return ""
+        return (
+            f"{parameter} is not lognormal over these motions "
+            f"(Shapiro-Wilk p = {self.shapiro_wilk:.2g}, Anderson-Darling p = {self.anderson_darling:.2g}, "
+            f"Kolmogorov-Smirnov p = {self.kolmogorov_smirnov:.2g}), so that a lognormal quantile does not "
+            "keep the stated confidence; the methods dirichlet, order_statistic and conformal do not need it."
+        )
+
+
+def lognormality(values: ArrayLike) -> LognormalityTest:
+    """Test whether values over motions are lognormal.
+
+    Parameters
+    ----------
+    values : array_like
+        Positive values, shape (motions,), at least three.
+
+    Returns
+    -------
+    LognormalityTest
+        p-values of the Kolmogorov-Smirnov, Anderson-Darling and Shapiro-Wilk tests.
+
+    Examples
+    --------
+    >>> lognormality(np.exp(np.random.default_rng(1).normal(size=80))).rejected
+    False
+    >>> lognormality(np.random.default_rng(1).pareto(2.0, size=80) + 1.0).rejected
+    True
+    """
+    logarithms = np.log(values)
+    simulated = (
+        float(
+            goodness_of_fit(
+                norm, logarithms, statistic=name, n_mc_samples=_SIMULATIONS, rng=np.random.default_rng(_SEED)
+            ).pvalue
+        )
+        for name in ("ks", "ad")
+    )
+    kolmogorov_smirnov, anderson_darling = simulated
+    return LognormalityTest(
+        kolmogorov_smirnov=kolmogorov_smirnov,
+        anderson_darling=anderson_darling,
+        shapiro_wilk=float(shapiro(logarithms).pvalue),
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class QuantilePlot:
+    """Points of a Q-Q plot with a band for each order statistic.
+
+    Parameters
+    ----------
+    expected : array of float, shape (motions,)
+        Quantiles of the distribution at the plotting positions (i − 1/2)/n.
+    observed : array of float, shape (motions,)
+        The motions in increasing order.
+    low, high : array of float, shape (motions,)
+        Where 95 % of each order statistic would lie if the distribution were true.
+    """
+
+    expected: NDArray[np.float64]
+    observed: NDArray[np.float64]
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+
+
+def quantile_plot(values: ArrayLike, distribution: Distribution) -> QuantilePlot:
+    """Compare motions with a distribution, quantile by quantile.
+
+    Parameters
+    ----------
+    values : array_like
+        Positive values, shape (motions,).
+    distribution : Distribution
+        The distribution, usually fitted to them.
+
+    Returns
+    -------
+    QuantilePlot
+        What a figure draws.
+
+    Examples
+    --------
+    >>> from reliab.criterion.distributions import Lognormal
+    >>> points = quantile_plot([1.0, 4.0, 2.0], Lognormal(mu=0.7, sigma=0.6))
+    >>> points.observed.tolist(), float(points.expected[1].round(2))
+    ([1.0, 2.0, 4.0], 2.01)
+    """
+    observed = np.sort(np.asarray(values, dtype=np.float64))
+    rank = np.arange(1, observed.size + 1)
+    low, high = (beta.ppf(share, rank, observed.size + 1 - rank) for share in (0.025, 0.975))
+    return QuantilePlot(
+        expected=distribution.quantile((rank - 0.5) / observed.size),
+        observed=observed,
+        low=distribution.quantile(low),
+        high=distribution.quantile(high),
+    )
