@@ -186,7 +186,7 @@ def _judge(
         accepted_good,
         good.sum(axis=1),
     )
-    return tuple(values.astype(np.int64) for values in found)
+    return tuple(np.asarray(values, dtype=np.int64) for values in found)
 
 
 def _labelled(
