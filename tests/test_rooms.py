@@ -10,6 +10,7 @@ import reliab
 PACKAGE = Path(reliab.__file__).parent
 ROOMS = (
     "cli",
+    "study",
     "report",
     "discrepancy",
     "validation",

@@ -1,0 +1,1 @@
+"""Declarative studies: one TOML file each, done in stages."""

@@ -1,0 +1,1 @@
+"""What studies do, one kind per file."""
