@@ -1,8 +1,15 @@
 """Distributions, Bayesian fits, laws and the criterion."""
 
-from reliab.criterion.criterion import Criterion
+from reliab.criterion.criterion import Criterion, published_criterion
 from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.ellipse_csv import read_ellipses
 from reliab.criterion.ellipse_sample import EllipseSample, sample_of
 
-__all__ = ["Criterion", "EllipseSample", "derive_criterion", "read_ellipses", "sample_of"]
+__all__ = [
+    "Criterion",
+    "EllipseSample",
+    "derive_criterion",
+    "published_criterion",
+    "read_ellipses",
+    "sample_of",
+]

@@ -1,16 +1,18 @@
 """The criterion: how much amplitude error and delay a test may have."""
 
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reliab.criterion.laws import Law, law_from_dict, law_to_dict
+from reliab.criterion.laws import OF_MANY_MOTIONS, Law, known, law_from_dict, law_to_dict
 from reliab.criterion.methods.method import checked_share
+from reliab.criterion.population import Population
 from reliab.criterion.provenance import SCHEMA_VERSION, Provenance
 from reliab.errors import InputError
+from reliab.vocabulary import Metric
 
 _MILLISECONDS = 1e3
 
@@ -38,15 +40,12 @@ class Criterion:
         Whether a and b hold together with the stated confidence, or each for itself.
     provenance : Provenance
         Where the criterion comes from.
+    population : Population, optional
+        The motions behind it, from which probabilities follow; a published law has none.
 
     Examples
     --------
-    >>> from reliab.criterion.laws import OneStructure
-    >>> criterion = Criterion(
-    ...     law=OneStructure(a=5.3e-5, b=1.04, frequency=1.0, damping_ratio=0.02),
-    ...     threshold=0.05, metric="rms", confidence=0.95, method="quantile", joint=False,
-    ...     provenance=Provenance(source="Guo and others (2017), equation (12)"),
-    ... )
+    >>> criterion = published_criterion("guo_2017_12")
     >>> round(float(criterion.index(1.004, 0.0005, 1.0, 0.02)), 3)
     0.542
     >>> Criterion.from_json(criterion.to_json()) == criterion
@@ -60,8 +59,10 @@ class Criterion:
     method: str
     joint: bool
     provenance: Provenance
+    population: Population | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
+        self.law.validity.require_error(self.threshold, self.metric)
         checked_share(self.confidence, "confidence")
         if not 0.0 < self.threshold < np.inf:
             raise InputError(
@@ -123,6 +124,38 @@ class Criterion:
             index = offset**2 / a + milliseconds**2 / b
         return np.where((a > 0.0) & (b > 0.0), index, np.inf)
 
+    def probability(
+        self, amplitude: ArrayLike, delay: ArrayLike, frequency: ArrayLike, damping_ratio: ArrayLike
+    ) -> NDArray[np.float64]:
+        """Predictive probability that the error of a test stays below the threshold.
+
+        Parameters
+        ----------
+        amplitude : array_like
+            Amplitude index A [-].
+        delay : array_like
+            Equivalent delay d [s].
+        frequency, damping_ratio : array_like
+            The structure [Hz, -]; all four are broadcast against each other.
+
+        Returns
+        -------
+        numpy.ndarray
+            Probability [-] over ground motions of further earthquakes.
+
+        Raises
+        ------
+        InputError
+            If the structure lies outside of what was simulated, or no motions stand behind the criterion.
+        """
+        if self.population is None:
+            raise InputError(
+                "A probability needs the ellipses of ground motions",
+                value=f"the published law {self.law.name}",
+                remedy="Derive a criterion from motions, a results store or a table of ellipses",
+            )
+        return self.population.probability(amplitude, delay, frequency, damping_ratio)
+
     def to_json(self) -> str:
         """Serialise with provenance; `from_json` reads it back."""
         content = {
@@ -131,6 +164,7 @@ class Criterion:
                 name: getattr(self, name) for name in ("threshold", "metric", "confidence", "method", "joint")
             },
             "law": law_to_dict(self.law),
+            "population": None if self.population is None else self.population.to_dict(),
             "provenance": asdict(self.provenance),
         }
         return json.dumps(content, indent=2, ensure_ascii=False)
@@ -155,9 +189,52 @@ class Criterion:
             If the text is not such JSON, or of a newer schema.
         """
         content = _checked_content(text)
-        provenance = content.pop("provenance")
+        provenance, population = content.pop("provenance"), content.pop("population")
         provenance["warnings"] = tuple(provenance["warnings"])
-        return cls(law=law_from_dict(content.pop("law")), provenance=Provenance(**provenance), **content)
+        return cls(
+            law=law_from_dict(content.pop("law")),
+            provenance=Provenance(**provenance),
+            population=None if population is None else Population.from_dict(population),
+            **content,
+        )
+
+
+def published_criterion(name: str) -> Criterion:
+    """Make the criterion of a published or corrected law.
+
+    Parameters
+    ----------
+    name : str
+        A law that promises a confidence over motions, such as "guo_2017_18".
+
+    Returns
+    -------
+    Criterion
+        At 5 % RMS^R and the 95 % that the paper states.
+
+    Raises
+    ------
+    InputError
+        If there is no such law.
+
+    Examples
+    --------
+    Case 1 of Table 6:
+
+    >>> criterion = published_criterion("guo_2017_18")
+    >>> round(float(criterion.index(1.0039, 0.39e-3, 1.0, 0.02)), 3)
+    0.956
+    """
+    law = known(OF_MANY_MOTIONS, name)
+    return Criterion(
+        law=law,
+        threshold=0.05,
+        metric=str(Metric.RMS),
+        confidence=0.95,
+        method="quantile",
+        joint=False,
+        provenance=Provenance(source=f"Guo and others (2017), {law.equation}", n_motions=100, n_events=19),
+    )
 
 
 def _checked_content(text: str) -> dict[str, Any]:

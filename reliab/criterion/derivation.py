@@ -1,90 +1,143 @@
-"""From a dataset of ellipses to the criterion of one structure."""
+"""From a dataset of ellipses to a criterion."""
 
+from collections.abc import Sequence
+
+import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
+from reliab.criterion.cautions import cautions_of
 from reliab.criterion.criterion import Criterion
-from reliab.criterion.ellipse_sample import EllipseSample, sample_of
+from reliab.criterion.ellipse_sample import EllipseSample, position, sample_of
 from reliab.criterion.joint import limits
-from reliab.criterion.laws import OneStructure
+from reliab.criterion.laws import FittedLaw, Law, Table
 from reliab.criterion.methods import Method
+from reliab.criterion.population import Population
 from reliab.criterion.provenance import Provenance, records_checksum
 from reliab.vocabulary import Metric
-
-_FEW_EVENTS = 30
 
 
 def derive_criterion(
     ellipses: xr.Dataset,
     *,
-    frequency: float,
-    damping_ratio: float,
+    method: Method,
+    frequency: float | None = None,
+    damping_ratio: float | None = None,
+    joint: bool = False,
+    law: FittedLaw = Table,
     threshold: float = 0.05,
     metric: str = Metric.RMS,
     confidence: float = 0.95,
-    method: Method,
-    joint: bool = False,
+    source: str = "ellipses of ground motions",
 ) -> Criterion:
-    """Derive the criterion of one structure from the ellipses of many ground motions.
+    """Derive a criterion from the ellipses of many ground motions.
+
+    Limits are derived for every structure of the dataset, and a law is fitted to them. A fitted law
+    misses some of them a little; all its limits are therefore scaled by one factor, so that on average
+    over the structures as many of the motions are contained as by the limits themselves.
 
     Parameters
     ----------
     ellipses : xarray.Dataset
         As `reliab.sweep.trace_ellipses` or `reliab.criterion.read_ellipses` make it.
-    frequency, damping_ratio : float
-        The structure [Hz, -], one of the dataset's.
+    method : Method
+        What the confidence means.
+    frequency, damping_ratio : float, optional
+        The only structure to derive it for [Hz, -], one of the dataset's; all of them by default.
+    joint : bool, optional
+        Whether a and b hold together.
+    law : type of Law, optional
+        How the limits depend on the structure; by default they are kept as a table.
     threshold : float, optional
         Error on the boundaries [-], one of the dataset's.
     metric : str, optional
         Which error.
     confidence : float, optional
         Share of ground motions, in (0, 1).
-    method : Method
-        What the confidence means.
-    joint : bool, optional
-        Whether a and b hold together.
+    source : str, optional
+        Where the ellipses came from, in words.
 
     Returns
     -------
     Criterion
-        Valid for that structure only.
+        Valid for the structures of the dataset and between them.
 
     Raises
     ------
     InputError
-        If the dataset has no such cell, or too few motions.
+        If the dataset has no such threshold or metric, or too few motions, or the method can promise
+        nothing with so few that a law could be fitted to.
     """
-    sample = sample_of(
-        ellipses, frequency=frequency, damping_ratio=damping_ratio, threshold=threshold, metric=metric
-    )
-    a, b = limits(sample, method, confidence, joint=joint)
+    ordered = _only(ellipses, "f", frequency).pipe(_only, "xi", damping_ratio)
+    samples = _samples(ordered, threshold, str(metric))
+    found = np.array([[limits(each, method, confidence, joint=joint) for each in row] for row in samples])
+    fitted: Law = law.fit(ordered["f"].values, ordered["xi"].values, found[..., 0], found[..., 1])
+    if law is not Table:
+        fitted = _contained_alike(law, fitted, samples, found)
     return Criterion(
-        law=OneStructure(a=a, b=b, frequency=frequency, damping_ratio=damping_ratio),
+        law=fitted,
         threshold=threshold,
         metric=str(metric),
         confidence=confidence,
         method=method.name,
         joint=joint,
+        population=Population.of(ordered, threshold=threshold, metric=str(metric)),
         provenance=Provenance(
-            source="ellipses of ground motions",
-            n_motions=sample.n_motions,
-            n_events=sample.n_events,
+            source=source,
+            n_motions=ellipses.sizes["motion"],
+            n_events=int(np.unique(ellipses["event"]).size),
             records_checksum=records_checksum(ellipses),
             window=str(ellipses.attrs.get("window", "unknown")),
-            warnings=_warnings(sample, ellipses.sizes["motion"]),
+            settings=method.settings,
+            warnings=cautions_of(samples, ellipses.sizes["motion"], method),
         ),
     )
 
 
-def _warnings(sample: EllipseSample, offered: int) -> tuple[str, ...]:
-    found = []
-    if offered > sample.n_motions:
-        found.append(
-            f"{offered - sample.n_motions} of {offered} motions have no ellipse here and were left out: "
-            "their boundaries reach beyond half or twice the amplitude, so that this is on the safe side."
-        )
-    if sample.n_events < _FEW_EVENTS:
-        found.append(
-            f"The motions come from {sample.n_events} earthquakes only, "
-            "and motions of one earthquake are alike."
-        )
-    return tuple(found)
+def _only(ellipses: xr.Dataset, name: str, value: float | None) -> xr.Dataset:
+    """Keep one value of a dimension, or all in increasing order."""
+    if value is None:
+        return ellipses.sortby(name)
+    return ellipses.isel({name: [position(ellipses, name, value)]})
+
+
+def _samples(ellipses: xr.Dataset, threshold: float, metric: str) -> list[list[EllipseSample]]:
+    return [
+        [
+            sample_of(ellipses, frequency=f, damping_ratio=xi, threshold=threshold, metric=metric)
+            for xi in ellipses["xi"].values.tolist()
+        ]
+        for f in ellipses["f"].values.tolist()
+    ]
+
+
+def _contained_alike(
+    law: FittedLaw, fitted: Law, samples: Sequence[Sequence[EllipseSample]], found: NDArray[np.float64]
+) -> Law:
+    """Scale a law so that it contains as many motions as the limits that it was fitted to."""
+    cells = [each for row in samples for each in row]
+    contained = [np.mean(room(s, *pair) >= 1.0) for s, pair in zip(cells, found.reshape(-1, 2), strict=True)]
+    rooms = [room(s, *(float(limit) for limit in fitted.limits(s.frequency, s.damping_ratio))) for s in cells]
+    factor = np.quantile(np.concatenate(rooms), 1.0 - np.mean(contained), method="lower")
+    frequencies = [row[0].frequency for row in samples]
+    damping_ratios = [each.damping_ratio for each in samples[0]]
+    a, b = fitted.limits(np.asarray(frequencies)[:, None], np.asarray(damping_ratios)[None, :])
+    return law.fit(frequencies, damping_ratios, factor * a, factor * b)
+
+
+def room(sample: EllipseSample, a: float, b: float) -> NDArray[np.float64]:
+    """Factor by which limits could grow before a motion's own ellipse no longer contains theirs.
+
+    Parameters
+    ----------
+    sample : EllipseSample
+        The motions.
+    a, b : float
+        The limits [-] and [ms²], positive.
+
+    Returns
+    -------
+    array of float, shape (motions,)
+        Factors on a and b; a motion contains the limits where its factor is at least 1.
+    """
+    return np.minimum(sample.a / a, sample.b / b)

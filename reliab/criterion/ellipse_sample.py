@@ -126,7 +126,7 @@ def sample_of(
         If the dataset has no such structure, threshold or metric.
     """
     wanted = {"f": frequency, "xi": damping_ratio, "threshold": threshold}
-    chosen = {name: _position(ellipses, name, value) for name, value in wanted.items()}
+    chosen = {name: position(ellipses, name, value) for name, value in wanted.items()}
     names = [str(name) for name in ellipses["metric"].values]
     if metric not in names:
         raise InputError(
@@ -168,7 +168,28 @@ def is_ellipse(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.boo
     return np.asarray(np.isfinite(a) & np.isfinite(b) & (a > 0.0) & (b > 0.0))
 
 
-def _position(ellipses: xr.Dataset, name: str, value: float) -> int:
+def position(ellipses: xr.Dataset, name: str, value: float) -> int:
+    """Find a value along a dimension.
+
+    Parameters
+    ----------
+    ellipses : xarray.Dataset
+        With that dimension as a coordinate.
+    name : str
+        The dimension, of numbers.
+    value : float
+        The value.
+
+    Returns
+    -------
+    int
+        Its position.
+
+    Raises
+    ------
+    InputError
+        If it is not there; the message lists what is.
+    """
     values = ellipses[name].values.astype(np.float64)
     close = np.flatnonzero(np.isclose(values, value, rtol=1e-9, atol=0.0))
     if close.size == 0:

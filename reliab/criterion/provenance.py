@@ -3,6 +3,7 @@
 import hashlib
 from dataclasses import dataclass, field
 from importlib.metadata import version
+from typing import Any
 
 import xarray as xr
 
@@ -33,6 +34,8 @@ class Provenance:
         Stretch of the record over which the error was taken.
     packages : dict of str to str
         Package versions.
+    settings : dict
+        Parameters of the method.
     warnings : tuple of str
         Plain sentences for the user.
     """
@@ -43,6 +46,7 @@ class Provenance:
     records_checksum: str = ""
     window: str = "record"
     packages: dict[str, str] = field(default_factory=installed_versions)
+    settings: dict[str, Any] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
 
 

@@ -3,12 +3,16 @@ import subprocess
 import sys
 
 import pytest
+import typer
 from typer.testing import CliRunner, Result
 
-from reliab.cli.criterion import app
+from reliab.cli.criterion import criterion
+from reliab.criterion import Criterion
 from reliab.errors import InputError
 from reliab.shipped import shipped
 
+app = typer.Typer()
+app.command()(criterion)
 TABLE2 = shipped("datasets", "paper/table2.csv")
 
 
@@ -75,10 +79,43 @@ def test_motions_are_simulated_then_and_there(tmp_path):
     assert {each["n_events"] for each in found["criteria"]} == {3}
 
 
+def test_a_published_law_needs_no_motions():
+    found = answer("--law", "guo_2017_18", "--f", 1, "--xi", 0.05)
+    assert (found["a"], found["law"]) == (pytest.approx(0.021 * 0.05), "guo_2017_18")
+
+
+def test_the_recommended_method_is_smaller_than_the_plug_in():
+    plug_in, recommended = answer("--ellipses", TABLE2), answer(
+        "--ellipses", TABLE2, "--method", "dirichlet", "--joint"
+    )  # fmt: skip
+    assert recommended["joint"] is True
+    assert 0.5 < recommended["a"] / plug_in["a"] < 1.2
+
+
+def test_the_criterion_can_be_kept_for_later(tmp_path):
+    found = answer("--ellipses", TABLE2, "--out", tmp_path / "criterion.json")
+    kept = Criterion.from_json((tmp_path / "criterion.json").read_text(encoding="utf-8"))
+    assert [float(limit) for limit in kept.limits(1.0, 0.02)] == pytest.approx([found["a"], found["b"]])
+    assert 0.9 < float(kept.probability(1.0 + found["amplitude_limit"], 0.0, 1.0, 0.02)) < 1.0
+
+
+def test_rejected_lognormality_is_said():
+    warnings = answer("--ellipses", TABLE2)["warnings"]
+    assert any("b is not lognormal" in warning for warning in warnings)
+    free = answer("--ellipses", TABLE2, "--method", "dirichlet")["warnings"]
+    assert not any("lognormal" in warning for warning in free)
+
+
 @pytest.mark.parametrize(
     "wrong",
     [
         (),
+        ("--law", "guo_2017_11"),
+        ("--law", "guo_2017_15", "--xi", 0.05),
+        ("--ellipses", TABLE2, "--law", "magic"),
+        ("--ellipses", TABLE2, "--confidence", 0.9, "--confidence", 0.95, "--out", "criterion.json"),
+        ("--ellipses", TABLE2, "--method", "tolerance", "--assurance", 2),
+        ("--ellipses", TABLE2, "--distribution", "magic"),
         ("--ellipses", TABLE2, "--motions", "synthetic"),
         ("--ellipses", TABLE2, "--confidence", 95),
         ("--ellipses", TABLE2, "--method", "magic"),

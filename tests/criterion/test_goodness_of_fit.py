@@ -6,7 +6,7 @@ from scipy import stats
 
 from reliab.criterion import sample_of
 from reliab.criterion.distributions import Lognormal
-from reliab.criterion.goodness_of_fit import lognormality, quantile_plot
+from reliab.criterion.goodness_of_fit import lognormality, objection, quantile_plot
 
 
 def test_the_printed_table_is_not_lognormal(printed_table2):
@@ -15,7 +15,7 @@ def test_the_printed_table_is_not_lognormal(printed_table2):
     found = {"a": lognormality(sample.a), "b": lognormality(sample.b)}
     assert found["a"].shapiro_wilk == pytest.approx(0.007, abs=0.0005)
     assert found["b"].shapiro_wilk == pytest.approx(5e-5, rel=0.1)
-    assert "b is not lognormal over these motions (Shapiro-Wilk p = 5" in found["b"].sentence("b")
+    assert "b is not lognormal over these motions (Shapiro-Wilk p = 5" in objection(sample.b, "b")
 
 
 @pytest.mark.parametrize("test", ["kolmogorov_smirnov", "anderson_darling", "shapiro_wilk"])
@@ -27,7 +27,7 @@ def test_p_values_of_lognormal_motions_are_uniform(test):
 
 def test_nothing_is_said_when_nothing_is_rejected():
     values = np.exp(stats.norm.ppf((np.arange(50) + 0.5) / 50))
-    assert lognormality(values).sentence("a") == ""
+    assert objection(values, "a") == ""
 
 
 def test_the_band_of_a_quantile_plot_holds_19_of_20_points():

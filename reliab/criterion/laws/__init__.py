@@ -1,8 +1,35 @@
-"""Laws of frequency and damping, one per file."""
+"""Laws of frequency and damping, one per file; each refuses use outside its validity."""
 
+from reliab.criterion.laws.dimensionless import Dimensionless
+from reliab.criterion.laws.exponential import Exponential
 from reliab.criterion.laws.law import Law
-from reliab.criterion.laws.one_structure import OneStructure
-from reliab.criterion.laws.serialisation import LAWS, law_from_dict, law_to_dict
+from reliab.criterion.laws.log_linear import LogLinearLaw
+from reliab.criterion.laws.power import Power
+from reliab.criterion.laws.registry import (
+    FITTED,
+    LAWS,
+    OF_MANY_MOTIONS,
+    FittedLaw,
+    known,
+    law_from_dict,
+    law_to_dict,
+)
+from reliab.criterion.laws.table import Table
 from reliab.criterion.laws.validity import Validity
 
-__all__ = ["LAWS", "Law", "OneStructure", "Validity", "law_from_dict", "law_to_dict"]
+__all__ = [
+    "FITTED",
+    "LAWS",
+    "OF_MANY_MOTIONS",
+    "Dimensionless",
+    "Exponential",
+    "FittedLaw",
+    "Law",
+    "LogLinearLaw",
+    "Power",
+    "Table",
+    "Validity",
+    "known",
+    "law_from_dict",
+    "law_to_dict",
+]

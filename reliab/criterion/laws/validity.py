@@ -20,6 +20,10 @@ class Validity:
         Least and greatest natural frequency [Hz].
     damping_ratio : tuple of float
         Least and greatest damping ratio [-].
+    threshold : float, optional
+        The one error [-] that the law is for; None leaves it to the criterion.
+    metric : str, optional
+        The one metric that the law is for; None leaves it to the criterion.
 
     Examples
     --------
@@ -31,6 +35,8 @@ class Validity:
 
     frequency: tuple[float, float]
     damping_ratio: tuple[float, float]
+    threshold: float | None = None
+    metric: str | None = None
 
     def require(self, frequency: ArrayLike, damping_ratio: ArrayLike) -> None:
         """Raise an error where a structure lies outside.
@@ -47,6 +53,34 @@ class Validity:
         """
         _require("natural frequency", frequency, self.frequency, " Hz")
         _require("damping ratio", damping_ratio, self.damping_ratio, "")
+
+    def require_error(self, threshold: float, metric: str) -> None:
+        """Raise an error where the law is for another threshold or metric.
+
+        Parameters
+        ----------
+        threshold : float
+            Error [-].
+        metric : str
+            Which error.
+
+        Raises
+        ------
+        InputError
+            If the law is for another one.
+        """
+        if self.threshold is not None and not np.isclose(threshold, self.threshold, rtol=_ROUNDING):
+            raise InputError(
+                f"The law is for an error of {self.threshold:g} only",
+                value=f"{threshold:g}",
+                remedy="Choose another law, or derive a criterion from ellipses at that threshold",
+            )
+        if self.metric is not None and metric != self.metric:
+            raise InputError(
+                f"The law is for the metric {self.metric} only",
+                value=metric,
+                remedy="Choose another law, or derive a criterion from ellipses of that metric",
+            )
 
 
 def _require(what: str, given: ArrayLike, bounds: tuple[float, float], unit: str) -> None:

@@ -1,7 +1,8 @@
 """What a stated confidence can mean: the interface of every method."""
 
 from abc import ABC, abstractmethod
-from typing import ClassVar
+from dataclasses import asdict
+from typing import Any, ClassVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,16 @@ class Method(ABC):
 
     name: ClassVar[str]
     exchangeable: ClassVar[str]
+
+    @property
+    def assumes_lognormality(self) -> bool:
+        """Whether the promise needs lognormal motions."""
+        return False
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """Parameters of the method, ready for JSON."""
+        return asdict(cast("Any", self))
 
     def lower_bound(
         self, logarithms: NDArray[np.float64], events: NDArray[np.str_], confidence: float

@@ -28,6 +28,11 @@ class Predictive(Method):
     name: ClassVar[str] = "predictive"
     exchangeable: ClassVar[str] = "motions, each counted as independent and lognormal"
 
+    @property
+    def assumes_lognormality(self) -> bool:
+        """Whether the promise needs lognormal motions."""
+        return True
+
     def _lower_bound(
         self, logarithms: NDArray[np.float64], events: NDArray[np.str_], confidence: float
     ) -> float:

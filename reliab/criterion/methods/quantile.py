@@ -50,6 +50,11 @@ class Quantile(Method):
                 remedy=f"Choose among {', '.join(DISTRIBUTIONS)}",
             )
 
+    @property
+    def assumes_lognormality(self) -> bool:
+        """Whether the promise needs lognormal motions."""
+        return self.distribution == Lognormal.name
+
     def _lower_bound(
         self, logarithms: NDArray[np.float64], events: NDArray[np.str_], confidence: float
     ) -> float:

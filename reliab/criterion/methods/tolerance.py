@@ -72,6 +72,11 @@ class Tolerance(Method):
     def __post_init__(self) -> None:
         checked_share(self.assurance, "assurance")
 
+    @property
+    def assumes_lognormality(self) -> bool:
+        """Whether the promise needs lognormal motions."""
+        return True
+
     def _lower_bound(
         self, logarithms: NDArray[np.float64], events: NDArray[np.str_], confidence: float
     ) -> float:

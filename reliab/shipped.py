@@ -1,7 +1,8 @@
 """Where the studies and datasets that ship with the project are found.
 
-In an installed wheel they lie in this package's own folder; in a checkout they are the folders
-`studies/` and `datasets/` beside the package.
+In an installed wheel they lie in the folder `shipped/` beside this module, which holds no Python and
+therefore does not stand in its way; in a checkout they are the folders `studies/` and `datasets/` beside
+the package.
 """
 
 from pathlib import Path
@@ -11,8 +12,8 @@ from reliab.errors import InputError
 KINDS = ("datasets", "studies")
 """What ships with the project."""
 
-_INSTALLED = Path(__file__).parent
-_CHECKOUT = Path(__file__).parents[2]
+_INSTALLED = Path(__file__).with_suffix("")
+_CHECKOUT = Path(__file__).parents[1]
 
 
 def shipped(kind: str, name: str) -> Path:

@@ -1,0 +1,66 @@
+"""What a user should know before relying on a criterion, in plain sentences."""
+
+from collections.abc import Sequence
+
+from reliab.criterion.ellipse_sample import EllipseSample
+from reliab.criterion.goodness_of_fit import objection
+from reliab.criterion.methods import Method
+
+_FEW_EVENTS = 30
+
+
+def cautions_of(samples: Sequence[Sequence[EllipseSample]], offered: int, method: Method) -> tuple[str, ...]:
+    """Say what limits the criterion of a grid of structures.
+
+    Parameters
+    ----------
+    samples : sequence of sequence of EllipseSample
+        Motions of every structure.
+    offered : int
+        Motions of the dataset.
+    method : Method
+        What the confidence means.
+
+    Returns
+    -------
+    tuple of str
+        Sentences: motions left out, few earthquakes, lognormality rejected where the method needs it.
+    """
+    cells = [sample for row in samples for sample in row]
+    found = (_left_out(cells, offered), _few_events(cells), *_not_lognormal(cells, method))
+    return tuple(sentence for sentence in found if sentence)
+
+
+def _left_out(cells: Sequence[EllipseSample], offered: int) -> str:
+    fewest = min(sample.n_motions for sample in cells)
+    if fewest == offered:
+        return ""
+    return (
+        f"Up to {offered - fewest} of {offered} motions have no ellipse at some structure and were left out "
+        "there: their boundaries reach beyond half or twice the amplitude, so that this is on the safe side."
+    )
+
+
+def _few_events(cells: Sequence[EllipseSample]) -> str:
+    fewest = min(sample.n_events for sample in cells)
+    if fewest >= _FEW_EVENTS:
+        return ""
+    noun = "one earthquake" if fewest == 1 else f"{fewest} earthquakes"
+    return f"The motions come from {noun} only, and motions of one earthquake are alike."
+
+
+def _not_lognormal(cells: Sequence[EllipseSample], method: Method) -> list[str]:
+    if not method.assumes_lognormality:
+        return []
+    objections = [(objection(sample.a, "a"), objection(sample.b, "b")) for sample in cells]
+    if len(cells) == 1:
+        return list(objections[0])
+    rejected = sum(any(pair) for pair in objections)
+    if not rejected:
+        return []
+    sentence = (
+        f"a or b is not lognormal over these motions at {rejected} of {len(cells)} structures, so that a "
+        "lognormal quantile does not keep the stated confidence there; the methods dirichlet, "
+        "order_statistic and conformal do not need it."
+    )
+    return [sentence]

@@ -1,0 +1,87 @@
+"""Laws that are linear in their logarithms, and how they are fitted to limits."""
+
+from abc import abstractmethod
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from reliab.criterion.laws.law import Law, Limits
+from reliab.criterion.laws.validity import Validity
+
+
+@dataclass(frozen=True, kw_only=True)
+class LogLinearLaw(Law):
+    """Limits ln(a/a₀) and ln(b/b₀) linear in terms of the structure.
+
+    Parameters
+    ----------
+    coefficients_a, coefficients_b : tuple of float
+        Factors of the terms.
+    frequency, damping_ratio : tuple of float
+        Least and greatest value [Hz, -] of the structures that the law was fitted to.
+    """
+
+    coefficients_a: tuple[float, ...]
+    coefficients_b: tuple[float, ...]
+    frequency: tuple[float, float]
+    damping_ratio: tuple[float, float]
+
+    @classmethod
+    def fit(cls, frequencies: ArrayLike, damping_ratios: ArrayLike, a: ArrayLike, b: ArrayLike) -> Self:
+        """Fit by least squares of logarithms.
+
+        Parameters
+        ----------
+        frequencies, damping_ratios : array_like
+            The grid [Hz, -], shape (F,) and (X,).
+        a, b : array_like
+            Positive limits [-] and [ms²], shape (F, X).
+
+        Returns
+        -------
+        LogLinearLaw
+            The law, valid within the grid; terms that the grid cannot tell apart share their effect.
+        """
+        grid_f, grid_xi = (
+            np.asarray(frequencies, dtype=np.float64),
+            np.asarray(damping_ratios, dtype=np.float64),
+        )
+        f, xi = (each.ravel() for each in np.meshgrid(grid_f, grid_xi, indexing="ij"))
+        coefficients = (
+            np.linalg.lstsq(terms, np.log(np.ravel(limits) / reference), rcond=None)[0]
+            for terms, limits, reference in zip(
+                cls._terms(f, xi), (a, b), cls._references(f, xi), strict=True
+            )
+        )
+        of_a, of_b = (tuple(each.tolist()) for each in coefficients)
+        return cls(
+            coefficients_a=of_a,
+            coefficients_b=of_b,
+            frequency=(float(grid_f.min()), float(grid_f.max())),
+            damping_ratio=(float(grid_xi.min()), float(grid_xi.max())),
+        )
+
+    @property
+    def validity(self) -> Validity:
+        """The structures that the law was fitted to."""
+        return Validity(frequency=self.frequency, damping_ratio=self.damping_ratio)
+
+    def _limits(self, f: NDArray[np.float64], xi: NDArray[np.float64]) -> Limits:
+        (terms_a, terms_b), (reference_a, reference_b) = self._terms(f, xi), self._references(f, xi)
+        a = reference_a * np.exp(terms_a @ np.asarray(self.coefficients_a))
+        b = reference_b * np.exp(terms_b @ np.asarray(self.coefficients_b))
+        return a, b
+
+    @staticmethod
+    @abstractmethod
+    def _terms(
+        f: NDArray[np.float64], xi: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Terms of a and of b, shape (..., terms) each."""
+
+    @staticmethod
+    @abstractmethod
+    def _references(f: NDArray[np.float64], xi: NDArray[np.float64]) -> Limits:
+        """Return a₀ [-] and b₀ [ms²]."""

@@ -1,0 +1,85 @@
+"""Laws by the names they have on the command line, and to and from JSON."""
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any, Final, TypeVar, cast
+
+from reliab.criterion.laws.dimensionless import Dimensionless
+from reliab.criterion.laws.exponential import Exponential
+from reliab.criterion.laws.guo_2017 import CORRECTED, OF_ONE_MOTION, PUBLISHED
+from reliab.criterion.laws.law import Law
+from reliab.criterion.laws.log_linear import LogLinearLaw
+from reliab.criterion.laws.power import Power
+from reliab.criterion.laws.table import Table
+from reliab.errors import InputError
+
+FittedLaw = type[Table] | type[LogLinearLaw]
+"""A law that is fitted to the limits of a grid of structures."""
+
+LawKind = TypeVar("LawKind")
+
+FITTED: Final[dict[str, FittedLaw]] = {each.name: each for each in (Table, Dimensionless, Power, Exponential)}
+"""Laws that are fitted, by name."""
+
+OF_MANY_MOTIONS: Final[dict[str, Law]] = {
+    law.name: law() for law in (*PUBLISHED, *CORRECTED) if law not in OF_ONE_MOTION
+}
+"""Published and corrected laws that promise a confidence over motions, by name."""
+
+LAWS: Final[dict[str, type[Law]]] = {each.name: each for each in (*FITTED.values(), *PUBLISHED, *CORRECTED)}
+"""Every law by its name."""
+
+
+def law_to_dict(law: Law) -> dict[str, Any]:
+    """Name and parameters of a law.
+
+    Parameters
+    ----------
+    law : Law
+        A law of `LAWS`, a dataclass.
+
+    Returns
+    -------
+    dict
+        Key "name" and one key for each parameter.
+
+    Examples
+    --------
+    >>> law = Power(coefficients_a=(0.0,), coefficients_b=(1.0,), frequency=(1, 2), damping_ratio=(0.02, 0.1))
+    >>> law_from_dict(law_to_dict(law)) == law
+    True
+    """
+    return {"name": law.name, **asdict(cast("Any", law))}
+
+
+def law_from_dict(content: Mapping[str, Any]) -> Law:
+    """Make a law from its name and parameters.
+
+    Parameters
+    ----------
+    content : mapping
+        As `law_to_dict` gives it; lists stand for tuples.
+
+    Returns
+    -------
+    Law
+        The law.
+
+    Raises
+    ------
+    InputError
+        If there is no law of that name.
+    """
+    parameters = {key: _tuples(value) for key, value in content.items() if key != "name"}
+    return known(LAWS, content.get("name"))(**parameters)
+
+
+def known(laws: Mapping[str, LawKind], name: object) -> LawKind:
+    """Take a law by its name, or say which there are."""
+    if name not in laws:
+        raise InputError("The law must be known", value=name, remedy=f"Choose among {', '.join(laws)}")
+    return laws[str(name)]
+
+
+def _tuples(value: object) -> object:
+    return tuple(_tuples(each) for each in value) if isinstance(value, list | tuple) else value

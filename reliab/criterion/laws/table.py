@@ -1,0 +1,79 @@
+"""A table of limits, interpolated in dimensionless form between the structures that were simulated."""
+
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from reliab.criterion.interpolation import tents
+from reliab.criterion.laws.law import Law, Limits
+from reliab.criterion.laws.validity import Validity
+from reliab.criterion.scaling import scales
+
+
+@dataclass(frozen=True, kw_only=True)
+class Table(Law):
+    """Limits of a grid of structures; of a single one, as in equation (12), in the simplest case.
+
+    Between grid points ln(a/ξ²) and ln(bω₀²/ξ²) are linear in ln f and ln ξ.
+
+    Parameters
+    ----------
+    frequencies, damping_ratios : tuple of float
+        The grid [Hz, -], increasing.
+    a, b : tuple of tuple of float
+        Limits [-] and [ms²], shape (frequencies, damping ratios).
+
+    Examples
+    --------
+    >>> law = Table(frequencies=(1.0, 2.0), damping_ratios=(0.02,), a=((1e-4,), (1e-4,)), b=((4.0,), (1.0,)))
+    >>> [float(limit.round(6)) for limit in law.limits(np.sqrt(2.0), 0.02)]
+    [0.0001, 2.0]
+    """
+
+    name: ClassVar[str] = "table"
+    equation: ClassVar[str] = "a/ξ² and bω₀²/ξ² interpolated between simulated structures"
+
+    frequencies: tuple[float, ...]
+    damping_ratios: tuple[float, ...]
+    a: tuple[tuple[float, ...], ...]
+    b: tuple[tuple[float, ...], ...]
+
+    @classmethod
+    def fit(cls, frequencies: ArrayLike, damping_ratios: ArrayLike, a: ArrayLike, b: ArrayLike) -> Self:
+        """Keep limits a [-] and b [ms²], shape (frequencies, damping ratios), as they are."""
+        return cls(
+            frequencies=tuple(np.asarray(frequencies, dtype=np.float64).tolist()),
+            damping_ratios=tuple(np.asarray(damping_ratios, dtype=np.float64).tolist()),
+            a=tuple(tuple(row) for row in np.asarray(a, dtype=np.float64).tolist()),
+            b=tuple(tuple(row) for row in np.asarray(b, dtype=np.float64).tolist()),
+        )
+
+    @property
+    def validity(self) -> Validity:
+        """The hull of the grid."""
+        return Validity(
+            frequency=(self.frequencies[0], self.frequencies[-1]),
+            damping_ratio=(self.damping_ratios[0], self.damping_ratios[-1]),
+        )
+
+    def _limits(self, f: NDArray[np.float64], xi: NDArray[np.float64]) -> Limits:
+        along_f = tents(np.asarray(self.frequencies), f)
+        along_xi = tents(np.asarray(self.damping_ratios), xi)
+        nodes = scales(np.asarray(self.frequencies)[:, None], np.asarray(self.damping_ratios)[None, :])
+        a, b = (
+            scale * _geometric_mean(np.asarray(limits) / at_nodes, along_f, along_xi)
+            for limits, at_nodes, scale in zip((self.a, self.b), nodes, scales(f, xi), strict=True)
+        )
+        return a, b
+
+
+def _geometric_mean(
+    values: NDArray[np.float64], along_f: NDArray[np.float64], along_xi: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Weighted geometric mean over the grid; zero where a value that counts is zero."""
+    weights = along_f[..., :, None] * along_xi[..., None, :]
+    zero = ((weights > 0.0) & (values == 0.0)).any(axis=(-2, -1))
+    logarithms = np.log(np.where(values > 0.0, values, 1.0))
+    return np.where(zero, 0.0, np.exp((weights * logarithms).sum(axis=(-2, -1))))

@@ -1,0 +1,170 @@
+"""The motions behind a criterion: how probably a test stays below the error threshold."""
+
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from reliab.criterion.ellipse_sample import FEWEST_MOTIONS, is_ellipse
+from reliab.criterion.interpolation import tents
+from reliab.criterion.laws.validity import Validity
+from reliab.criterion.motion_predictive import MotionPredictive
+from reliab.criterion.scaling import scales
+from reliab.errors import InputError
+
+_DIGITS = 5
+_MILLISECONDS = 1e3
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Population:
+    """Dimensionless ellipses of motions over a grid of structures, for one threshold and metric.
+
+    Parameters
+    ----------
+    frequencies, damping_ratios : array of float, shape (F,) and (X,)
+        The grid [Hz, -], increasing.
+    log_alpha, log_beta : array of float, shape (motions, F, X)
+        ln(a/ξ²) and ln(bω₀²/ξ²); NaN where a motion has no ellipse.
+    events : array of str, shape (motions,)
+        Earthquake of each motion.
+
+    Raises
+    ------
+    InputError
+        If fewer than three motions have an ellipse at some structure.
+    """
+
+    frequencies: NDArray[np.float64]
+    damping_ratios: NDArray[np.float64]
+    log_alpha: NDArray[np.float64]
+    log_beta: NDArray[np.float64]
+    events: NDArray[np.str_]
+
+    def __post_init__(self) -> None:
+        fewest = int(np.isfinite(self.log_alpha).sum(axis=0).min())
+        if fewest < FEWEST_MOTIONS:
+            raise InputError(
+                f"At least {FEWEST_MOTIONS} motions must have an ellipse at every structure",
+                value=fewest,
+                remedy="Give more motions, a smaller threshold or less damping",
+            )
+
+    @classmethod
+    def of(cls, ellipses: xr.Dataset, *, threshold: float, metric: str) -> Self:
+        """Take the ellipses of one threshold and metric from a dataset.
+
+        Parameters
+        ----------
+        ellipses : xarray.Dataset
+            `a` [-] and `b` [ms²] over (motion, f, xi, threshold, metric, curve).
+        threshold, metric
+            One of the dataset's.
+
+        Returns
+        -------
+        Population
+            All motions and structures.
+        """
+        chosen = ellipses.sel(metric=metric, curve="ellipse").sel(threshold=threshold, method="nearest")
+        chosen = chosen.sortby(["f", "xi"]).transpose("motion", "f", "xi", ...)
+        a, b = chosen["a"].values, chosen["b"].values
+        frequencies, damping_ratios = (chosen[name].values.astype(np.float64) for name in ("f", "xi"))
+        scale_a, scale_b = scales(frequencies[:, None], damping_ratios[None, :])
+        sound = is_ellipse(a, b)
+        return cls(
+            frequencies=frequencies,
+            damping_ratios=damping_ratios,
+            log_alpha=np.log(np.where(sound, a / scale_a, np.nan)),
+            log_beta=np.log(np.where(sound, b / scale_b, np.nan)),
+            events=chosen["event"].values.astype(np.str_),
+        )
+
+    @property
+    def validity(self) -> Validity:
+        """The hull of the grid."""
+        return Validity(
+            frequency=(float(self.frequencies[0]), float(self.frequencies[-1])),
+            damping_ratio=(float(self.damping_ratios[0]), float(self.damping_ratios[-1])),
+        )
+
+    def probability(
+        self, amplitude: ArrayLike, delay: ArrayLike, frequency: ArrayLike, damping_ratio: ArrayLike
+    ) -> NDArray[np.float64]:
+        """Predictive probability that a further motion's boundary holds a test.
+
+        Along the ray from the perfect test through (A, d), each motion's boundary lies at a distance of
+        its own; the distribution of that distance over motions of further earthquakes is learned as
+        `MotionPredictive` describes. Between grid points, probabilities at the same dimensionless
+        error are interpolated.
+
+        Parameters
+        ----------
+        amplitude : array_like
+            Amplitude index A [-].
+        delay : array_like
+            Equivalent delay d [s].
+        frequency, damping_ratio : array_like
+            The structure [Hz, -]; all four are broadcast against each other.
+
+        Returns
+        -------
+        numpy.ndarray
+            Probability [-] in the broadcast shape.
+
+        Raises
+        ------
+        InputError
+            If a structure lies outside of the grid.
+        """
+        self.validity.require(frequency, damping_ratio)
+        arrays = np.broadcast_arrays(
+            *(np.asarray(each, dtype=np.float64) for each in (amplitude, delay, frequency, damping_ratio))
+        )
+        capital_a, d, f, xi = (each.ravel() for each in arrays)
+        scale_a, scale_b = scales(f, xi)
+        u, v = (capital_a - 1.0) ** 2 / scale_a, (_MILLISECONDS * d) ** 2 / scale_b
+        along_f, along_xi = tents(self.frequencies, f), tents(self.damping_ratios, xi)
+        perfect = (u == 0.0) & (v == 0.0)
+        probability = perfect.astype(np.float64)
+        for row, column in np.ndindex(self.frequencies.size, self.damping_ratios.size):
+            weight = along_f[:, row] * along_xi[:, column]
+            near = (weight > 0.0) & ~perfect
+            if near.any():
+                probability[near] += weight[near] * self._at_node(u[near], v[near], row, column)
+        return probability.reshape(arrays[0].shape)
+
+    def _at_node(
+        self, u: NDArray[np.float64], v: NDArray[np.float64], row: int, column: int
+    ) -> NDArray[np.float64]:
+        """Probability of dimensionless squared errors u and v, shape (points,), at one structure."""
+        alpha, beta = np.exp(self.log_alpha[:, row, column]), np.exp(self.log_beta[:, row, column])
+        known = np.isfinite(alpha)
+        # The test lies on the ray at exp(room/2) times its own distance from the boundary.
+        room = -np.log(u / alpha[known, None] + v / beta[known, None])
+        learned = MotionPredictive.fit(room, self.events[known])
+        return np.asarray(1.0 - learned.cumulative(np.zeros(u.size)))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain lists for JSON; logarithms with five decimals, NaN as null."""
+        return {
+            "frequencies": self.frequencies.tolist(),
+            "damping_ratios": self.damping_ratios.tolist(),
+            "events": self.events.tolist(),
+            "log_alpha": _plain(self.log_alpha),
+            "log_beta": _plain(self.log_beta),
+        }
+
+    @classmethod
+    def from_dict(cls, content: dict[str, Any]) -> Self:
+        """Make a population from what `to_dict` gave."""
+        arrays = {name: np.asarray(content[name], dtype=np.float64) for name in content if name != "events"}
+        return cls(events=np.asarray(content["events"], dtype=np.str_), **arrays)
+
+
+def _plain(values: NDArray[np.float64]) -> list[Any]:
+    rounded = values.round(_DIGITS).astype(object)
+    rounded[np.isnan(values)] = None
+    return list(rounded.tolist())

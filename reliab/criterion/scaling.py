@@ -1,0 +1,36 @@
+"""Dimensionless ellipse parameters, in which structures look alike.
+
+Near resonance the error of a test depends on the complex actuator error over the damping alone. To first
+order the ellipse is therefore a = α ξ², b = β (ξ/ω₀)², with α and β depending on how long and how
+broad-band the motion is, and hardly on the structure.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+_MILLISECONDS_SQUARED = 1e6
+
+
+def scales(frequency: ArrayLike, damping_ratio: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Ellipse parameters of a structure for α = β = 1.
+
+    Parameters
+    ----------
+    frequency, damping_ratio : array_like
+        Structures [Hz, -], broadcast against each other.
+
+    Returns
+    -------
+    a, b : numpy.ndarray
+        ξ² [-] and (ξ/ω₀)² [ms²].
+
+    Examples
+    --------
+    >>> a, b = scales(1.0, 0.02)
+    >>> round(float(a), 6), round(float(b), 3)
+    (0.0004, 10.132)
+    """
+    f, xi = np.broadcast_arrays(
+        np.asarray(frequency, dtype=np.float64), np.asarray(damping_ratio, dtype=np.float64)
+    )
+    return xi**2, _MILLISECONDS_SQUARED * (xi / (2.0 * np.pi * f)) ** 2

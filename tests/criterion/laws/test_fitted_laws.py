@@ -1,0 +1,84 @@
+"""What must hold for every law that is fitted to limits."""
+
+import json
+
+import numpy as np
+import pytest
+
+from reliab.criterion.laws import FITTED, Table, law_from_dict, law_to_dict
+from reliab.criterion.scaling import scales
+from reliab.errors import InputError
+
+F = np.array([0.25, 0.5, 1.0, 2.0])
+XI = np.array([0.02, 0.05, 0.1])
+EVERY = pytest.mark.parametrize("law", FITTED.values(), ids=FITTED)
+
+SHAPES = {
+    "table": lambda f, xi: (0.2 * xi**2 * f**0.3, 3.0 * (xi / f) ** 2),
+    "dimensionless": lambda f, xi: tuple(
+        each * np.exp(0.3 * np.log(f) ** 2 - 0.2 * np.log(f) * np.log(xi)) for each in scales(f, xi)
+    ),
+    "power": lambda f, xi: (0.1 * f**0.2 * xi**1.7, 2.0 * f**-2.1 * xi**1.5),
+    "exponential": lambda f, xi: (0.02 * xi + 0.0 * f, 500.0 * xi * np.exp(-3.0 * f)),
+}
+
+
+def grid(law):
+    return SHAPES[law.name](F[:, None], XI[None, :])
+
+
+@EVERY
+def test_its_own_shape_is_reproduced(law):
+    fitted = law.fit(F, XI, *grid(law))
+    for found, given in zip(fitted.limits(F[:, None], XI[None, :]), grid(law), strict=True):
+        np.testing.assert_allclose(found, given, rtol=1e-8)
+
+
+@EVERY
+def test_limits_are_positive_and_finite_between_the_structures(law):
+    fitted = law.fit(F, XI, *grid(law))
+    for limits in fitted.limits(np.linspace(0.25, 2.0, 20)[:, None], np.linspace(0.02, 0.1, 15)[None, :]):
+        assert limits.shape == (20, 15)
+        assert (np.isfinite(limits) & (limits > 0.0)).all()
+
+
+@EVERY
+def test_a_factor_on_the_limits_passes_through_the_fit(law):
+    a, b = grid(law)
+    for once, scaled in zip(
+        law.fit(F, XI, a, b).limits(1.3, 0.03),
+        law.fit(F, XI, 0.7 * a, 0.7 * b).limits(1.3, 0.03),
+        strict=True,
+    ):
+        assert float(scaled) == pytest.approx(0.7 * float(once))
+
+
+@EVERY
+def test_use_outside_of_the_grid_is_refused(law):
+    fitted = law.fit(F, XI, *grid(law))
+    for structure in ((0.2, 0.05), (2.1, 0.05), (1.0, 0.01), (1.0, 0.11)):
+        with pytest.raises(InputError, match="must lie where the law is valid"):
+            fitted.limits(*structure)
+
+
+@EVERY
+def test_a_law_comes_back_from_json(law):
+    fitted = law.fit(F, XI, *grid(law))
+    assert law_from_dict(json.loads(json.dumps(law_to_dict(fitted)))) == fitted
+
+
+@EVERY
+def test_one_structure_is_enough(law):
+    fitted = law.fit([1.0], [0.02], [[5.3e-5]], [[1.04]])
+    assert [float(limit) for limit in fitted.limits(1.0, 0.02)] == pytest.approx([5.3e-5, 1.04])
+
+
+def test_an_unknown_law_is_refused():
+    with pytest.raises(InputError, match="The law must be known"):
+        law_from_dict({"name": "magic"})
+
+
+def test_a_table_keeps_a_limit_of_zero():
+    table = Table.fit([1.0, 2.0], [0.02], [[0.0], [1e-4]], [[0.0], [1.0]])
+    a, _ = table.limits([1.0, 1.5, 2.0], 0.02)
+    assert a.tolist() == [0.0, 0.0, pytest.approx(1e-4)]

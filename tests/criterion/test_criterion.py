@@ -1,0 +1,122 @@
+"""The criterion and how it is derived."""
+
+import json
+
+import numpy as np
+import pytest
+
+from reliab.criterion import Criterion, derive_criterion, published_criterion
+from reliab.criterion.laws import Dimensionless, Exponential, Power, Table
+from reliab.criterion.methods import Dirichlet, Quantile
+from reliab.errors import InputError
+
+
+@pytest.fixture(scope="module")
+def derived(ellipses):
+    return derive_criterion(ellipses, method=Dirichlet(), joint=True)
+
+
+def test_the_index_is_one_on_the_boundary(derived):
+    a, b = derived.limits(0.7, 0.03)
+    angle = np.linspace(0.0, np.pi, 7)
+    amplitude, delay = 1.0 + np.sqrt(a) * np.cos(angle), 1e-3 * np.sqrt(b) * np.sin(angle)
+    np.testing.assert_allclose(derived.index(amplitude, delay, 0.7, 0.03), 1.0)
+
+
+def test_the_criterion_contains_the_stated_share_of_motions_jointly(ellipses, derived):
+    a, b = derived.limits(ellipses["f"].values[:, None], ellipses["xi"].values[None, :])
+    contained = (ellipses["a"].values[..., 0, 0, 0] >= a) & (ellipses["b"].values[..., 0, 0, 0] >= b)
+    assert contained.mean() == pytest.approx(0.95, abs=0.01)
+
+
+def test_on_the_boundary_a_test_is_at_least_as_probable_as_stated(derived):
+    """Joint containment is the stricter demand."""
+    a, b = derived.limits(1.0, 0.05)
+    angle = np.linspace(0.0, np.pi, 9)
+    probability = derived.probability(
+        1.0 + np.sqrt(a) * np.cos(angle), 1e-3 * np.sqrt(b) * np.sin(angle), 1.0, 0.05
+    )
+    assert (probability >= 0.949).all()
+    assert (probability <= 0.99).all()
+
+
+@pytest.mark.parametrize("law", [Dimensionless, Power, Exponential])
+def test_a_fitted_law_contains_as_many_motions_on_average(ellipses, law):
+    shares = []
+    for each in (Table, law):
+        criterion = derive_criterion(ellipses, method=Dirichlet(), joint=True, law=each)
+        a, b = criterion.limits(ellipses["f"].values[:, None], ellipses["xi"].values[None, :])
+        shares.append(
+            ((ellipses["a"].values[..., 0, 0, 0] >= a) & (ellipses["b"].values[..., 0, 0, 0] >= b)).mean()
+        )
+    assert shares[1] == pytest.approx(shares[0], abs=0.003)
+
+
+def test_one_structure_can_be_chosen(ellipses, derived):
+    alone = derive_criterion(ellipses, method=Dirichlet(), joint=True, frequency=0.5, damping_ratio=0.05)
+    for one, of_many in zip(alone.limits(0.5, 0.05), derived.limits(0.5, 0.05), strict=True):
+        assert float(one) == pytest.approx(float(of_many))
+    with pytest.raises(InputError, match="must lie where the law is valid"):
+        alone.limits(1.0, 0.05)
+
+
+def test_the_order_of_the_structures_does_not_matter(ellipses, derived):
+    mixed = ellipses.isel(f=[2, 0, 1], xi=[1, 0], motion=np.random.default_rng(1).permutation(60))
+    again = derive_criterion(mixed, method=Dirichlet(), joint=True)
+    assert [float(each) for each in again.limits(0.6, 0.03)] == pytest.approx(
+        [float(each) for each in derived.limits(0.6, 0.03)]
+    )
+    assert again.provenance.records_checksum == derived.provenance.records_checksum
+
+
+def test_it_comes_back_from_json(derived):
+    again = Criterion.from_json(derived.to_json())
+    assert again == derived
+    at = (1.004, 0.0005, 0.8, 0.04)
+    assert float(again.index(*at)) == float(derived.index(*at))
+    assert float(again.probability(*at)) == pytest.approx(float(derived.probability(*at)), abs=1e-4)
+
+
+def test_the_json_says_where_it_comes_from(derived):
+    content = json.loads(derived.to_json())
+    assert content["schema_version"] == 1
+    provenance = content["provenance"]
+    assert (provenance["n_motions"], provenance["n_events"]) == (60, 20)
+    assert len(provenance["records_checksum"]) == 64
+    assert {"reliab", "numpy"} <= set(provenance["packages"])
+    assert provenance["settings"] == {"concentration": 20.0}
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{}", "null", '{"schema_version": 99}', "not json"])
+def test_what_is_no_criterion_is_refused(text):
+    with pytest.raises(InputError):
+        Criterion.from_json(text)
+
+
+def test_a_published_law_has_an_index_but_no_probability():
+    criterion = published_criterion("guo_2017_18")
+    assert float(criterion.index(1.0080, 0.78e-3, 1.0, 0.02)) == pytest.approx(3.830, abs=0.001)
+    with pytest.raises(InputError, match="needs the ellipses of ground motions"):
+        criterion.probability(1.008, 0.78e-3, 1.0, 0.02)
+
+
+def test_a_law_is_not_used_at_another_threshold():
+    law = published_criterion("guo_2017_18").law
+    with pytest.raises(InputError, match=r"error of 0\.05 only"):
+        Criterion(
+            law=law,
+            threshold=0.1,
+            metric="rms",
+            confidence=0.95,
+            method="quantile",
+            joint=False,
+            provenance=published_criterion("guo_2017_18").provenance,
+        )
+
+
+def test_motions_that_were_left_out_are_mentioned(ellipses):
+    ellipses = ellipses.copy(deep=True)
+    ellipses["a"][:15:3, 0, 0] = np.nan
+    warnings = derive_criterion(ellipses, method=Quantile()).provenance.warnings
+    assert any("Up to 5 of 60 motions have no ellipse" in warning for warning in warnings)
+    assert any("20 earthquakes only" in warning for warning in warnings)
