@@ -1,0 +1,154 @@
+"""Cross-validation measures what it says, on ellipses of known distribution."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from reliab.criterion.methods import method_of
+from reliab.errors import InputError
+from reliab.validation.cross_validation import (
+    Derived,
+    Fold,
+    cross_validate,
+    k_fold,
+    leave_one_event_out,
+    random_halves,
+)
+from reliab.validation.cross_validation.intervals import event_bootstrap
+from reliab.vocabulary import ELLIPSE_DIMENSIONS
+
+
+def lognormal_ellipses(events: int, motions: int, seed: int, share: float = 0.3) -> xr.Dataset:
+    """Ellipses whose logarithms are normal, part of the variance lying between earthquakes."""
+    rng = np.random.default_rng(seed)
+    covariance = np.array([[1.0, 0.9], [0.9, 1.0]])
+    between = rng.multivariate_normal(np.zeros(2), share * covariance, events)
+    within = rng.multivariate_normal(np.zeros(2), (1 - share) * covariance, events * motions)
+    deviation = 0.5 * (np.repeat(between, motions, axis=0) + within)
+    shape = (events * motions, 1, 1, 1, 1, 1)
+    return xr.Dataset(
+        {
+            "a": (ELLIPSE_DIMENSIONS, (2e-4 * np.exp(deviation[:, 0])).reshape(shape)),
+            "b": (ELLIPSE_DIMENSIONS, (3.0 * np.exp(deviation[:, 1])).reshape(shape)),
+        },
+        coords={
+            "motion": [f"E{k // motions}/{k % motions}" for k in range(events * motions)],
+            "event": ("motion", [f"E{k // motions}" for k in range(events * motions)]),
+            "f": [1.0],
+            "xi": [0.02],
+            "threshold": [0.05],
+            "metric": ["rms"],
+            "curve": ["ellipse"],
+        },
+    )
+
+
+QUANTILE = Derived(name="plug-in, each", method=method_of("quantile"), joint=False)
+RECOMMENDED = Derived(name="recommended", method=method_of("dirichlet"))
+
+
+def judged(ellipses, folds, candidates=(QUANTILE,), **options):
+    return cross_validate(ellipses, folds, candidates, scheme="test", **options)
+
+
+@pytest.mark.parametrize(
+    "folds", [leave_one_event_out, lambda events: k_fold(events, 4), lambda events: random_halves(events, 6)]
+)
+def test_no_earthquake_is_learned_from_and_judged(folds):
+    events = lognormal_ellipses(11, 3, 0)["event"].values
+    for fold in folds(events):
+        assert not set(events[fold.learned]) & set(events[fold.judged])
+        assert fold.learned.any()
+        assert fold.judged.any()
+
+
+def test_each_motion_is_judged_once_when_earthquakes_are_left_out():
+    ellipses = lognormal_ellipses(8, 2, 1)
+    for folds in (leave_one_event_out(ellipses["event"].values), k_fold(ellipses["event"].values, 3)):
+        found = judged(ellipses, folds)
+        assert (found.counts["judged"].values == 1).all()
+
+
+def test_containment_of_a_large_suite_is_nominal():
+    ellipses = lognormal_ellipses(400, 2, 2)
+    found = judged(
+        ellipses, k_fold(ellipses["event"].values, 5), (RECOMMENDED,), confidences=(0.8, 0.9, 0.95)
+    ).containment()
+    for confidence in (0.8, 0.9, 0.95):
+        at = found.sel(candidate="recommended", confidence=confidence)
+        assert float(at["rate"]) == pytest.approx(confidence, abs=0.02)
+        assert float(at["low"]) < confidence < float(at["high"])
+
+
+def test_criterion_without_limits_is_never_contained_and_one_of_zero_always():
+    class Fixed(Derived):
+        def limits(self, ellipses, cell, confidence):  # noqa: ARG002
+            return (1e9, 1e9) if self.name == "none" else (1e-12, 1e-12)
+
+    ellipses = lognormal_ellipses(6, 2, 3)
+    wide, narrow = (Fixed(name=name, method=method_of("quantile")) for name in ("none", "all"))
+    found = judged(
+        ellipses, leave_one_event_out(ellipses["event"].values), (wide, narrow), confidences=(0.95,)
+    )
+    assert found.containment()["rate"].sel(candidate="none").item() == 0.0
+    assert found.containment()["rate"].sel(candidate="all").item() == 1.0
+    assert found.accepted_share()["rate"].sel(candidate="none").item() == 1.0
+    assert found.accepted_share()["rate"].sel(candidate="all").item() == 0.0
+
+
+def test_wider_criterion_accepts_more_and_is_wrong_more_often():
+    ellipses = lognormal_ellipses(40, 2, 4)
+    found = judged(
+        ellipses, k_fold(ellipses["event"].values, 5), (RECOMMENDED,), confidences=(0.5, 0.8, 0.95, 0.99)
+    )
+    assert (np.diff(found.accepted_share()["rate"].values.ravel()) < 0).all()
+    assert (np.diff(found.false_safe()["rate"].values.ravel()) <= 0).all()
+
+
+def test_rates_agree_with_counting_by_hand():
+    ellipses = lognormal_ellipses(5, 2, 5)
+    fold = Fold(name="one", learned=np.arange(10) < 8, judged=np.arange(10) >= 8)
+    found = judged(ellipses, [fold], confidences=(0.9,))
+    sample = ellipses.isel(motion=fold.learned).squeeze()
+    limits = [
+        np.exp(np.mean(np.log(v)) + np.std(np.log(v)) * -1.2815515655446004)
+        for v in (sample["a"].values, sample["b"].values)
+    ]
+    own = ellipses.isel(motion=fold.judged).squeeze()
+    expected = ((own["a"] >= limits[0]) & (own["b"] >= limits[1])).mean()
+    assert found.containment()["rate"].item() == pytest.approx(float(expected))
+
+
+def test_bootstrap_interval_is_wider_when_motions_of_an_earthquake_are_alike():
+    rng = np.random.default_rng(6)
+    alike = np.repeat(rng.random(20) < 0.8, 5).astype(float)
+    apart = (rng.random(100) < 0.8).astype(float)
+    events = np.repeat(np.arange(20), 5).astype(str)
+    widths = []
+    for values in (alike, apart):
+        low, high = event_bootstrap(values, np.ones(100), events)
+        widths.append(float(high - low))
+    assert widths[0] > 1.5 * widths[1]
+
+
+def test_bootstrap_interval_covers_the_rate():
+    rng = np.random.default_rng(7)
+    covered = 0
+    for seed in range(200):
+        rate = rng.beta(8.0, 2.0, 60)
+        values = (rng.random((60, 2)) < rate[:, np.newaxis]).ravel().astype(float)
+        low, high = event_bootstrap(values, np.ones(120), np.repeat(np.arange(60), 2).astype(str), seed=seed)
+        covered += low <= 0.8 <= high
+    assert 0.90 <= covered / 200 <= 0.99
+
+
+def test_too_few_earthquakes_are_refused():
+    with pytest.raises(InputError, match="at least 2 earthquakes"):
+        list(leave_one_event_out(np.array(["a", "a"])))
+
+
+def test_learning_from_another_suite_judges_all_of_this_one():
+    ellipses, other = lognormal_ellipses(10, 2, 8), lognormal_ellipses(300, 2, 9)
+    everything = Fold(name="all", learned=np.zeros(20, dtype=bool), judged=np.ones(20, dtype=bool))
+    found = judged(ellipses, [everything], learn_from=other, confidences=(0.9,))
+    assert 0.6 < found.containment()["rate"].item() <= 1.0
