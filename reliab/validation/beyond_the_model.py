@@ -1,0 +1,164 @@
+"""Verdicts through A and d on actuators that are no constant gain and delay.
+
+Each test is simulated with its actuator, A and d are evaluated from command and measured displacement
+as a laboratory would, and the error of the whole test is known. The criterion's premise is that the
+error is that of a constant gain A and delay d; how far it is, and whether a verdict is wrong because
+of it, is what is reported.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import pandas as pd
+
+from reliab.criterion import Criterion
+from reliab.indices.frequency_evaluation import frequency_evaluation
+from reliab.indices.response_error import relative_error, response_error
+from reliab.loop.actuator import Actuator
+from reliab.loop.effects import Effect
+from reliab.loop.effects.delay_drift import DelayDrift
+from reliab.loop.effects.first_order_lag import FirstOrderLag
+from reliab.loop.effects.second_order_dynamics import SecondOrderDynamics
+from reliab.loop.engine import Loop
+from reliab.loop.excitation import Excitation
+from reliab.loop.hybrid_test import Compensator, HybridTest, run_closed_loop
+from reliab.loop.hybrid_test.compensators import InverseCompensation
+from reliab.loop.structure import Structure
+from reliab.motions import Motion, resample
+from reliab.progress import Progress, silent
+from reliab.vocabulary import Metric
+
+RATE_HZ = 1024.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rig:
+    """An actuator with or without a compensator.
+
+    Parameters
+    ----------
+    name : str
+        What it is called in tables.
+    actuator : Actuator, optional
+        Gain and delay.
+    effects : tuple of Effect, optional
+        What else the actuator does.
+    compensator : Compensator, optional
+        What changes the command.
+    """
+
+    name: str
+    actuator: Actuator = field(default_factory=Actuator)
+    effects: tuple[Effect, ...] = ()
+    compensator: Compensator | None = None
+
+
+def rigs_of_delay(delay: float) -> tuple[Rig, ...]:
+    """Rigs of several kinds whose equivalent delay is about a given one.
+
+    Parameters
+    ----------
+    delay : float
+        Equivalent delay [s].
+
+    Returns
+    -------
+    tuple of Rig
+        A constant delay, a first-order lag, second-order dynamics, a delay that drifts from half to
+        one and a half, and an actuator of three steps under inverse compensation with the wrong
+        estimate.
+    """
+    damping = 0.7
+    steps = delay * RATE_HZ
+    return (
+        Rig(name="constant delay", actuator=Actuator(delay=delay)),
+        Rig(name="first-order lag", effects=(FirstOrderLag(time_constant_s=delay),)),
+        Rig(
+            name="second-order dynamics",
+            effects=(
+                SecondOrderDynamics(natural_frequency_hz=damping / (np.pi * delay), damping_ratio=damping),
+            ),
+        ),
+        Rig(
+            name="drifting delay",
+            actuator=Actuator(delay=0.5 * delay),
+            effects=(DelayDrift(delay_rate_s_per_s=delay / 40.0),),
+        ),
+        Rig(
+            name="inverse compensation, wrong estimate",
+            actuator=Actuator(delay=(3.0 + steps) / RATE_HZ),
+            compensator=InverseCompensation(steps=4.0),
+        ),
+    )
+
+
+def try_rigs(
+    motions: Iterable[Motion],
+    structures: Sequence[Structure],
+    rigs: Sequence[Rig],
+    criterion: Criterion,
+    *,
+    count: int,
+    progress: Progress = silent,
+) -> pd.DataFrame:
+    """Simulate tests with given rigs and judge them by their indices.
+
+    Parameters
+    ----------
+    motions : iterable of Motion
+        Ground motions.
+    structures : sequence of Structure
+        Structures.
+    rigs : sequence of Rig
+        Actuators.
+    criterion : Criterion
+        The criterion by which a test is accepted, valid for the structures.
+    count : int
+        Number of motions, for the progress.
+    progress : callable, optional
+        Called after each motion.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row a test: motion, event, f, xi, alpha, rig, A [-], d [s], `error` [-], `predicted` error
+        [-] of a constant gain A and delay d, `accepted` and `good`.
+    """
+    rows = []
+    for done, motion in enumerate(motions, start=1):
+        record = resample(motion, RATE_HZ)
+        for structure in structures:
+            exact = run_closed_loop(HybridTest(structure=structure), record.acceleration, record.time_step)
+            ideal = exact.command.values[0]
+            excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step)
+            loop = Loop(excitation=excitation, structure=structure)
+            for rig in rigs:
+                row = _try(record, structure, rig, ideal, loop, criterion)
+                rows.append({"motion": motion.name, "event": motion.event, "rig": rig.name, **row})
+        progress(done, count)
+    return pd.DataFrame(rows)
+
+
+def _try(
+    record: Motion, structure: Structure, rig: Rig, ideal: np.ndarray, loop: Loop, criterion: Criterion
+) -> dict[str, object]:
+    test = HybridTest(structure=structure, actuator=rig.actuator, effects=rig.effects)
+    found = run_closed_loop(test, record.acceleration, record.time_step, compensator=rig.compensator)
+    index = frequency_evaluation(found.command.values[0], found.measured, record.time_step)
+    delay = max(index.equivalent_delay, 0.0)
+    error = response_error(found.measured, ideal)
+    predicted = relative_error(loop.deviation(loop.cells(gain=index.amplitude, delay=delay)), Metric.RMS)
+    f, xi = structure.frequency, structure.damping_ratio
+    accepted = float(criterion.index(index.amplitude, index.equivalent_delay, f, xi)) <= 1.0
+    return {
+        "f": f,
+        "xi": xi,
+        "alpha": structure.experimental_fraction,
+        "A": index.amplitude,
+        "d": index.equivalent_delay,
+        "error": error,
+        "predicted": float(predicted[0]),
+        "accepted": accepted,
+        "good": error <= criterion.threshold,
+    }

@@ -1,0 +1,49 @@
+"""Verdicts through the indices on actuators that are no constant gain and delay."""
+
+import numpy as np
+import pytest
+
+from reliab.criterion import Criterion
+from reliab.criterion.laws import OneStructure
+from reliab.criterion.provenance import Provenance
+from reliab.loop.structure import Structure
+from reliab.motions import load_motions
+from reliab.validation.beyond_the_model import rigs_of_delay, try_rigs
+
+
+@pytest.fixture(scope="module")
+def tried():
+    motions = load_motions("synthetic")[:6]
+    structure = Structure(frequency=1.0, damping_ratio=0.02)
+    criterion = Criterion(
+        law=OneStructure(a=6e-5, b=1.2, frequency=1.0, damping_ratio=0.02),
+        threshold=0.05,
+        metric="rms",
+        confidence=0.95,
+        method="quantile",
+        joint=False,
+        provenance=Provenance(source="round numbers"),
+    )
+    return try_rigs(motions, [structure], rigs_of_delay(0.001), criterion, count=6)
+
+
+@pytest.mark.parametrize(
+    "rig",
+    ["constant delay", "first-order lag", "second-order dynamics", "inverse compensation, wrong estimate"],
+)
+def test_linear_actuators_act_as_gain_and_delay(tried, rig):
+    rows = tried[tried["rig"] == rig]
+    np.testing.assert_allclose(rows["d"], 0.001, rtol=0.02)
+    np.testing.assert_allclose(rows["predicted"], rows["error"], rtol=0.01)
+
+
+def test_drifting_delay_is_less_well_described(tried):
+    rows = tried[tried["rig"] == "drifting delay"]
+    assert np.abs(rows["predicted"] / rows["error"] - 1.0).max() > 0.01
+    np.testing.assert_allclose(rows["d"], 0.001, rtol=0.5)
+
+
+def test_verdict_is_by_the_criterion_and_truth_by_the_error(tried):
+    index = (tried["A"] - 1.0) ** 2 / 6e-5 + (1e3 * tried["d"]) ** 2 / 1.2
+    np.testing.assert_array_equal(tried["accepted"], index <= 1.0)
+    np.testing.assert_array_equal(tried["good"], tried["error"] <= 0.05)
