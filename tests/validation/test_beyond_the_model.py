@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from reliab.criterion import Criterion
-from reliab.criterion.laws import OneStructure
+from reliab.criterion.laws import Table
 from reliab.criterion.provenance import Provenance
 from reliab.loop.structure import Structure
 from reliab.motions import load_motions
@@ -16,7 +16,7 @@ def tried():
     motions = load_motions("synthetic")[:6]
     structure = Structure(frequency=1.0, damping_ratio=0.02)
     criterion = Criterion(
-        law=OneStructure(a=6e-5, b=1.2, frequency=1.0, damping_ratio=0.02),
+        law=Table.fit([1.0], [0.02], [[6e-5]], [[1.2]]),
         threshold=0.05,
         metric="rms",
         confidence=0.95,

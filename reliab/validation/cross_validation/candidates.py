@@ -6,87 +6,73 @@ from dataclasses import dataclass
 import xarray as xr
 
 from reliab.criterion import derive_criterion
-from reliab.criterion.laws import Law
+from reliab.criterion.laws import FittedLaw, Law, Table
 from reliab.criterion.methods import Method
 
 
 @dataclass(frozen=True, kw_only=True)
-class Cell:
-    """One structure and one error for which limits are wanted.
-
-    Parameters
-    ----------
-    frequency, damping_ratio : float
-        The structure [Hz, -].
-    threshold : float
-        Error on the boundary [-].
-    metric : str
-        Which error, "rms" or "mte".
-    """
-
-    frequency: float
-    damping_ratio: float
-    threshold: float
-    metric: str
-
-
 class Candidate(ABC):
-    """A way to arrive at the limits a and b."""
-
-    name: str
-
-    @abstractmethod
-    def limits(self, ellipses: xr.Dataset, cell: Cell, confidence: float) -> tuple[float, float]:
-        """Limits a [-] and b [ms²].
-
-        Parameters
-        ----------
-        ellipses : xarray.Dataset
-            Ellipses of the motions that may be learned from.
-        cell : Cell
-            Structure and error.
-        confidence : float
-            Nominal share of the motions.
-
-        Returns
-        -------
-        tuple of float
-            a and b.
-        """
-
-
-@dataclass(frozen=True, kw_only=True)
-class Derived(Candidate):
-    """Limits derived from the ellipses of the structure itself.
+    """A way to arrive at the limits a and b.
 
     Parameters
     ----------
     name : str
         What it is called in tables.
+    """
+
+    name: str
+
+    @abstractmethod
+    def learn(self, ellipses: xr.Dataset, threshold: float, metric: str, confidence: float) -> Law:
+        """Limits for structures.
+
+        Parameters
+        ----------
+        ellipses : xarray.Dataset
+            Ellipses that may be learned from.
+        threshold : float
+            Error on the boundary [-].
+        metric : str
+            Which error.
+        confidence : float
+            Nominal share of the motions.
+
+        Returns
+        -------
+        Law
+            Limits a [-] and b [ms²] of structures, with the range in which they hold.
+        """
+
+
+@dataclass(frozen=True, kw_only=True)
+class Derived(Candidate):
+    """Limits derived from ellipses.
+
+    Parameters
+    ----------
     method : Method
         What the confidence means.
     joint : bool, optional
         Whether a and b hold together.
+    law : type, optional
+        The law that is fitted to the limits of the structures; by default they are kept as they are.
     """
 
-    name: str
     method: Method
     joint: bool = True
+    law: FittedLaw = Table
 
-    def limits(self, ellipses: xr.Dataset, cell: Cell, confidence: float) -> tuple[float, float]:
-        """Derive the criterion of the structure."""
-        criterion = derive_criterion(
+    def learn(self, ellipses: xr.Dataset, threshold: float, metric: str, confidence: float) -> Law:
+        """Derive the criterion of all structures."""
+        return derive_criterion(
             ellipses,
-            frequency=cell.frequency,
-            damping_ratio=cell.damping_ratio,
-            threshold=cell.threshold,
-            metric=cell.metric,
-            confidence=confidence,
             method=self.method,
             joint=self.joint,
-        )
-        a, b = criterion.limits(cell.frequency, cell.damping_ratio)
-        return float(a), float(b)
+            law=self.law,
+            threshold=threshold,
+            metric=metric,
+            confidence=confidence,
+        ).law
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,17 +81,13 @@ class Printed(Candidate):
 
     Parameters
     ----------
-    name : str
-        What it is called in tables.
     law : Law
         The printed law.
     """
 
-    name: str
     law: Law
 
-    def limits(self, ellipses: xr.Dataset, cell: Cell, confidence: float) -> tuple[float, float]:
-        """Read the law."""
-        del ellipses, confidence
-        a, b = self.law.limits(cell.frequency, cell.damping_ratio)
-        return float(a), float(b)
+    def learn(self, ellipses: xr.Dataset, threshold: float, metric: str, confidence: float) -> Law:
+        """Return the law."""
+        del ellipses, threshold, metric, confidence
+        return self.law

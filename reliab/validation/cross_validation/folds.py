@@ -4,8 +4,8 @@ Motions of one earthquake are alike, so that they are never divided: a motion is
 learned from other earthquakes only.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,11 +23,22 @@ class Fold:
         What is judged.
     learned, judged : numpy.ndarray
         Which motions, boolean, shape (motions,); no motion and no earthquake is both.
+    left_out : tuple of str and float, optional
+        A dimension, "f" or "xi", and its value that is judged and not learned from; all structures
+        are both by default.
     """
 
     name: str
     learned: NDArray[np.bool_]
     judged: NDArray[np.bool_]
+    left_out: tuple[str, float] | None = None
+
+    def judges(self, frequency: float, damping_ratio: float) -> bool:
+        """Whether a structure [Hz, -] is judged."""
+        if self.left_out is None:
+            return True
+        dimension, value = self.left_out
+        return value == (frequency if dimension == "f" else damping_ratio)
 
 
 def leave_one_event_out(events: NDArray[np.str_]) -> Iterator[Fold]:
@@ -94,6 +105,28 @@ def random_halves(events: NDArray[np.str_], splits: int, *, seed: int = 0) -> It
         chosen = rng.permutation(distinct)[: distinct.size // 2]
         learned = np.isin(events, chosen)
         yield Fold(name=f"half {number}", learned=learned, judged=~learned)
+
+
+def leave_structures_out(folds: Iterable[Fold], dimension: str, values: Sequence[float]) -> Iterator[Fold]:
+    """Leave out one frequency, or one damping ratio, in addition to the motions of each fold.
+
+    Parameters
+    ----------
+    folds : iterable of Fold
+        Divisions of the motions.
+    dimension : {"f", "xi"}
+        What is left out.
+    values : sequence of float
+        Its values in the dataset.
+
+    Yields
+    ------
+    Fold
+        One for each fold and value.
+    """
+    for fold in folds:
+        for value in values:
+            yield replace(fold, name=f"{fold.name}, {dimension} = {value:g}", left_out=(dimension, value))
 
 
 def _distinct(events: NDArray[np.str_], fewest: int) -> NDArray[np.str_]:

@@ -13,16 +13,19 @@ accepted share
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from reliab.criterion.laws import Law
+from reliab.errors import InputError
 from reliab.progress import Progress, silent
-from reliab.validation.cross_validation.candidates import Candidate, Cell
+from reliab.validation.cross_validation.candidates import Candidate
 from reliab.validation.cross_validation.folds import Fold
 from reliab.validation.cross_validation.intervals import event_bootstrap
-from reliab.validation.cross_validation.trials import Trials, draw_trials
+from reliab.validation.cross_validation.trials import Cell, Trials, draw_trials
 
 _COUNTS = ("contained", "judged", "accepted", "accepted_bad", "accepted_good", "good")
 _DIMENSIONS = ("candidate", "confidence", "f", "xi", "motion")
@@ -123,7 +126,7 @@ def cross_validate(
     learn_from : xarray.Dataset, optional
         Ellipses of another suite from which all is learned; the folds then say what is judged.
     progress : callable, optional
-        Called after each structure.
+        Called after each fold.
 
     Returns
     -------
@@ -131,35 +134,56 @@ def cross_validate(
         Counts and rates.
     """
     folds = list(folds)
-    frequencies, damping_ratios = ellipses["f"].values.tolist(), ellipses["xi"].values.tolist()
-    shape = (
-        len(candidates),
-        len(confidences),
-        len(frequencies),
-        len(damping_ratios),
-        ellipses.sizes["motion"],
+    structures = list(
+        product(enumerate(ellipses["f"].values.tolist()), enumerate(ellipses["xi"].values.tolist()))
     )
+    cells = {
+        (i, j): Cell(frequency=f, damping_ratio=xi, threshold=threshold, metric=metric)
+        for (i, f), (j, xi) in structures
+    }
+    fates = {
+        at: (_parameters(ellipses, cell), draw_trials(ellipses, cell, trials, results=results))
+        for at, cell in cells.items()
+    }
+    sizes = (ellipses.sizes[name] for name in ("f", "xi", "motion"))
+    shape = (len(candidates), len(confidences), *sizes)
     counts = {name: np.zeros(shape, dtype=np.int64) for name in _COUNTS}
-    for i, f in enumerate(frequencies):
-        for j, xi in enumerate(damping_ratios):
-            cell = Cell(frequency=f, damping_ratio=xi, threshold=threshold, metric=metric)
-            drawn = draw_trials(ellipses, cell, trials, results=results)
-            parameters = _parameters(ellipses, cell)
-            for fold in folds:
-                known = learn_from if learn_from is not None else ellipses.isel(motion=fold.learned)
-                for c, candidate in enumerate(candidates):
-                    for k, confidence in enumerate(confidences):
-                        limits = candidate.limits(known, cell, confidence)
-                        found = _judge(limits, parameters, drawn, fold.judged)
-                        for name, values in zip(_COUNTS, found, strict=True):
-                            counts[name][c, k, i, j, fold.judged] += values
-            progress(i * len(damping_ratios) + j + 1, len(frequencies) * len(damping_ratios))
+    for done, fold in enumerate(folds, start=1):
+        known = _known(ellipses, fold) if learn_from is None else learn_from
+        for (c, candidate), (k, confidence) in product(enumerate(candidates), enumerate(confidences)):
+            law = candidate.learn(known, threshold, metric, confidence)
+            for (i, j), cell in cells.items():
+                if not (fold.judges(cell.frequency, cell.damping_ratio) and _holds(law, cell)):
+                    continue
+                a, b = law.limits(cell.frequency, cell.damping_ratio)
+                found = _judge((float(a), float(b)), *fates[i, j], fold.judged)
+                for name, values in zip(_COUNTS, found, strict=True):
+                    counts[name][c, k, i, j, fold.judged] += values
+        progress(done, len(folds))
     return CrossValidation(
         counts=_labelled(counts, ellipses, candidates, confidences),
         scheme=scheme,
         threshold=threshold,
         metric=metric,
     )
+
+
+def _known(ellipses: xr.Dataset, fold: Fold) -> xr.Dataset:
+    """Ellipses that a fold learns from."""
+    known = ellipses.isel(motion=fold.learned)
+    if fold.left_out is None:
+        return known
+    dimension, value = fold.left_out
+    return known.sel({dimension: known[dimension].values[known[dimension].values != value]})
+
+
+def _holds(law: Law, cell: Cell) -> bool:
+    """Whether a law holds for a structure; where it does not, nothing is judged."""
+    try:
+        law.validity.require(cell.frequency, cell.damping_ratio)
+    except InputError:
+        return False
+    return True
 
 
 def _parameters(ellipses: xr.Dataset, cell: Cell) -> NDArray[np.float64]:

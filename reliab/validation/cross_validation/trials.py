@@ -13,11 +13,30 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from reliab.validation.cross_validation.candidates import Cell
 from reliab.vocabulary import Metric
 
 _SIZE = 2.0
 _MILLISECONDS = 1e3
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cell:
+    """One structure and one error.
+
+    Parameters
+    ----------
+    frequency, damping_ratio : float
+        The structure [Hz, -].
+    threshold : float
+        Error on the boundary [-].
+    metric : str
+        Which error, "rms" or "mte".
+    """
+
+    frequency: float
+    damping_ratio: float
+    threshold: float
+    metric: str
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

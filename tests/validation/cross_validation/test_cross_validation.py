@@ -4,14 +4,17 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from reliab.criterion.laws import Dimensionless, Table
 from reliab.criterion.methods import method_of
 from reliab.errors import InputError
 from reliab.validation.cross_validation import (
     Derived,
     Fold,
+    Printed,
     cross_validate,
     k_fold,
     leave_one_event_out,
+    leave_structures_out,
     random_halves,
 )
 from reliab.validation.cross_validation.intervals import event_bootstrap
@@ -81,12 +84,11 @@ def test_containment_of_a_large_suite_is_nominal():
 
 
 def test_criterion_without_limits_is_never_contained_and_one_of_zero_always():
-    class Fixed(Derived):
-        def limits(self, ellipses, cell, confidence):  # noqa: ARG002
-            return (1e9, 1e9) if self.name == "none" else (1e-12, 1e-12)
-
     ellipses = lognormal_ellipses(6, 2, 3)
-    wide, narrow = (Fixed(name=name, method=method_of("quantile")) for name in ("none", "all"))
+    wide, narrow = (
+        Printed(name=name, law=Table.fit([1.0], [0.02], [[limit]], [[limit]]))
+        for name, limit in (("none", 1e9), ("all", 1e-12))
+    )
     found = judged(
         ellipses, leave_one_event_out(ellipses["event"].values), (wide, narrow), confidences=(0.95,)
     )
@@ -152,3 +154,15 @@ def test_learning_from_another_suite_judges_all_of_this_one():
     everything = Fold(name="all", learned=np.zeros(20, dtype=bool), judged=np.ones(20, dtype=bool))
     found = judged(ellipses, [everything], learn_from=other, confidences=(0.9,))
     assert 0.6 < found.containment()["rate"].item() <= 1.0
+
+
+def test_law_is_judged_at_the_structure_that_it_did_not_see():
+    one = lognormal_ellipses(20, 2, 10)
+    ellipses = xr.concat([one.assign_coords(f=[f]) for f in (0.5, 1.0, 2.0)], dim="f")
+    ellipses = ellipses.assign(b=ellipses["b"] / ellipses["f"] ** 2)
+    law = Derived(name="law", method=method_of("quantile"), law=Dimensionless)
+    folds = leave_structures_out(k_fold(ellipses["event"].values, 2), "f", [0.5, 1.0, 2.0])
+    found = judged(ellipses.transpose(*ELLIPSE_DIMENSIONS), folds, (law,), confidences=(0.9,))
+    judged_at = found.counts["judged"].sum("motion").squeeze().values
+    np.testing.assert_array_equal(judged_at, [0, 40, 0])  # a law refuses to extrapolate
+    assert found.containment()["rate"].item() == pytest.approx(0.9, abs=0.12)
