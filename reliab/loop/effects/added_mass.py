@@ -1,0 +1,44 @@
+"""Mass that moves with the piston."""
+
+from dataclasses import dataclass
+
+from reliab.loop.effects.effect import Role, SteppedEffect
+from reliab.loop.effects.kernel import Kernel, Numbers
+from reliab.loop.effects.parameter import Parameter
+from reliab.vocabulary import Block, EffectName
+
+
+def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _state: Numbers) -> float:
+    return coefficients[0] * motion[2]
+
+
+@dataclass(frozen=True, kw_only=True)
+class AddedMass(SteppedEffect):
+    """An inertia force m·a that the load cell feels, as of a mass between it and the specimen.
+
+    Parameters
+    ----------
+    mass_kg : float
+        Mass [kg].
+    """
+
+    name = EffectName.ADDED_MASS
+    block = Block.SPECIMEN
+    role = Role.FORCE
+    description = "the load cell feels the inertia of a moving mass"
+    parameters = (
+        Parameter(
+            name="mass_kg",
+            units="kg",
+            meaning="moving mass",
+            scale=(("force", 1.0), ("acceleration", -1.0)),
+            signed=True,
+            typical=0.1,
+            lower=-2.0,
+            upper=2.0,
+            starts=(0.02,),
+        ),
+    )
+    kernel = Kernel(function=_force)
+
+    mass_kg: float

@@ -1,0 +1,98 @@
+"""Bouc–Wen hysteresis beside the linear spring (Wen 1976)."""
+
+from dataclasses import dataclass
+
+from reliab.loop.effects.effect import Role, SteppedEffect
+from reliab.loop.effects.kernel import Kernel, Numbers
+from reliab.loop.effects.parameter import Parameter
+from reliab.vocabulary import Block, EffectName
+
+
+def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, state: Numbers) -> float:
+    # State: displacement, z. The path of the displacement decides, not its speed.
+    force, displacement = coefficients[0], coefficients[1]
+    beta, exponent = coefficients[2], coefficients[3]
+    travel = (motion[0] - state[0]) / displacement
+    sign = 1.0 if travel >= 0.0 else -1.0
+    parts = min(int(abs(travel) / 0.1) + 1, 50)
+    part = travel / parts
+    z = state[1]
+    for _ in range(parts):
+        direction = beta if sign * z >= 0.0 else -beta
+        middle = z + 0.5 * part * (1.0 - abs(z) ** exponent * (direction + 1.0 - beta))
+        direction = beta if sign * middle >= 0.0 else -beta
+        z += part * (1.0 - abs(middle) ** exponent * (direction + 1.0 - beta))
+    state[0], state[1] = motion[0], z
+    return force * z
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hysteresis(SteppedEffect):
+    """A force f·z, z' = (v/d)·(1 − |z|ⁿ(β·sgn(vz) + 1 − β)), in parallel with the linear spring.
+
+    Parameters
+    ----------
+    force_n : float
+        Force f at which the hysteretic part yields [N].
+    displacement_m : float
+        Displacement d at which it would yield if it stayed elastic [m].
+    beta : float
+        Shape β [-] of loading against unloading, in (0, 1].
+    exponent : float
+        Sharpness n [-] of yielding.
+    """
+
+    name = EffectName.HYSTERESIS
+    block = Block.SPECIMEN
+    role = Role.FORCE
+    description = "the specimen yields and dissipates like a Bouc–Wen hysteresis"
+    parameters = (
+        Parameter(
+            name="force_n",
+            units="N",
+            meaning="yield force of the hysteretic part",
+            scale=(("force", 1.0),),
+            signed=True,
+            typical=0.1,
+            lower=-3.0,
+            upper=3.0,
+            starts=(0.03, 0.03, 0.03, 0.03),
+        ),
+        Parameter(
+            name="displacement_m",
+            units="m",
+            meaning="yield displacement",
+            scale=(("displacement", 1.0),),
+            typical=0.2,
+            spread=1.0,
+            lower=0.003,
+            upper=3.0,
+            starts=(0.03, 0.1, 0.3, 0.9),
+        ),
+        Parameter(
+            name="beta",
+            units="-",
+            meaning="shape of loading against unloading",
+            typical=0.6,
+            spread=0.3,
+            lower=0.2,
+            upper=1.0,
+            starts=(0.6, 0.6, 0.6),
+        ),
+        Parameter(
+            name="exponent",
+            units="-",
+            meaning="sharpness of yielding",
+            typical=1.7,
+            spread=0.5,
+            lower=0.7,
+            upper=8.0,
+            starts=(1.7, 1.7, 1.7),
+        ),
+    )
+    kernel = Kernel(function=_force, states=2)
+
+    force_n: float
+    displacement_m: float
+    beta: float = 0.5
+    exponent: float = 2.0

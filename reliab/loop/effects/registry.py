@@ -1,0 +1,119 @@
+"""The library of effects: those of this package and those that other packages add."""
+
+from functools import cache
+from importlib.metadata import entry_points
+
+from reliab.errors import InputError
+from reliab.loop.effects.added_mass import AddedMass
+from reliab.loop.effects.backlash import Backlash
+from reliab.loop.effects.coulomb_friction import CoulombFriction
+from reliab.loop.effects.cubic_stiffness import CubicStiffness
+from reliab.loop.effects.delay_drift import DelayDrift
+from reliab.loop.effects.effect import Effect
+from reliab.loop.effects.excitation_scale import ExcitationScale
+from reliab.loop.effects.first_order_lag import FirstOrderLag
+from reliab.loop.effects.force_bias import ForceBias
+from reliab.loop.effects.gap import Gap
+from reliab.loop.effects.hysteresis import Hysteresis
+from reliab.loop.effects.integration_error import IntegrationError
+from reliab.loop.effects.quadratic_damping import QuadraticDamping
+from reliab.loop.effects.quadratic_stiffness import QuadraticStiffness
+from reliab.loop.effects.rate_limit import RateLimit
+from reliab.loop.effects.second_order_dynamics import SecondOrderDynamics
+from reliab.loop.effects.sensor_bias import SensorBias
+from reliab.loop.effects.sensor_drift import SensorDrift
+from reliab.loop.effects.stroke_saturation import StrokeSaturation
+from reliab.loop.effects.time_step_error import TimeStepError
+from reliab.loop.effects.viscous_damping import ViscousDamping
+
+ENTRY_POINT_GROUP = "reliab.effects"
+"""Group under which other packages register classes derived from `Effect`."""
+
+_OWN: tuple[type[Effect], ...] = (
+    FirstOrderLag,
+    SecondOrderDynamics,
+    DelayDrift,
+    RateLimit,
+    Backlash,
+    StrokeSaturation,
+    SensorBias,
+    SensorDrift,
+    ForceBias,
+    CubicStiffness,
+    QuadraticStiffness,
+    CoulombFriction,
+    ViscousDamping,
+    QuadraticDamping,
+    Hysteresis,
+    AddedMass,
+    Gap,
+    ExcitationScale,
+    TimeStepError,
+    IntegrationError,
+)
+
+
+@cache
+def library() -> dict[str, type[Effect]]:
+    """All effects by name, in the order in which they act within their block.
+
+    Returns
+    -------
+    dict of str to type
+        The classes of effects.
+
+    Raises
+    ------
+    InputError
+        If another package adds something that is no effect, or a name that is taken.
+    """
+    known = {str(effect.name): effect for effect in _OWN}
+    for entry in entry_points(group=ENTRY_POINT_GROUP):
+        effect = entry.load()
+        if not (isinstance(effect, type) and issubclass(effect, Effect)):
+            raise InputError(
+                f"What is registered under {ENTRY_POINT_GROUP} must be a class derived from Effect",
+                value=repr(effect),
+                remedy="Mend or remove the package that registers it",
+                where=entry.value,
+            )
+        if str(effect.name) in known:
+            raise InputError(
+                "The name of an effect must be unique",
+                value=str(effect.name),
+                remedy="Rename the added effect",
+                where=entry.value,
+            )
+        known[str(effect.name)] = effect
+    return known
+
+
+def find_effect(name: str) -> type[Effect]:
+    """Return the effect of a name.
+
+    Parameters
+    ----------
+    name : str
+        Name as in files and reports.
+
+    Returns
+    -------
+    type
+        The class of the effect.
+
+    Raises
+    ------
+    InputError
+        If there is none.
+
+    Examples
+    --------
+    >>> find_effect("backlash").__name__
+    'Backlash'
+    """
+    known = library()
+    if name not in known:
+        raise InputError(
+            f"An effect must be one of {', '.join(known)}", value=name, remedy="Choose one of these"
+        )
+    return known[name]

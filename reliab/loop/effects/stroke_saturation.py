@@ -1,0 +1,47 @@
+"""Limit of the actuator's stroke."""
+
+from dataclasses import dataclass
+
+from reliab.loop.effects.effect import Role, SteppedEffect
+from reliab.loop.effects.kernel import Kernel, Numbers
+from reliab.loop.effects.parameter import Parameter
+from reliab.vocabulary import Block, EffectName
+
+
+def _move(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _state: Numbers) -> float:
+    if abs(motion[0]) > coefficients[0]:
+        motion[0] = coefficients[0] if motion[0] > 0.0 else -coefficients[0]
+        motion[1] = motion[2] = 0.0
+    return 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class StrokeSaturation(SteppedEffect):
+    """A piston that stops at the end of its stroke, |y| ≤ S.
+
+    Parameters
+    ----------
+    stroke_m : float
+        Largest displacement S to either side [m].
+    """
+
+    name = EffectName.STROKE_SATURATION
+    block = Block.ACTUATOR
+    role = Role.PISTON
+    description = "the actuator stops at the end of its stroke"
+    parameters = (
+        Parameter(
+            name="stroke_m",
+            units="m",
+            meaning="stroke to either side",
+            scale=(("displacement", 1.0),),
+            typical=0.7,
+            spread=0.5,
+            lower=0.02,
+            upper=1.3,
+            starts=(0.97, 0.9, 0.75, 0.5),
+        ),
+    )
+    kernel = Kernel(function=_move)
+
+    stroke_m: float

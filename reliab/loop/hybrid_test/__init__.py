@@ -1,0 +1,24 @@
+"""One simulator that runs a hybrid test as a laboratory does, closed or block by block."""
+
+from reliab.loop.hybrid_test.closed_loop import Histories, run_closed_loop
+from reliab.loop.hybrid_test.compensator import Compensator
+from reliab.loop.hybrid_test.integrator import ExactIntegrator, Integrator, LinearSubstructure
+from reliab.loop.hybrid_test.model import HybridTest
+from reliab.loop.hybrid_test.open_loop import Motion3, drive, load, read_displacement, read_force
+from reliab.loop.hybrid_test.specimen import Specimen
+
+__all__ = [
+    "Compensator",
+    "ExactIntegrator",
+    "Histories",
+    "HybridTest",
+    "Integrator",
+    "LinearSubstructure",
+    "Motion3",
+    "Specimen",
+    "drive",
+    "load",
+    "read_displacement",
+    "read_force",
+    "run_closed_loop",
+]

@@ -1,0 +1,255 @@
+"""The whole hybrid test, step by step: numerical substructure, compensator, actuator, specimen, load cell.
+
+At each step the integrator moves the structure with the force at the end of the step as far as it is known, the piston
+follows, the specimen answers, and the integrator corrects. A delay of a step or more makes the first answer final.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.compiled import compiled
+from reliab.loop.effects import RecordEffect, Role, Setting
+from reliab.loop.effects.integration_error import IntegrationError
+from reliab.loop.effects.kernel import call_kernel, pointer_to
+from reliab.loop.hybrid_test.compensator import Compensator
+from reliab.loop.hybrid_test.integrator import ExactIntegrator, Integrator, LinearSubstructure
+from reliab.loop.hybrid_test.model import HybridTest
+from reliab.loop.hybrid_test.open_loop import Motion3, read_displacement
+from reliab.loop.hybrid_test.plan import STATES, Plan, plan
+from reliab.loop.hybrid_test.stepping import call_all, read_delayed
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Histories:
+    """What happened in a simulated test, at equal steps.
+
+    Attributes
+    ----------
+    command : Motion3
+        Motion of the numerical substructure, which is the command.
+    piston : Motion3
+        True motion of the piston.
+    measured : numpy.ndarray
+        Displacement as the sensor reads it [m], shape (n,).
+    force : numpy.ndarray
+        Force as the load cell reads it [N], shape (n,).
+    """
+
+    command: Motion3
+    piston: Motion3
+    measured: Array
+    force: Array
+
+
+def run_closed_loop(
+    test: HybridTest,
+    ground: Array,
+    step: float,
+    *,
+    parts: int = 1,
+    integrator: Integrator | None = None,
+    compensator: Compensator | None = None,
+) -> Histories:
+    """Run a hybrid test under a ground motion, from rest.
+
+    Parameters
+    ----------
+    test : HybridTest
+        The model, with a structure.
+    ground : numpy.ndarray
+        Ground acceleration as recorded [m/s²], linear between samples, shape (n,).
+    step : float
+        Step between samples [s].
+    parts : int, optional
+        Steps of the simulation to each of the samples.
+    integrator : Integrator, optional
+        How the numerical substructure is integrated; by default exactly.
+    compensator : Compensator, optional
+        What changes the command before the actuator; by default nothing.
+
+    Returns
+    -------
+    Histories
+        Motions, reading and force at the samples. A loop that grows beyond all numbers ends in NaN.
+
+    Raises
+    ------
+    InputError
+        If there is no structure.
+
+    Examples
+    --------
+    >>> from reliab.loop.structure import Structure
+    >>> test = HybridTest(structure=Structure(frequency=1.0, damping_ratio=0.05))
+    >>> shaken = np.sin(2.0 * np.pi * np.arange(0.0, 20.0, 0.005))
+    >>> histories = run_closed_loop(test, shaken, 0.005)
+    >>> round(float(np.abs(histories.measured[-400:]).max() * test.specimen.stiffness), 2)  # nearly 1/(2ξ)
+    9.98
+    """
+    applied = ground
+    for effect in test.acting(Role.RECORD):
+        if isinstance(effect, RecordEffect):
+            applied = effect.applied(applied, step)
+    if parts > 1:
+        fine = np.arange((ground.size - 1) * parts + 1) / parts
+        applied = np.interp(fine, np.arange(ground.size), applied)
+    return _run(test, applied, step / parts, parts, integrator or ExactIntegrator(), compensator)
+
+
+def _run(
+    test: HybridTest,
+    ground: Array,
+    h: float,
+    parts: int,
+    integrator: Integrator,
+    compensator: Compensator | None,
+) -> Histories:
+    substructure, ahead, inertia = _integrated(test)
+    specimen = test.specimen
+    if specimen is None:
+        raise AssertionError  # a structure always brings one
+    setting = Setting(step=h, stiffness=specimen.stiffness)
+    command, piston, force = _march(
+        ground,
+        h,
+        test.mass,
+        (ahead / h, inertia),
+        (integrator.kernel.address, integrator.corrections),
+        integrator.coefficients(substructure, h),
+        _socket(compensator, h),
+        (test.actuator.gain, test.actuator.delay),
+        plan(test.acting(Role.DELAY), setting),
+        plan(test.acting(Role.PISTON), setting),
+        np.array([specimen.stiffness, specimen.damping, specimen.mass]),
+        plan(test.acting(Role.FORCE), setting),
+        plan(test.acting(Role.FORCE_READING), setting),
+        STATES,
+    )
+    moved = Motion3(values=np.ascontiguousarray(piston[:, ::parts]), step=parts * h)
+    return Histories(
+        command=Motion3(values=np.ascontiguousarray(command[:, ::parts]), step=parts * h),
+        piston=moved,
+        measured=read_displacement(test, moved),
+        force=np.ascontiguousarray(force[::parts]),
+    )
+
+
+def _socket(compensator: Compensator | None, step: float) -> Plan:
+    if compensator is None:
+        return plan((), Setting(step=step))
+    return Plan(
+        np.array([compensator.kernel.address], dtype=np.int64), compensator.coefficients(step)[np.newaxis]
+    )
+
+
+def _integrated(test: HybridTest) -> tuple[LinearSubstructure, float, float]:
+    """Substructure that is integrated, the time s by which its load is ahead and its inertia.
+
+    x''(t) = u(t + s) is, to first order, (1 + sc)x'' + (c + sk)x' + kx = −(a_g + F/m) − s(a_g + F/m)'.
+    """
+    substructure = test.substructure
+    shift = sum(
+        effect.shift(test.structure.circular_frequency)
+        for effect in test.effects
+        if isinstance(effect, IntegrationError) and test.structure is not None
+    )
+    c, k = substructure.damping, substructure.stiffness
+    inertia = 1.0 + shift * c
+    return (
+        LinearSubstructure(damping=(c + shift * k) / inertia, stiffness=k / inertia),
+        float(shift),
+        inertia,
+    )
+
+
+@compiled
+def _march(
+    ground: Array,
+    h: float,
+    mass: float,
+    shifted: tuple[float, float],
+    scheme: tuple[int, int],
+    scheme_coefficients: Array,
+    socket: Plan,
+    actuator: tuple[float, float],
+    delays: Plan,
+    elements: Plan,
+    linear: Array,
+    forces: Plan,
+    readings: Plan,
+    width: int,
+) -> tuple[Array, Array, Array]:
+    n = ground.size
+    ahead, inertia = shifted
+    integrate, corrections = scheme
+    gain, delay = actuator
+    command, sent = np.zeros((3, n)), np.zeros((3, n))
+    piston, force = np.zeros((3, n)), np.zeros(n)
+    # Rows of the states: socket, delays, elements, forces, readings.
+    at_delays = socket.addresses.size
+    at_elements = at_delays + delays.addresses.size
+    at_forces = at_elements + elements.addresses.size
+    at_readings = at_forces + forces.addresses.size
+    at_end = at_readings + readings.addresses.size
+    states = np.zeros((at_end + 1, width))
+    kept = np.zeros_like(states)
+    motion, scratch = np.zeros(3), np.zeros(width)
+    for i in range(n):
+        for row in range(at_end):
+            for column in range(width):
+                kept[row, column] = states[row, column]
+        measured_force = 2.0 * force[i - 1] - force[i - 2] if i > 1 else force[0]
+        for correction in range(corrections + 1):
+            if i > 0:
+                early = -(ground[i - 1] + force[i - 1] / mass) / inertia
+                late = -(ground[i] + measured_force / mass) / inertia
+                lead = ahead * (late - early)
+                motion[0], motion[1], motion[2] = command[0, i - 1], command[1, i - 1], command[2, i - 1]
+                call_kernel(
+                    integrate,
+                    pointer_to(motion, 0),
+                    early + lead,
+                    late + lead,
+                    pointer_to(scheme_coefficients, 0),
+                    pointer_to(scratch, 0),
+                )
+            else:
+                motion[:] = 0.0
+            command[0, i], command[1, i], command[2, i] = motion[0], motion[1], motion[2]
+            if correction > 0:
+                for row in range(at_end):
+                    for column in range(width):
+                        states[row, column] = kept[row, column]
+            last_measured = piston[0, i - 1] if i > 0 else 0.0
+            call_all(socket.addresses, socket.coefficients, states, 0, motion, last_measured, h)
+            sent[0, i], sent[1, i], sent[2, i] = motion[0], motion[1] * h, motion[2] * h * h
+            time = i * h
+            tau = delay + call_all(
+                delays.addresses, delays.coefficients, states, at_delays, motion, time, h
+            )
+            read_delayed(sent, i - max(tau, 0.0) / h, max(i - 1, 0), motion)
+            motion[0] *= gain
+            motion[1] *= gain / h
+            motion[2] *= gain / (h * h)
+            call_all(elements.addresses, elements.coefficients, states, at_elements, motion, time, h)
+            piston[0, i], piston[1, i], piston[2, i] = motion[0], motion[1], motion[2]
+            acting = linear[0] * motion[0] + linear[1] * motion[1] + linear[2] * motion[2]
+            acting += call_all(forces.addresses, forces.coefficients, states, at_forces, motion, time, h)
+            acting += call_all(
+                readings.addresses, readings.coefficients, states, at_readings, motion, time, h
+            )
+            settled = correction > 0 and tau >= h
+            measured_force = acting
+            if settled or i == 0:
+                break
+        force[i] = measured_force
+        if not abs(command[0, i]) < 1e100:
+            command[:, i:] = np.nan
+            piston[:, i:] = np.nan
+            force[i:] = np.nan
+            break
+    return command, piston, force
