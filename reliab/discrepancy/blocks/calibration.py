@@ -1,0 +1,101 @@
+"""What is calibrated in every model: not an effect, and never reported as one."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from reliab.loop.actuator import Actuator
+from reliab.loop.effects import Parameter
+from reliab.loop.effects.excitation_scale import ExcitationScale
+from reliab.loop.hybrid_test import HybridTest
+
+
+@dataclass(frozen=True, kw_only=True)
+class Calibration:
+    """A parameter of the nominal model that is fitted in every model.
+
+    Parameters
+    ----------
+    parameter : Parameter
+        Name, units, bounds and prior.
+    nominal : callable
+        The parameter's value in a model.
+    apply : callable
+        The model with another value.
+    """
+
+    parameter: Parameter
+    nominal: Callable[[HybridTest], float]
+    apply: Callable[[HybridTest, float], HybridTest]
+
+
+def _with_gain(model: HybridTest, gain: float) -> HybridTest:
+    return replace(model, actuator=Actuator(gain=gain, delay=model.actuator.delay))
+
+
+def _with_delay(model: HybridTest, delay: float) -> HybridTest:
+    return replace(model, actuator=Actuator(gain=model.actuator.gain, delay=max(delay, 0.0)))
+
+
+def _stiffness(model: HybridTest) -> float:
+    return 0.0 if model.specimen is None else model.specimen.stiffness
+
+
+def _with_stiffness(model: HybridTest, stiffness: float) -> HybridTest:
+    if model.specimen is None:
+        return model
+    return replace(model, specimen=replace(model.specimen, stiffness=max(stiffness, 0.0)))
+
+
+def _with_scale(model: HybridTest, scale: float) -> HybridTest:
+    return model.adding(ExcitationScale(scale=scale))
+
+
+def gain(nominal: HybridTest, spread: float = 0.05) -> Calibration:
+    """Gain of the actuator, in units of its nominal value."""
+    unit = nominal.actuator.gain
+    return Calibration(
+        parameter=Parameter(
+            name="gain", units="-", meaning="gain of the actuator over its nominal value", signed=True,
+            neutral=1.0, typical=spread, lower=0.3, upper=3.0, starts=(1.0,),
+        ),
+        nominal=lambda model: model.actuator.gain / unit,
+        apply=lambda model, value: _with_gain(model, value * unit),
+    )  # fmt: skip
+
+
+def delay(nominal: HybridTest, spread: float = 0.005) -> Calibration:
+    """Delay of the actuator [s]."""
+    believed = nominal.actuator.delay
+    return Calibration(
+        parameter=Parameter(
+            name="delay_s", units="s", meaning="delay of the actuator", signed=True,
+            neutral=believed, typical=spread, lower=-1e-9, upper=believed + 0.2, starts=(believed,),
+        ),
+        nominal=lambda model: model.actuator.delay,
+        apply=_with_delay,
+    )  # fmt: skip
+
+
+def stiffness(nominal: HybridTest, spread: float = 0.05, reach: float = 0.1) -> Calibration:
+    """Stiffness of the specimen, in units of its nominal value; a calibration within 10 %."""
+    unit = _stiffness(nominal)
+    return Calibration(
+        parameter=Parameter(
+            name="stiffness", units="-", meaning="stiffness of the specimen over its nominal value", signed=True,
+            neutral=1.0, typical=spread, lower=1.0 - reach, upper=1.0 + reach, starts=(1.0,),
+        ),
+        nominal=lambda model: _stiffness(model) / unit,
+        apply=lambda model, value: _with_stiffness(model, value * unit),
+    )  # fmt: skip
+
+
+def scale_of_excitation(spread: float = 0.1) -> Calibration:
+    """Scale of the ground motion, where there is no rig that states it."""
+    return Calibration(
+        parameter=Parameter(
+            name="excitation_scale", units="-", meaning="factor on the ground acceleration", signed=True,
+            neutral=1.0, typical=spread, lower=0.2, upper=5.0, starts=(1.0,),
+        ),
+        nominal=lambda _model: 1.0,
+        apply=_with_scale,
+    )  # fmt: skip

@@ -1,0 +1,66 @@
+"""What an observed block can do: predict its channel from its input, for any model."""
+
+from abc import ABC, abstractmethod
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.discrepancy.blocks.calibration import Calibration
+from reliab.discrepancy.campaign import Channel, MeasuredTest
+from reliab.loop.effects import Effect, Scales
+from reliab.loop.hybrid_test import HybridTest
+from reliab.vocabulary import Block
+
+Array = NDArray[np.float64]
+
+
+class ObservedBlock(ABC):
+    """A block whose input and output are known, or follow from what is known.
+
+    Attributes
+    ----------
+    block : Block
+        Part of the loop.
+    channel : Channel
+        Its output.
+    tests : tuple of MeasuredTest
+        The tests of the campaign, held-out ones too.
+    rate : float
+        Sampling rate [Hz].
+    every : int
+        Predictions are made at each `every`-th sample only.
+    scales : Scales
+        How large things are.
+    nominal : HybridTest
+        The model before calibration.
+    calibrations : tuple of Calibration
+        What is fitted in every model.
+    offsets : tuple of type
+        Offsets of the sensor that are fitted in every model so that they hide nothing.
+    candidates : tuple of type
+        Effects that may be missing in this block.
+    outside : tuple of type
+        Terms outside the library that are tried where something is left.
+    """
+
+    block: ClassVar[Block]
+    channel: ClassVar[Channel]
+
+    tests: tuple[MeasuredTest, ...]
+    rate: float
+    every: int
+    scales: Scales
+    nominal: HybridTest
+    calibrations: tuple[Calibration, ...]
+    offsets: tuple[type[Effect], ...]
+    candidates: tuple[type[Effect], ...]
+    outside: tuple[type[Effect], ...]
+
+    @abstractmethod
+    def predict(self, model: HybridTest, test: int) -> Array:
+        """Predict the channel in a test, shape (n // every,)."""
+
+    def measured(self, test: int) -> Array:
+        """Return the channel as measured in a test, shape (n,)."""
+        return self.tests[test].channels[self.channel]

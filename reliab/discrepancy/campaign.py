@@ -1,0 +1,118 @@
+"""A measured campaign: what the operator believes, and the tests."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.errors import InputError
+from reliab.loop.actuator import Actuator
+from reliab.loop.hybrid_test import HybridTest, Specimen
+from reliab.loop.structure import Structure
+
+
+class Channel(StrEnum):
+    """Columns of a test beside the time."""
+
+    GROUND = "ground_acceleration_mps2"
+    COMMAND = "command_m"
+    MEASURED = "measured_m"
+    FORCE = "force_n"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MeasuredTest:
+    """One test: the channels that were recorded, at equal steps.
+
+    Parameters
+    ----------
+    file : str
+        Name of its file within the campaign's folder.
+    motion : str
+        What the test was driven by.
+    held_out : bool
+        Whether it is kept for the proof.
+    channels : dict of Channel to numpy.ndarray
+        Samples in SI units, each of shape (n,).
+    """
+
+    file: str
+    motion: str
+    held_out: bool
+    channels: dict[Channel, NDArray[np.float64]]
+
+    @property
+    def size(self) -> int:
+        """Number of samples."""
+        return next(iter(self.channels.values())).size
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Campaign:
+    """A folder of measured tests with the nominal model of the rig.
+
+    Parameters
+    ----------
+    name : str
+        Free text.
+    structure : Structure or None
+        Nominal structure; None when there is no numerical substructure.
+    mass : float
+        Its mass [kg]; 1 when forces are per unit mass.
+    actuator : Actuator or None
+        Nominal actuator; None when there is no rig.
+    specimen : Specimen or None
+        Nominal specimen if it is not the structure's own spring.
+    rate : float
+        Sampling rate [Hz].
+    tests : tuple of MeasuredTest
+        The tests; at least one is held out and at least one is not.
+    """
+
+    name: str
+    structure: Structure | None
+    mass: float
+    actuator: Actuator | None
+    specimen: Specimen | None
+    rate: float
+    tests: tuple[MeasuredTest, ...]
+
+    def __post_init__(self) -> None:
+        if all(test.held_out for test in self.tests):
+            raise InputError(
+                "At least one test must not be held out",
+                value=f"{len(self.tests)} tests, all held out",
+                remedy="Keep one test for the proof and the others for finding the effect",
+            )
+
+    @property
+    def step(self) -> float:
+        """Step between samples [s]."""
+        return 1.0 / self.rate
+
+    @cached_property
+    def nominal(self) -> HybridTest:
+        """The model that the operator believes."""
+        return HybridTest(
+            structure=self.structure,
+            mass=self.mass,
+            actuator=self.actuator or Actuator(),
+            specimen=self.specimen,
+        )
+
+    @property
+    def channels(self) -> frozenset[Channel]:
+        """Channels that every test has."""
+        return frozenset.intersection(*(frozenset(test.channels) for test in self.tests))
+
+    @property
+    def training(self) -> tuple[MeasuredTest, ...]:
+        """Tests from which effects are found."""
+        return tuple(test for test in self.tests if not test.held_out)
+
+    @property
+    def held_out(self) -> tuple[MeasuredTest, ...]:
+        """Tests kept for the proof."""
+        return tuple(test for test in self.tests if test.held_out)

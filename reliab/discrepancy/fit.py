@@ -1,0 +1,250 @@
+"""Fitting a candidate model to a block by free-run simulation, with everything else refitted."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.discrepancy.blocks.observed import ObservedBlock
+from reliab.discrepancy.noise import NoiseModel, Periodogram, fit_noise
+from reliab.discrepancy.segment import Segment
+from reliab.discrepancy.space import ModelSpace
+
+Array = NDArray[np.float64]
+
+_STEP = 1e-3  # of a prior's standard deviation, for derivatives
+_NEGLIGIBLE = 0.02  # nats
+_FIRST_DAMPING, _MOST_DAMPING = 1e-3, 1e6
+_MOST_STEPS = 20
+_UNBOUNDED = 1e6  # a whitened residual that stands for a simulation that ran away
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Problem:
+    """A block with the segments on which models of it are judged.
+
+    Parameters
+    ----------
+    block : ObservedBlock
+        The block.
+    segments : tuple of Segment
+        Stretches of tests.
+    """
+
+    block: ObservedBlock
+    segments: tuple[Segment, ...]
+
+    @cached_property
+    def _spectra(self) -> list[NDArray[np.complex128]]:
+        return [segment.spectrum(self.block.measured(segment.test)) for segment in self.segments]
+
+    @property
+    def rows(self) -> int:
+        """Number of whitened residuals."""
+        return sum(2 * segment.bins - 1 for segment in self.segments)
+
+    @cached_property
+    def owners(self) -> NDArray[np.int64]:
+        """Index of the segment of each whitened residual, shape (rows,)."""
+        return np.repeat(np.arange(len(self.segments)), [2 * s.bins - 1 for s in self.segments])
+
+    def predictions(self, space: ModelSpace, coordinates: Array) -> dict[int, Array]:
+        """Predicted channel by test."""
+        model = space.model(coordinates)
+        return {test: self.block.predict(model, test) for test in {s.test for s in self.segments}}
+
+    def whitened(self, space: ModelSpace, coordinates: Array, noise: NoiseModel) -> Array:
+        """Residuals of unit variance if the model is right, shape (rows,)."""
+        predicted = self.predictions(space, coordinates)
+        parts = []
+        for segment, measured in zip(self.segments, self._spectra, strict=True):
+            left = measured - segment.coarse_spectrum(predicted[segment.test], self.block.every)
+            parts.append(_real(left, noise.density(segment.frequency)))
+        rows = np.concatenate(parts)
+        return rows if np.isfinite(rows).all() else np.full(rows.size, _UNBOUNDED)
+
+    def residuals(self, space: ModelSpace, coordinates: Array) -> dict[int, Array]:
+        """Measured minus predicted channel by test."""
+        predicted = self.predictions(space, coordinates)
+        return {test: self.block.measured(test) - self.block.at_rate(values, test) for test, values in predicted.items()}
+
+    def noise_of(self, space: ModelSpace, coordinates: Array) -> NoiseModel:
+        """Fit the noise to what a model leaves."""
+        predicted = self.predictions(space, coordinates)
+        periodograms = []
+        for segment, measured, beyond in zip(self.segments, self._spectra, self._beyond, strict=True):
+            left = measured - segment.coarse_spectrum(predicted[segment.test], self.block.every)
+            inside = Periodogram(frequency=segment.frequency[1:], power=np.abs(left[1:]) ** 2)
+            periodograms += [inside, beyond]
+        return fit_noise(periodograms, self.block.rate)
+
+    @cached_property
+    def _beyond(self) -> list[Periodogram]:
+        """Power of the measured channel at frequencies too high for any signal."""
+        found = []
+        for segment in self.segments:
+            whole = segment.periodogram(self.block.measured(segment.test))
+            found.append(
+                Periodogram(
+                    frequency=whole.frequency[segment.bins - 1 :], power=whole.power[segment.bins - 1 :]
+                )
+            )
+        return found
+
+    def log_volume(self, noise: NoiseModel) -> float:
+        """Logarithm of the normalisation of the likelihood, up to a constant."""
+        return -sum(
+            float(np.log(noise.density(segment.frequency[1:])).sum())
+            + 0.5 * float(np.log(noise.density(segment.frequency[:1])).sum())
+            for segment in self.segments
+        )
+
+
+def _real(spectrum: NDArray[np.complex128], density: Array) -> Array:
+    """Complex residuals as real ones of unit variance."""
+    white = spectrum / np.sqrt(density)
+    root = np.sqrt(2.0)
+    return np.concatenate([white.real[:1], root * white.real[1:], root * white.imag[1:]])
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Fit:
+    """A model fitted to a problem.
+
+    Attributes
+    ----------
+    space : ModelSpace
+        Which model.
+    coordinates : numpy.ndarray
+        Most probable coordinates, shape (size,).
+    residual : numpy.ndarray
+        Whitened residual there, shape (rows,).
+    jacobian : numpy.ndarray
+        Its derivatives, shape (rows, size).
+    noise : NoiseModel
+        Noise by which it is whitened.
+    log_volume : float
+        Normalisation of the likelihood.
+    """
+
+    space: ModelSpace
+    coordinates: Array
+    residual: Array
+    jacobian: Array
+    noise: NoiseModel
+    log_volume: float
+
+    @cached_property
+    def precision(self) -> Array:
+        """Inverse covariance of the coordinates, shape (size, size)."""
+        return self.jacobian.T @ self.jacobian + np.eye(self.space.size)
+
+    @cached_property
+    def covariance(self) -> Array:
+        """Covariance of the coordinates, shape (size, size)."""
+        return np.linalg.inv(self.precision)
+
+    @property
+    def log_likelihood(self) -> float:
+        """Whittle log-likelihood, up to a constant of the problem."""
+        return self.log_volume - 0.5 * float(self.residual @ self.residual)
+
+    @property
+    def log_evidence(self) -> float:
+        """Logarithm of the marginal likelihood, by Laplace's approximation."""
+        prior = -0.5 * float(self.coordinates @ self.coordinates)
+        return self.log_likelihood + prior - 0.5 * float(np.linalg.slogdet(self.precision)[1])
+
+
+def fit(problem: Problem, space: ModelSpace, starts: Sequence[Array], noise: NoiseModel) -> Fit:
+    """Fit a model from several starts and keep the best.
+
+    Parameters
+    ----------
+    problem : Problem
+        Data.
+    space : ModelSpace
+        Which model.
+    starts : sequence of numpy.ndarray
+        Coordinates to start from.
+    noise : NoiseModel
+        Noise by which residuals are weighted.
+
+    Returns
+    -------
+    Fit
+        The most probable model.
+    """
+    found = [_fit_from(problem, space, start, noise) for start in starts]
+    return max(found, key=lambda one: one.log_likelihood - 0.5 * float(one.coordinates @ one.coordinates))
+
+
+def refined(problem: Problem, fitted: Fit, *, rounds: int = 2) -> Fit:
+    """Fit noise and model in turn."""
+    for _ in range(rounds):
+        noise = problem.noise_of(fitted.space, fitted.coordinates)
+        fitted = _fit_from(problem, fitted.space, fitted.coordinates, noise)
+    return fitted
+
+
+def _fit_from(problem: Problem, space: ModelSpace, start: Array, noise: NoiseModel) -> Fit:
+    """Levenberg–Marquardt with bounds and the prior; ends when a step promises less than 0.02."""
+    lower, upper = space.bounds
+    x = np.clip(start, lower, upper)
+    residual = problem.whitened(space, x, noise)
+    value = _objective(residual, x)
+    damping = _FIRST_DAMPING
+    derivatives = jacobian(problem, space, x, noise, residual)
+    for _ in range(_MOST_STEPS):
+        curvature = derivatives.T @ derivatives + np.eye(x.size)
+        slope = derivatives.T @ residual + x
+        free = ~(((x <= lower) & (slope > 0.0)) | ((x >= upper) & (slope < 0.0)))
+        accepted = False
+        while damping < _MOST_DAMPING:
+            step = np.zeros_like(x)
+            damped = curvature + damping * np.diag(np.diag(curvature))
+            step[free] = -np.linalg.solve(damped[np.ix_(free, free)], slope[free])
+            moved = np.clip(x + step, lower, upper)
+            promise = -slope @ (moved - x) - 0.5 * (moved - x) @ curvature @ (moved - x)
+            if promise < _NEGLIGIBLE:
+                break
+            there = problem.whitened(space, moved, noise)
+            if _objective(there, moved) < value:
+                x, residual, accepted = moved, there, True
+                value = _objective(there, moved)
+                damping = max(0.1 * damping, 1e-7)
+                break
+            damping *= 8.0
+        if not accepted:
+            break
+        derivatives = jacobian(problem, space, x, noise, residual)
+    return Fit(
+        space=space,
+        coordinates=x,
+        residual=residual,
+        jacobian=derivatives,
+        noise=noise,
+        log_volume=problem.log_volume(noise),
+    )
+
+
+def _objective(residual: Array, coordinates: Array) -> float:
+    return 0.5 * float(residual @ residual + coordinates @ coordinates)
+
+
+def jacobian(
+    problem: Problem, space: ModelSpace, coordinates: Array, noise: NoiseModel, centre: Array
+) -> Array:
+    """Derivatives of the whitened residual, shape (rows, size), given it at the coordinates."""
+    _, upper = space.bounds
+    columns = []
+    for place in range(space.size):
+        step = _STEP if coordinates[place] + _STEP < upper[place] else -_STEP
+        moved = coordinates.copy()
+        moved[place] += step
+        columns.append((problem.whitened(space, moved, noise) - centre) / step)
+    return np.stack(columns, axis=1)
+
+

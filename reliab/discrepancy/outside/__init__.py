@@ -1,0 +1,5 @@
+"""What may act beside the effects of the library: physical terms that give an unknown effect an expression."""
+
+from reliab.discrepancy.outside.terms import outside_terms
+
+__all__ = ["outside_terms"]

@@ -1,0 +1,181 @@
+"""Searching for the effects that a block hides: forward by screening, backward by removal, judged by evidence."""
+
+from collections.abc import Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.discrepancy.fit import Fit, Problem, fit, refined
+from reliab.discrepancy.noise import NoiseModel
+from reliab.discrepancy.space import ModelSpace
+from reliab.loop.effects import Effect
+
+Array = NDArray[np.float64]
+Kinds = tuple[type[Effect], ...]
+
+COST = 4.0
+"""Logarithm of the prior odds against one more effect."""
+
+OUTSIDE_COST = 7.0
+"""The same for an effect outside the library."""
+
+MOST_EFFECTS = 4
+_WORKERS = 2
+_BEAM = 3
+_TRIED = 5
+
+
+def cost(kinds: Iterable[type[Effect]]) -> float:
+    """Prior odds against a set of effects, as a logarithm."""
+    return sum(OUTSIDE_COST if is_outside(kind) else COST for kind in kinds)
+
+
+def is_outside(kind: type[Effect]) -> bool:
+    """Whether an effect is no member of the library."""
+    return getattr(kind, "outside", False)
+
+
+def score(one: Fit) -> float:
+    """Evidence and prior odds of a fitted model, as a logarithm."""
+    return one.log_evidence - cost(one.space.effects)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Screened:
+    """How much an effect promises to explain beside a fitted model.
+
+    Attributes
+    ----------
+    kind : type
+        The effect.
+    gain : float
+        Gain of log-likelihood, to first order.
+    start : numpy.ndarray
+        Coordinates from which to fit.
+    """
+
+    kind: type[Effect]
+    gain: float
+    start: Array
+
+
+class Search:
+    """All models of a block that were fitted, by the names of their effects.
+
+    Parameters
+    ----------
+    problem : Problem
+        The block and its data.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self.fitted: dict[frozenset[str], Fit] = {}
+        block = problem.block
+        space = ModelSpace(block, ())
+        spread = np.mean([block.measured(s.test)[s.begin : s.end].var() for s in problem.segments])
+        start = NoiseModel.white(block.rate, 1e-3 * float(spread))
+        self.null = self._keep(refined(problem, fit(problem, space, [np.zeros(space.size)], start)))
+
+    def _keep(self, one: Fit) -> Fit:
+        key = frozenset(one.space.names)
+        if key not in self.fitted or score(one) > score(self.fitted[key]):
+            self.fitted[key] = one
+        return self.fitted[key]
+
+    @property
+    def best(self) -> Fit:
+        """The most credible of all fitted models."""
+        return max(self.fitted.values(), key=score)
+
+    def screen(self, parent: Fit, kinds: Sequence[type[Effect]]) -> list[Screened]:
+        """Rank effects by what they promise to explain beside a model."""
+        fresh = [kind for kind in kinds if kind not in parent.space.effects]
+        basis = np.linalg.qr(parent.jacobian)[0]
+        with ThreadPoolExecutor(_WORKERS) as pool:
+            screened = pool.map(lambda kind: self._screen_one(parent, basis, kind), fresh)
+        return sorted(screened, key=lambda one: -one.gain)
+
+    def _screen_one(self, parent: Fit, basis: Array, kind: type[Effect]) -> Screened:
+        space = ModelSpace(parent.space.block, (*parent.space.effects, kind))
+        best = Screened(kind=kind, gain=0.0, start=np.zeros(0))
+        for start in space.starts(parent.space, parent.coordinates):
+            change = self.problem.whitened(space, start, parent.noise) - parent.residual
+            change -= basis @ (basis.T @ change)
+            size = float(change @ change)
+            along = -float(parent.residual @ change)
+            if size <= 0.0 or (along < 0.0 and not kind.parameters[0].signed):
+                continue
+            gain = 0.5 * along**2 / size
+            if gain > best.gain or best.start.size == 0:
+                start = space.scaled(start, kind, along / size)
+                best = Screened(kind=kind, gain=gain, start=start)
+        return best
+
+    def extend(self, parent: Fit, screened: Sequence[Screened]) -> list[Fit]:
+        """Fit a model with each of some effects added."""
+        fresh = [
+            one
+            for one in screened
+            if one.start.size and frozenset({*parent.space.names, str(one.kind.name)}) not in self.fitted
+        ]
+
+        def extended(one: Screened) -> Fit:
+            space = ModelSpace(parent.space.block, (*parent.space.effects, one.kind))
+            return refined(self.problem, fit(self.problem, space, [one.start], parent.noise))
+
+        with ThreadPoolExecutor(_WORKERS) as pool:
+            return [self._keep(one) for one in pool.map(extended, fresh)]
+
+    def forward(self, begin: Fit, kinds: Sequence[type[Effect]], *, deepest: int = MOST_EFFECTS) -> Fit:
+        """Add effects as long as the evidence grows."""
+        beam, best = [begin], begin
+        for _ in range(deepest):
+            children: list[Fit] = []
+            for parent in beam:
+                promising = self.screen(parent, kinds)
+                floor = max(COST, 0.02 * promising[0].gain) if promising else 0.0
+                children += self.extend(parent, [one for one in promising[:_TRIED] if one.gain > floor])
+            children.sort(key=score, reverse=True)
+            beam = children[:_BEAM]
+            if not beam or score(beam[0]) < score(best):
+                break
+            best = beam[0]
+        return self.backward(best)
+
+    def whole(self) -> Fit:
+        """Search the library, and beyond it where something is left that a term outside would explain."""
+        block = self.problem.block
+        inside = self.forward(self.null, block.candidates)
+        left = self.screen(inside, block.outside)
+        if not left or left[0].gain < self.noticeable(inside):
+            return inside
+        every = (*block.candidates, *block.outside)
+        found = [self.forward(begin, every) for begin in (self.null, inside)]
+        return max((inside, *found), key=score)
+
+    def noticeable(self, one: Fit) -> float:
+        """Gain of log-likelihood below which what is left does not matter."""
+        explained = one.log_likelihood - self.null.log_likelihood
+        return OUTSIDE_COST + 4.0 + 0.003 * explained
+
+    def backward(self, best: Fit) -> Fit:
+        """Remove effects as long as the evidence grows."""
+        while len(best.space.effects) > 1:
+            smaller = [self._without(best, kind) for kind in best.space.effects]
+            challenger = max(smaller, key=score)
+            if score(challenger) <= score(best):
+                break
+            best = challenger
+        return best
+
+    def _without(self, one: Fit, kind: type[Effect]) -> Fit:
+        left = tuple(other for other in one.space.effects if other is not kind)
+        space = ModelSpace(one.space.block, left)
+        key = frozenset(space.names)
+        if key in self.fitted:
+            return self.fitted[key]
+        start = space.inherited(one.space, one.coordinates)
+        return self._keep(refined(self.problem, fit(self.problem, space, [start], one.noise)))

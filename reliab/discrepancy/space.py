@@ -1,0 +1,132 @@
+"""The parameters of a candidate model as one vector."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.discrepancy.blocks.observed import ObservedBlock
+from reliab.loop.effects import Effect, Parameter
+from reliab.loop.hybrid_test import HybridTest
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ModelSpace:
+    """All models of a block with given effects, as vectors of dimensionless coordinates.
+
+    The coordinates are those of the calibrations, then of the offsets, then of the effects, each in units of
+    the standard deviation of its prior, with its prior mean at zero.
+
+    Parameters
+    ----------
+    block : ObservedBlock
+        The block.
+    effects : tuple of type
+        Effects beside the block's offsets.
+    """
+
+    block: ObservedBlock
+    effects: tuple[type[Effect], ...]
+
+    @cached_property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Parameters in the order of the coordinates."""
+        fitted = [calibration.parameter for calibration in self.block.calibrations]
+        for effect in (*self.block.offsets, *self.effects):
+            fitted.extend(effect.parameters)
+        return tuple(fitted)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the effects, sorted."""
+        return tuple(sorted(str(effect.name) for effect in self.effects))
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates."""
+        return len(self.parameters)
+
+    @cached_property
+    def _prior(self) -> tuple[Array, Array]:
+        pairs = np.array([parameter.coordinate_prior for parameter in self.parameters])
+        return pairs[:, 0], pairs[:, 1]
+
+    @cached_property
+    def bounds(self) -> tuple[Array, Array]:
+        """Bounds of the coordinates, each of shape (size,)."""
+        mean, spread = self._prior
+        pairs = np.array([parameter.coordinate_bounds for parameter in self.parameters])
+        return (pairs[:, 0] - mean) / spread, (pairs[:, 1] - mean) / spread
+
+    def values(self, coordinates: Array) -> Array:
+        """SI values of the parameters, shape (size,)."""
+        mean, spread = self._prior
+        own = mean + spread * coordinates
+        return np.array(
+            [p.value(c, self.block.scales) for p, c in zip(self.parameters, own.tolist(), strict=True)]
+        )
+
+    def coordinates(self, values: Array) -> Array:
+        """Coordinates of SI values, shape (size,)."""
+        mean, spread = self._prior
+        own = [p.coordinate(v, self.block.scales) for p, v in zip(self.parameters, values.tolist(), strict=True)]
+        return np.asarray((np.array(own) - mean) / spread)
+
+    def model(self, coordinates: Array) -> HybridTest:
+        """Return the model at given coordinates."""
+        values = self.values(coordinates)
+        model = self.block.nominal
+        place = len(self.block.calibrations)
+        for calibration, value in zip(self.block.calibrations, values.tolist(), strict=False):
+            model = calibration.apply(model, value)
+        effects = []
+        for effect in (*self.block.offsets, *self.effects):
+            count = len(effect.parameters)
+            effects.append(effect.of(values[place : place + count]))
+            place += count
+        return model.adding(*effects)
+
+    def starts(self, base: "ModelSpace", coordinates: Array) -> Iterator[Array]:
+        """Coordinates from which to fit, given those of a smaller model; the added effects at their starts."""
+        known = dict(zip(base._keys, coordinates.tolist(), strict=True))  # noqa: SLF001 - the same class
+        added = [effect for effect in self.effects if effect not in base.effects]
+        tries = max((len(effect.parameters[0].starts) for effect in added), default=1)
+        lower, upper = self.bounds
+        for k in range(tries):
+            fresh = self._start(k)
+            filled = [known.get(key, fresh[place]) for place, key in enumerate(self._keys)]
+            yield np.clip(np.array(filled), lower + 1e-9, upper - 1e-9)
+
+    def scaled(self, coordinates: Array, kind: type[Effect], factor: float) -> Array:
+        """Coordinates in which an effect's first parameter, if it is signed, is multiplied by a factor."""
+        if not kind.parameters[0].signed:
+            return coordinates
+        place = self._keys.index(f"{kind.name}.{kind.parameters[0].name}")
+        lower, upper = self.bounds
+        moved = coordinates.copy()
+        moved[place] = np.clip(factor * coordinates[place], 0.9 * lower[place], 0.9 * upper[place])
+        return moved
+
+    def inherited(self, other: "ModelSpace", coordinates: Array) -> Array:
+        """Coordinates of a larger model without what this one does not have."""
+        known = dict(zip(other._keys, coordinates.tolist(), strict=True))  # noqa: SLF001 - the same class
+        return np.array([known[key] for key in self._keys])
+
+    @cached_property
+    def _keys(self) -> tuple[str, ...]:
+        keys = [calibration.parameter.name for calibration in self.block.calibrations]
+        for effect in (*self.block.offsets, *self.effects):
+            keys.extend(f"{effect.name}.{parameter.name}" for parameter in effect.parameters)
+        return tuple(keys)
+
+    def _start(self, k: int) -> Array:
+        mean, spread = self._prior
+        own = []
+        for parameter in self.parameters:
+            start = parameter.starts[min(k, len(parameter.starts) - 1)]
+            own.append(start - parameter.neutral if parameter.signed else np.log(start))
+        return np.asarray((np.array(own) - mean) / spread)
