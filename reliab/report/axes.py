@@ -1,0 +1,102 @@
+"""What axes are called, with their units, and what several figures draw alike."""
+
+from typing import Any, Final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import ArrayLike, NDArray
+
+from reliab.vocabulary import Metric
+
+MILLI: Final = 1e3
+"""Milliseconds in a second, millimetres in a metre."""
+
+AMPLITUDE: Final = "Amplitude $A$ [-]"
+DELAY: Final = "Equivalent delay $d$ [ms]"
+A_PARAMETER: Final = "Ellipse parameter $a$ [-]"
+B_PARAMETER: Final = "Ellipse parameter $b$ [ms²]"
+AMPLITUDE_LIMIT: Final = r"Amplitude error $\sqrt{a}$ [-]"
+DELAY_LIMIT: Final = r"Delay $\sqrt{b}$ [ms]"
+FREQUENCY: Final = "Natural frequency $f$ [Hz]"
+DAMPING_RATIO: Final = r"Damping ratio $\xi$ [-]"
+TIME: Final = "Time $t$ [s]"
+DISPLACEMENT: Final = "Displacement [mm]"
+DENSITY_A: Final = "Probability density of $a$ [-]"
+DENSITY_B: Final = "Probability density of $b$ [1/ms²]"
+SHARE: Final = "Share of motions [-]"
+
+ERRORS: Final = {Metric.RMS: "$RMS^R$", Metric.MTE: "$MTE^R$"}
+"""How the errors of the whole test are written."""
+
+
+def plain(text: str) -> str:
+    """Text of a user, so that no character of it is taken for mathematics.
+
+    Parameters
+    ----------
+    text : str
+        Any text.
+
+    Returns
+    -------
+    str
+        The text for a label.
+
+    Examples
+    --------
+    >>> print(plain("A$b"))
+    A\\$b
+    """
+    return " ".join(text.split()).replace("$", r"\$")
+
+
+def name_axes(axes: Axes, x: str, y: str) -> None:
+    """Name both axes; each name ends with its unit in brackets."""
+    axes.set_xlabel(x)
+    axes.set_ylabel(y)
+
+
+def legend_below(figure: Figure, axes: Axes, *, columns: int = 4) -> None:
+    """Put one legend for all axes below them, where it can cover nothing."""
+    handles, names = axes.get_legend_handles_labels()
+    figure.legend(handles, names, loc="outside lower center", ncols=min(columns, len(names)))
+
+
+def ellipse_line(a: ArrayLike, b: ArrayLike, *, points: int = 121) -> tuple[NDArray[np.float64], ...]:
+    """Upper halves of ellipses (A − 1)²/a + d²/b = 1.
+
+    Parameters
+    ----------
+    a, b : array_like
+        Ellipse parameters [-] and [ms²], one shape.
+    points : int, optional
+        Points of each line.
+
+    Returns
+    -------
+    amplitude, delay : numpy.ndarray
+        A [-] and d [ms], shape (points, ...).
+    """
+    angle = np.linspace(0.0, np.pi, points).reshape(-1, *(1,) * np.ndim(a))
+    return 1.0 + np.sqrt(a) * np.cos(angle), np.sqrt(b) * np.sin(angle)
+
+
+def scientific(value: float, digits: int = 3) -> str:
+    """Write a number for a label, with a power of ten where it is very small or large.
+
+    Examples
+    --------
+    >>> scientific(5.29e-5), scientific(1.048), scientific(0.977)
+    ('$5.29\\\\times10^{-5}$', '1.05', '0.977')
+    """
+    text = f"{value:.{digits}g}"
+    if "e" not in text:
+        return text
+    mantissa, exponent = text.split("e")
+    return rf"${mantissa}\times10^{{{int(exponent)}}}$"
+
+
+def mark(axes: Axes, text: str, at: tuple[float, float], **look: Any) -> None:  # noqa: ANN401 - matplotlib's
+    """Write a short note at a place inside the axes, in shares of their width and height."""
+    axes.text(*at, text, transform=axes.transAxes, **{"fontsize": 8.0, "va": "top", **look})

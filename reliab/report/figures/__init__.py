@@ -1,0 +1,1 @@
+"""Figures, one file each: from finished results to a matplotlib figure."""

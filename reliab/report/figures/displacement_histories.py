@@ -1,0 +1,102 @@
+"""Displacement histories: exact response and measured displacement.
+
+Figures 2, 3, 5 and 7 of Guo and others (2017): the exact response, and the measured displacement at a
+delay of 5 ms, at an amplitude of 0.99, and at both errors. Figure 17: the four cases of the application.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from reliab.report.axes import DISPLACEMENT, MILLI, TIME, legend_below, mark, plain
+from reliab.report.style import BLUE, GREY, VERMILION, letters, panels, styled
+
+_PANEL_HEIGHT, _MARGIN = 32.0, 16.0
+_HEADROOM = 1.45
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class HistoryPanel:
+    """What one panel shows.
+
+    Parameters
+    ----------
+    title : str
+        What is special about the test.
+    times : array of float, shape (n,)
+        Times [s].
+    ideal : array of float, shape (n,)
+        Exact response x_I [m].
+    measured : array of float, shape (n,), optional
+        Measured displacement x_m [m]; without it only the exact response is drawn.
+    note : str, optional
+        A number worth seeing, for example the error of the test.
+    """
+
+    title: str
+    times: NDArray[np.float64]
+    ideal: NDArray[np.float64]
+    measured: NDArray[np.float64] | None = None
+    note: str = ""
+
+
+@styled
+def displacement_histories(histories: Sequence[HistoryPanel], *, columns: int = 1) -> Figure:
+    """Draw exact response and measured displacement of several tests on one scale of time.
+
+    Parameters
+    ----------
+    histories : sequence of HistoryPanel
+        One panel each.
+    columns : int, optional
+        Panels side by side.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Displacement [mm] over time [s].
+    """
+    rows = -(-len(histories) // columns)
+    figure, axes = panels(rows, columns, height=_MARGIN + _PANEL_HEIGHT * rows, share_x=True)
+    letters(axes, tuple(plain(each.title) for each in histories))
+    for place, history in zip(axes.ravel(), histories, strict=False):
+        _draw(place, history)
+    for place in axes.ravel()[len(histories) :]:
+        place.set_axis_off()
+    for place in axes[-1]:
+        place.set_xlabel(TIME)
+    richest = next((k for k, each in enumerate(histories) if each.measured is not None), 0)
+    legend_below(figure, axes.ravel()[richest])
+    return figure
+
+
+def _draw(axes: Axes, history: HistoryPanel) -> None:
+    shown = [history.ideal] if history.measured is None else [history.ideal, history.measured]
+    # The exact response lies underneath, broad and pale, so that both remain visible where they agree.
+    axes.plot(history.times, MILLI * history.ideal, color=GREY, linewidth=2.0, label="exact response $x_I$")
+    if history.measured is not None:
+        axes.plot(
+            history.times,
+            MILLI * history.measured,
+            color=BLUE,
+            linewidth=0.7,
+            label="measured displacement $x_m$",
+        )
+        axes.plot(
+            history.times,
+            MILLI * (history.measured - history.ideal),
+            color=VERMILION,
+            linewidth=0.7,
+            linestyle=(0, (2.0, 1.0)),
+            label="difference $x_m - x_I$",
+        )
+    peak = MILLI * max(float(np.abs(each).max()) for each in shown)
+    axes.set_ylim(-_HEADROOM * peak, _HEADROOM * peak)
+    axes.set_xlim(history.times[0], history.times[-1])
+    axes.set_ylabel(DISPLACEMENT)
+    if history.note:
+        mark(axes, plain(history.note), (0.985, 0.95), ha="right")

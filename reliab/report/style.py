@@ -1,0 +1,197 @@
+"""One style for all figures.
+
+Colours are Okabe and Ito's, which people with any colour vision tell apart; lines also differ in dash
+and marker, so that grey print stays readable. Figures are drawn for a column of 160 mm at the size in
+which they are printed, as SVG whose bytes depend on nothing but what is drawn: text is drawn as paths
+in fonts that come with matplotlib, identifiers are salted, no date is written.
+"""
+
+import functools
+import io
+from collections.abc import Callable
+from typing import Any, Final, ParamSpec
+
+import matplotlib as mpl
+import numpy as np
+import seaborn as sns
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+COLUMN_WIDTH: Final = 160.0
+"""Width of the text column of a report [mm]."""
+
+INK: Final = "#202020"
+GREY: Final = "#8a8a8a"
+PALE: Final = "#c9c9c9"
+BLUE, ORANGE, GREEN, VERMILION, PURPLE, BROWN = sns.color_palette("colorblind", 6).as_hex()
+
+SEQUENTIAL: Final = "cividis"
+"""Colour map that rises evenly in lightness, also for colour-blind readers and in grey print."""
+
+_MILLIMETRES_PER_INCH: Final = 25.4
+_DASHES: Final[tuple[Any, ...]] = ("-", (0, (5, 1.6)), (0, (1.2, 1.2)), (0, (6, 1.4, 1.2, 1.4)), (0, (9, 3)))
+_MARKERS: Final = ("o", "s", "^", "D", "v", "P")
+_COLOURS: Final = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, BROWN)
+
+RC: Final[dict[str, Any]] = {
+    "font.family": ["STIXGeneral", "DejaVu Sans"],
+    "mathtext.fontset": "stix",
+    "font.size": 9.0,
+    "axes.titlesize": 9.0,
+    "axes.labelsize": 9.0,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "legend.fontsize": 8.0,
+    "axes.linewidth": 0.6,
+    "axes.edgecolor": INK,
+    "axes.labelcolor": INK,
+    "axes.titlelocation": "left",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.unicode_minus": True,
+    "grid.color": "#e3e3e3",
+    "grid.linewidth": 0.5,
+    "lines.linewidth": 1.2,
+    "lines.markersize": 3.6,
+    "patch.linewidth": 0.6,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "text.color": INK,
+    "legend.frameon": False,
+    "legend.handlelength": 2.6,
+    "figure.dpi": 100.0,
+    "savefig.dpi": 300.0,
+    "svg.fonttype": "path",
+    "svg.hashsalt": "reliab",
+    "path.simplify": True,
+    "agg.path.chunksize": 20000,
+}
+"""What differs from matplotlib's defaults."""
+
+_Arguments = ParamSpec("_Arguments")
+
+
+def styled(draw: Callable[_Arguments, Figure]) -> Callable[_Arguments, Figure]:
+    """Draw a figure in the style of the reports, whatever style the caller uses.
+
+    Parameters
+    ----------
+    draw : callable
+        Makes a figure.
+
+    Returns
+    -------
+    callable
+        The same, in the style.
+    """
+
+    @functools.wraps(draw)
+    def in_style(*args: _Arguments.args, **kwargs: _Arguments.kwargs) -> Figure:
+        with mpl.rc_context({**mpl.rcParamsDefault, **RC}):
+            return draw(*args, **kwargs)
+
+    return in_style
+
+
+def panels(
+    rows: int = 1,
+    columns: int = 1,
+    *,
+    height: float = 70.0,
+    width: float = COLUMN_WIDTH,
+    share_x: bool = False,
+    share_y: bool = False,
+    ratios: tuple[float, ...] | None = None,
+) -> tuple[Figure, NDArray[np.object_]]:
+    """Make a figure with a grid of axes.
+
+    Parameters
+    ----------
+    rows, columns : int, optional
+        Grid of axes.
+    height, width : float, optional
+        Size of the figure in print [mm].
+    share_x, share_y : bool, optional
+        Whether all axes share their scale.
+    ratios : tuple of float, optional
+        Relative widths of the columns.
+
+    Returns
+    -------
+    figure : matplotlib.figure.Figure
+        The figure, free of pyplot's state.
+    axes : numpy.ndarray
+        Shape (rows, columns).
+    """
+    figure = blank(height=height, width=width)
+    axes = figure.subplots(
+        rows, columns, squeeze=False, sharex=share_x, sharey=share_y, width_ratios=ratios
+    )
+    return figure, axes
+
+
+def blank(*, height: float, width: float = COLUMN_WIDTH) -> Figure:
+    """Make an empty figure of a size in print [mm]."""
+    size = (width / _MILLIMETRES_PER_INCH, height / _MILLIMETRES_PER_INCH)
+    return Figure(figsize=size, layout="constrained")
+
+
+def line(rank: int, *, marker: bool = False) -> dict[str, Any]:
+    """Colour, dash and marker of the line of a rank, told apart in grey print too.
+
+    Parameters
+    ----------
+    rank : int
+        Which line, from zero.
+    marker : bool, optional
+        Whether points are marked.
+
+    Returns
+    -------
+    dict
+        Keywords of :meth:`matplotlib.axes.Axes.plot`.
+    """
+    look = {"color": _COLOURS[rank % len(_COLOURS)], "linestyle": _DASHES[rank % len(_DASHES)]}
+    return {**look, "marker": _MARKERS[rank % len(_MARKERS)]} if marker else look
+
+
+def svg(figure: Figure) -> bytes:
+    """Draw a figure as SVG with reproducible bytes.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+        The figure.
+
+    Returns
+    -------
+    bytes
+        The SVG.
+    """
+    return _drawn(figure, "svg", metadata={"Date": None, "Creator": None})
+
+
+def png(figure: Figure) -> bytes:
+    """Draw a figure as PNG at 300 dots per inch, for screens that show no SVG."""
+    return _drawn(figure, "png", metadata={"Software": None})
+
+
+def _drawn(figure: Figure, kind: str, metadata: dict[str, Any]) -> bytes:
+    target = io.BytesIO()
+    with mpl.rc_context({**mpl.rcParamsDefault, **RC}):
+        figure.savefig(target, format=kind, metadata=metadata)
+    return target.getvalue()
+
+
+def letters(axes: NDArray[np.object_], titles: tuple[str, ...] = ()) -> None:
+    """Letter axes (a), (b), … with an optional title each, row by row."""
+    for rank, each in enumerate(axes.ravel()):
+        title = f" {titles[rank]}" if rank < len(titles) else ""
+        _titled(each, f"({chr(ord('a') + rank)}){title}")
+
+
+def _titled(axes: Axes, title: str) -> None:
+    axes.set_title(title, loc="left")
