@@ -17,6 +17,7 @@ Ferguson, T. S. (1973). A Bayesian analysis of some nonparametric problems. *Ann
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -128,6 +129,11 @@ class MotionPredictive:
         arrays = {name: getattr(self, name)[quantity] for name in chosen}
         return replace(self, ordered=self.ordered[:, quantity], **arrays)
 
+    @cached_property
+    def _tails(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """What the base has below the smallest and above the greatest value."""
+        return self._base(self.ordered[0]), np.maximum(1.0 - self._base(self.ordered[-1]), _EXTREME)
+
     def _base(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         standardised = (x - self.location) / self.scale
         share = ndtr(standardised) - 2.0 * owens_t(standardised, self.shape)  # skew-normal
@@ -145,9 +151,8 @@ class MotionPredictive:
         )
         gap = np.where(right > left, right - left, 1.0)
         inner = below + np.clip((x - left) / gap, 0.0, 1.0)
-        lower = base / self._base(self.ordered[0])
-        beyond = np.maximum(1.0 - self._base(self.ordered[-1]), _EXTREME)
-        upper = n + 1.0 - np.minimum((1.0 - base) / beyond, 1.0)
+        least, beyond = self._tails
+        lower, upper = base / least, n + 1.0 - np.minimum((1.0 - base) / beyond, 1.0)
         return np.asarray(np.where(below == 0, lower, np.where(below == n, upper, inner)) / (n + 1.0))
 
 

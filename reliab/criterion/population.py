@@ -134,7 +134,7 @@ class Population:
             near = (weight > 0.0) & ~perfect
             if near.any():
                 probability[near] += weight[near] * self._at_node(u[near], v[near], row, column)
-        return probability.reshape(arrays[0].shape)
+        return np.asarray(probability.reshape(arrays[0].shape))
 
     def _at_node(
         self, u: NDArray[np.float64], v: NDArray[np.float64], row: int, column: int

@@ -2,6 +2,7 @@
 
 import hashlib
 from dataclasses import dataclass, field
+from functools import cache
 from importlib.metadata import version
 from typing import Any
 
@@ -15,7 +16,12 @@ _PACKAGES = ("reliab", "numpy", "scipy", "xarray")
 
 def installed_versions() -> dict[str, str]:
     """Versions of the packages that computed a criterion."""
-    return {name: version(name) for name in _PACKAGES}
+    return dict(_versions())
+
+
+@cache
+def _versions() -> tuple[tuple[str, str], ...]:
+    return tuple((name, version(name)) for name in _PACKAGES)
 
 
 @dataclass(frozen=True, kw_only=True)
