@@ -31,7 +31,7 @@ ERRORS: Final = {Metric.RMS: "$RMS^R$", Metric.MTE: "$MTE^R$"}
 
 
 def plain(text: str) -> str:
-    """Text of a user, so that no character of it is taken for mathematics.
+    r"""Text of a user, so that no character of it is taken for mathematics.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def plain(text: str) -> str:
     Examples
     --------
     >>> print(plain("A$b"))
-    A\\$b
+    A\$b
     """
     return " ".join(text.split()).replace("$", r"\$")
 
@@ -83,12 +83,12 @@ def ellipse_line(a: ArrayLike, b: ArrayLike, *, points: int = 121) -> tuple[NDAr
 
 
 def scientific(value: float, digits: int = 3) -> str:
-    """Write a number for a label, with a power of ten where it is very small or large.
+    r"""Write a number for a label, with a power of ten where it is very small or large.
 
     Examples
     --------
     >>> scientific(5.29e-5), scientific(1.048), scientific(0.977)
-    ('$5.29\\\\times10^{-5}$', '1.05', '0.977')
+    ('$5.29\\times10^{-5}$', '1.05', '0.977')
     """
     text = f"{value:.{digits}g}"
     if "e" not in text:

@@ -34,7 +34,7 @@ _DASHES: Final[tuple[Any, ...]] = ("-", (0, (5, 1.6)), (0, (1.2, 1.2)), (0, (6, 
 _MARKERS: Final = ("o", "s", "^", "D", "v", "P")
 _COLOURS: Final = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, BROWN)
 
-RC: Final[dict[str, Any]] = {
+RC: Final[dict[Any, Any]] = {
     "font.family": ["STIXGeneral", "DejaVu Sans"],
     "mathtext.fontset": "stix",
     "font.size": 9.0,
@@ -127,9 +127,7 @@ def panels(
         Shape (rows, columns).
     """
     figure = blank(height=height, width=width)
-    axes = figure.subplots(
-        rows, columns, squeeze=False, sharex=share_x, sharey=share_y, width_ratios=ratios
-    )
+    axes = figure.subplots(rows, columns, squeeze=False, sharex=share_x, sharey=share_y, width_ratios=ratios)
     return figure, axes
 
 

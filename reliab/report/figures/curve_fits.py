@@ -37,7 +37,13 @@ def curve_fits(contour: Contour, curves: Sequence[Curve]) -> Figure:
         name = f"{curve.name}, misfit {curve.sse:.2g} ms⁴"
         place.plot(amplitude, MILLI * curve.delay(amplitude), label=name, **line(rank))
     place.plot(
-        contour.amplitude, MILLI * contour.delay, "o", color=INK, markersize=3.0, fillstyle="none", label="contour"
+        contour.amplitude,
+        MILLI * contour.delay,
+        "o",
+        color=INK,
+        markersize=3.0,
+        fillstyle="none",
+        label="contour",
     )
     place.set_ylim(0.0, 1.35 * MILLI * contour.delay.max())
     place.legend(loc="upper center", ncols=2)

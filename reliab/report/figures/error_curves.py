@@ -50,7 +50,12 @@ def error_against_delay(
         place.axvline(MILLI * critical_delay, color=INK, linewidth=0.8, linestyle=(0, (1, 2)))
         place.set_xlabel("Delay $d$ [ms]")
     axes[0, 1].set_yscale("log")
-    mark(axes[0, 0], "critical\ndelay", (_share_of(axes[0, 0], MILLI * critical_delay) - 0.02, 0.97), ha="right")
+    mark(
+        axes[0, 0],
+        "critical\ndelay",
+        (_share_of(axes[0, 0], MILLI * critical_delay) - 0.02, 0.97),
+        ha="right",
+    )
     axes[0, 0].legend(loc="center left")
     return figure
 

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from mpl_toolkits.mplot3d.axes3d import Axes3D
+from mpl_toolkits.mplot3d.axes3d import Axes3D  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
 from reliab.report.axes import AMPLITUDE, ERRORS, MILLI, name_axes
@@ -47,7 +47,7 @@ def error_maps(
         Two rows, one column for each error.
     """
     figure = blank(height=_HEIGHT)
-    figure.get_layout_engine().set(w_pad=0.12, h_pad=0.06)  # type: ignore[union-attr]
+    figure.set_layout_engine("constrained", w_pad=0.12, h_pad=0.06)
     milliseconds = MILLI * delays
     for rank, (metric, values) in enumerate(errors.items()):
         percent = _PERCENT * values.T

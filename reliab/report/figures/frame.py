@@ -40,7 +40,9 @@ def _draw_frame(axes: Axes) -> None:
         _support(axes, x)
     axes.add_patch(Rectangle((0.2, 3.0), 4.6, 0.55, facecolor=PALE, edgecolor=BLUE, linewidth=1.4))
     axes.text(2.5, 3.27, "mass $m$", ha="center", va="center")
-    axes.text(2.5, 1.55, "numerical substructure:\nframe of stiffness $k_n$", ha="center", va="center", color=BLUE)
+    axes.text(
+        2.5, 1.55, "numerical substructure:\nframe of stiffness $k_n$", ha="center", va="center", color=BLUE
+    )
 
 
 def _draw_spring(axes: Axes) -> None:

@@ -49,7 +49,11 @@ def parameter_distributions(
     for k, (values, place) in enumerate(zip((sample.a, sample.b), axes[0], strict=True)):
         _draw(place, values, {name: pair[k] for name, pair in fits.items()})
         place.axvline(
-            limits[k], color=INK, linewidth=1.4, linestyle=(0, (4, 1.5)), label=f"criterion at {100 * confidence:g} %"
+            limits[k],
+            color=INK,
+            linewidth=1.4,
+            linestyle=(0, (4, 1.5)),
+            label=f"criterion at {100 * confidence:g} %",
         )
         name_axes(place, *names[k])
     axes[0, 0].ticklabel_format(axis="both", style="sci", scilimits=(0, 0), useMathText=True)

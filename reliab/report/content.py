@@ -1,0 +1,180 @@
+"""A report as plain data and files for the template.
+
+Text travels as JSON strings, which typst takes for text and never for markup; only mathematics, which
+the authors of reports write, is evaluated.
+"""
+
+import json
+from collections.abc import Iterable, Sequence
+from typing import Any, Final
+
+import pandas as pd
+
+from reliab.report.document import (
+    Block,
+    Column,
+    Document,
+    Equation,
+    Figure,
+    Paragraph,
+    Points,
+    Remark,
+    Section,
+    Source,
+    Table,
+)
+from reliab.report.numbers import MISSING, Written
+from reliab.report.prose import Math, Piece, Prose, Reference, Strong, literal
+from reliab.report.style import svg
+
+CONTENT_FILE: Final = "document.json"
+"""What the template reads."""
+
+_MILLIMETRES_PER_INCH: Final = 25.4
+
+
+def files_of(document: Document) -> dict[str, bytes]:
+    """Write what the template reads.
+
+    Parameters
+    ----------
+    document : Document
+        The report.
+
+    Returns
+    -------
+    dict of str to bytes
+        The content as JSON, and each figure as SVG, by file name.
+    """
+    return _Writer(document).files()
+
+
+class _Writer:
+    """Writes the parts of one report; collects its figures on the way."""
+
+    def __init__(self, document: Document) -> None:
+        self._document = document
+        referred = document.referred()
+        cited = [source for source in document.sources if source.label in referred]
+        self._sources: list[Source] = sorted(cited, key=lambda source: referred.index(source.label))
+        self._numbers = {source.label: k for k, source in enumerate(self._sources, start=1)}
+        self._figures: dict[str, bytes] = {}
+
+    def files(self) -> dict[str, bytes]:
+        document = self._document
+        content = {
+            "kind": literal(document.kind),
+            "title": literal(document.title),
+            "verdict": self._prose(document.verdict),
+            "tone": document.tone,
+            "facts": [[literal(name), self._prose(text)] for name, text in document.facts.items()],
+            "blocks": self._blocks(document.blocks),
+            "sources": [{"label": each.label, "text": literal(each.text)} for each in self._sources],
+            "provenance": [[literal(name), literal(text)] for name, text in document.provenance.items()],
+            "sheet": document.sheet,
+        }
+        return {CONTENT_FILE: json.dumps(content, ensure_ascii=False).encode(), **self._figures}
+
+    def _prose(self, text: Prose) -> list[dict[str, Any]]:
+        return [self._piece(each) for each in ((text,) if isinstance(text, str) else text)]
+
+    def _piece(self, piece: Piece) -> dict[str, Any]:
+        match piece:
+            case Math():
+                return {"kind": "math", "source": piece.source}
+            case Strong():
+                return {"kind": "strong", "text": literal(piece.text)}
+            case Reference() if piece.label in self._numbers:
+                return {"kind": "source", "label": piece.label, "number": self._numbers[piece.label]}
+            case Reference():
+                return {"kind": "reference", "label": piece.label}
+            case str():
+                return {"kind": "text", "text": literal(piece)}
+
+    def _blocks(self, blocks: Iterable[Block], level: int = 1) -> list[dict[str, Any]]:
+        return [self._block(block, level) for block in blocks]
+
+    def _block(self, block: Block, level: int) -> dict[str, Any]:
+        match block:
+            case Paragraph() | Remark():
+                kind = "paragraph" if isinstance(block, Paragraph) else "remark"
+                return {"kind": kind, "text": self._prose(block.text)}
+            case Points():
+                return {"kind": "points", "items": [self._prose(item) for item in block.items]}
+            case Equation():
+                return {"kind": "equation", "math": block.math, "label": block.label}
+            case Table():
+                return self._table(block)
+            case Figure():
+                return self._figure(block)
+            case Section():
+                inner = self._blocks(block.blocks, level + 1)
+                title = literal(block.title)
+                return {
+                    "kind": "section",
+                    "title": title,
+                    "level": level,
+                    "label": block.label,
+                    "blocks": inner,
+                }
+
+    def _figure(self, figure: Figure) -> dict[str, Any]:
+        name = f"figure-{len(self._figures) + 1}.svg"
+        self._figures[name] = svg(figure.drawing)
+        return {
+            "kind": "figure",
+            "file": name,
+            "width": round(_MILLIMETRES_PER_INCH * float(figure.drawing.get_figwidth()), 3),
+            "caption": self._prose(figure.caption),
+            "label": figure.label,
+        }
+
+    def _table(self, table: Table) -> dict[str, Any]:
+        columns = [_cells(table.frame[column.key].tolist(), column) for column in table.columns]
+        return {
+            "kind": "table",
+            "caption": self._prose(table.caption),
+            "label": table.label,
+            "groups": self._groups(table.columns),
+            "headings": [
+                {
+                    "heading": self._prose(column.heading),
+                    "unit": literal(column.unit),
+                    "numeric": column.number is not None,
+                }
+                for column in table.columns
+            ],
+            "rows": [list(row) for row in zip(*columns, strict=True)],
+        }
+
+    def _groups(self, columns: Sequence[Column]) -> list[dict[str, Any]]:
+        """Group neighbouring columns, with the number of columns of each."""
+        groups: list[dict[str, Any]] = []
+        for rank, column in enumerate(columns):
+            if rank and column.group and column.group == columns[rank - 1].group:
+                groups[-1]["span"] += 1
+            else:
+                groups.append({"heading": self._prose(column.group), "span": 1, "named": bool(column.group)})
+        return groups if any(group["named"] for group in groups) else []
+
+
+def _cells(values: Sequence[Any], column: Column) -> list[dict[str, Any]]:
+    """Cells of a column; numbers carry the digits that they lack to be aligned at the decimal point."""
+    if column.number is None:
+        return [{"text": literal(_worded(value))} for value in values]
+    written = [column.number(float("nan") if value is None else float(value)) for value in values]
+    most = max((each.decimals for each in written), default=0)
+    return [
+        {"digits": each.digits, "exponent": each.exponent, "lacks": _lacks(each, most)} for each in written
+    ]
+
+
+def _lacks(written: Written, most: int) -> str:
+    point = "." if most and not written.decimals else ""
+    return point + "0" * (most - written.decimals)
+
+
+def _worded(value: object) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return MISSING if value is None or value is pd.NA or value != value else str(value)  # noqa: PLR0124 - NaN

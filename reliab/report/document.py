@@ -1,0 +1,275 @@
+"""A report as an object: what it says, in which order, before it is set as a PDF."""
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import pandas as pd
+from matplotlib.figure import Figure as Drawing
+
+from reliab.report.numbers import Number
+from reliab.report.prose import Prose, references
+
+
+@dataclass(frozen=True, kw_only=True)
+class Paragraph:
+    """A paragraph.
+
+    Parameters
+    ----------
+    text : Prose
+        What it says.
+    """
+
+    text: Prose
+
+
+@dataclass(frozen=True, kw_only=True)
+class Points:
+    """A list of points.
+
+    Parameters
+    ----------
+    items : tuple of Prose
+        One for each point.
+    """
+
+    items: tuple[Prose, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Remark:
+    """A short text that must not be overlooked.
+
+    Parameters
+    ----------
+    text : Prose
+        What it says.
+    """
+
+    text: Prose
+
+
+@dataclass(frozen=True, kw_only=True)
+class Equation:
+    """A numbered equation.
+
+    Parameters
+    ----------
+    math : str
+        The equation in typst's notation; written by the author of a report, not by its user.
+    label : str, optional
+        What references call it.
+    """
+
+    math: str
+    label: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Column:
+    """A column of a table.
+
+    Parameters
+    ----------
+    key : str
+        Column of the data frame.
+    heading : Prose
+        What stands above it.
+    unit : str, optional
+        Unit, which stands below the heading in brackets.
+    number : Number, optional
+        How its numbers are written; without it the values are text.
+    group : Prose, optional
+        What stands above this and neighbouring columns of the same group.
+    """
+
+    key: str
+    heading: Prose
+    unit: str = ""
+    number: Number | None = None
+    group: Prose = ""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Table:
+    """A table.
+
+    Parameters
+    ----------
+    frame : pandas.DataFrame
+        The values.
+    columns : tuple of Column
+        Which of its columns are shown, in their order.
+    caption : Prose
+        What to see.
+    label : str, optional
+        What references call it.
+
+    Raises
+    ------
+    ValueError
+        If the data frame lacks a column.
+    """
+
+    frame: pd.DataFrame
+    columns: tuple[Column, ...]
+    caption: Prose
+    label: str = ""
+
+    def __post_init__(self) -> None:
+        missing = [column.key for column in self.columns if column.key not in self.frame]
+        if missing:
+            message = f"The data frame of a table must have its columns; {', '.join(missing)} is missing."
+            raise ValueError(message)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Figure:
+    """A figure.
+
+    Parameters
+    ----------
+    drawing : matplotlib.figure.Figure
+        What is drawn, at its size in print.
+    caption : Prose
+        What to see.
+    label : str, optional
+        What references call it.
+    """
+
+    drawing: Drawing
+    caption: Prose
+    label: str = ""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Section:
+    """A section, or a section of a section.
+
+    Parameters
+    ----------
+    title : str
+        Its heading.
+    blocks : tuple of Block
+        What it holds.
+    label : str, optional
+        What references call it.
+    """
+
+    title: str
+    blocks: "tuple[Block, ...]"
+    label: str = ""
+
+
+Block = Paragraph | Points | Remark | Equation | Table | Figure | Section
+"""What a report is built of."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Source:
+    """A source that a report refers to.
+
+    Parameters
+    ----------
+    label : str
+        What references call it.
+    text : str
+        Authors, year, title and place.
+    """
+
+    label: str
+    text: str
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Document:
+    """A report.
+
+    Parameters
+    ----------
+    kind : str
+        What it reports, "Reliability criterion".
+    title : str
+        Its title.
+    verdict : Prose
+        The outcome in one sentence.
+    blocks : tuple of Block
+        What it says.
+    tone : {"plain", "good", "bad"}, optional
+        Whether the verdict is neither good nor bad, good, or bad.
+    facts : mapping of str to Prose, optional
+        What was asked and of what, for the first page.
+    provenance : mapping of str to str, optional
+        Versions, checksums and settings from which it can be made again.
+    sources : tuple of Source, optional
+        The references; those that are not referred to are left out.
+    sheet : bool, optional
+        Whether it is a sheet of a page or two, without a title page and contents.
+
+    Raises
+    ------
+    ValueError
+        If a label is used twice or refers to nothing.
+
+    Examples
+    --------
+    >>> report = Document(
+    ...     kind="Reliability criterion", title="Example", verdict="Nothing was tested.",
+    ...     blocks=(Section(title="Results", blocks=(Paragraph(text="None."),)),),
+    ... )
+    >>> report.sheet
+    False
+    """
+
+    kind: str
+    title: str
+    verdict: Prose
+    blocks: tuple[Block, ...]
+    tone: Literal["plain", "good", "bad"] = "plain"
+    facts: Mapping[str, Prose] = field(default_factory=dict)
+    provenance: Mapping[str, str] = field(default_factory=dict)
+    sources: tuple[Source, ...] = ()
+    sheet: bool = False
+
+    def __post_init__(self) -> None:
+        labels = Counter(_labels(self.blocks))
+        labels.update(source.label for source in self.sources)
+        twice = sorted(label for label, count in labels.items() if count > 1)
+        unknown = sorted(set(self.referred()) - set(labels))
+        for rule, found in (("be used once", twice), ("name something in the report", unknown)):
+            if found:
+                message = f"A label must {rule}; {', '.join(found)} does not."
+                raise ValueError(message)
+
+    def referred(self) -> tuple[str, ...]:
+        """Labels that the text refers to, in the order in which it does."""
+        texts = [self.verdict, *self.facts.values(), *_texts(self.blocks)]
+        return tuple(dict.fromkeys(label for text in texts for label in references(text)))
+
+
+def _labels(blocks: Iterable[Block]) -> Iterator[str]:
+    for block in blocks:
+        if isinstance(block, Section):
+            yield from _labels(block.blocks)
+        if isinstance(block, Section | Figure | Table | Equation) and block.label:
+            yield block.label
+
+
+def _texts(blocks: Iterable[Block]) -> Iterator[Prose]:
+    for block in blocks:
+        match block:
+            case Section():
+                yield from _texts(block.blocks)
+            case Paragraph() | Remark():
+                yield block.text
+            case Points():
+                yield from block.items
+            case Table():
+                yield block.caption
+                yield from (column.heading for column in block.columns)
+            case Figure():
+                yield block.caption
+            case Equation():
+                pass

@@ -1,0 +1,144 @@
+"""Numbers as they stand in tables: with a fixed number of digits, aligned at the decimal point."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+
+MISSING = "–"
+"""What stands where there is no number."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Written:
+    """A number as it is written.
+
+    Parameters
+    ----------
+    digits : str
+        Its digits, with sign and decimal point.
+    exponent : int, optional
+        Power of ten that follows.
+    """
+
+    digits: str
+    exponent: int | None = None
+
+    @property
+    def decimals(self) -> int:
+        """Number of digits after the decimal point."""
+        return len(self.digits.partition(".")[2])
+
+
+class Number(ABC):
+    """How the numbers of a column are written."""
+
+    def __call__(self, value: float) -> Written:
+        """Write a number; NaN as a dash, infinity by its sign.
+
+        Parameters
+        ----------
+        value : float
+            The number.
+
+        Returns
+        -------
+        Written
+            How it is written.
+        """
+        if np.isnan(value):
+            return Written(digits=MISSING)
+        if np.isinf(value):
+            return Written(digits="∞" if value > 0.0 else "−∞")
+        return self._write(value)
+
+    @abstractmethod
+    def _write(self, value: float) -> Written:
+        """Write a finite number."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fixed(Number):
+    """A fixed number of decimals.
+
+    Parameters
+    ----------
+    decimals : int, optional
+        Digits after the decimal point.
+    factor : float, optional
+        What the value is multiplied with first, 100 for per cent.
+    signed : bool, optional
+        Whether a plus sign is written.
+
+    Examples
+    --------
+    >>> Fixed(decimals=1, factor=100.0)(0.0534).digits, Fixed(decimals=2)(-0.001).digits
+    ('5.3', '0.00')
+    """
+
+    decimals: int = 2
+    factor: float = 1.0
+    signed: bool = False
+
+    def _write(self, value: float) -> Written:
+        text = f"{self.factor * value:{'+' if self.signed else ''}.{self.decimals}f}"
+        return Written(digits=text.lstrip("+-") if float(text) == 0.0 else text.replace("-", "−"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Significant(Number):
+    """A fixed number of significant digits, as many decimals as they need.
+
+    Parameters
+    ----------
+    digits : int, optional
+        Significant digits.
+
+    Examples
+    --------
+    >>> [Significant(digits=3)(value).digits for value in (23.268, 0.3333, 1234.0)]
+    ['23.3', '0.333', '1234']
+    """
+
+    digits: int = 3
+
+    def _write(self, value: float) -> Written:
+        size = int(f"{value:e}".partition("e")[2]) if value else 0
+        rounded = int(f"{value:.{self.digits - 1}e}".partition("e")[2]) if value else size
+        return Fixed(decimals=max(self.digits - 1 - rounded, 0))(value)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scientific(Number):
+    """A mantissa with a fixed number of decimals and a power of ten.
+
+    Parameters
+    ----------
+    decimals : int, optional
+        Decimals of the mantissa.
+
+    Examples
+    --------
+    >>> Scientific(decimals=1)(5.29e-5)
+    Written(digits='5.3', exponent=-5)
+    """
+
+    decimals: int = 2
+
+    def _write(self, value: float) -> Written:
+        mantissa, _, exponent = f"{value:.{self.decimals}e}".partition("e")
+        return Written(digits=mantissa.replace("-", "−"), exponent=int(exponent))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Whole(Number):
+    """A whole number.
+
+    Examples
+    --------
+    >>> Whole()(100.0).digits
+    '100'
+    """
+
+    def _write(self, value: float) -> Written:
+        return Fixed(decimals=0)(value)

@@ -1,0 +1,84 @@
+"""From a report to a PDF, through typst.
+
+The template and all fonts come with the packages, so that the same report gives the same bytes on any
+machine.
+"""
+
+import datetime as dt
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, Final, Literal, cast
+
+import typst
+
+from reliab import __version__
+from reliab.errors import InputError
+from reliab.report.content import files_of
+from reliab.report.document import Document
+
+_NAMES: Final = ("main.typ", "page.typ", "parts.typ", "table.typ")
+
+
+def write_pdf(document: Document, path: Path, *, date: dt.date) -> None:
+    """Write a report as PDF; identical input gives identical bytes.
+
+    Parameters
+    ----------
+    document : Document
+        The report.
+    path : pathlib.Path
+        The file, replaced if it is there.
+    date : datetime.date
+        Date on the report and in the file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    content = b"".join(compiled_report(document, date=date))
+    unfinished = path.with_name(f".{path.name}")
+    try:
+        unfinished.write_bytes(content)
+        unfinished.replace(path)
+    except OSError as error:
+        raise InputError(
+            "The file of a report must be writable",
+            value=error.strerror,
+            remedy="Name another",
+            where=str(path),
+        ) from None
+
+
+def compiled_report(document: Document, *, date: dt.date, kind: Literal["pdf", "png"] = "pdf") -> list[bytes]:
+    """Set a report.
+
+    Parameters
+    ----------
+    document : Document
+        The report.
+    date : datetime.date
+        Its date.
+    kind : {"pdf", "png"}, optional
+        One PDF, or one picture for each page.
+
+    Returns
+    -------
+    list of bytes
+        The file, or one for each page.
+    """
+    midnight = dt.datetime.combine(date, dt.time(), tzinfo=dt.UTC)
+    made = typst.compile(
+        cast("Any", {**templates(), **files_of(document)}),  # typst's type hints know of no dict
+        ignore_system_fonts=True,
+        format=kind,
+        sys_inputs={"date": date.isoformat(), "version": __version__},
+        timestamp=midnight,
+    )
+    return [made] if isinstance(made, bytes) else list(made)
+
+
+def templates() -> dict[str, bytes]:
+    """Read the template's files, by name; `main.typ` is the first."""
+    folder = files("reliab.report") / "templates"
+    return {name: (folder / name).read_bytes() for name in _NAMES}

@@ -1,0 +1,160 @@
+"""Running text of a report: literal text, mathematics, emphasis and references.
+
+A plain string is always literal: nothing in it is taken for markup, whatever characters it has, so that
+names and notes from a user's files are safe. The few marks of :func:`prose` are read in the template
+that an author writes, never in the values that are put into it.
+"""
+
+import re
+import string
+import unicodedata
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+_MARKS: Final = re.compile(
+    r"\$(?P<math>[^$]+)\$|\*(?P<strong>[^*]+)\*|@(?P<label>[a-z0-9]+(?:[:_-][a-z0-9]+)*)"
+)
+_SPACES: Final = re.compile(r"\s+")
+_LONG_WORD: Final = re.compile(r"\S{41,}")
+_PLACES_TO_BREAK: Final = re.compile(r"(?<=[/\\_.:;,=&?-])(?=\S)|(?<=\S{20})(?=\S)")
+_ZERO_WIDTH_SPACE: Final = "\u200b"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Math:
+    """Mathematics in a line, in typst's notation.
+
+    Parameters
+    ----------
+    source : str
+        For example "(A - 1)^2 / a".
+    """
+
+    source: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Strong:
+    """Emphasised literal text.
+
+    Parameters
+    ----------
+    text : str
+        The text.
+    """
+
+    text: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reference:
+    """Reference to a figure, table, equation, section or source of the same document.
+
+    Parameters
+    ----------
+    label : str
+        The label of what is referred to.
+    """
+
+    label: str
+
+
+Piece = str | Math | Strong | Reference
+Prose = str | tuple[Piece, ...]
+"""Literal text, or pieces of text in their order."""
+
+
+def prose(template: str, **values: object) -> tuple[Piece, ...]:
+    """Make running text from a template with a few marks.
+
+    `$…$` is mathematics in typst's notation, `*…*` emphasis, `@label` a reference, and `{name}` or
+    `{name:format}` the value of that name, which is always literal.
+
+    Parameters
+    ----------
+    template : str
+        Written by the author of a report, not by its user.
+    **values : object
+        Values by the name that the template has for them.
+
+    Returns
+    -------
+    tuple of str, Math, Strong and Reference
+        The pieces.
+
+    Examples
+    --------
+    >>> prose("{share:.0%} of *{name}* lie within $a$, see @fig:limits.", share=0.95, name="a*b$")
+    ('95% of ', Strong(text='a*b$'), ' lie within ', Math(source='a'), ', see ',
+     Reference(label='fig:limits'), '.')
+    """
+    return tuple(_merged(_pieces(template, values)))
+
+
+def literal(text: str) -> str:
+    r"""Clean literal text: no control characters, single spaces, places to break in very long words.
+
+    Parameters
+    ----------
+    text : str
+        Any text.
+
+    Returns
+    -------
+    str
+        The text as it is set.
+
+    Examples
+    --------
+    >>> literal("two\nlines\x00")
+    'two lines'
+    """
+    printable = "".join(" " if each.isspace() else each for each in text if _is_set(each))
+    single = _SPACES.sub(" ", printable)
+    return _LONG_WORD.sub(lambda word: _PLACES_TO_BREAK.sub(_ZERO_WIDTH_SPACE, word[0]), single)
+
+
+def references(text: Prose) -> Iterator[str]:
+    """Labels that a text refers to.
+
+    Parameters
+    ----------
+    text : str or tuple
+        The text.
+
+    Yields
+    ------
+    str
+        A label.
+    """
+    pieces = () if isinstance(text, str) else text
+    for piece in pieces:
+        if isinstance(piece, Reference):
+            yield piece.label
+
+
+def _is_set(character: str) -> bool:
+    return character.isspace() or unicodedata.category(character) not in {"Cc", "Cf", "Cs", "Co", "Cn"}
+
+
+def _pieces(template: str, values: dict[str, object]) -> Iterator[Piece]:
+    end = 0
+    for mark in _MARKS.finditer(template):
+        yield _filled(template[end : mark.start()], values)
+        end = mark.end()
+        if mark["math"] is not None:
+            yield Math(source=mark["math"])
+        elif mark["strong"] is not None:
+            yield Strong(text=_filled(mark["strong"], values))
+        else:
+            yield Reference(label=mark["label"])
+    yield _filled(template[end:], values)
+
+
+def _filled(template: str, values: dict[str, object]) -> str:
+    return string.Formatter().vformat(template, (), values)
+
+
+def _merged(pieces: Iterator[Piece]) -> Iterator[Piece]:
+    return (piece for piece in pieces if piece)

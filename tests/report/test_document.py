@@ -1,0 +1,68 @@
+"""A report refers to what it holds; numbers in tables are aligned."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from reliab.report.content import files_of
+from reliab.report.document import Column, Document, Equation, Paragraph, Section, Source, Table
+from reliab.report.numbers import Fixed, Scientific, Significant, Whole
+from reliab.report.prose import prose
+
+
+def document(*blocks, **changes):
+    return Document(**{"kind": "K", "title": "T", "verdict": "V", "blocks": blocks, **changes})
+
+
+def test_a_reference_to_nothing_is_refused():
+    with pytest.raises(ValueError, match="fig:missing"):
+        document(Paragraph(text=prose("See @fig:missing.")))
+
+
+def test_a_label_is_used_once():
+    with pytest.raises(ValueError, match="be used once; eq:a"):
+        document(
+            Equation(math="a", label="eq:a"), Section(title="S", blocks=(Equation(math="b", label="eq:a"),))
+        )
+
+
+def test_sources_are_numbered_as_they_are_referred_to():
+    sources = tuple(Source(label=name, text=name) for name in ("one", "two", "three"))
+    made = document(Paragraph(text=prose("As in @three and @one.")), sources=sources)
+    content = json.loads(files_of(made)["document.json"])
+    assert [each["label"] for each in content["sources"]] == ["three", "one"]
+
+
+def test_a_table_needs_its_columns():
+    with pytest.raises(ValueError, match="b is missing"):
+        Table(frame=pd.DataFrame({"a": [1]}), columns=(Column(key="b", heading="b"),), caption="")
+
+
+def cells(values, number):
+    table = Table(
+        frame=pd.DataFrame({"x": values}), columns=(Column(key="x", heading="x", number=number),), caption=""
+    )
+    (block,) = json.loads(files_of(document(table))["document.json"])["blocks"]
+    return [row[0] for row in block["rows"]]
+
+
+@pytest.mark.parametrize(
+    "number", [Fixed(decimals=3), Significant(digits=3), Scientific(decimals=1), Whole()]
+)
+def test_numbers_end_at_the_same_place_after_the_point(number):
+    written = cells([23.268, 0.3333, -1234.5, np.nan, np.inf, 0.0], number)
+    ends = {len(f"{cell['digits']}{cell['lacks']}".partition(".")[2]) for cell in written}
+    assert len(ends) == 1
+
+
+@pytest.mark.parametrize("value", [9.995, 0.09996, 99.96, 123456.0, -0.5, 1e-12])
+def test_significant_digits_are_kept(value):
+    text = Significant(digits=3)(value).digits.replace("−", "-")
+    assert float(text) == pytest.approx(float(f"{value:.2e}"), rel=6e-3)
+    assert len(text.lstrip("-").replace(".", "").lstrip("0")) >= 3
+
+
+def test_values_of_a_template_are_never_marks():
+    assert prose("{name}", name="$a$ *b* @c") == ("$a$ *b* @c",)

@@ -1,0 +1,122 @@
+"""The same report gives the same bytes; text of users stays text; fonts are embedded."""
+
+import datetime as dt
+import json
+import re
+import time
+import zlib
+
+import pandas as pd
+import pytest
+import typst
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from matplotlib.figure import Figure as Drawing
+
+from reliab.errors import InputError
+from reliab.report.content import files_of
+from reliab.report.document import Column, Document, Equation, Figure, Paragraph, Section, Source, Table
+from reliab.report.numbers import Fixed
+from reliab.report.pdf import compiled_report, templates, write_pdf
+from reliab.report.prose import literal, prose
+
+DATE = dt.date(2026, 1, 1)
+NASTY = (
+    "#panic()",
+    "$ x",
+    "*a* _b_ `c`",
+    "@fig:none <label>",
+    "\\ // /* */",
+    "a\x00b\u202ec",
+    "= Heading",
+    '"] #eval("1") [',
+    "#" * 300,
+    "{value} {0}",
+    "Пример 例 مثال",
+)
+
+
+def report(text="Text.", **changes):
+    drawing = Drawing(figsize=(4, 2))
+    drawing.subplots().plot([1.0, 2.0], [3.0, 4.0])
+    frame = pd.DataFrame({"name": [text, "other"], "value": [1.25, None]})
+    columns = (
+        Column(key="name", heading=text),
+        Column(key="value", heading="Value", unit="ms²", number=Fixed()),
+    )
+    blocks = (
+        Paragraph(text=prose("See @fig:one, @tab:one, @eq:one, @sec:one, @guo, {text}, $xi$.", text=text)),
+        Equation(math="(A - 1)^2 / a + d^2 / b <= 1", label="eq:one"),
+        Table(frame=frame, columns=columns, caption=text, label="tab:one"),
+        Figure(drawing=drawing, caption=text, label="fig:one"),
+    )
+    content = {
+        "kind": "Test",
+        "title": text,
+        "verdict": text,
+        "blocks": (Section(title=text, blocks=blocks, label="sec:one"),),
+        "facts": {text: text},
+        "provenance": {text: text},
+        "sources": (Source(label="guo", text=text),),
+    }
+    return Document(**{**content, **changes})
+
+
+def streams(pdf):
+    for match in re.finditer(rb"stream\r?\n(.*?)\r?\nendstream", pdf, re.DOTALL):
+        try:
+            yield zlib.decompress(match[1])
+        except zlib.error:
+            yield match[1]
+
+
+def test_bytes_are_the_same_whenever_it_is_written(tmp_path):
+    write_pdf(report(), tmp_path / "first.pdf", date=DATE)
+    time.sleep(1.1)
+    write_pdf(report(), tmp_path / "second.pdf", date=DATE)
+    assert (tmp_path / "first.pdf").read_bytes() == (tmp_path / "second.pdf").read_bytes()
+
+
+def test_the_date_is_written():
+    assert compiled_report(report(), date=DATE) != compiled_report(report(), date=dt.date(2026, 1, 2))
+
+
+def test_every_font_is_embedded():
+    (pdf,) = compiled_report(report(), date=DATE)
+    content = b"\n".join([pdf, *streams(pdf)])
+    described = len(re.findall(rb"/Type\s*/FontDescriptor", content))
+    assert described >= 3
+    assert len(re.findall(rb"/FontFile[23]?\s", content)) == described
+
+
+@pytest.mark.parametrize("sheet", [False, True])
+def test_typst_has_nothing_to_warn_of(sheet):
+    files = {**templates(), **files_of(report(sheet=sheet))}
+    inputs = {"date": "2026-01-01", "version": "0"}
+    _, warnings = typst.compile_with_warnings(files, ignore_system_fonts=True, sys_inputs=inputs)
+    assert warnings == []
+
+
+def headings(document):
+    files = {**templates(), **files_of(document)}
+    inputs = {"date": "2026-01-01", "version": "0"}
+    found = typst.query(files, "heading", field="body", ignore_system_fonts=True, sys_inputs=inputs)
+    return found if isinstance(found, str) else str(found)
+
+
+@pytest.mark.parametrize("text", NASTY)
+def test_text_of_users_is_set_as_it_is(text):
+    (first, *_) = json.loads(headings(report(text)))
+    assert first == {"func": "text", "text": literal(text)}
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.text(min_size=1, max_size=60))
+def test_any_text_can_be_set(text):
+    (pdf,) = compiled_report(report(text), date=DATE)
+    assert pdf.startswith(b"%PDF")
+
+
+def test_a_file_that_cannot_be_written_is_explained(tmp_path):
+    with pytest.raises(InputError, match="must be writable"):
+        write_pdf(report(), tmp_path / "missing" / "report.pdf", date=DATE)
