@@ -131,8 +131,10 @@ def simulate_coverage(
     --------
     >>> from reliab.criterion.methods import Predictive, Quantile
     >>> truth = Truth(n_events=20, motions_per_event=1, event_share=0.0)
-    >>> [round(simulate_coverage(each, truth, 0.95, suites=200).mean, 2) for each in (Quantile(), Predictive())]
-    [0.93, 0.95]
+    >>> for method in (Quantile(), Predictive()):
+    ...     print(round(simulate_coverage(method, truth, 0.95, suites=200).mean, 2))
+    0.93
+    0.95
     """
     rng = np.random.default_rng(seed)
     population = truth.draw(np.arange(_FURTHER), rng)
