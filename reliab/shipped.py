@@ -55,3 +55,25 @@ def shipped(kind: str, name: str) -> Path:
             remedy=f"Choose among {', '.join(present)}",
         )
     return path
+
+
+def or_shipped(path: Path, kind: str, file: str) -> Path:
+    """Take a path as it is, or as the name of something that ships where there is no such path.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        A path, or a name such as ``real_suite``.
+    kind : {"datasets", "studies"}
+        What it is.
+    file : str
+        Which file of the shipped folder is meant.
+
+    Returns
+    -------
+    pathlib.Path
+        The path, or that of the shipped file.
+    """
+    if path.exists() or path.suffix or len(path.parts) != 1:
+        return path
+    return shipped(kind, f"{path}/{file}")

@@ -10,7 +10,7 @@ from typing import Any
 
 import typer
 
-from reliab.cli import ellipses, motions, simulate
+from reliab.cli import criterion, ellipses, motions, simulate
 from reliab.errors import IncompleteError, InputError
 
 _BAD_INPUT = 2
@@ -25,6 +25,7 @@ app = typer.Typer(
 app.add_typer(motions.app, name="motions")
 app.command("simulate")(simulate.simulate)
 app.command("ellipses")(ellipses.ellipses)
+app.command("criterion")(criterion.criterion)
 
 
 def main() -> None:

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from reliab.cli.options import (
-    FIVE_PERCENT,
     ONE_HERTZ,
     TWO_PERCENT,
     DampingRatios,
@@ -34,7 +33,11 @@ _HEADINGS = ("f [Hz]", "Î¾ [-]", "error [-]", "confidence [-]", "a [-]", "b [msÂ
 
 Ellipses = Annotated[
     Path | None,
-    typer.Option("--ellipses", metavar="FILE.csv", help="Table with columns a, b and motion or event."),
+    typer.Option(
+        "--ellipses",
+        metavar="FILE.csv|FILE.nc",
+        help="Ellipses: columns a, b and motion or event; or as `reliab ellipses --out` keeps them.",
+    ),
 ]
 Confidences = Annotated[
     list[float] | None, typer.Option("--confidence", metavar="SHARE...", help="Shares of ground motions.")
@@ -106,7 +109,18 @@ def criterion(
         rows = [_row(found[0], None, *structure) for structure in structures]
     else:
         chosen, fitted = method_of(method, assurance=assurance, distribution=distribution), known(FITTED, law)
-        dataset = _ellipses(motions, sets, results, ellipses, f, xi, threshold, metric, window, alpha, law)
+        dataset = ellipse_dataset(
+            motions=motions,
+            sets=sets,
+            results=results,
+            ellipses=ellipses,
+            f=f if law == "table" or motions else None,  # a fitted law learns from all that is stored
+            xi=xi if law == "table" or motions else None,
+            threshold=threshold,
+            metric=metric,
+            window=window,
+            alpha=alpha,
+        )
         found = [
             derive_criterion(
                 dataset,
@@ -130,50 +144,6 @@ def criterion(
     content: dict[str, Any] = {"criteria": rows, **(rows[0] if len(rows) == 1 else {})}
     if not write_json(content, json_target):
         _show(rows)
-
-
-def _ellipses(
-    motions: list[str] | None,
-    sets: list[str] | None,
-    results: Path | None,
-    ellipses: Path | None,
-    f: list[float] | None,
-    xi: list[float] | None,
-    threshold: list[float] | None,
-    metric: str,
-    window: str,
-    alpha: float,
-    law: str,
-) -> "xr.Dataset":
-    if ellipses is None:
-        if results is not None and law != "table":
-            f, xi = None, None  # a fitted law learns from all that is stored
-        return ellipse_dataset(
-            motions=motions,
-            sets=sets,
-            results=results,
-            f=f,
-            xi=xi,
-            threshold=threshold,
-            metric=metric,
-            window=window,
-            alpha=alpha,
-        )
-    if motions or results:
-        raise InputError(
-            "A criterion is derived from one of --motions, --results and --ellipses",
-            value="--ellipses and another",
-            remedy="Give one of them",
-        )
-    from reliab.criterion import read_ellipses
-
-    return read_ellipses(
-        ellipses,
-        frequency=(f or [ONE_HERTZ])[0],
-        damping_ratio=(xi or [TWO_PERCENT])[0],
-        threshold=(threshold or [FIVE_PERCENT])[0],
-        metric=metric,
-    )
 
 
 def _row(

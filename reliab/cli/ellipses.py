@@ -1,6 +1,9 @@
 """`reliab ellipses`: the boundary of each motion, as a and b."""
 
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
 
 from reliab.cli.options import (
     DampingRatios,
@@ -33,6 +36,10 @@ _HEADINGS = {
     "points": "right",
 }
 
+Out = Annotated[
+    Path | None, typer.Option("--out", metavar="FILE.nc", help="Keep the ellipses for `reliab criterion`.")
+]
+
 
 def ellipses(
     *,
@@ -45,6 +52,7 @@ def ellipses(
     metric: MetricName = "rms",
     window: WindowName = "record",
     alpha: ExperimentalFraction = 1.0,
+    out: Out = None,
     json_target: JsonTarget = None,
 ) -> None:
     """Fit an ellipse to the boundary of equal error of each motion."""
@@ -59,6 +67,10 @@ def ellipses(
         window=window,
         alpha=alpha,
     )
+    if out is not None:
+        from reliab.sweep import write_ellipses
+
+        write_ellipses(dataset, out)
     rows = _rows(dataset)
     if write_json({"ellipses": rows}, json_target):
         return

@@ -14,7 +14,10 @@ Sets = Annotated[
     typer.Option("--sets", metavar="NAME...", help="Sets of a catalogue; held_out counts only if named."),
 ]
 Results = Annotated[
-    Path | None, typer.Option("--results", metavar="STORE", help="Results that `reliab simulate` stored.")
+    Path | None,
+    typer.Option(
+        "--results", metavar="STORE", help="Results that `reliab simulate` stored, or real_suite, shipped."
+    ),
 ]
 Frequencies = Annotated[
     list[float] | None, typer.Option("--f", metavar="HZ...", help="Natural frequencies [Hz].")

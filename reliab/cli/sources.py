@@ -1,4 +1,4 @@
-"""Where ellipses come from: a results store, or records that are simulated here and now."""
+"""Where ellipses come from: a file of them, stored results, or records that are simulated here and now."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,6 +18,7 @@ def ellipse_dataset(
     motions: list[str] | None,
     sets: list[str] | None,
     results: Path | None,
+    ellipses: Path | None = None,
     f: list[float] | None,
     xi: list[float] | None,
     threshold: list[float] | None,
@@ -32,9 +33,12 @@ def ellipse_dataset(
     motions, sets : list of str or None
         Sources of ground motions and sets of their catalogue.
     results : pathlib.Path or None
-        A results store instead.
+        Stored results instead.
+    ellipses : pathlib.Path or None
+        A file of ellipses instead, CSV or NetCDF.
     f, xi : list of float or None
-        Natural frequencies [Hz] and damping ratios [-]; of a store all that it holds by default.
+        Natural frequencies [Hz] and damping ratios [-]; of stored results and ellipses all that they
+        hold, by default and where one that is asked for is not among them.
     threshold : list of float or None
         Errors on the boundary [-].
     metric, window : str
@@ -50,22 +54,44 @@ def ellipse_dataset(
     Raises
     ------
     InputError
-        If not exactly one of motions and results is given.
+        If not exactly one source is given.
     """
     from reliab.vocabulary import Metric
 
-    if (motions is None) == (results is None):
+    given = [source for source in (motions, results, ellipses) if source is not None]
+    if len(given) != 1:
         raise InputError(
-            "Ground motions or stored results are needed, and not both",
-            value="neither" if motions is None else "both",
-            remedy="Give --motions with records or 'synthetic', or --results with a store",
+            "Ellipses come from one source: ground motions, stored results or a file of ellipses",
+            value=f"{len(given)} of them",
+            remedy="Give --motions (records or 'synthetic'), or --results, or --ellipses where it is known",
         )
     if metric not in list(Metric):
         raise InputError("The metric is rms or mte", value=metric, remedy="Choose one of these")
+    if ellipses is not None:
+        return _read(ellipses, f, xi, threshold, Metric(metric))
     thresholds = tuple(threshold or (FIVE_PERCENT,))
     if results is not None:
         return _stored(results, f, xi, thresholds, Metric(metric), window)
     return _traced(motions or [], sets, f, xi, thresholds, Metric(metric), window, alpha)
+
+
+def _read(
+    path: Path, f: list[float] | None, xi: list[float] | None, threshold: list[float] | None, metric: "Metric"
+) -> "xr.Dataset":
+    from reliab.criterion import read_ellipses
+    from reliab.shipped import or_shipped
+    from reliab.sweep import open_ellipses
+
+    path = or_shipped(path, "datasets", "ellipses.nc")
+    if path.suffix == ".nc":
+        return _among(open_ellipses(path), f, xi)
+    return read_ellipses(
+        path,
+        frequency=(f or [ONE_HERTZ])[0],
+        damping_ratio=(xi or [TWO_PERCENT])[0],
+        threshold=(threshold or [FIVE_PERCENT])[0],
+        metric=metric,
+    )
 
 
 def _stored(
@@ -76,16 +102,24 @@ def _stored(
     metric: "Metric",
     window: str,
 ) -> "xr.Dataset":
+    from reliab.shipped import or_shipped
     from reliab.sweep import open_results
 
-    results = open_results(path, window=window)
-    for each_f in f or []:
-        for each_xi in xi or [results["xi"].values[0]]:
-            results.reliab.structure(each_f, each_xi)
-    chosen = results.sel(f=f or results["f"].values, xi=xi or results["xi"].values, method="nearest")
+    chosen = _among(open_results(or_shipped(path, "datasets", "results.nc"), window=window), f, xi)
     with progress_bar("Tracing boundaries") as progress:
         traced: xr.Dataset = chosen.reliab.ellipses(thresholds, (metric,), progress=progress)
     return traced
+
+
+def _among(dataset: "xr.Dataset", f: list[float] | None, xi: list[float] | None) -> "xr.Dataset":
+    """Keep the structures that are asked for, or all where one of them lies between those that are there."""
+    import numpy as np
+
+    for name, wanted in (("f", f), ("xi", xi)):
+        there = dataset[name].values
+        if wanted and all(np.isclose(there, value, rtol=1e-9).any() for value in wanted):
+            dataset = dataset.sel({name: wanted}, method="nearest")
+    return dataset
 
 
 def _traced(

@@ -1,5 +1,7 @@
 """From a grid of actuators to a labelled dataset: storage, resume, clusters."""
 
+from reliab.sweep.compact import write_compact
+from reliab.sweep.ellipse_file import open_ellipses, write_ellipses
 from reliab.sweep.ellipse_table import EllipseRequest, trace_ellipses
 from reliab.sweep.grid import ExplicitGrid, Grid, ScaledGrid
 from reliab.sweep.request import SweepRequest
@@ -12,7 +14,10 @@ __all__ = [
     "Grid",
     "ScaledGrid",
     "SweepRequest",
+    "open_ellipses",
     "open_results",
     "run_sweep",
     "trace_ellipses",
+    "write_compact",
+    "write_ellipses",
 ]

@@ -9,13 +9,15 @@ from numpy.typing import NDArray
 
 from reliab.boundary import Curve, Ellipse, motion_contours
 from reliab.indices.window import Window
-from reliab.loop.engine import Engine, Loop
+from reliab.loop.engine import Engine
 from reliab.loop.excitation import Excitation
+from reliab.loop.hybrid_test import HybridTest
 from reliab.loop.structure import Structure
 from reliab.motions import Motion
 from reliab.progress import Progress, silent
 from reliab.sweep.labels import with_labels
 from reliab.sweep.records import motion_coordinates
+from reliab.sweep.request import check_model, loop_of
 from reliab.vocabulary import ELLIPSE_DIMENSIONS, Dimension, Metric
 
 _COLUMNS = ("a", "b", "sse", "n")
@@ -43,6 +45,14 @@ class EllipseRequest:
         Share of the stiffness in the laboratory [-].
     engine : Engine, optional
         How the loop is solved.
+    model : HybridTest, optional
+        A model with effects of the one structure that is asked for; the boundary is then one of gain
+        and delay of the actuator alone.
+
+    Raises
+    ------
+    InputError
+        If the model is of another structure.
     """
 
     frequencies: tuple[float, ...]
@@ -53,6 +63,10 @@ class EllipseRequest:
     window: Window = field(default_factory=Window)
     experimental_fraction: float = 1.0
     engine: Engine = Engine.AUTOMATIC
+    model: HybridTest | None = None
+
+    def __post_init__(self) -> None:
+        check_model(self.model, self.structures)
 
     @property
     def structures(self) -> list[Structure]:
@@ -81,7 +95,8 @@ def trace_ellipses(
     Returns
     -------
     xarray.Dataset
-        `a` [-], `b` [ms²], `sse` [ms⁴] and `n` over (motion, f, xi, threshold, metric, curve).
+        `a` [-], `b` [ms²], `sse` [ms⁴] and `n` over (motion, f, xi, threshold, metric, curve); zero
+        where the model's effects alone exceed the threshold.
     """
     tables, headers = [], []
     for done, motion in enumerate(motions, start=1):
@@ -97,7 +112,7 @@ def motion_table(motion: Motion, request: EllipseRequest) -> NDArray[np.float64]
     excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step, window=bounds)
     rows = []
     for structure in request.structures:
-        loop = Loop(excitation=excitation, structure=structure, engine=request.engine)
+        loop = loop_of(request.model, excitation, structure, request.engine)
         for metric in request.metrics:
             for contour in motion_contours(loop, request.thresholds, metric):
                 fits = (curve.fit(contour) for curve in request.curves)

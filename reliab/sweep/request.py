@@ -2,13 +2,16 @@
 
 import hashlib
 import json
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 
 import numpy as np
 
 from reliab.errors import InputError
 from reliab.indices.window import Window
-from reliab.loop.engine import REDUCTION_TOLERANCE, Engine
+from reliab.loop.effect_loop import EffectLoop
+from reliab.loop.engine import REDUCTION_TOLERANCE, Engine, Loop
+from reliab.loop.excitation import Excitation
+from reliab.loop.hybrid_test import HybridTest
 from reliab.loop.structure import Structure
 from reliab.sweep.grid import Grid, ScaledGrid
 
@@ -31,11 +34,15 @@ class SweepRequest:
         Share of the stiffness in the laboratory [-].
     engine : Engine, optional
         How the loop is solved.
+    model : HybridTest, optional
+        A model with effects of the one structure that is asked for; A and d of the results are then
+        those of the actuator alone.
 
     Raises
     ------
     InputError
-        If frequencies, damping ratios or windows are missing, repeated or not increasing.
+        If frequencies, damping ratios or windows are missing, repeated or not increasing, or the
+        model is of another structure.
     """
 
     frequencies: tuple[float, ...]
@@ -44,6 +51,7 @@ class SweepRequest:
     windows: tuple[Window, ...] = (Window(),)
     experimental_fraction: float = 1.0
     engine: Engine = Engine.AUTOMATIC
+    model: HybridTest | None = None
 
     def __post_init__(self) -> None:
         for what, values in (("frequencies", self.frequencies), ("damping ratios", self.damping_ratios)):
@@ -54,7 +62,7 @@ class SweepRequest:
         labels = [window.label for window in self.windows]
         if not labels or len(set(labels)) < len(labels):
             raise InputError("A sweep needs windows, each once", value=labels, remedy="Give each window once")
-        _ = self.structures
+        check_model(self.model, self.structures)
 
     @property
     def structures(self) -> list[Structure]:
@@ -68,6 +76,7 @@ class SweepRequest:
     def describe(self) -> dict[str, object]:
         """Everything that determines the results for a given record, as plain values."""
         coordinates = self.grid.coordinates(self.frequencies, self.damping_ratios)
+        model = {} if self.model is None else {"model": _description(self.model)}
         return {
             "f": list(self.frequencies),
             "xi": list(self.damping_ratios),
@@ -78,8 +87,50 @@ class SweepRequest:
             "experimental_fraction": self.experimental_fraction,
             "engine": str(self.engine),
             "tolerance": REDUCTION_TOLERANCE,
+            **model,
         }
 
     def digest(self) -> str:
         """SHA-256 of everything that determines the results for a given record, in hexadecimal."""
         return hashlib.sha256(json.dumps(self.describe(), sort_keys=True).encode()).hexdigest()
+
+
+def check_model(model: HybridTest | None, structures: list[Structure]) -> None:
+    """Refuse a model with effects of another structure than the one that is asked for.
+
+    Parameters
+    ----------
+    model : HybridTest or None
+        The model, if there is one.
+    structures : list of Structure
+        What is asked for.
+
+    Raises
+    ------
+    InputError
+        If the model's structure is not the only one.
+    """
+    if model is not None and structures != [model.structure]:
+        raise InputError(
+            "A model with effects is of one structure, and only that can be asked for",
+            value=f"{len(structures)} structures, the first of {structures[0].frequency:g} Hz",
+            remedy="Leave the structures to the model",
+        )
+
+
+def loop_of(
+    model: HybridTest | None, excitation: Excitation, structure: Structure, engine: Engine
+) -> Loop | EffectLoop:
+    """Return the loop of a model with effects, or the linear loop of a structure where there is none."""
+    if model is None:
+        return Loop(excitation=excitation, structure=structure, engine=engine)
+    return EffectLoop(excitation=excitation, test=model)
+
+
+def _description(model: HybridTest) -> dict[str, object]:
+    """Everything of a model that determines an error of the whole test."""
+    return {
+        "mass": model.mass,
+        "specimen": None if model.specimen is None else asdict(model.specimen),
+        "effects": [{"name": str(effect.name), **asdict(effect)} for effect in model.effects],
+    }

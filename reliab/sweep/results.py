@@ -18,8 +18,8 @@ from reliab.boundary.surface import ErrorSurfaces
 from reliab.errors import InputError
 from reliab.loop.structure import Structure
 from reliab.progress import Progress, silent
+from reliab.sweep.compact import open_compact
 from reliab.sweep.labels import with_labels
-from reliab.sweep.solve import VARIABLES
 from reliab.sweep.store import read_attributes
 from reliab.vocabulary import ELLIPSE_DIMENSIONS, RESULT_DIMENSIONS, Dimension, Metric
 
@@ -28,12 +28,12 @@ _COLUMNS = ("a", "b", "sse", "n")
 
 
 def open_results(path: str | Path, *, window: str | None = None) -> xr.Dataset:
-    """Open a store that `reliab simulate` wrote.
+    """Open results that `reliab simulate` wrote.
 
     Parameters
     ----------
     path : str or pathlib.Path
-        The Zarr store.
+        The Zarr store, or the NetCDF file that `write_compact` made of one.
     window : str, optional
         Which of the stored windows; the first by default.
 
@@ -41,7 +41,7 @@ def open_results(path: str | Path, *, window: str | None = None) -> xr.Dataset:
     -------
     xarray.Dataset
         `rms`, `mte`, `A` [-], `d` [s] and `stable` over (motion, f, xi, kp, tau), read from disk
-        when they are asked for, as float64.
+        when they are asked for; of a NetCDF file `rms` and `mte`.
 
     Raises
     ------
@@ -49,8 +49,9 @@ def open_results(path: str | Path, *, window: str | None = None) -> xr.Dataset:
         If there is no such store or window, or not all motions are done.
     """
     path = Path(path)
-    attributes = read_attributes(path)
-    windows = [str(label) for label in np.atleast_1d(np.asarray(attributes["windows"]))]
+    compact = open_compact(path) if path.is_file() else None
+    stored = read_attributes(path)["windows"] if compact is None else compact.attrs["window"]
+    windows = [str(label) for label in np.atleast_1d(np.asarray(stored))]
     window = window or windows[0]
     if window not in windows:
         raise InputError(
@@ -58,6 +59,8 @@ def open_results(path: str | Path, *, window: str | None = None) -> xr.Dataset:
             value=f"{window!r}, stored are {', '.join(windows)}",
             remedy="Choose one of these, or simulate with that window",
         )
+    if compact is not None:
+        return compact
     group = None if window == windows[0] else f"window_{window}"
     dataset = xr.open_zarr(path, group=group, consolidated=False, chunks=None)
     missing = int(np.isnan(dataset["duration"].values).sum())
@@ -169,7 +172,7 @@ class ResultsAccessor:
             )
             .load()
         )
-        floats = {name: chosen[name].astype(np.float64) for name in VARIABLES if name != "stable"}
+        floats = {name: each.astype(np.float64) for name, each in chosen.items() if name != "stable"}
         return with_labels(chosen.assign(floats).assign_coords(kp=gains, tau=delays))
 
     def nearest(self, *, f: float, xi: float, gain: float, delay: float) -> xr.Dataset:

@@ -11,14 +11,13 @@ from reliab.indices.frequency_evaluation import evaluate_sums
 from reliab.indices.response_error import relative_error
 from reliab.indices.window import Window
 from reliab.loop.cells import Cells
-from reliab.loop.engine import Loop
 from reliab.loop.excitation import Excitation
 from reliab.loop.stability import critical_delay
 from reliab.loop.structure import Structure
 from reliab.loop.tracking_sums import QuadraturePair, TrackedCells, tracking_sums
 from reliab.motions import Motion
 from reliab.sweep.grid import Grid
-from reliab.sweep.request import SweepRequest
+from reliab.sweep.request import SweepRequest, loop_of
 from reliab.vocabulary import Metric
 
 _NODES = 4  # along each axis, at which the index is summed; A/k_p and d/τ vary little between
@@ -93,7 +92,7 @@ def _solve_structure(
 ) -> dict[str, NDArray[np.generic]]:
     cells = _cells(request.grid, structure)
     shape = (request.grid.gains(structure).size, request.grid.delays(structure).size)
-    found = Loop(excitation=excitation, structure=structure, engine=request.engine).deviation(cells)
+    found = loop_of(request.model, excitation, structure, request.engine).deviation(cells)
     amplitude, delay = _evaluate(pair, request.grid, structure)
     with np.errstate(over="ignore"):  # a violently unstable cell becomes infinite on disk
         return {
