@@ -8,6 +8,7 @@ guess and needs one correction; an implicit one repeats.
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
@@ -69,11 +70,16 @@ class ExactIntegrator(Integrator):
 
     def coefficients(self, substructure: LinearSubstructure, step: float) -> NDArray[np.float64]:
         """Rows of the transition of displacement and velocity, then c and k."""
-        system = np.zeros((4, 4))
-        system[0, 1] = 1.0
-        system[1, :3] = -substructure.stiffness, -substructure.damping, 1.0
-        system[2, 3] = 1.0
-        transition = expm(step * system)[:2]
-        slope = transition[:, 3] / step
-        rows = np.column_stack([transition[:, :2], transition[:, 2] - slope, slope])
-        return np.concatenate([rows.ravel(), [substructure.damping, substructure.stiffness]])
+        return _transition(substructure, step)
+
+
+@lru_cache(maxsize=64)
+def _transition(substructure: LinearSubstructure, step: float) -> NDArray[np.float64]:
+    system = np.zeros((4, 4))
+    system[0, 1] = 1.0
+    system[1, :3] = -substructure.stiffness, -substructure.damping, 1.0
+    system[2, 3] = 1.0
+    transition = expm(step * system)[:2]
+    slope = transition[:, 3] / step
+    rows = np.column_stack([transition[:, :2], transition[:, 2] - slope, slope])
+    return np.concatenate([rows.ravel(), [substructure.damping, substructure.stiffness]])
