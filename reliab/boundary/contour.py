@@ -62,8 +62,8 @@ def trace_contours(
     Parameters
     ----------
     error : callable
-        Error [-] of given amplitudes [-] and delays [s] for the contours of given indices; zero at
-        A = 1, d = 0.
+        Error [-] of given amplitudes [-] and delays [s] for the contours of given indices; smallest
+        near A = 1, d = 0.
     thresholds : numpy.ndarray
         Error [-] on each contour, positive, shape (contours,).
     structure : Structure
@@ -74,7 +74,8 @@ def trace_contours(
     Returns
     -------
     list of Contour
-        One for each threshold, each of at least eleven points with d > 0.
+        One for each threshold, each of at least eleven points with d > 0; without points where even
+        the perfect actuator exceeds the threshold, because the loop has other errors.
 
     Raises
     ------
@@ -97,6 +98,27 @@ def trace_contours(
             value=thresholds[wrong][0],
             remedy="Give a fraction, 0.05 for 5 %",
         )
+    nowhere = np.zeros(0)
+    contours = [Contour(amplitude=nowhere, delay=nowhere) for _ in thresholds]
+    everyone = np.arange(thresholds.size)
+    least = _finite(error(np.ones(everyone.size), np.zeros(everyone.size), everyone))
+    reached = np.flatnonzero(least < thresholds)
+    if reached.size:
+        traced = _trace(
+            lambda amplitude, delay, contour: error(amplitude, delay, reached[contour]),
+            thresholds[reached],
+            structure,
+            amplitude_step,
+        )
+        for place, contour in zip(reached.tolist(), traced, strict=True):
+            contours[place] = contour
+    return contours
+
+
+def _trace(
+    error: ErrorOfCells, thresholds: NDArray[np.float64], structure: Structure, amplitude_step: float
+) -> list[Contour]:
+    """Trace contours that the perfect actuator lies inside of."""
     half_widths = _half_widths(error, thresholds, REACH * structure.damping_ratio)
     offsets = [_offsets(below, above, amplitude_step) for below, above in half_widths]
     owner = np.repeat(np.arange(thresholds.size), [offset.size for offset in offsets])

@@ -1,34 +1,58 @@
 """The boundary of one ground motion, traced straight from the loop."""
 
 from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.boundary.contour import Contour, trace_contours
+from reliab.boundary.contour import AMPLITUDE_STEP, Contour, trace_contours
 from reliab.indices.response_error import relative_error
-from reliab.loop.engine import Loop
+from reliab.loop.cells import Cells
+from reliab.loop.deviation import Deviation
+from reliab.loop.structure import Structure
 from reliab.vocabulary import Metric
 
 
+class SolvedLoop(Protocol):
+    """A loop under one ground motion that can be solved for any actuator, with effects or without."""
+
+    @property
+    def structure(self) -> Structure:
+        """The structure under test."""
+
+    def cells(self, *, gain: object, delay: object) -> Cells:
+        """Actuators of given gains [-] and delays [s]."""
+
+    def deviation(self, cells: Cells) -> Deviation:
+        """Deviation of the measured displacement from the exact response."""
+
+
 def motion_contours(
-    loop: Loop, thresholds: Sequence[float] = (0.05,), metric: Metric = Metric.RMS
+    loop: SolvedLoop,
+    thresholds: Sequence[float] = (0.05,),
+    metric: Metric = Metric.RMS,
+    *,
+    amplitude_step: float = AMPLITUDE_STEP,
 ) -> list[Contour]:
     """Contours of equal error of one ground motion and one structure.
 
     Parameters
     ----------
-    loop : Loop
+    loop : Loop or EffectLoop
         Structure, record and window.
     thresholds : sequence of float, optional
         Errors on the contours [-], 5 % by default.
     metric : Metric, optional
         RMS^R (default) or MTE^R.
+    amplitude_step : float, optional
+        Step of the amplitude [-], the paper's 0.001 by default; at least eleven points are found.
 
     Returns
     -------
     list of Contour
-        Amplitude [-] and delay [s] along the contour of each threshold.
+        Amplitude [-] and delay [s] along the contour of each threshold; those of the actuator alone
+        where the loop has effects beside it.
     """
 
     def error(
@@ -36,4 +60,5 @@ def motion_contours(
     ) -> NDArray[np.float64]:
         return relative_error(loop.deviation(loop.cells(gain=amplitude, delay=delay)), metric)
 
-    return trace_contours(error, np.asarray(thresholds, dtype=np.float64), loop.structure)
+    levels = np.asarray(thresholds, dtype=np.float64)
+    return trace_contours(error, levels, loop.structure, amplitude_step=amplitude_step)

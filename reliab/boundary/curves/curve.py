@@ -60,18 +60,20 @@ class Curve(ABC):
         Parameters
         ----------
         contour : Contour
-            At least three points.
+            At least three points, or none where no actuator keeps below the threshold.
 
         Returns
         -------
         Curve
-            The curve with its fitting error.
+            The curve with its fitting error; a = b = 0 of a contour without points.
 
         Raises
         ------
         InputError
-            If there are fewer than three points.
+            If there are one or two points.
         """
+        if contour.amplitude.size == 0:
+            return cls(a=0.0, b=0.0, sse=0.0, n=0)
         if contour.amplitude.size < _FEWEST_POINTS:
             raise InputError(
                 f"A curve is fitted to at least {_FEWEST_POINTS} points of a contour",
@@ -85,5 +87,7 @@ class Curve(ABC):
 
     def delay(self, amplitude: NDArray[np.float64]) -> NDArray[np.float64]:
         """Delay on the curve [s] at given amplitudes [-]; NaN where the curve does not reach."""
+        if self.n == 0:
+            return np.full(np.shape(amplitude), np.nan)
         squared = self._squared_delay(np.asarray(amplitude) - 1.0, self.a, self.b)
         return np.sqrt(np.where(squared >= 0.0, squared, np.nan)) / _MILLISECONDS
