@@ -1,1 +1,19 @@
-"""The discrepancy workflow."""
+"""Measured campaigns: locate the discrepancy, name the missing effect, add it, prove that the gap has shrunk."""
+
+from reliab.discrepancy.campaign import Campaign, Channel, MeasuredTest
+from reliab.discrepancy.diagnose import diagnose
+from reliab.discrepancy.reading import read_campaign
+from reliab.discrepancy.result import BlockDiagnosis, Diagnosis, Gap, MissingEffect, Verdict
+
+__all__ = [
+    "BlockDiagnosis",
+    "Campaign",
+    "Channel",
+    "Diagnosis",
+    "Gap",
+    "MeasuredTest",
+    "MissingEffect",
+    "Verdict",
+    "diagnose",
+    "read_campaign",
+]

@@ -49,6 +49,15 @@ class MeasuredTest:
         return next(iter(self.channels.values())).size
 
 
+@dataclass(frozen=True, kw_only=True)
+class Stretch:
+    """Part of a test: its index, the first sample and the one after the last."""
+
+    test: int
+    begin: int
+    end: int
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Campaign:
     """A folder of measured tests with the nominal model of the rig.
@@ -68,7 +77,7 @@ class Campaign:
     rate : float
         Sampling rate [Hz].
     tests : tuple of MeasuredTest
-        The tests; at least one is held out and at least one is not.
+        The tests, of which at least one is not held out. Of a single test the last third is held out.
     """
 
     name: str
@@ -108,11 +117,23 @@ class Campaign:
         return frozenset.intersection(*(frozenset(test.channels) for test in self.tests))
 
     @property
-    def training(self) -> tuple[MeasuredTest, ...]:
-        """Tests from which effects are found."""
-        return tuple(test for test in self.tests if not test.held_out)
+    def training(self) -> tuple[Stretch, ...]:
+        """Stretches of tests from which effects are found."""
+        if len(self.tests) == 1:
+            return (Stretch(test=0, begin=0, end=2 * self.tests[0].size // 3),)
+        return self._stretches(held_out=False)
 
     @property
-    def held_out(self) -> tuple[MeasuredTest, ...]:
-        """Tests kept for the proof."""
-        return tuple(test for test in self.tests if test.held_out)
+    def proof(self) -> tuple[Stretch, ...]:
+        """Stretches of tests kept for the proof."""
+        if len(self.tests) == 1:
+            size = self.tests[0].size
+            return (Stretch(test=0, begin=2 * size // 3, end=size),)
+        return self._stretches(held_out=True)
+
+    def _stretches(self, *, held_out: bool) -> tuple[Stretch, ...]:
+        return tuple(
+            Stretch(test=k, begin=0, end=test.size)
+            for k, test in enumerate(self.tests)
+            if test.held_out is held_out
+        )

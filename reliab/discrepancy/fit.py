@@ -61,14 +61,17 @@ class Problem:
         parts = []
         for segment, measured in zip(self.segments, self._spectra, strict=True):
             left = measured - segment.coarse_spectrum(predicted[segment.test], self.block.every)
-            parts.append(_real(left, noise.density(segment.frequency)))
+            parts.append(real_parts(left, noise.density(segment.frequency)))
         rows = np.concatenate(parts)
         return rows if np.isfinite(rows).all() else np.full(rows.size, _UNBOUNDED)
 
     def residuals(self, space: ModelSpace, coordinates: Array) -> dict[int, Array]:
         """Measured minus predicted channel by test."""
         predicted = self.predictions(space, coordinates)
-        return {test: self.block.measured(test) - self.block.at_rate(values, test) for test, values in predicted.items()}
+        return {
+            test: self.block.measured(test) - self.block.at_rate(values, test)
+            for test, values in predicted.items()
+        }
 
     def noise_of(self, space: ModelSpace, coordinates: Array) -> NoiseModel:
         """Fit the noise to what a model leaves."""
@@ -102,7 +105,7 @@ class Problem:
         )
 
 
-def _real(spectrum: NDArray[np.complex128], density: Array) -> Array:
+def real_parts(spectrum: NDArray[np.complex128], density: Array) -> Array:
     """Complex residuals as real ones of unit variance."""
     white = spectrum / np.sqrt(density)
     root = np.sqrt(2.0)
@@ -239,12 +242,10 @@ def jacobian(
 ) -> Array:
     """Derivatives of the whitened residual, shape (rows, size), given it at the coordinates."""
     _, upper = space.bounds
-    columns = []
+    columns = np.empty((centre.size, space.size))
     for place in range(space.size):
         step = _STEP if coordinates[place] + _STEP < upper[place] else -_STEP
         moved = coordinates.copy()
         moved[place] += step
-        columns.append((problem.whitened(space, moved, noise) - centre) / step)
-    return np.stack(columns, axis=1)
-
-
+        columns[:, place] = (problem.whitened(space, moved, noise) - centre) / step
+    return columns

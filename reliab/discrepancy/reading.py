@@ -8,7 +8,6 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from reliab.discrepancy.campaign import Campaign, MeasuredTest
-from reliab.discrepancy.plausibility import check_campaign
 from reliab.discrepancy.table import read_table
 from reliab.errors import InputError
 from reliab.loop.actuator import Actuator
@@ -59,7 +58,7 @@ class _CampaignFile(_Table):
     actuator: _Actuator | None = None
     specimen: _Specimen | None = None
     sampling: _Sampling
-    tests: Annotated[list[_Test], Field(min_length=2)]
+    tests: Annotated[list[_Test], Field(min_length=1)]
 
 
 def read_campaign(folder: Path | str) -> Campaign:
@@ -82,9 +81,7 @@ def read_campaign(folder: Path | str) -> Campaign:
     """
     folder = Path(folder)
     described = _described(folder / CAMPAIGN_FILE)
-    held_out = [test.held_out for test in described.tests]
-    if not any(held_out):
-        held_out[-1] = True
+    held_out = _held_out(described.tests)
     rate = described.sampling.rate_hz
     tests = tuple(
         MeasuredTest(
@@ -92,9 +89,15 @@ def read_campaign(folder: Path | str) -> Campaign:
         )
         for test, out in zip(described.tests, held_out, strict=True)
     )
-    campaign = _campaign(described, tests, folder)
-    check_campaign(campaign)
-    return campaign
+    return _campaign(described, tests, folder)
+
+
+def _held_out(tests: list[_Test]) -> list[bool]:
+    """Which tests are held out: those marked, else the last; of a single test its end is, not itself."""
+    marked = [test.held_out for test in tests]
+    if len(tests) == 1:
+        return [False]
+    return marked if any(marked) else [*marked[:-1], True]
 
 
 def _campaign(described: _CampaignFile, tests: tuple[MeasuredTest, ...], folder: Path) -> Campaign:
@@ -145,7 +148,7 @@ def _explained(error: ValidationError, text: str, path: Path) -> InputError:
     rule = {
         "missing": f"The key {key} must be given",
         "extra_forbidden": f"There is no key {key}",
-        "too_short": "A campaign must have at least two tests, one of them held out",
+        "too_short": "A campaign must have at least one test",
     }.get(first["type"], f"{key}: {first['msg'][0].lower()}{first['msg'][1:]}")
     given = first.get("input")
     value = repr(given) if isinstance(given, str | int | float | bool) else None
@@ -164,7 +167,9 @@ def _line_of(text: str, location: list[str]) -> int | None:
     lines = text.splitlines()
     begin = 0
     if len(names) > 1:
-        tables = [k for k, line in enumerate(lines) if re.match(rf"\s*\[+\s*{re.escape(names[0])}\s*\]+", line)]
+        tables = [
+            k for k, line in enumerate(lines) if re.match(rf"\s*\[+\s*{re.escape(names[0])}\s*\]+", line)
+        ]
         place = counts[0] if counts else 0
         begin = tables[place] if place < len(tables) else 0
     pattern = re.compile(rf"\s*\[*\s*{re.escape(names[-1])}\b")

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
+from reliab.discrepancy.campaign import Stretch
 from reliab.discrepancy.noise import Periodogram
 
 Array = NDArray[np.float64]
@@ -70,13 +71,15 @@ class Segment:
         return Periodogram(frequency=fft.rfftfreq(n, 1.0 / self.rate)[1:], power=power[1:])
 
 
-def cut_segments(sizes: Sequence[int], rate: float, highest: float, every: int = 1) -> tuple[Segment, ...]:
-    """Cut tests into at least four segments, whole tests if there are as many.
+def cut_segments(
+    stretches: Sequence[Stretch], rate: float, highest: float, every: int = 1
+) -> tuple[Segment, ...]:
+    """Cut stretches of tests into at least four segments, whole stretches if there are as many.
 
     Parameters
     ----------
-    sizes : sequence of int
-        Samples of each test.
+    stretches : sequence of Stretch
+        Parts of tests.
     rate : float
         Sampling rate [Hz].
     highest : float
@@ -89,12 +92,14 @@ def cut_segments(sizes: Sequence[int], rate: float, highest: float, every: int =
     tuple of Segment
         Segments of a length that transforms fast.
     """
-    parts = 1 if len(sizes) >= _FEWEST_SEGMENTS - 1 else -(-_FEWEST_SEGMENTS // len(sizes))
+    parts = 1 if len(stretches) >= _FEWEST_SEGMENTS - 1 else -(-_FEWEST_SEGMENTS // len(stretches))
     segments = []
-    for test, size in enumerate(sizes):
-        edges = np.linspace(0, size, parts + 1).astype(int)
+    for one in stretches:
+        edges = np.linspace(one.begin, one.end, parts + 1).astype(int)
         for begin, end in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
             first = -(-begin // every) * every
             length = every * fft.prev_fast_len((end - first) // every, real=True)
-            segments.append(Segment(test=test, begin=first, end=first + length, rate=rate, highest=highest))
+            segments.append(
+                Segment(test=one.test, begin=first, end=first + length, rate=rate, highest=highest)
+            )
     return tuple(segments)

@@ -1,6 +1,6 @@
 """The parameters of a candidate model as one vector."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -52,14 +52,14 @@ class ModelSpace:
 
     @cached_property
     def _prior(self) -> tuple[Array, Array]:
-        pairs = np.array([parameter.coordinate_prior for parameter in self.parameters])
+        pairs = np.array([parameter.coordinate_prior for parameter in self.parameters]).reshape(-1, 2)
         return pairs[:, 0], pairs[:, 1]
 
     @cached_property
     def bounds(self) -> tuple[Array, Array]:
         """Bounds of the coordinates, each of shape (size,)."""
         mean, spread = self._prior
-        pairs = np.array([parameter.coordinate_bounds for parameter in self.parameters])
+        pairs = np.array([parameter.coordinate_bounds for parameter in self.parameters]).reshape(-1, 2)
         return (pairs[:, 0] - mean) / spread, (pairs[:, 1] - mean) / spread
 
     def values(self, coordinates: Array) -> Array:
@@ -70,10 +70,19 @@ class ModelSpace:
             [p.value(c, self.block.scales) for p, c in zip(self.parameters, own.tolist(), strict=True)]
         )
 
+    def standard_deviations(self, coordinates: Array, covariance: Array) -> Array:
+        """Standard deviations of the SI values, to first order, shape (size,)."""
+        mean, spread = self._prior
+        own = (mean + spread * coordinates).tolist()
+        slopes = [p.derivative(c, self.block.scales) for p, c in zip(self.parameters, own, strict=True)]
+        return np.abs(np.array(slopes)) * spread * np.sqrt(np.diag(covariance))
+
     def coordinates(self, values: Array) -> Array:
         """Coordinates of SI values, shape (size,)."""
         mean, spread = self._prior
-        own = [p.coordinate(v, self.block.scales) for p, v in zip(self.parameters, values.tolist(), strict=True)]
+        own = [
+            p.coordinate(v, self.block.scales) for p, v in zip(self.parameters, values.tolist(), strict=True)
+        ]
         return np.asarray((np.array(own) - mean) / spread)
 
     def model(self, coordinates: Array) -> HybridTest:
@@ -115,6 +124,19 @@ class ModelSpace:
         """Coordinates of a larger model without what this one does not have."""
         known = dict(zip(other._keys, coordinates.tolist(), strict=True))  # noqa: SLF001 - the same class
         return np.array([known[key] for key in self._keys])
+
+    def neutralised(self, coordinates: Array, offsets: Sequence[type[Effect]]) -> Array:
+        """Coordinates with the parameters of some offsets at zero."""
+        names = {f"{offset.name}.{parameter.name}" for offset in offsets for parameter in offset.parameters}
+        changed = [
+            0.0 if key in names else c for key, c in zip(self._keys, coordinates.tolist(), strict=True)
+        ]
+        return np.array(changed)
+
+    def places(self, effect: type[Effect]) -> slice:
+        """Places of an effect's parameters among the coordinates."""
+        first = self._keys.index(f"{effect.name}.{effect.parameters[0].name}")
+        return slice(first, first + len(effect.parameters))
 
     @cached_property
     def _keys(self) -> tuple[str, ...]:

@@ -132,7 +132,9 @@ def _is_number(cell: str) -> bool:
 
 def _check_time(time: NDArray[np.float64], rate: float, path: Path) -> None:
     steps = np.diff(time)
-    wrong = np.flatnonzero((steps <= 0.0) & (np.round(steps * rate) != 0) | (np.abs(steps * rate - 1.0) > 0.75))
+    wrong = np.flatnonzero(
+        (steps <= 0.0) & (np.round(steps * rate) != 0) | (np.abs(steps * rate - 1.0) > 0.75)
+    )
     if steps.mean() <= 0.0 or wrong.size:
         line = int(wrong[0]) + 3 if wrong.size else 3
         raise InputError(

@@ -89,6 +89,16 @@ def stiffness(nominal: HybridTest, spread: float = 0.05, reach: float = 0.1) -> 
     )  # fmt: skip
 
 
+def unknown_stiffness() -> Calibration:
+    """Stiffness of a specimen of which nothing is stated [N/m]."""
+    parameter = Parameter(
+        name="stiffness_n_per_m", units="N/m", meaning="stiffness of the specimen", signed=True,
+        scale=(("force", 1.0), ("displacement", -1.0)),
+        typical=1.0, lower=0.0, upper=20.0, starts=(0.5,),
+    )  # fmt: skip
+    return Calibration(parameter=parameter, nominal=_stiffness, apply=_with_stiffness)
+
+
 def scale_of_excitation(spread: float = 0.1) -> Calibration:
     """Scale of the ground motion, where there is no rig that states it."""
     return Calibration(

@@ -5,11 +5,12 @@ from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from reliab.discrepancy.blocks.calibration import Calibration
 from reliab.discrepancy.campaign import Channel, MeasuredTest
 from reliab.loop.effects import Effect, Scales
-from reliab.loop.hybrid_test import HybridTest
+from reliab.loop.hybrid_test import HybridTest, Motion3
 from reliab.vocabulary import Block
 
 Array = NDArray[np.float64]
@@ -42,6 +43,8 @@ class ObservedBlock(ABC):
         Effects that may be missing in this block.
     outside : tuple of type
         Terms outside the library that are tried where something is left.
+    motions : tuple of Motion3
+        Motion of the piston in every test as far as it is known without a model, to locate what is left.
     """
 
     block: ClassVar[Block]
@@ -49,18 +52,27 @@ class ObservedBlock(ABC):
 
     tests: tuple[MeasuredTest, ...]
     rate: float
-    every: int
+    every: int = 1
     scales: Scales
     nominal: HybridTest
     calibrations: tuple[Calibration, ...]
     offsets: tuple[type[Effect], ...]
     candidates: tuple[type[Effect], ...]
     outside: tuple[type[Effect], ...]
+    motions: tuple[Motion3, ...]
 
     @abstractmethod
     def predict(self, model: HybridTest, test: int) -> Array:
-        """Predict the channel in a test, shape (n // every,)."""
+        """Predict the channel in a test, shape (⌈n / every⌉,)."""
 
     def measured(self, test: int) -> Array:
         """Return the channel as measured in a test, shape (n,)."""
         return self.tests[test].channels[self.channel]
+
+    def at_rate(self, values: Array, test: int) -> Array:
+        """Return predictions at all samples of a test, shape (n,)."""
+        size = self.tests[test].size
+        if self.every == 1:
+            return values
+        spline = CubicSpline(self.every * np.arange(values.size), values)
+        return np.asarray(spline(np.arange(size)))

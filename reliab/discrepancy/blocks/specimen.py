@@ -5,13 +5,14 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.discrepancy.blocks.calibration import stiffness
+from reliab.discrepancy.blocks.calibration import Calibration, stiffness, unknown_stiffness
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign import Campaign, Channel
 from reliab.discrepancy.outside import outside_terms
-from reliab.loop.effects import Role, Scales, library
+from reliab.loop.effects import Effect, Role, Scales, library
 from reliab.loop.effects.force_bias import ForceBias
-from reliab.loop.hybrid_test import HybridTest, Motion3, load, read_force
+from reliab.loop.effects.sensor_drift import SensorDrift
+from reliab.loop.hybrid_test import HybridTest, Motion3, Specimen, load, read_displacement, read_force
 from reliab.vocabulary import Block
 
 Array = NDArray[np.float64]
@@ -28,26 +29,44 @@ class SpecimenBlock(ObservedBlock):
         How large things are.
     pistons : sequence of Motion3
         Motion of the piston in every test, as the actuator's model or a smoother gives it.
+    smoothed : bool, optional
+        Whether the motion is a smoothed reading, in which a drift of the sensor would show.
     """
 
     block = Block.SPECIMEN
     channel = Channel.FORCE
 
-    def __init__(self, campaign: Campaign, scales: Scales, pistons: Sequence[Motion3], *, every: int = 1) -> None:
-        self.every = every
+    def __init__(
+        self, campaign: Campaign, scales: Scales, pistons: Sequence[Motion3], *, smoothed: bool = False
+    ) -> None:
         self.tests = campaign.tests
         self.rate = campaign.rate
         self.scales = scales
         self.nominal = campaign.nominal
-        specimen = self.nominal.specimen
-        stiff = specimen is not None and specimen.stiffness > 0.0
-        self.calibrations = (stiffness(self.nominal),) if stiff else ()
+        self.calibrations: tuple[Calibration, ...] = (stiffness(self.nominal),)
+        if not (self.nominal.specimen and self.nominal.specimen.stiffness > 0.0):
+            self.nominal = HybridTest(mass=campaign.mass, specimen=Specimen(stiffness=0.0))
+            self.calibrations = (unknown_stiffness(),)
         self.offsets = (ForceBias,)
-        self.candidates = tuple(effect for effect in library().values() if effect.role is Role.FORCE)
+        in_force = tuple(effect for effect in library().values() if effect.role is Role.FORCE)
+        of_sensor: tuple[type[Effect], ...] = (SensorDrift,) if smoothed else ()
+        self.candidates = (*in_force, *of_sensor)
         self.outside = outside_terms(self.block)
-        self._pistons = tuple(pistons)
+        self.motions = tuple(pistons)
+        self.smoothed = smoothed
 
     def predict(self, model: HybridTest, test: int) -> Array:
         """Force that the load cell reads [N], shape (n,)."""
-        piston = self._pistons[test]
+        piston = self.motions[test]
+        if self.smoothed and model.acting(Role.DISPLACEMENT_READING):
+            piston = _without_reading(model, piston)
         return read_force(model, piston, load(model, piston))
+
+
+def _without_reading(model: HybridTest, seen: Motion3) -> Motion3:
+    """Motion of the piston where a reading of it was smoothed, what the sensor adds taken off."""
+    added = read_displacement(model, seen) - seen.values[0]
+    values = seen.values.copy()
+    values[0] -= added
+    values[1] -= np.gradient(added, seen.step)
+    return Motion3(values=values, step=seen.step)

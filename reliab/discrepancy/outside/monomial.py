@@ -120,9 +120,7 @@ def monomial(
     'x^2 v'
     """
     exponents = (t, x, abs_x, v, abs_v)
-    expression = " ".join(
-        _factor(s, e) for s, e in zip(_SYMBOLS, exponents, strict=True) if e != 0
-    )
+    expression = " ".join(_factor(s, e) for s, e in zip(_SYMBOLS, exponents, strict=True) if e != 0)
     channel, unit = _UNITS[role]
     powers = {"duration": t, "displacement": max(x, 0.0) + abs_x, "velocity": max(v, 0.0) + abs_v}
     scale = ((channel, 1.0), *((name, -float(power)) for name, power in powers.items() if power))

@@ -1,0 +1,119 @@
+"""The whole workflow: observe the blocks of a campaign, search each for what is missing, prove it."""
+
+from collections.abc import Sequence
+
+from reliab.discrepancy.blocks.actuator import ActuatorBlock
+from reliab.discrepancy.blocks.balance import BalanceBlock
+from reliab.discrepancy.blocks.loop import LoopBlock
+from reliab.discrepancy.blocks.observed import ObservedBlock
+from reliab.discrepancy.blocks.specimen import SpecimenBlock
+from reliab.discrepancy.campaign import Campaign, Channel
+from reliab.discrepancy.fit import Problem
+from reliab.discrepancy.naming import diagnose_block
+from reliab.discrepancy.result import BlockDiagnosis, Diagnosis
+from reliab.discrepancy.scales import motions_of, scales_of
+from reliab.discrepancy.search import Search
+from reliab.discrepancy.segment import cut_segments
+from reliab.discrepancy.smoothing import highest_frequency
+from reliab.errors import InputError
+from reliab.loop.effects import Scales
+from reliab.loop.hybrid_test import Motion3
+from reliab.progress import Progress, silent
+
+_ACTUATOR = frozenset({Channel.COMMAND, Channel.MEASURED})
+_SPECIMEN = frozenset({Channel.MEASURED, Channel.FORCE})
+_BALANCE = frozenset({Channel.GROUND, Channel.COMMAND, Channel.FORCE})
+_LOOP = frozenset({Channel.GROUND, Channel.MEASURED})
+
+
+def diagnose(campaign: Campaign, *, progress: Progress = silent) -> Diagnosis:
+    """Find where a campaign's model fails, name what is missing and prove it on held-out tests.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Measured tests and the nominal model.
+    progress : Progress, optional
+        Called after each block.
+
+    Returns
+    -------
+    Diagnosis
+        Verdict, places, names, proof, and all fits.
+
+    Raises
+    ------
+    InputError
+        If no block is observed or nothing moves.
+    """
+    kinds = _observed(campaign)
+    motions = motions_of(campaign)
+    scales = scales_of(campaign, motions)
+    found: list[BlockDiagnosis] = []
+    for done, kind in enumerate(kinds):
+        progress(done, len(kinds))
+        block = _block(kind, campaign, scales, motions, found)
+        found.append(_examined(block, campaign))
+    progress(len(kinds), len(kinds))
+    return Diagnosis(campaign=campaign, blocks=tuple(found))
+
+
+def _observed(campaign: Campaign) -> list[type[ObservedBlock]]:
+    """Blocks that the channels let us see, in the order of the loop."""
+    channels = campaign.channels
+    seen: list[type[ObservedBlock]] = []
+    if channels >= _ACTUATOR:
+        seen.append(ActuatorBlock)
+    if channels >= _SPECIMEN and (campaign.nominal.specimen is not None or not seen):
+        seen.append(SpecimenBlock)
+    if channels >= _BALANCE and campaign.structure is not None:
+        seen.append(BalanceBlock)
+    if channels >= _LOOP and campaign.structure is not None and not seen:
+        seen.append(LoopBlock)
+    if not seen:
+        raise InputError(
+            "The columns and tables of a campaign must show at least one block: command_m and measured_m, or"
+            " measured_m and force_n, or ground_acceleration_mps2 and measured_m with a [structure] table",
+            value=", ".join(sorted(channels)) or "no channel that all tests have",
+            remedy="Add the columns that were recorded, in every test, or the table",
+            where="campaign.toml",
+        )
+    return seen
+
+
+def _block(
+    kind: type[ObservedBlock],
+    campaign: Campaign,
+    scales: Scales,
+    motions: tuple[Motion3, ...],
+    found: Sequence[BlockDiagnosis],
+) -> ObservedBlock:
+    if kind is ActuatorBlock:
+        return ActuatorBlock(campaign, scales)
+    if kind is BalanceBlock:
+        return BalanceBlock(campaign, scales)
+    if kind is LoopBlock:
+        return LoopBlock(campaign, scales, motions)
+    if found:
+        return SpecimenBlock(campaign, scales, _pistons(found[0]))
+    return SpecimenBlock(campaign, scales, motions, smoothed=True)
+
+
+def _pistons(actuator: BlockDiagnosis) -> list[Motion3]:
+    """Motion of the piston in every test, as the actuator's best model gives it."""
+    block, best = actuator.block, actuator.best
+    if not isinstance(block, ActuatorBlock):
+        raise TypeError
+    model = best.space.model(best.coordinates)
+    return [block.piston(model, test) for test in range(len(block.tests))]
+
+
+def _examined(block: ObservedBlock, campaign: Campaign) -> BlockDiagnosis:
+    highest = highest_frequency(campaign.rate)
+    training, proof = (
+        Problem(block=block, segments=cut_segments(stretches, campaign.rate, highest, block.every))
+        for stretches in (campaign.training, campaign.proof)
+    )
+    search = Search(training)
+    search.whole()
+    return diagnose_block(search, proof)
