@@ -1,3 +1,51 @@
-"""Probabilistic reliability workbench for real-time hybrid simulation."""
+"""Probabilistic reliability of real-time hybrid simulation.
+
+The functions here mirror the command line: `load_motions`, `simulate`, `ellipses`, `derive_criterion`,
+`assess`, `cross_validate`, `diagnose` and `write_report`; beside them stand `open_results`,
+`read_ellipses` and `published_criterion`. Each is imported when it is first asked for.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from reliab.api import ellipses, simulate
+    from reliab.criterion import derive_criterion, published_criterion, read_ellipses
+    from reliab.motions import load_motions
+    from reliab.sweep import open_results
+    from reliab.validation.cross_validation import cross_validate
 
 __version__ = "0.1.0"
+
+_HOMES = {
+    "load_motions": "reliab.motions",
+    "simulate": "reliab.api",
+    "ellipses": "reliab.api",
+    "open_results": "reliab.sweep",
+    "read_ellipses": "reliab.criterion",
+    "derive_criterion": "reliab.criterion",
+    "published_criterion": "reliab.criterion",
+    "cross_validate": "reliab.validation.cross_validation",
+}
+
+__all__ = [
+    "cross_validate",
+    "derive_criterion",
+    "ellipses",
+    "load_motions",
+    "open_results",
+    "published_criterion",
+    "read_ellipses",
+    "simulate",
+]
+
+
+def __getattr__(name: str) -> Any:  # noqa: ANN401 - functions and modules of many types
+    if name not in _HOMES:
+        message = f"module 'reliab' has no attribute {name!r}"
+        raise AttributeError(message)
+    return getattr(import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, "__version__"])

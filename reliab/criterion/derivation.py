@@ -10,8 +10,8 @@ from reliab.criterion.cautions import cautions_of
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.ellipse_sample import EllipseSample, position, sample_of
 from reliab.criterion.joint import limits
-from reliab.criterion.laws import FittedLaw, Law, Table
-from reliab.criterion.methods import Method
+from reliab.criterion.laws import FITTED, FittedLaw, Law, Table, known
+from reliab.criterion.methods import RECOMMENDED, Method, method_of
 from reliab.criterion.population import Population
 from reliab.criterion.provenance import Provenance, records_checksum
 from reliab.vocabulary import Metric
@@ -20,11 +20,11 @@ from reliab.vocabulary import Metric
 def derive_criterion(
     ellipses: xr.Dataset,
     *,
-    method: Method,
+    method: Method | str = RECOMMENDED,
     frequency: float | None = None,
     damping_ratio: float | None = None,
-    joint: bool = False,
-    law: FittedLaw = Table,
+    joint: bool = True,
+    law: FittedLaw | str = Table,
     threshold: float = 0.05,
     metric: str = Metric.RMS,
     confidence: float = 0.95,
@@ -40,14 +40,14 @@ def derive_criterion(
     ----------
     ellipses : xarray.Dataset
         As `reliab.sweep.trace_ellipses` or `reliab.criterion.read_ellipses` make it.
-    method : Method
-        What the confidence means.
+    method : Method or str, optional
+        What the confidence means, or its name; the recommended one by default.
     frequency, damping_ratio : float, optional
         The only structure to derive it for [Hz, -], one of the dataset's; all of them by default.
     joint : bool, optional
-        Whether a and b hold together.
-    law : type of Law, optional
-        How the limits depend on the structure; by default they are kept as a table.
+        Whether a and b hold together, or each for itself.
+    law : type of Law or str, optional
+        How the limits depend on the structure, or its name; by default they are kept as a table.
     threshold : float, optional
         Error on the boundaries [-], one of the dataset's.
     metric : str, optional
@@ -67,7 +67,21 @@ def derive_criterion(
     InputError
         If the dataset has no such threshold or metric, or too few motions, or the method can promise
         nothing with so few that a law could be fitted to.
+
+    Examples
+    --------
+    The paper's criterion, from its printed table:
+
+    >>> from reliab.criterion import read_ellipses
+    >>> from reliab.shipped import shipped
+    >>> ellipses = read_ellipses(shipped("datasets", "paper/table2.csv"))
+    >>> criterion = derive_criterion(ellipses, method="quantile", joint=False)
+    >>> a, b = criterion.limits(1.0, 0.02)
+    >>> print(f"{a:.2e} {b:.3f}")
+    5.29e-05 1.048
     """
+    method = method_of(method) if isinstance(method, str) else method
+    law = known(FITTED, law) if isinstance(law, str) else law
     ordered = _only(ellipses, "f", frequency).pipe(_only, "xi", damping_ratio)
     samples = _samples(ordered, threshold, str(metric))
     found = np.array([[limits(each, method, confidence, joint=joint) for each in row] for row in samples])
