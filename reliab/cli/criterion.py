@@ -13,6 +13,7 @@ from reliab.cli.options import (
     Frequencies,
     JsonTarget,
     MetricName,
+    ModelFile,
     Motions,
     Results,
     Sets,
@@ -90,6 +91,7 @@ def criterion(
     metric: MetricName = "rms",
     window: WindowName = "record",
     alpha: ExperimentalFraction = 1.0,
+    model: ModelFile = None,
     method: MethodName = "quantile",
     assurance: Assurance = None,
     distribution: DistributionName = None,
@@ -120,7 +122,9 @@ def criterion(
             metric=metric,
             window=window,
             alpha=alpha,
+            model=model,
         )
+        _check_room(dataset)
         found = [
             derive_criterion(
                 dataset,
@@ -144,6 +148,18 @@ def criterion(
     content: dict[str, Any] = {"criteria": rows, **(rows[0] if len(rows) == 1 else {})}
     if not write_json(content, json_target):
         _show(rows)
+
+
+def _check_room(dataset: "xr.Dataset") -> None:
+    """Refuse motions under which a model's effects alone exceed the error."""
+    full = (dataset["a"] == 0.0) & (dataset["b"] == 0.0)
+    if full.any():
+        motions = full.any([name for name in full.dims if name != "motion"])
+        raise InputError(
+            "The effects of the model must leave room for errors of the actuator",
+            value=f"none under {int(motions.sum())} of {motions.size} motions, even for a perfect actuator",
+            remedy="Remove or compensate the effects, or allow a larger error by --threshold",
+        )
 
 
 def _row(

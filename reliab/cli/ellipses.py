@@ -11,6 +11,7 @@ from reliab.cli.options import (
     Frequencies,
     JsonTarget,
     MetricName,
+    ModelFile,
     Motions,
     Results,
     Sets,
@@ -52,6 +53,7 @@ def ellipses(
     metric: MetricName = "rms",
     window: WindowName = "record",
     alpha: ExperimentalFraction = 1.0,
+    model: ModelFile = None,
     out: Out = None,
     json_target: JsonTarget = None,
 ) -> None:
@@ -66,6 +68,7 @@ def ellipses(
         metric=metric,
         window=window,
         alpha=alpha,
+        model=model,
     )
     if out is not None:
         from reliab.sweep import write_ellipses
@@ -81,7 +84,7 @@ def ellipses(
 
 
 def _rows(dataset: "xr.Dataset") -> list[dict[str, Any]]:
-    """One row a boundary; a and b are null where it leaves the stored grid."""
+    """One row a boundary; a and b are null where it leaves the stored grid, 0 where effects leave no room."""
     frame = dataset.isel(curve=0, drop=True).to_dataframe().reset_index()
     names = ["motion", "f", "xi", "threshold", "metric", "a", "b", "sse", "n"]
     columns = frame[names].astype(object).where(frame[names].notna(), None)
@@ -91,6 +94,8 @@ def _rows(dataset: "xr.Dataset") -> list[dict[str, Any]]:
 
 def _cells(row: dict[str, Any]) -> list[str]:
     where = [str(row["motion"]), f"{row['f']:g}", f"{row['xi']:g}", f"{row['threshold']:g}"]
+    if row["a"] == 0.0:
+        return [*where, *["no room"] * 2, "", "", "", "0"]
     if row["a"] is None:
         return [*where, *["outside the grid"] * 2, "", "", "", "0"]
     a, b = row["a"], row["b"]

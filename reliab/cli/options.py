@@ -37,6 +37,14 @@ WindowName = Annotated[
 ExperimentalFraction = Annotated[
     float, typer.Option("--alpha", metavar="SHARE", help="Share of the stiffness in the laboratory.")
 ]
+ModelFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--model",
+        metavar="MODEL.toml",
+        help="Structure and effects of an updated model, as `reliab diagnose --out` writes it.",
+    ),
+]
 JsonTarget = Annotated[
     str | None, typer.Option("--json", metavar="FILE|-", help="Write JSON to a file, or - for nothing else.")
 ]

@@ -12,10 +12,12 @@ from reliab.cli.options import (
     ExperimentalFraction,
     Frequencies,
     JsonTarget,
+    ModelFile,
     Motions,
     Sets,
 )
 from reliab.cli.output import console, progress_bar, write_json
+from reliab.cli.sources import modelled
 from reliab.errors import InputError
 
 _Choice = TypeVar("_Choice")
@@ -40,6 +42,7 @@ def simulate(
         ),
     ] = None,
     alpha: ExperimentalFraction = 1.0,
+    model: ModelFile = None,
     engine: Annotated[
         str, typer.Option("--engine", metavar="automatic|pole|delay|spectral", help="How the loop is solved.")
     ] = "automatic",
@@ -53,20 +56,27 @@ def simulate(
     ] = None,
     json_target: JsonTarget = None,
 ) -> None:
-    """Simulate motions for all structures and actuators and store the results."""
+    """Simulate motions for all structures and actuators and store the results.
+
+    With --model the structure and the effects are the model's, and gain, delay and the index (A, d) of the
+    results are those of its actuator alone.
+    """
     from reliab.indices.window import Window
     from reliab.loop.engine import Engine
     from reliab.motions import load_motions
     from reliab.sweep import ExplicitGrid, ScaledGrid, SweepRequest, run_sweep
 
     suite = load_motions(*(motions or ["synthetic"]), sets=sets)
+    test = modelled(model, f, xi, alpha)
+    structure = None if test is None else test.structure
     request = SweepRequest(
-        frequencies=tuple(sorted(f or [ONE_HERTZ])),
-        damping_ratios=tuple(sorted(xi or [TWO_PERCENT])),
+        frequencies=(structure.frequency,) if structure else tuple(sorted(f or [ONE_HERTZ])),
+        damping_ratios=(structure.damping_ratio,) if structure else tuple(sorted(xi or [TWO_PERCENT])),
         grid=_one_of(grid, {"scaled": ScaledGrid(), "paper": ExplicitGrid()}, "grid"),
         windows=tuple(Window.parse(text) for text in window or ["record"]),
-        experimental_fraction=alpha,
+        experimental_fraction=structure.experimental_fraction if structure else alpha,
         engine=_one_of(engine, {each.value: each for each in Engine}, "engine"),
+        model=test,
     )
     with progress_bar("Simulating") as progress:
         run_sweep(suite, request, out, resume=resume, workers=workers, scheduler=scheduler, progress=progress)

@@ -10,7 +10,52 @@ from reliab.errors import InputError
 if TYPE_CHECKING:
     import xarray as xr
 
+    from reliab.loop.hybrid_test import HybridTest
     from reliab.vocabulary import Metric
+
+
+def modelled(
+    path: Path | None, f: list[float] | None, xi: list[float] | None, alpha: float
+) -> "HybridTest | None":
+    """Read a model with effects, which brings its own structure.
+
+    Parameters
+    ----------
+    path : pathlib.Path or None
+        The model's file, if one is given.
+    f, xi : list of float or None
+        Natural frequencies and damping ratios that are given as options.
+    alpha : float
+        Experimental fraction that is given as an option.
+
+    Returns
+    -------
+    HybridTest or None
+        The model.
+
+    Raises
+    ------
+    InputError
+        If the model has no structure, or one is given beside it.
+    """
+    if path is None:
+        return None
+    from reliab.discrepancy.updated_model import read_model
+
+    if f or xi or alpha != 1.0:
+        raise InputError(
+            "A model brings its own structure",
+            value="--model together with --f, --xi or --alpha",
+            remedy="Leave these out, or change the [structure] table of the model",
+        )
+    model = read_model(path).test
+    if model.structure is None:
+        raise InputError(
+            "The error of a whole test needs a numerical substructure",
+            remedy="Add a [structure] table to the model",
+            where=path.name,
+        )
+    return model
 
 
 def ellipse_dataset(
@@ -25,6 +70,7 @@ def ellipse_dataset(
     metric: str,
     window: str,
     alpha: float,
+    model: Path | None = None,
 ) -> "xr.Dataset":
     """Trace or look up the ellipses that a command is about.
 
@@ -45,6 +91,8 @@ def ellipse_dataset(
         Error of the whole test, and where it is taken.
     alpha : float
         Experimental fraction [-], for records.
+    model : pathlib.Path or None
+        Model with effects instead of structures, for records.
 
     Returns
     -------
@@ -54,7 +102,7 @@ def ellipse_dataset(
     Raises
     ------
     InputError
-        If not exactly one source is given.
+        If not exactly one source is given, or a model without records.
     """
     from reliab.vocabulary import Metric
 
@@ -65,6 +113,12 @@ def ellipse_dataset(
             value=f"{len(given)} of them",
             remedy="Give --motions (records or 'synthetic'), or --results, or --ellipses where it is known",
         )
+    if model is not None and motions is None:
+        raise InputError(
+            "A model is simulated under ground motions",
+            value="--model without --motions",
+            remedy="Give --motions; a store knows with which model it was simulated",
+        )
     if metric not in list(Metric):
         raise InputError("The metric is rms or mte", value=metric, remedy="Choose one of these")
     if ellipses is not None:
@@ -72,7 +126,8 @@ def ellipse_dataset(
     thresholds = tuple(threshold or (FIVE_PERCENT,))
     if results is not None:
         return _stored(results, f, xi, thresholds, Metric(metric), window)
-    return _traced(motions or [], sets, f, xi, thresholds, Metric(metric), window, alpha)
+    test = modelled(model, f, xi, alpha)
+    return _traced(motions or [], sets, f, xi, thresholds, Metric(metric), window, alpha, test)
 
 
 def _read(
@@ -131,18 +186,21 @@ def _traced(
     metric: "Metric",
     window: str,
     alpha: float,
+    model: "HybridTest | None",
 ) -> "xr.Dataset":
     from reliab.indices.window import Window
     from reliab.motions import load_motions
     from reliab.sweep import EllipseRequest, trace_ellipses
 
+    structure = None if model is None else model.structure
     request = EllipseRequest(
-        frequencies=tuple(f or (ONE_HERTZ,)),
-        damping_ratios=tuple(xi or (TWO_PERCENT,)),
+        frequencies=(structure.frequency,) if structure else tuple(f or (ONE_HERTZ,)),
+        damping_ratios=(structure.damping_ratio,) if structure else tuple(xi or (TWO_PERCENT,)),
         thresholds=thresholds,
         metrics=(metric,),
         window=Window.parse(window),
-        experimental_fraction=alpha,
+        experimental_fraction=structure.experimental_fraction if structure else alpha,
+        model=model,
     )
     with progress_bar("Tracing boundaries") as progress:
         return trace_ellipses(load_motions(*motions, sets=sets), request, progress=progress)

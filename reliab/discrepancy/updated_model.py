@@ -108,20 +108,11 @@ def read_model(path: Path | str) -> UpdatedModel:
     """
     path = Path(path)
     described = _described(path)
-    structure, actuator, specimen = described.structure, described.actuator, described.specimen
     test = HybridTest(
-        structure=structure
-        and Structure(
-            frequency=structure.frequency_hz,
-            damping_ratio=structure.damping_ratio,
-            experimental_fraction=structure.experimental_fraction,
-        ),
-        mass=structure.mass_kg if structure else 1.0,
-        actuator=Actuator(gain=actuator.gain, delay=actuator.delay_s),
-        specimen=specimen
-        and Specimen(
-            stiffness=specimen.stiffness_n_per_m, damping=specimen.damping_n_s_per_m, mass=specimen.mass_kg
-        ),
+        structure=described.structure.built() if described.structure else None,
+        mass=described.structure.mass_kg if described.structure else 1.0,
+        actuator=Actuator(gain=described.actuator.gain, delay=described.actuator.delay_s),
+        specimen=described.specimen.built() if described.specimen else None,
         effects=tuple(
             _effect(entry, f"{path.name}, effect {k}") for k, entry in enumerate(described.effects, 1)
         ),
@@ -139,6 +130,13 @@ class _Structure(_Table):
     mass_kg: _Positive = 1.0
     experimental_fraction: Annotated[float, Field(gt=0.0, le=1.0)] = 1.0
 
+    def built(self) -> Structure:
+        return Structure(
+            frequency=self.frequency_hz,
+            damping_ratio=self.damping_ratio,
+            experimental_fraction=self.experimental_fraction,
+        )
+
 
 class _Actuator(_Table):
     gain: _Positive = 1.0
@@ -152,6 +150,9 @@ class _Specimen(_Table):
     stiffness_n_per_m_sd: _NotNegative | None = None
     damping_n_s_per_m: _Finite = 0.0
     mass_kg: _NotNegative = 0.0
+
+    def built(self) -> Specimen:
+        return Specimen(stiffness=self.stiffness_n_per_m, damping=self.damping_n_s_per_m, mass=self.mass_kg)
 
 
 class _Value(_Table):
