@@ -4,10 +4,15 @@ from typing import Any, Final
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import ArrayLike, NDArray
 
 from reliab.vocabulary import Metric
+
+_WIDE = 60.0
+_LEAST_PLAIN, _GREATEST_PLAIN = 1e-2, 1e4
 
 MILLI: Final = 1e3
 """Milliseconds in a second, millimetres in a metre."""
@@ -95,6 +100,29 @@ def scientific(value: float, digits: int = 3) -> str:
         return text
     mantissa, exponent = text.split("e")
     return rf"${mantissa}\times10^{{{int(exponent)}}}$"
+
+
+def label_logarithmic(*axes: Axis) -> None:
+    """Label 1, 2 and 5 of each decade where an axis spans few of them, else the decades.
+
+    Parameters
+    ----------
+    *axes : matplotlib.axis.Axis
+        Logarithmic axes whose limits are final.
+    """
+    for axis in axes:
+        low, high = axis.get_view_interval()
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < _WIDE * low else (1.0,)))
+        axis.set_major_formatter(FuncFormatter(_written))
+        axis.set_minor_formatter(NullFormatter())
+
+
+def _written(value: float, _: int | None = None) -> str:
+    if _LEAST_PLAIN <= value < _GREATEST_PLAIN:
+        return f"{value:g}"
+    mantissa, exponent = f"{value:.0e}".split("e")
+    factor = "" if mantissa == "1" else rf"{mantissa}\times"
+    return rf"${factor}10^{{{int(exponent)}}}$"
 
 
 def mark(axes: Axes, text: str, at: tuple[float, float], **look: Any) -> None:  # noqa: ANN401 - matplotlib's

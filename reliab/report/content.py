@@ -127,6 +127,7 @@ class _Writer:
             "width": round(_MILLIMETRES_PER_INCH * float(figure.drawing.get_figwidth()), 3),
             "caption": self._prose(figure.caption),
             "label": figure.label,
+            "floats": figure.floats and not self._document.sheet,
         }
 
     def _table(self, table: Table) -> dict[str, Any]:

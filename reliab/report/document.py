@@ -137,11 +137,15 @@ class Figure:
         What to see.
     label : str, optional
         What references call it.
+    floats : bool, optional
+        Whether it may stand at the top or bottom of a page, so that text fills the gap; never in a
+        sheet.
     """
 
     drawing: Drawing
     caption: Prose
     label: str = ""
+    floats: bool = True
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

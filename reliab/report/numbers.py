@@ -93,6 +93,8 @@ class Significant(Number):
     ----------
     digits : int, optional
         Significant digits.
+    factor : float, optional
+        What the value is multiplied with first.
 
     Examples
     --------
@@ -101,11 +103,12 @@ class Significant(Number):
     """
 
     digits: int = 3
+    factor: float = 1.0
 
     def _write(self, value: float) -> Written:
-        size = int(f"{value:e}".partition("e")[2]) if value else 0
-        rounded = int(f"{value:.{self.digits - 1}e}".partition("e")[2]) if value else size
-        return Fixed(decimals=max(self.digits - 1 - rounded, 0))(value)
+        scaled = self.factor * value
+        exponent = int(f"{scaled:.{self.digits - 1}e}".partition("e")[2])
+        return Fixed(decimals=max(self.digits - 1 - exponent, 0))(scaled)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,6 +131,28 @@ class Scientific(Number):
     def _write(self, value: float) -> Written:
         mantissa, _, exponent = f"{value:.{self.decimals}e}".partition("e")
         return Written(digits=mantissa.replace("-", "−"), exponent=int(exponent))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shortest(Number):
+    """As few digits as the number has, for values that were chosen.
+
+    Parameters
+    ----------
+    factor : float, optional
+        What the value is multiplied with first.
+
+    Examples
+    --------
+    >>> Shortest(factor=100.0)(0.05).digits, Shortest()(0.125).digits
+    ('5', '0.125')
+    """
+
+    factor: float = 1.0
+
+    def _write(self, value: float) -> Written:
+        text = f"{self.factor * value:.6f}".rstrip("0").rstrip(".")
+        return Written(digits=text.replace("-", "−"))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,6 +5,7 @@ names and notes from a user's files are safe. The few marks of :func:`prose` are
 that an author writes, never in the values that are put into it.
 """
 
+import numbers
 import re
 import string
 import unicodedata
@@ -69,7 +70,8 @@ def prose(template: str, **values: object) -> tuple[Piece, ...]:
     """Make running text from a template with a few marks.
 
     `$…$` is mathematics in typst's notation, `*…*` emphasis, `@label` a reference, and `{name}` or
-    `{name:format}` the value of that name, which is always literal.
+    `{name:format}` the value of that name, which is always literal. Mathematics is evaluated, so that
+    only numbers and other mathematics can be put into it.
 
     Parameters
     ----------
@@ -82,6 +84,11 @@ def prose(template: str, **values: object) -> tuple[Piece, ...]:
     -------
     tuple of str, Math, Strong and Reference
         The pieces.
+
+    Raises
+    ------
+    TypeError
+        If text is put into mathematics.
 
     Examples
     --------
@@ -144,12 +151,28 @@ def _pieces(template: str, values: dict[str, object]) -> Iterator[Piece]:
         yield _filled(template[end : mark.start()], values)
         end = mark.end()
         if mark["math"] is not None:
-            yield Math(source=mark["math"])
+            yield Math(
+                source=_filled(mark["math"], {name: _evaluable(value) for name, value in values.items()})
+            )
         elif mark["strong"] is not None:
             yield Strong(text=_filled(mark["strong"], values))
         else:
             yield Reference(label=mark["label"])
     yield _filled(template[end:], values)
+
+
+class _Refused:
+    """Stands for a text that may be used outside of mathematics only."""
+
+    def __format__(self, _: str) -> str:
+        message = "Only numbers and mathematics can be put into mathematics."
+        raise TypeError(message)
+
+
+def _evaluable(value: object) -> object:
+    if isinstance(value, Math):
+        return value.source
+    return value if isinstance(value, numbers.Real) else _Refused()
 
 
 def _filled(template: str, values: dict[str, object]) -> str:

@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from reliab.criterion import EllipseSample
-from reliab.report.axes import A_PARAMETER, B_PARAMETER, mark, name_axes, scientific
+from reliab.report.axes import A_PARAMETER, B_PARAMETER, label_logarithmic, mark, name_axes, scientific
 from reliab.report.style import BLUE, VERMILION, letters, panels, styled
 
 _HEIGHT = 62.0
@@ -34,6 +34,7 @@ def parameter_correlation(sample: EllipseSample) -> Figure:
     mark(axes[0, 0], f"correlation {sample.correlation:.3f}", (0.97, 0.10), ha="right")
     axes[0, 0].ticklabel_format(axis="x", style="sci", scilimits=(0, 0), useMathText=True)
     axes[0, 1].set(xscale="log", yscale="log")
+    label_logarithmic(axes[0, 1].xaxis, axes[0, 1].yaxis)
     correlation = float(np.corrcoef(sample.log_a, sample.log_b)[0, 1])
     mark(axes[0, 1], f"correlation of the logarithms {correlation:.3f}", (0.97, 0.10), ha="right")
     return figure

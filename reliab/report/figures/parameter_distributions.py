@@ -12,7 +12,7 @@ from reliab.criterion.distributions import Distribution
 from reliab.report.axes import A_PARAMETER, B_PARAMETER, DENSITY_A, DENSITY_B, legend_below, name_axes
 from reliab.report.style import INK, PALE, letters, line, panels, styled
 
-_HEIGHT = 70.0
+_HEIGHT = 64.0
 _POINTS = 400
 _BODY = 0.97
 
@@ -56,7 +56,7 @@ def parameter_distributions(
             label=f"criterion at {100 * confidence:g} %",
         )
         name_axes(place, *names[k])
-    axes[0, 0].ticklabel_format(axis="both", style="sci", scilimits=(0, 0), useMathText=True)
+    axes[0, 0].ticklabel_format(axis="x", style="sci", scilimits=(0, 0), useMathText=True)
     legend_below(figure, axes[0, 0])
     return figure
 

@@ -12,6 +12,7 @@ from reliab.report.axes import (
     B_PARAMETER,
     DAMPING_RATIO,
     FREQUENCY,
+    label_logarithmic,
     legend_below,
     name_axes,
     plain,
@@ -92,5 +93,7 @@ def _draw(series: Sequence[ParameterSeries], name: str, *, logarithmic: bool) ->
         place.set_yscale("log")
         if logarithmic:
             place.set_xscale("log")
+            label_logarithmic(place.xaxis)
+        label_logarithmic(place.yaxis)
     legend_below(figure, axes[0, 0], columns=3)
     return figure

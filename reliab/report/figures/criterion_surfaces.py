@@ -1,0 +1,123 @@
+"""Limits of a criterion over natural frequency and damping ratio."""
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullLocator
+from numpy.typing import NDArray
+
+from reliab.report.axes import DAMPING_RATIO, FREQUENCY, name_axes
+from reliab.report.style import INK, SEQUENTIAL, letters, panels, styled
+
+_HEIGHT = 74.0
+_LEVELS = 9
+_SHADES = 25
+_PALENESS = 0.42
+_LEAST_SPACE = 0.085
+_STEPS = np.array([1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0])
+
+
+@styled
+def criterion_surfaces(
+    frequencies: NDArray[np.float64],
+    damping_ratios: NDArray[np.float64],
+    amplitude_limit: NDArray[np.float64],
+    delay_limit: NDArray[np.float64],
+) -> Figure:
+    """Draw lines of equal limits over the structures, both axes logarithmic.
+
+    Parameters
+    ----------
+    frequencies : array of float, shape (F,)
+        Natural frequencies [Hz], increasing, at least two.
+    damping_ratios : array of float, shape (X,)
+        Damping ratios [-], increasing, at least two.
+    amplitude_limit : array of float, shape (F, X)
+        Greatest amplitude error √a [%].
+    delay_limit : array of float, shape (F, X)
+        Greatest delay √b [ms].
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Amplitude error and delay side by side.
+    """
+    figure, axes = panels(1, 2, height=_HEIGHT, share_y=True)
+    letters(axes, (r"amplitude error $\sqrt{a}$ [%]", r"delay $\sqrt{b}$ [ms]"))
+    for place, values in zip(axes[0], (amplitude_limit, delay_limit), strict=True):
+        _draw(place, frequencies, damping_ratios, values.T)
+    name_axes(axes[0, 0], FREQUENCY, DAMPING_RATIO)
+    axes[0, 1].set_xlabel(FREQUENCY)
+    return figure
+
+
+def round_levels(low: float, high: float, count: int = _LEVELS) -> NDArray[np.float64]:
+    """Round numbers that lie evenly on a logarithmic scale.
+
+    Parameters
+    ----------
+    low, high : float
+        Positive ends.
+    count : int, optional
+        Greatest number of levels.
+
+    Returns
+    -------
+    array of float
+        Increasing levels strictly between the ends.
+
+    Examples
+    --------
+    >>> round_levels(0.8, 40.0).tolist()
+    [1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0, 15.0, 20.0, 30.0]
+    """
+    decades = np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1.0)
+    for steps in (_STEPS[:-1], _STEPS[[0, 2, 4]], _STEPS[[0, 3]], _STEPS[[0]]):
+        candidates = np.outer(10.0**decades, steps).ravel()
+        inside = candidates[(candidates > low) & (candidates < high)]
+        if inside.size <= count + 1:
+            break
+    return np.asarray(inside)
+
+
+def _draw(
+    axes: Axes,
+    frequencies: NDArray[np.float64],
+    damping_ratios: NDArray[np.float64],
+    values: NDArray[np.float64],
+) -> None:
+    shown = np.where(values > 0.0, values, np.nan)
+    low, high = float(np.nanmin(shown)), float(np.nanmax(shown))
+    axes.set(xscale="log", yscale="log")
+    shades = np.geomspace(low, high, _SHADES) if high > low else np.array([low, low * 1.01])
+    axes.contourf(
+        frequencies, damping_ratios, shown, levels=shades, colors=_colours(shades.size - 1), norm=LogNorm()
+    )
+    levels = round_levels(low, high)
+    if levels.size:
+        lines = axes.contour(frequencies, damping_ratios, shown, levels=levels, colors=INK, linewidths=0.8)
+        axes.clabel(lines, fontsize=8.0, fmt="%g")
+    for axis, nodes in ((axes.xaxis, frequencies), (axes.yaxis, damping_ratios)):
+        axis.set_major_locator(FixedLocator(_spread(nodes)))
+        axis.set_minor_locator(NullLocator())
+        axis.set_major_formatter(FormatStrFormatter("%g"))
+    axes.set(xlim=(frequencies[0], frequencies[-1]), ylim=(damping_ratios[0], damping_ratios[-1]))
+    axes.grid(visible=False)
+
+
+def _colours(count: int) -> list[tuple[float, ...]]:
+    """Colours of rising lightness, pale enough for lines and numbers to stand on them."""
+    shades = colormaps[SEQUENTIAL](np.linspace(0.0, 1.0, count))
+    return [tuple(each) for each in (1.0 - _PALENESS * (1.0 - shades)).tolist()]
+
+
+def _spread(nodes: NDArray[np.float64]) -> list[float]:
+    """Nodes whose labels do not touch on a logarithmic axis; the first and the last always."""
+    least = _LEAST_SPACE * np.log(nodes[-1] / nodes[0])
+    kept = [float(nodes[0])]
+    for node in nodes[1:-1].tolist():
+        if np.log(node / kept[-1]) >= least and np.log(nodes[-1] / node) >= least:
+            kept.append(node)
+    return [*kept, float(nodes[-1])]

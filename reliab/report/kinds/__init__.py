@@ -1,0 +1,1 @@
+"""Reports, one kind per file: from plain results to a document."""

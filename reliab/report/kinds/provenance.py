@@ -1,0 +1,43 @@
+"""From what a report can be made again."""
+
+from collections.abc import Mapping
+
+from reliab.criterion.provenance import Provenance
+
+
+def provenance_of(given: Mapping[str, object], criterion: Provenance | None = None) -> dict[str, str]:
+    """Collect versions, checksums and settings.
+
+    Parameters
+    ----------
+    given : mapping
+        What the caller knows, by its name: the hash of the study, seeds, …; shown first.
+    criterion : Provenance, optional
+        Where a criterion comes from.
+
+    Returns
+    -------
+    dict of str to str
+        Lines of the report.
+    """
+    lines = {name: _line(value) for name, value in given.items()}
+    if criterion is None:
+        return lines
+    settings = _line(criterion.settings)
+    derived = {
+        "source": criterion.source,
+        "motions, earthquakes": f"{criterion.n_motions}, {criterion.n_events}",
+        "records, SHA-256": criterion.records_checksum,
+        "window": criterion.window,
+        "settings of the method": settings,
+        "packages": _line(criterion.packages),
+    }
+    return {**lines, **{name: text for name, text in derived.items() if text and name not in lines}}
+
+
+def _line(value: object) -> str:
+    if isinstance(value, Mapping):
+        return ", ".join(f"{name} {_line(each)}" for name, each in value.items())
+    if isinstance(value, list | tuple):
+        return ", ".join(_line(each) for each in value)
+    return f"{value:g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,129 @@
+"""What criteria contain on motions that they were not learned from: table, section and figures."""
+
+import numpy as np
+import pandas as pd
+
+from reliab.report.document import Block, Column, Figure, Paragraph, Section, Table
+from reliab.report.figures.rates import calibration_curve, coverage_by_frequency
+from reliab.report.kinds.wording import PERCENT, percent
+from reliab.report.numbers import Fixed, Shortest
+from reliab.report.prose import prose
+from reliab.validation.cross_validation.judge import CrossValidation
+
+
+def rates_table(validation: CrossValidation) -> pd.DataFrame:
+    """Tabulate what a cross-validation found, over all structures and by frequency.
+
+    Parameters
+    ----------
+    validation : CrossValidation
+        Its counts.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns `measure` ("containment", "false_safe" or "accepted_share"), `candidate`, `confidence`
+        (stated), `f` [Hz] (NaN over all structures), `rate`, `low` and `high` [-].
+    """
+    measures = {
+        "containment": validation.containment,
+        "false_safe": validation.false_safe,
+        "accepted_share": validation.accepted_share,
+    }
+    tables = [
+        rates(over).to_dataframe().reset_index().assign(measure=name)
+        for name, rates in measures.items()
+        for over in (("f", "xi"), ("xi",))
+    ]
+    columns = ["measure", "candidate", "confidence", "f", "rate", "low", "high"]
+    return pd.concat(tables, ignore_index=True).reindex(columns=columns)
+
+
+def rates_section(rates: pd.DataFrame, *, confidence: float) -> Section:
+    """Show what criteria contain.
+
+    Parameters
+    ----------
+    rates : pandas.DataFrame
+        As :func:`rates_table` makes it; without the column `measure` all rows are containment.
+    confidence : float
+        The stated confidence that is shown by frequency; the nearest there is [-].
+
+    Returns
+    -------
+    Section
+        Calibration curve, containment by frequency, and the rates as a table.
+    """
+    contained = rates[rates["measure"] == "containment"] if "measure" in rates else rates
+    overall, by_frequency = contained[contained["f"].isna()], contained[contained["f"].notna()]
+    stated = contained["confidence"].to_numpy()
+    nearest = float(stated[np.argmin(np.abs(stated - confidence))])
+    chosen = by_frequency[np.isclose(by_frequency["confidence"], nearest)]
+    blocks: list[Block] = [
+        Paragraph(
+            text=prose(
+                "Whole earthquakes were held out in turn; the criterion was derived from the others and held"
+                " against the motions that it had not seen. A motion contains a criterion when its own "
+                "ellipse is larger in both $a$ and $b$. Intervals resample earthquakes @davison1997."
+            )
+        ),
+        Figure(
+            drawing=calibration_curve(overall),
+            caption=(
+                "A criterion keeps its word where its line follows the diagonal; below it, it promises too "
+                "much."
+            ),
+            label="fig:calibration",
+        ),
+    ]
+    if chosen["f"].unique().size > 1:
+        blocks.append(
+            Figure(
+                drawing=coverage_by_frequency(chosen, confidence=nearest),
+                caption=prose(
+                    "Containment by natural frequency at a stated {share}: a point below the dotted line is"
+                    " unsafe at that frequency, as far as its interval lies below it.",
+                    share=percent(nearest),
+                ),
+                label="fig:by-frequency",
+            )
+        )
+    blocks.append(_table(rates[rates["f"].isna()]))
+    return Section(
+        title="Put to the test on held-out earthquakes", blocks=tuple(blocks), label="sec:coverage"
+    )
+
+
+def _table(overall: pd.DataFrame) -> Table:
+    measured = overall if "measure" in overall else overall.assign(measure="containment")
+    wide = measured.pivot_table(
+        index=["candidate", "confidence"], columns="measure", values=["rate", "low", "high"], sort=False
+    )
+    wide.columns = pd.Index([" ".join(reversed(name)) for name in wide.columns.to_flat_index()])
+    frame = wide.reset_index()
+    share = Fixed(decimals=1, factor=PERCENT)
+    names = {
+        "containment": "contained",
+        "false_safe": "accepted, yet bad",
+        "accepted_share": "good, and accepted",
+    }
+    columns = [
+        Column(key=f"{measure} {value}", heading=heading, unit="%", number=share, group=group)
+        for measure, group in names.items()
+        for value, heading in (("rate", "share"), ("low", "from"), ("high", "to"))
+        if f"{measure} {value}" in frame
+    ]
+    return Table(
+        frame=frame,
+        columns=(
+            Column(key="candidate", heading="Criterion"),
+            Column(key="confidence", heading="Stated", unit="%", number=Shortest(factor=PERCENT)),
+            *columns,
+        ),
+        caption=(
+            "Rates over all structures with their 95 % intervals: motions whose ellipse contains the "
+            "criterion; tests that are accepted although their error is too large, of those accepted; good "
+            "tests that are accepted, of those good."
+        ),
+        label="tab:rates",
+    )

@@ -1,0 +1,106 @@
+"""How reports say things: errors, shares, structures, confidences, equations with numbers."""
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+
+from reliab.report.prose import Math, Piece
+from reliab.vocabulary import Metric
+
+PERCENT: Final = 100.0
+
+ERRORS: Final = {Metric.RMS: Math(source='"RMS"^R'), Metric.MTE: Math(source='"MTE"^R')}
+"""The errors of the whole test in mathematics."""
+
+ERROR_NAMES: Final = {Metric.RMS: "RMS^R", Metric.MTE: "MTE^R"}
+"""The errors of the whole test in plain text, where no mathematics can stand."""
+
+METHODS: Final = {
+    "quantile": (
+        "the quantile of the fitted distribution, as in the paper: no allowance is made for how few motions "
+        "there are"
+    ),
+    "tolerance": (
+        "a tolerance bound: suites like this one keep the promise with the stated assurance, if motions are "
+        "independent and lognormal"
+    ),
+    "posterior": "a credible bound of the population's quantile, if motions are independent and lognormal",
+    "predictive": "the predictive probability for one further motion, if motions are lognormal",
+    "dirichlet": (
+        "the predictive probability for a motion of a further earthquake, learned from the motions "
+        "themselves and, beyond them, from a fitted shape; motions count as many as their earthquakes are "
+        "worth"
+    ),
+    "order_statistic": "a bound by order statistics, free of any distribution",
+    "conformal": "the predictive probability for a motion of a further earthquake, free of any distribution",
+    "bootstrap": "a bound from resampling whole earthquakes",
+}
+"""What a stated confidence means, by the name of the method."""
+
+
+def percent(share: float, digits: int = 3) -> str:
+    """Write a share in per cent.
+
+    Examples
+    --------
+    >>> percent(0.05), percent(0.95281)
+    ('5 %', '95.3 %')
+    """
+    return f"{PERCENT * share:.{digits}g} %"
+
+
+def values(numbers: Sequence[float]) -> str:
+    """Write several values: few of them one by one, many by their range.
+
+    Examples
+    --------
+    >>> values([0.02]), values([0.5, 1.0]), values([0.25, 0.5, 0.75, 1.0, 1.25])
+    ('0.02', '0.5 and 1', '0.25 to 1.25 (5 values)')
+    """
+    words = [f"{each:g}" for each in numbers]
+    if len(words) > _FEW:
+        return f"{words[0]} to {words[-1]} ({len(words)} values)"
+    return listed(words)
+
+
+def listed(words: Sequence[str]) -> str:
+    """Join words with commas and a last "and".
+
+    Examples
+    --------
+    >>> listed(["a", "b", "c"])
+    'a, b and c'
+    """
+    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else list(words))
+
+
+def error_below(metric: str, threshold: float) -> tuple[Piece, ...]:
+    """Write an error and its bound, "RMS^R below 5 %"."""
+    return (ERRORS[Metric(metric)], f" below {percent(threshold)}")
+
+
+def number(value: float, digits: int = 3) -> str:
+    """Write a number for mathematics in typst's notation.
+
+    Examples
+    --------
+    >>> number(5.29e-5), number(1.048), number(0.0)
+    ('5.29 dot 10^(-5)', '1.05', '0')
+    """
+    if value == 0.0 or not np.isfinite(value):
+        return "oo" if value else "0"
+    exponent = int(f"{value:.{digits - 1}e}".partition("e")[2])
+    if _SMALLEST <= exponent <= _GREATEST:
+        return f"{value:.{max(digits - 1 - exponent, 0)}f}"
+    mantissa = f"{value:.{digits - 1}e}".partition("e")[0]
+    return f"{mantissa} dot 10^({exponent})"
+
+
+def ellipse(a: float, b: float) -> Math:
+    """Write (A − 1)²/a + d²/b ≤ 1 with its numbers, in a line."""
+    return Math(source=f"(A - 1)^2 \\/ lr(({number(a)})) + d^2 \\/ {number(b)} <= 1")
+
+
+_FEW = 4
+_SMALLEST, _GREATEST = -2, 3
