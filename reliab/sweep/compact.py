@@ -34,8 +34,10 @@ def write_compact(results: xr.Dataset, path: str | Path) -> None:
         compact[metric] = compact[metric].copy(data=_rounded(np.minimum(errors, _LARGEST_ERROR)))
     compact.attrs["precision"] = "errors above 1 are stored as 1; relative rounding 2.4e-4"
     sizes = compact.sizes
-    chunk = [1 if name == Dimension.MOTION else sizes[name] for name in compact[Metric.RMS].dims]
-    encoding = {str(name): {"zlib": True, "complevel": 9, "chunksizes": chunk} for name in Metric}
+    chunk = tuple(1 if name == Dimension.MOTION else sizes[name] for name in compact[Metric.RMS].dims)
+    encoding = {
+        str(name): {"zlib": True, "complevel": 9, "shuffle": True, "chunksizes": chunk} for name in Metric
+    }
     compact.to_netcdf(path, engine="h5netcdf", encoding=encoding)
 
 

@@ -1,0 +1,63 @@
+"""Results in one small file answer what the store answers."""
+
+import numpy as np
+import pytest
+
+from reliab.errors import InputError
+from reliab.shipped import shipped
+from reliab.sweep import open_ellipses, open_results, run_sweep, write_compact, write_ellipses
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory, suite, request_):
+    return run_sweep(suite, request_, tmp_path_factory.mktemp("compact") / "results.zarr")
+
+
+@pytest.fixture(scope="module")
+def compact(tmp_path_factory, store):
+    path = tmp_path_factory.mktemp("compact") / "results.nc"
+    write_compact(open_results(store), path)
+    return path
+
+
+def test_ellipses_of_the_small_file_are_those_of_the_store(store, compact):
+    thresholds = (0.02, 0.05, 0.1)
+    large, small = (open_results(path).reliab.ellipses(thresholds) for path in (store, compact))
+    assert np.allclose(small["a"], large["a"], rtol=5e-3, equal_nan=True)
+    assert np.allclose(small["b"], large["b"], rtol=5e-3, equal_nan=True)
+
+
+def test_errors_are_kept_to_the_stated_precision(store, compact):
+    large, small = (open_results(path)["rms"].values for path in (store, compact))
+    kept = large <= 1.0
+    assert np.allclose(small[kept], large[kept], rtol=2.5e-4)
+    assert small.max() == 1.0
+
+
+def test_window_that_is_not_in_the_file_is_refused(compact):
+    with pytest.raises(InputError, match="record"):
+        open_results(compact, window="arias")
+
+
+def test_ellipses_survive_their_file(tmp_path, store):
+    ellipses = open_results(store).reliab.ellipses()
+    write_ellipses(ellipses, tmp_path / "ellipses.nc")
+    assert open_ellipses(tmp_path / "ellipses.nc").identical(ellipses)
+
+
+@pytest.mark.parametrize("opened", [open_results, open_ellipses])
+@pytest.mark.parametrize("content", [b"", b"a,b\n1,2\n", b"\x89HDF\r\n\x1a\n"])
+def test_other_files_are_refused(tmp_path, opened, content):
+    path = tmp_path / "other.nc"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match="NetCDF"):
+        opened(path)
+
+
+def test_the_shipped_files_agree_with_each_other():
+    results = open_results(shipped("datasets", "real_suite/results.nc")).sel(f=[1.0], xi=[0.02])
+    ellipses = open_ellipses(shipped("datasets", "real_suite/ellipses.nc"))
+    looked_up = results.reliab.ellipses((0.05,)).squeeze()
+    traced = ellipses.sel(f=1.0, xi=0.02, threshold=0.05, metric="rms").squeeze()
+    assert np.allclose(looked_up["a"], traced["a"], rtol=5e-3)
+    assert np.allclose(looked_up["b"], traced["b"], rtol=5e-3)
