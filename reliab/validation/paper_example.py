@@ -1,0 +1,104 @@
+"""The paper's example: KOBE/NIS000 at 1 Hz and 2 % damping, Figures 2 to 10 and Table 1.
+
+One ground motion, the actuator's gain and delay varied: histories, errors against delay and against
+amplitude, both at once, and the contours of equal error with the curves fitted to them.
+"""
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from reliab.boundary import motion_contours
+from reliab.indices.response_error import relative_error
+from reliab.loop import spectral
+from reliab.loop.engine import Loop
+from reliab.loop.excitation import Excitation
+from reliab.loop.stability import critical_delay
+from reliab.loop.structure import Structure
+from reliab.motions import Motion
+from reliab.vocabulary import Metric
+
+EXAMPLE: Final = "KOBE/NIS000"
+"""The motion of the paper's example."""
+
+SHOWN_TESTS: Final = ((1.0, 0.0), (1.0, 5e-3), (0.99, 0.0), (1.02, 2e-3))
+"""Gain [-] and delay [s] of Figures 2, 3, 5 and 7."""
+
+_DELAYS: Final[NDArray[np.float64]] = 1e-4 * np.arange(81)  # 0.1 to 8 ms
+_GAINS: Final[NDArray[np.float64]] = 1.0 + 1e-3 * np.arange(-20, 21)
+_MAP_DELAYS: Final[NDArray[np.float64]] = 1e-4 * np.arange(21)
+_METRICS: Final = (Metric.MTE, Metric.RMS)
+
+
+def run_paper_example(motion: Motion, *, frequency: float = 1.0, damping_ratio: float = 0.02) -> xr.Dataset:
+    """Simulate the example.
+
+    Parameters
+    ----------
+    motion : Motion
+        The ground motion, KOBE/NIS000 in the paper.
+    frequency, damping_ratio : float, optional
+        The structure [Hz, -].
+
+    Returns
+    -------
+    xarray.Dataset
+        `displacement` [m] over (test, time) with the coordinates `test_gain` and `test_delay`, the first
+        test being the exact response; `error_of_delay` over (metric, long_delay) at gain 1,
+        `error_of_gain` over (metric, gain) without delay, and `error` over (metric, gain, delay) [-];
+        `amplitude_mte`, `delay_mte`, `amplitude_rms` and `delay_rms`, the contours of 5 % error [-] and
+        [s] over their points. Attributes: `critical_delay` [s], `motion`, `f`, `xi`.
+    """
+    structure = Structure(frequency=frequency, damping_ratio=damping_ratio)
+    excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step)
+    loop = Loop(excitation=excitation, structure=structure)
+    variables = {**_histories(excitation, structure), **_errors(loop), **_contours(loop)}
+    coordinates = {"metric": [str(metric) for metric in _METRICS], "gain": _GAINS, "delay": _MAP_DELAYS}
+    attributes = {
+        "critical_delay": float(critical_delay(structure)),
+        "motion": motion.name,
+        "f": frequency,
+        "xi": damping_ratio,
+    }
+    found = xr.Dataset(variables, coords={**coordinates, "long_delay": _DELAYS}, attrs=attributes)
+    gains, delays = zip(*SHOWN_TESTS, strict=True)
+    return found.assign_coords(test_gain=("test", list(gains)), test_delay=("test", list(delays)))
+
+
+def _histories(excitation: Excitation, structure: Structure) -> dict[str, tuple[Sequence[str], object]]:
+    histories = [spectral.response(excitation, structure, gain, delay) for gain, delay in SHOWN_TESTS]
+    step = histories[0][1]
+    displacement = np.stack([history for history, _ in histories])
+    times = excitation.window[0] + step * np.arange(displacement.shape[1])
+    return {"displacement": (("test", "time"), displacement), "time": (("time",), times)}
+
+
+def _errors(loop: Loop) -> dict[str, tuple[Sequence[str], object]]:
+    gain, delay = np.meshgrid(_GAINS, _MAP_DELAYS, indexing="ij")
+    both = _relative(loop, gain, delay).reshape(len(_METRICS), *gain.shape)
+    return {
+        "error_of_delay": (("metric", "long_delay"), _relative(loop, np.ones_like(_DELAYS), _DELAYS)),
+        "error_of_gain": (("metric", "gain"), _relative(loop, _GAINS, np.zeros_like(_GAINS))),
+        "error": (("metric", "gain", "delay"), both),
+    }
+
+
+def _relative(loop: Loop, gain: NDArray[np.float64], delay: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Errors of actuators [-], shape (metrics, cells)."""
+    deviation = loop.deviation(loop.cells(gain=gain, delay=delay))
+    return np.stack([relative_error(deviation, metric) for metric in _METRICS])
+
+
+def _contours(loop: Loop) -> dict[str, tuple[Sequence[str], object]]:
+    variables: dict[str, tuple[Sequence[str], object]] = {}
+    for metric in _METRICS:
+        (contour,) = motion_contours(loop, (0.05,), metric)
+        point = (f"point_{metric}",)
+        variables |= {
+            f"amplitude_{metric}": (point, contour.amplitude),
+            f"delay_{metric}": (point, contour.delay),
+        }
+    return variables
