@@ -27,9 +27,9 @@ EXAMPLE: Final = "KOBE/NIS000"
 SHOWN_TESTS: Final = ((1.0, 0.0), (1.0, 5e-3), (0.99, 0.0), (1.02, 2e-3))
 """Gain [-] and delay [s] of Figures 2, 3, 5 and 7."""
 
-_DELAYS: Final[NDArray[np.float64]] = 1e-4 * np.arange(81)  # 0.1 to 8 ms
-_GAINS: Final[NDArray[np.float64]] = 1.0 + 1e-3 * np.arange(-20, 21)
-_MAP_DELAYS: Final[NDArray[np.float64]] = 1e-4 * np.arange(21)
+_DELAYS: Final = np.linspace(0.0, 8e-3, 81)
+_GAINS: Final = np.linspace(0.98, 1.02, 41)
+_MAP_DELAYS: Final = np.linspace(0.0, 2e-3, 21)
 _METRICS: Final = (Metric.MTE, Metric.RMS)
 
 
