@@ -11,6 +11,7 @@ from typing import Any
 import typer
 
 from reliab.cli import criterion, ellipses, motions, simulate
+from reliab.cli import run as run_command
 from reliab.errors import IncompleteError, InputError
 
 _BAD_INPUT = 2
@@ -26,6 +27,7 @@ app.add_typer(motions.app, name="motions")
 app.command("simulate")(simulate.simulate)
 app.command("ellipses")(ellipses.ellipses)
 app.command("criterion")(criterion.criterion)
+app.command("run")(run_command.run)
 
 
 def main() -> None:

@@ -3,11 +3,14 @@
 A key that is not known, or a value that is not allowed, is refused with its place and what is allowed.
 """
 
+import datetime as dt
+import hashlib
 import tomllib
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from reliab.errors import InputError
 
@@ -20,10 +23,18 @@ class _Table(BaseModel):
 
 
 class MotionsTable(_Table):
-    """`[motions]`: which ground motions."""
+    """`[motions]`: which ground motions; or which results of theirs, a store or "real_suite"."""
 
-    sources: tuple[str, ...] = ("synthetic",)
+    sources: tuple[str, ...] | None = None
     sets: tuple[str, ...] | None = None
+    results: str | None = None
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        if self.sources is not None and self.results is not None:
+            message = "sources and results exclude each other"
+            raise ValueError(message)
+        return self
 
 
 class StructuresTable(_Table):
@@ -48,7 +59,7 @@ class CriterionTable(_Table):
     confidences: tuple[Share, ...] = (0.95,)
     method: str = "dirichlet"
     joint: bool = True
-    law: str | None = None
+    law: str = "table"
 
 
 class ValidationTable(_Table):
@@ -84,13 +95,38 @@ class Study(_Table):
     title: str
     kind: Literal["criterion", "paper", "validation", "suites", "audit", "discrepancy"]
     purpose: str = ""
-    date: str = "2026-01-01"
+    date: dt.date = dt.date(2026, 1, 1)
     motions: MotionsTable = MotionsTable()
     structures: StructuresTable = StructuresTable()
     errors: ErrorsTable = ErrorsTable()
     criterion: CriterionTable = CriterionTable()
     validation: ValidationTable = ValidationTable()
     campaign: CampaignTable | None = None
+
+    def on(self, sources: Sequence[str] | None, sets: Sequence[str] | None) -> Self:
+        """Return the same study on other ground motions.
+
+        Parameters
+        ----------
+        sources, sets : sequence of str or None
+            As the keys of `[motions]`; None keeps what the study says.
+
+        Returns
+        -------
+        Study
+            The study.
+        """
+        known = self.motions
+        chosen = MotionsTable(
+            sources=known.sources if sources is None else tuple(sources),
+            sets=known.sets if sets is None else tuple(sets),
+            results=known.results if sources is None else None,
+        )
+        return self.model_copy(update={"motions": chosen})
+
+    def digest(self) -> str:
+        """Return the SHA-256 of everything that the study asks for."""
+        return hashlib.sha256(self.model_dump_json().encode()).hexdigest()
 
 
 def read_study(path: str | Path) -> Study:

@@ -50,8 +50,8 @@ class RunFolder:
     ----------
     path : pathlib.Path
         The folder; made if it is not there.
-    kind, title : str
-        What is run in it.
+    study : mapping
+        What is run in it, as plain values.
 
     Raises
     ------
@@ -59,7 +59,7 @@ class RunFolder:
         If the folder cannot be made, or holds something else than a run.
     """
 
-    def __init__(self, path: Path, *, kind: str, title: str) -> None:
+    def __init__(self, path: Path, *, study: Mapping[str, Any]) -> None:
         self.path = path
         try:
             path.mkdir(parents=True, exist_ok=True)
@@ -76,8 +76,9 @@ class RunFolder:
                 value=f"{path} holds other files",
                 remedy="Name another folder",
             )
-        known = self._read().get("stages", {})
-        self._manifest: dict[str, Any] = {"kind": kind, "title": title, "stages": known}
+        known = _read(path).get("stages", {})
+        self._manifest: dict[str, Any] = {"study": dict(study), "stages": known}
+        self._write()
 
     def perform(self, stage: Stage) -> bool:
         """Do a stage unless it is done; tell whether it was.
@@ -108,16 +109,46 @@ class RunFolder:
     def _digest_files(self, names: Sequence[str]) -> dict[str, str]:
         return {name: digest(self.path / name) for name in names}
 
-    def _read(self) -> dict[str, Any]:
-        try:
-            return dict(json.loads((self.path / MANIFEST).read_text(encoding="utf-8")))
-        except (OSError, ValueError):
-            return {}
-
     def _write(self) -> None:
         unfinished = self.path / f".{MANIFEST}"
         unfinished.write_text(json.dumps(self._manifest, indent=2), encoding="utf-8")
         unfinished.replace(self.path / MANIFEST)
+
+
+def study_of(path: Path) -> dict[str, Any]:
+    """Return what was run in a folder.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        A run folder.
+
+    Returns
+    -------
+    dict
+        The study as plain values.
+
+    Raises
+    ------
+    InputError
+        If nothing was run there.
+    """
+    study = _read(path).get("study")
+    if study is None:
+        raise InputError(
+            "A report is made of the folder of a run",
+            value=f"no {MANIFEST} in it",
+            remedy="Name the folder that `reliab run --out` wrote",
+            where=str(path),
+        )
+    return dict(study)
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        return dict(json.loads((path / MANIFEST).read_text(encoding="utf-8")))
+    except (OSError, ValueError):
+        return {}
 
 
 def digest(path: Path) -> str:

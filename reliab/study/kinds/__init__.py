@@ -1,1 +1,11 @@
-"""What studies do, one kind per file."""
+"""Kinds of studies, one per file."""
+
+from typing import Final
+
+from reliab.study.kinds.criterion import CriterionStudy
+from reliab.study.kinds.kind import Kind
+
+KINDS: Final[dict[str, type[Kind]]] = {each.name: each for each in (CriterionStudy,)}
+"""Every kind by the name that a study's file gives it."""
+
+__all__ = ["KINDS", "Kind"]

@@ -1,0 +1,60 @@
+"""`reliab run`: a study from its motions to the report."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from reliab.cli.options import JsonTarget, Motions, Sets
+from reliab.cli.output import console, progress_bar, table, write_json
+
+_OUT = Path("reliab-run")
+
+
+def run(
+    *,
+    study: Annotated[
+        str, typer.Argument(metavar="[STUDY.toml]", help="A study's file, or the name of one that ships.")
+    ] = "quick",
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Run folder; reliab-run/STUDY by default.")
+    ] = None,
+    motions: Motions = None,
+    sets: Sets = None,
+    listed: Annotated[bool, typer.Option("--list", help="List the studies that ship.")] = False,
+    json_target: JsonTarget = None,
+) -> None:
+    """Run a study: simulate, fit, derive, validate, report."""
+    if listed:
+        _list(json_target)
+        return
+    from reliab.study import open_study, run_study
+
+    chosen = open_study(study)
+    if motions or sets:
+        chosen = chosen.on(motions, sets)
+    folder = out or _OUT / Path(study).stem
+    stages: dict[str, bool] = {}
+
+    def tell(name: str, done: bool) -> None:  # noqa: FBT001 - called by position
+        stages[name] = done
+        if json_target != "-":
+            console().print(f"{'done' if done else 'kept':>5}  {name}", highlight=False)
+
+    report = run_study(chosen, folder, show=progress_bar, tell=tell)
+    content = {"study": chosen.title, "folder": str(folder), "report": str(report), "stages": stages}
+    if not write_json(content, json_target):
+        console().print(f"Report: {report}", highlight=False)
+
+
+def _list(json_target: str | None) -> None:
+    from reliab.study import shipped_studies
+
+    studies = shipped_studies()
+    rows = [{"name": name, "kind": each.kind, "title": each.title} for name, each in studies.items()]
+    if write_json({"studies": rows}, json_target):
+        return
+    shown = table("Studies that ship", {"study": "left", "kind": "left", "title": "left"})
+    for row in rows:
+        shown.add_row(*row.values())
+    console().print(shown)

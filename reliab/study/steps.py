@@ -1,0 +1,240 @@
+"""Steps that studies share: simulate, trace, derive, cross-validate; each a stage with its files."""
+
+import json
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from functools import cached_property
+from pathlib import Path
+from typing import Final
+
+import xarray as xr
+
+from reliab.api import ellipses, simulate
+from reliab.criterion import Criterion, derive_criterion
+from reliab.criterion.laws import OF_MANY_MOTIONS
+from reliab.criterion.methods import Quantile, method_of
+from reliab.errors import InputError
+from reliab.motions import MotionSuite, load_motions
+from reliab.progress import Progress, silent
+from reliab.shipped import or_shipped
+from reliab.study.description import Study
+from reliab.study.stages import Stage, digest
+from reliab.sweep import open_ellipses, open_results, write_ellipses
+from reliab.validation.cross_validation import (
+    Candidate,
+    CrossValidation,
+    Derived,
+    Fold,
+    Printed,
+    cross_validate,
+    k_fold,
+    leave_one_event_out,
+    random_halves,
+)
+from reliab.vocabulary import Metric
+
+Show = Callable[[str], AbstractContextManager[Progress]]
+"""Shows the progress of what it is told the name of."""
+
+RESULTS: Final = "results.zarr"
+ELLIPSES: Final = "ellipses.nc"
+CRITERIA: Final = "criteria.json"
+
+_FOLDS = 5
+_SPLITS = 20
+_PAPER_ERROR = (0.05, str(Metric.RMS))
+
+
+def quietly(what: str) -> AbstractContextManager[Progress]:
+    """Show nothing."""
+    del what
+    return nullcontext(silent)
+
+
+class Material:
+    """What a study works on, loaded when it is first needed.
+
+    Parameters
+    ----------
+    study : Study
+        The study.
+    """
+
+    def __init__(self, study: Study) -> None:
+        self.study = study
+
+    @cached_property
+    def motions(self) -> MotionSuite:
+        """The ground motions."""
+        asked = self.study.motions
+        return load_motions(*(asked.sources or ("synthetic",)), sets=asked.sets)
+
+    @cached_property
+    def stored(self) -> Path | None:
+        """Results that are there already, if the study names some."""
+        name = self.study.motions.results
+        return None if name is None else or_shipped(Path(name), "datasets", "results.nc")
+
+    @property
+    def checksums(self) -> list[str]:
+        """What the ground motions, or the stored results, are known by."""
+        if self.stored is not None:
+            return [digest(self.stored)]
+        return [motion.checksum for motion in self.motions]
+
+    def results(self, folder: Path) -> xr.Dataset:
+        """Results of the study's structures."""
+        opened = open_results(self.stored or folder / RESULTS, window=self.study.errors.window)
+        structures = self.study.structures
+        try:
+            return opened.sel(f=list(structures.f), xi=list(structures.xi), method="nearest", tolerance=1e-9)
+        except KeyError:
+            raise InputError(
+                "Stored results answer for the structures that they hold",
+                value=f"f = {list(structures.f)}, xi = {list(structures.xi)}",
+                remedy=f"Choose among f = {opened['f'].values.tolist()}, xi = {opened['xi'].values.tolist()},"
+                " or give ground motions",
+            ) from None
+
+
+def simulation(material: Material, show: Show) -> list[Stage]:
+    """Simulate the study's motions, unless results are given."""
+    if material.stored is not None:
+        return []
+    study = material.study
+
+    def work(folder: Path) -> None:
+        path = folder / RESULTS
+        with show("Simulating") as progress:
+            simulate(
+                material.motions,
+                out=path,
+                f=study.structures.f,
+                xi=study.structures.xi,
+                window=(study.errors.window,),
+                alpha=study.structures.experimental_fraction,
+                resume=path.exists(),
+                progress=progress,
+            )
+
+    inputs = {
+        "motions": material.checksums,
+        "structures": study.structures.model_dump(),
+        "window": study.errors.window,
+    }
+    return [Stage(name="simulate", inputs=inputs, writes=(RESULTS,), work=work)]
+
+
+def tracing(material: Material, show: Show) -> Stage:
+    """Trace the boundaries in the results."""
+    study = material.study
+
+    def work(folder: Path) -> None:
+        with show("Tracing boundaries") as progress:
+            found = ellipses(
+                material.results(folder),
+                threshold=study.errors.thresholds,
+                metric=study.errors.metrics,
+                progress=progress,
+            )
+        write_ellipses(found, folder / ELLIPSES)
+
+    inputs = {
+        "results": material.checksums,
+        "structures": study.structures.model_dump(),
+        "errors": study.errors.model_dump(),
+    }
+    reads = () if material.stored is not None else (RESULTS,)
+    return Stage(name="trace", inputs=inputs, reads=reads, writes=(ELLIPSES,), work=work)
+
+
+def derivation(study: Study) -> Stage:
+    """Derive the study's criteria, one for each error and confidence; the first is the study's own."""
+
+    def work(folder: Path) -> None:
+        found = open_ellipses(folder / ELLIPSES)
+        criteria = [
+            derive_criterion(
+                found,
+                threshold=threshold,
+                metric=metric,
+                confidence=confidence,
+                method=study.criterion.method,
+                joint=study.criterion.joint,
+                law=study.criterion.law,
+            )
+            for metric in study.errors.metrics
+            for threshold in study.errors.thresholds
+            for confidence in study.criterion.confidences
+        ]
+        text = json.dumps([json.loads(each.to_json()) for each in criteria], ensure_ascii=False)
+        (folder / CRITERIA).write_text(text, encoding="utf-8")
+
+    inputs = study.model_dump(include={"errors", "criterion"})
+    return Stage(name="derive", inputs=inputs, reads=(ELLIPSES,), writes=(CRITERIA,), work=work)
+
+
+def criteria_of(folder: Path) -> list[Criterion]:
+    """Read the criteria of a run."""
+    content = json.loads((folder / CRITERIA).read_text(encoding="utf-8"))
+    return [Criterion.from_json(json.dumps(each)) for each in content]
+
+
+def judgement(material: Material, show: Show) -> Stage:
+    """Judge the study's criterion, the paper's way to derive one, and the printed ones."""
+    study = material.study
+    threshold, metric = study.errors.thresholds[0], study.errors.metrics[0]
+
+    def work(folder: Path) -> None:
+        known = open_ellipses(folder / ELLIPSES)
+        for scheme in study.validation.schemes:
+            with show(f"Cross-validating, {scheme.replace('_', ' ')}") as progress:
+                found = cross_validate(
+                    known,
+                    _folds(scheme, known),
+                    candidates(study),
+                    scheme=scheme,
+                    confidences=study.validation.confidences,
+                    threshold=threshold,
+                    metric=metric,
+                    results=material.results(folder),
+                    trials=study.validation.trials,
+                    progress=progress,
+                )
+            found.counts.to_netcdf(folder / _counts_file(scheme), engine="h5netcdf")
+
+    inputs = study.model_dump(include={"errors", "criterion", "validation"})
+    writes = [_counts_file(scheme) for scheme in study.validation.schemes]
+    return Stage(name="validate", inputs=inputs, reads=(ELLIPSES,), writes=writes, work=work)
+
+
+def candidates(study: Study) -> list[Candidate]:
+    """Criteria that a study puts to the test; the first is its own."""
+    asked = study.criterion
+    own = Derived(name=asked.method, method=method_of(asked.method), joint=asked.joint)
+    paper = Derived(name="quantile", method=Quantile(), joint=False)
+    found: list[Candidate] = [own] if own == paper else [own, paper]
+    if (study.errors.thresholds[0], study.errors.metrics[0]) == _PAPER_ERROR:
+        found += [Printed(name=law.name, law=law) for law in OF_MANY_MOTIONS.values()]
+    return found
+
+
+def validation_of(study: Study, folder: Path, scheme: str) -> CrossValidation:
+    """Read the cross-validation of a run."""
+    with xr.open_dataset(folder / _counts_file(scheme), engine="h5netcdf") as file:
+        counts: xr.Dataset = file.load()
+    threshold, metric = study.errors.thresholds[0], study.errors.metrics[0]
+    return CrossValidation(counts=counts, scheme=scheme, threshold=threshold, metric=metric)
+
+
+def _counts_file(scheme: str) -> str:
+    return f"validation_{scheme}.nc"
+
+
+def _folds(scheme: str, known: xr.Dataset) -> Sequence[Fold]:
+    events = known["event"].values
+    if scheme == "k_fold":
+        return list(k_fold(events, _FOLDS))
+    if scheme == "random_halves":
+        return list(random_halves(events, _SPLITS))
+    return list(leave_one_event_out(events))
