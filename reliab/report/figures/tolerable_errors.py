@@ -1,0 +1,44 @@
+"""Tolerable delay and amplitude error over the natural frequency, before a test."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from reliab.report.axes import AMPLITUDE_LIMIT, DELAY_LIMIT, FREQUENCY, MILLI, legend_below, name_axes
+from reliab.report.style import letters, line, panels, styled
+from reliab.validation.assessment import Tolerance
+
+_HEIGHT = 76.0
+
+
+@styled
+def tolerable_errors_over_frequency(tolerances: Sequence[Tolerance]) -> Figure:
+    """Draw how much amplitude error and delay a rig may have.
+
+    Parameters
+    ----------
+    tolerances : sequence of Tolerance
+        Of one damping ratio and threshold, at several frequencies and confidences.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Two panels: amplitude error and delay [ms], each alone, over the frequency; a line a confidence.
+    """
+    figure, axes = panels(1, 2, height=_HEIGHT)
+    letters(axes, (r"$\sqrt{a}$, no delay", r"$\sqrt{b}$, no amplitude error"))
+    for rank, confidence in enumerate(sorted({each.confidence for each in tolerances})):
+        chosen = sorted(
+            (each for each in tolerances if each.confidence == confidence), key=lambda each: each.frequency
+        )
+        f = np.array([each.frequency for each in chosen])
+        name = f"{confidence:.0%} of ground motions"
+        axes[0, 0].plot(f, [each.amplitude_error for each in chosen], label=name, **line(rank, marker=True))
+        axes[0, 1].plot(f, [MILLI * each.delay for each in chosen], label=name, **line(rank, marker=True))
+    axes[0, 0].set_ylim(bottom=0.0)
+    axes[0, 1].set_yscale("log")
+    name_axes(axes[0, 0], FREQUENCY, AMPLITUDE_LIMIT)
+    name_axes(axes[0, 1], FREQUENCY, DELAY_LIMIT)
+    legend_below(figure, axes[0, 0], columns=2)
+    return figure

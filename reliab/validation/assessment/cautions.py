@@ -1,0 +1,149 @@
+"""What should be known before the verdict on a test is relied on, in plain sentences."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from reliab.validation.assessment.band import noise_floor
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from reliab.validation.assessment.assess import Assessment
+
+_FEW_PERIODS = 10.0
+_FEW_SAMPLES = 20.0  # of a period
+_NOISY = 0.05
+_OFF_RESONANCE = (0.5, 1.7)
+_FAR_FROM_ONE = 0.2
+_VARYING = 0.1  # share of a limit
+_UNEXPLAINED = 0.5  # share of the amplitude limit
+_LEAD = 1e-5  # s
+_NOISIER, _ROUNDING = 10.0, 1e-8  # in power
+_MILLISECONDS = 1e3
+
+
+def cautions(found: "Assessment") -> tuple[str, ...]:
+    """Say what limits a verdict.
+
+    Parameters
+    ----------
+    found : Assessment
+        The assessed test.
+
+    Returns
+    -------
+    tuple of str
+        Sentences; none for a sound test inside the criterion's validity.
+    """
+    return tuple(
+        sentence
+        for group in (_of_columns, _of_signal, _of_constancy, _of_validity, _of_motion)
+        for sentence in group(found)
+    )
+
+
+def _of_columns(found: "Assessment") -> Iterator[str]:
+    tracking, recording = found.tracking, found.recording
+    if np.array_equal(recording.command, recording.measured):
+        yield "Command and measured displacement are identical: was one channel exported twice?"
+    _, (_, latest) = tracking.interval(0.99)
+    if tracking.delay < -_LEAD and latest < 0.0:
+        yield (
+            f"The measured displacement leads the command by {-_MILLISECONDS * tracking.delay:.3g} ms: "
+            "the columns may be swapped, or a compensator overcorrects."
+        )
+    noise_of_command, noise_of_measured = (_noise(each) for each in (recording.command, recording.measured))
+    if noise_of_command > _NOISIER * noise_of_measured and noise_of_command > _ROUNDING:
+        yield (
+            "The command is noisier than the measured displacement, though a command is computed and the "
+            "other is measured: the columns may be swapped."
+        )
+    if abs(tracking.amplitude - 1.0) > _FAR_FROM_ONE:
+        yield (
+            f"A = {tracking.amplitude:.4g} is far from 1: command and measured displacement may be in "
+            "different units."
+        )
+
+
+def _noise(values: "NDArray[np.float64]") -> float:
+    floor, total = noise_floor(values)
+    return floor * values.size / total
+
+
+def _of_signal(found: "Assessment") -> Iterator[str]:
+    recording, tracking = found.recording, found.tracking
+    periods = recording.duration * found.structure.frequency
+    if periods < _FEW_PERIODS:
+        yield f"The test is short: {periods:.2g} periods of the structure."
+    samples = 1.0 / (recording.time_step * tracking.plain.equivalent_frequency)
+    if samples < _FEW_SAMPLES:
+        yield f"The test is sampled coarsely: {samples:.3g} samples in a period."
+    if tracking.noise_share > _NOISY:
+        yield (
+            f"The test is noisy: {tracking.noise_share:.1%} of the measured displacement is unrelated to "
+            "the command."
+        )
+    low, high = found.index_interval
+    if low < 1.0 < high:
+        yield "Noise leaves the verdict open: the interval of the index holds 1."
+    limit = float(np.sqrt(found.limits[0]))
+    if tracking.unexplained_share > _UNEXPLAINED * limit:
+        yield (
+            f"A gain and a delay leave {tracking.unexplained_share:.2%} of the measured motion unexplained, "
+            f"where an amplitude error of {limit:.2%} is tolerable: the rig has another fault (friction, "
+            "backlash, saturation), which A and d do not show."
+        )
+
+
+def _of_constancy(found: "Assessment") -> Iterator[str]:
+    a, b = found.limits
+    windows = found.windows
+    late = _MILLISECONDS * windows.delay_range
+    if late > _VARYING * np.sqrt(b):
+        first, last = (_MILLISECONDS * each for each in (windows.delay.min(), windows.delay.max()))
+        yield (
+            f"The delay varies over the test, from {first:.3g} to {last:.3g} ms. A and d are averages; the "
+            "error of a test whose delay drifts by half either way was within 12 % of what its average tells."
+        )
+    if windows.amplitude_range > _VARYING * np.sqrt(a):
+        yield (
+            f"The amplitude varies over the test, from A = {windows.amplitude.min():.4f} to "
+            f"{windows.amplitude.max():.4f}; A is an average."
+        )
+
+
+def _of_validity(found: "Assessment") -> Iterator[str]:
+    structure, carried = found.structure, found.population.carried_from
+    if carried is not None and found.own is None:
+        yield (
+            f"The structure ({structure.frequency:g} Hz, ξ = {structure.damping_ratio:g}) lies outside of "
+            f"the criterion's validity; the verdict is carried over from {carried[0]:g} Hz, "
+            f"ξ = {carried[1]:g} by dimensionless errors. Give the ground motion with --motion for an exact "
+            "one."
+        )
+    ratio = found.tracking.plain.equivalent_frequency / structure.frequency
+    if not _OFF_RESONANCE[0] <= ratio <= _OFF_RESONANCE[1]:
+        yield (
+            f"The command moves at {found.tracking.plain.equivalent_frequency:.3g} Hz, the structure at "
+            f"{structure.frequency:g} Hz: check the frequency and the units of time."
+        )
+    if structure.experimental_fraction < 1.0 and found.own is None:
+        yield (
+            "The criterion is for a structure that stands wholly in the laboratory (α = 1); for "
+            f"α = {structure.experimental_fraction:g} it is on the safe side."
+        )
+    if found.stability_margin <= 0.0:
+        yield "The delay exceeds the critical one: the loop is unstable."
+
+
+def _of_motion(found: "Assessment") -> Iterator[str]:
+    if found.own is None:
+        return
+    lasting, shaken = found.recording.duration, found.own.duration
+    if abs(lasting / shaken - 1.0) > _VARYING:
+        yield (
+            f"The test lasts {lasting:.4g} s, its ground motion {shaken:.4g} s; RMS^R is that over the "
+            "ground motion, and falls with its length."
+        )

@@ -1,0 +1,101 @@
+"""The boundary of the test's own ground motion, exact by simulation."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import elementwise
+
+from reliab.boundary import Contour, Ellipse, motion_contours
+from reliab.errors import InputError
+from reliab.indices.response_error import relative_error
+from reliab.indices.window import Window
+from reliab.loop.engine import Loop
+from reliab.loop.excitation import Excitation
+from reliab.loop.structure import Structure
+from reliab.motions import Motion
+from reliab.vocabulary import Metric
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class OwnBoundary:
+    """One ground motion and structure, asked about tests.
+
+    Parameters
+    ----------
+    motion : Motion
+        The ground motion of the test.
+    structure : Structure
+        The structure.
+    threshold : float
+        Error of the whole test [-].
+    metric : Metric
+        Which error.
+    window : Window, optional
+        Where the error is taken.
+    """
+
+    motion: Motion
+    structure: Structure
+    threshold: float
+    metric: Metric
+    window: Window = field(default_factory=Window)
+
+    @cached_property
+    def _loop(self) -> Loop:
+        acceleration, step = self.motion.acceleration, self.motion.time_step
+        bounds = self.window.bounds(acceleration, step)
+        excitation = Excitation(acceleration=acceleration, time_step=step, window=bounds)
+        return Loop(excitation=excitation, structure=self.structure)
+
+    def contour(self) -> Contour:
+        """Amplitude [-] and delay [s] along the boundary."""
+        return motion_contours(self._loop, (self.threshold,), self.metric)[0]
+
+    def ellipse(self) -> tuple[float, float]:
+        """Parameters a [-] and b [ms²] of the ellipse fitted to the boundary."""
+        fit = Ellipse.fit(self.contour())
+        return fit.a, fit.b
+
+    def error(self, amplitude: NDArray[np.float64], delay: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Error of tests with given A [-] and d [s], shape (tests,).
+
+        An actuator that leads is taken to be as late as it is early; the boundary is nearly symmetric.
+        """
+        loop = self._loop
+        cells = loop.cells(gain=np.asarray(amplitude), delay=np.abs(delay))
+        return relative_error(loop.deviation(cells), self.metric)
+
+    def index(self, amplitude: float, delay: float) -> float:
+        """Index of a test, which is 1 on the boundary and grows with the square of the distance.
+
+        Parameters
+        ----------
+        amplitude, delay : float
+            A [-] and d [s].
+
+        Returns
+        -------
+        float
+            1/s², the boundary lying at s times the test's distance from the perfect one.
+        """
+        loop, offset, late = self._loop, amplitude - 1.0, abs(delay)
+        if offset == 0.0 and late == 0.0:
+            return 0.0
+
+        def excess(logarithm: NDArray[np.float64]) -> NDArray[np.float64]:
+            share = np.exp(logarithm)
+            gain = np.maximum(1.0 + share * offset, 1e-3)
+            found = relative_error(loop.deviation(loop.cells(gain=gain, delay=share * late)), self.metric)
+            return np.nan_to_num(found, nan=1e3, posinf=1e3) - self.threshold
+
+        bracket = elementwise.bracket_root(excess, np.array([-0.1]), np.array([0.1]))
+        if not bool(bracket.success[0]):
+            raise InputError(
+                "The test must lie on a ray that meets the boundary",
+                value=f"A = {amplitude:g}, d = {delay:g} s",
+                remedy="Check command and measured displacement",
+            )
+        root = elementwise.find_root(excess, bracket.bracket)
+        return float(np.exp(-2.0 * root.x[0]))

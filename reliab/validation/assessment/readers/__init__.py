@@ -1,0 +1,68 @@
+"""Readers of a test's file, one format per file, chosen by what the file's first bytes say."""
+
+from pathlib import Path
+
+from scipy.io.matlab import MatReadError
+
+from reliab.errors import InputError
+from reliab.validation.assessment.readers.columns import Columns
+from reliab.validation.assessment.readers.hierarchical import read_classic_netcdf, read_hierarchical
+from reliab.validation.assessment.readers.matlab import read_matlab
+from reliab.validation.assessment.readers.text import read_text
+
+__all__ = ["Columns", "read_columns"]
+
+_MATLAB = b"MATLAB 5.0"
+_HDF5 = b"\x89HDF\r\n\x1a\n"
+_CLASSIC_NETCDF = (b"CDF\x01", b"CDF\x02")
+_MATLAB_BLOCK = 512
+"""MATLAB 7.3 puts a block of its own before the HDF5 signature."""
+
+
+def read_columns(path: str | Path, *, delimiter: str | None = None) -> Columns:
+    """Read the columns of a test's file.
+
+    Parameters
+    ----------
+    path : str or pathlib.Path
+        CSV or other text, MATLAB (all versions), HDF5 or NetCDF.
+    delimiter : str, optional
+        What separates the columns of a text; recognised by default.
+
+    Returns
+    -------
+    Columns
+        Everything numeric in the file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read; the message says why.
+    """
+    path = Path(path)
+    try:
+        with path.open("rb") as file:
+            head = file.read(_MATLAB_BLOCK + len(_HDF5))
+        if head.startswith(_HDF5) or head[_MATLAB_BLOCK:] == _HDF5:
+            return read_hierarchical(path)
+        if head.startswith(_MATLAB):
+            return read_matlab(path)
+        if head.startswith(_CLASSIC_NETCDF):
+            return read_classic_netcdf(path)
+        if b"\x00" not in head:
+            return read_text(path, delimiter=delimiter)
+    except InputError:
+        raise
+    except (OSError, ValueError, KeyError, TypeError, NotImplementedError, MatReadError) as error:
+        raise InputError(
+            "A test's file must be readable",
+            value=getattr(error, "strerror", None) or str(error).strip() or type(error).__name__,
+            remedy="Check the name, or export the test again",
+            where=str(path),
+        ) from error
+    raise InputError(
+        "A test's file must be text in columns, MATLAB, HDF5 or NetCDF",
+        value="another binary format",
+        remedy="Export it in one of these",
+        where=path.name,
+    )

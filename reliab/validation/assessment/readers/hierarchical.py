@@ -1,0 +1,54 @@
+"""HDF5 files, among them NetCDF 4 and MATLAB 7.3, and classic NetCDF files."""
+
+from pathlib import Path
+
+import numpy as np
+from scipy.io import netcdf_file
+
+from reliab.validation.assessment.readers.arrays import columns_of_arrays
+from reliab.validation.assessment.readers.columns import Columns
+
+
+def read_hierarchical(path: Path) -> Columns:
+    """Read the numeric datasets of an HDF5 file in all its groups.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        HDF5, NetCDF 4 or MATLAB 7.3.
+
+    Returns
+    -------
+    Columns
+        Vectors by name, those of a group as ``group.name``; units from the attribute `units`, single
+        numbers also from the file's own attributes.
+    """
+    import h5py
+
+    arrays: dict[str, np.ndarray] = {}
+    units: dict[str, str] = {}
+
+    def collect(name: str, item: object) -> None:
+        label = name.replace("/", ".")
+        if isinstance(item, h5py.Dataset) and not name.startswith("#"):
+            arrays[label] = np.asarray(item[()])
+            if "units" in item.attrs:
+                units[label] = _text(item.attrs["units"])
+
+    with h5py.File(path, "r") as file:
+        arrays |= {name: np.asarray(value) for name, value in file.attrs.items() if np.ndim(value) == 0}
+        file.visititems(collect)
+    return columns_of_arrays(path, arrays, units)
+
+
+def read_classic_netcdf(path: Path) -> Columns:
+    """Read the variables of a classic NetCDF file, as :func:`read_hierarchical` does."""
+    with netcdf_file(path, "r", mmap=False) as file:
+        variables = dict(file.variables)
+        arrays = {name: np.array(each[()]) for name, each in variables.items()}
+        units = {name: _text(each.units) for name, each in variables.items() if hasattr(each, "units")}
+    return columns_of_arrays(path, arrays, units)
+
+
+def _text(value: object) -> str:
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)

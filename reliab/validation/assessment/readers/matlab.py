@@ -1,0 +1,37 @@
+"""MATLAB files: version 5 to 7 through SciPy; version 7.3 is HDF5 and read as such."""
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.io import loadmat
+
+from reliab.validation.assessment.readers.arrays import columns_of_arrays
+from reliab.validation.assessment.readers.columns import Columns
+
+
+def read_matlab(path: Path) -> Columns:
+    """Read the numeric variables of a MATLAB file, also inside structures.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        A file of version 5 to 7.
+
+    Returns
+    -------
+    Columns
+        Vectors by name, those of a structure as ``structure.field``; columns of a matrix as ``name[1]`` ….
+    """
+    return columns_of_arrays(path, dict(_flattened(loadmat(path, simplify_cells=True))))
+
+
+def _flattened(content: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
+    for name, value in content.items():
+        if name.startswith("__"):
+            continue
+        if isinstance(value, Mapping):
+            yield from _flattened(value, f"{before}{name}.")
+        else:
+            yield f"{before}{name}", np.asarray(value)

@@ -1,0 +1,116 @@
+"""The verdict agrees with the criterion, and with the motion's own boundary where it is known."""
+
+import json
+
+import numpy as np
+import pytest
+
+from reliab.criterion import published_criterion
+from reliab.loop.stability import critical_delay
+from reliab.loop.structure import Structure
+from reliab.validation.assessment import assess, default_criterion
+from reliab.validation.assessment.improvement import improvement
+from reliab.validation.assessment.own_boundary import OwnBoundary
+from reliab.validation.assessment.placement import carried_limits
+from reliab.vocabulary import Metric
+
+ONE_HERTZ = Structure(frequency=1.0, damping_ratio=0.02)
+
+
+def test_index_and_probability_are_those_of_the_criterion(simulate):
+    found, criterion = assess(simulate(noise=0.001), ONE_HERTZ), default_criterion(1.0, 0.02)
+    at = (found.tracking.amplitude, found.tracking.delay, 1.0, 0.02)
+    assert found.index == pytest.approx(float(criterion.index(*at)))
+    assert found.probability == pytest.approx(float(criterion.probability(*at)), abs=2e-3)
+    assert found.stability_margin == pytest.approx(1.0 - at[1] / float(critical_delay(ONE_HERTZ, at[0])))
+    assert found.reliable
+
+
+def test_worse_rig_is_less_probable_and_rejected(simulate):
+    better, worse = (assess(simulate(delay=delay), ONE_HERTZ) for delay in (0.0005, 0.002))
+    assert better.probability > 0.97
+    assert worse.probability < 0.8
+    assert not worse.reliable
+
+
+def test_own_boundary_separates_errors_below_and_above_the_threshold(simulate, ground_motions):
+    for motion in range(2):
+        for delay in (0.0008, 0.003):
+            test = simulate(motion, delay=delay, noise=0.001)
+            own = assess(test, ONE_HERTZ, motion=ground_motions[motion]).own
+            assert (own.index <= 1.0) is (own.error <= 0.05)
+            assert own.probability == float(own.error <= 0.05)
+
+
+def test_own_index_is_one_on_the_boundary(ground_motions):
+    boundary = OwnBoundary(motion=ground_motions[0], structure=ONE_HERTZ, threshold=0.05, metric=Metric.RMS)
+    contour = boundary.contour()
+    for k in (10, contour.amplitude.size // 2, -10):
+        assert boundary.index(float(contour.amplitude[k]), float(contour.delay[k])) == pytest.approx(
+            1, abs=1e-3
+        )
+    half = 1.0 + 0.5 * (contour.amplitude[10] - 1.0), 0.5 * contour.delay[10]
+    assert boundary.index(*map(float, half)) == pytest.approx(0.25, abs=1e-3)
+    assert boundary.index(1.0, 0.0) == 0.0
+
+
+def test_error_under_the_own_motion_is_that_of_the_simulated_test(simulate, ground_motions):
+    test, perfect = simulate(noise=0.0), simulate(gain=1.0, delay=0.0, noise=0.0)
+    strayed = test.measured - perfect.command
+    error = np.sqrt(np.mean(strayed**2)) / np.abs(perfect.command).max()
+    assert assess(test, ONE_HERTZ, motion=ground_motions[0]).own.error == pytest.approx(error, rel=5e-3)
+
+
+def test_structure_outside_the_criterion_is_warned_of_and_carried_over(simulate):
+    structure = Structure(frequency=3.0, damping_ratio=0.02)
+    found = assess(simulate(f=3.0, delay=0.0001), structure)
+    assert any("outside of the criterion's validity" in warning for warning in found.warnings)
+    at_edge = default_criterion(2.0, 0.02).limits(2.0, 0.02)
+    assert found.population.a == pytest.approx(float(at_edge[0]))
+    assert found.population.b == pytest.approx(float(at_edge[1]) * (2.0 / 3.0) ** 2)
+    assert carried_limits(found.criterion, ONE_HERTZ)[1] == pytest.approx(float(at_edge[1]) * 4.0)
+
+
+def test_published_criterion_has_no_probability(simulate):
+    found = assess(simulate(), ONE_HERTZ, criterion=published_criterion("guo_2017_12"))
+    assert found.probability is None
+    assert found.criterion.threshold == 0.05
+
+
+def test_varying_delay_is_warned_of(simulate):
+    from scipy.interpolate import CubicSpline
+
+    from reliab.validation.assessment import Recording
+
+    test = simulate(noise=0.0)
+    times = np.arange(test.command.size) * test.time_step
+    late = CubicSpline(times, test.command)(np.clip(times - 0.002 * times / times[-1], 0.0, None))
+    found = assess(Recording(command=test.command, measured=late, time_step=test.time_step), ONE_HERTZ)
+    assert any("delay varies over the test" in warning for warning in found.warnings)
+
+
+def test_partial_experimental_fraction_is_said(simulate):
+    half = Structure(frequency=1.0, damping_ratio=0.02, experimental_fraction=0.5)
+    assert any("safe side" in warning for warning in assess(simulate(), half).warnings)
+
+
+def test_wrong_frequency_is_suspected(simulate):
+    assert any("check the frequency" in w for w in assess(simulate(f=0.5), ONE_HERTZ).warnings)
+
+
+def test_summary_is_plain_json_with_the_stable_keys(simulate, ground_motions):
+    for motion in (None, ground_motions[0]):
+        found = assess(simulate(), ONE_HERTZ, motion=motion).to_dict()
+        stable = {"A", "phi", "f_eq_hz", "d_ms", "index", "reliable", "probability", "stability_margin"}
+        assert stable <= set(found)
+        assert json.loads(json.dumps(found, allow_nan=False)) == found
+        assert found["index_interval"][0] < found["index"] < found["index_interval"][1]
+        assert found["phi"] == pytest.approx(-2e-3 * np.pi * found["f_eq_hz"] * found["d_ms"])
+
+
+def test_improvement_that_is_named_would_do():
+    found = improvement(1.002, 0.0015, 5e-5, 1.0)
+    assert found.first == "delay"
+    assert 0.002**2 / 5e-5 + (1e3 * found.tolerable_delay) ** 2 == pytest.approx(1.0)
+    assert found.tolerable_amplitude_error == 0.0  # the delay alone is too long
+    assert improvement(0.99, 0.0001, 5e-5, 1.0).first == "amplitude"
