@@ -36,7 +36,8 @@ def rates_table(validation: CrossValidation) -> pd.DataFrame:
         for over in (("f", "xi"), ("xi",))
     ]
     columns = ["measure", "candidate", "confidence", "f", "rate", "low", "high"]
-    return pd.concat(tables, ignore_index=True).reindex(columns=columns)
+    judged = pd.concat(tables, ignore_index=True).dropna(subset="rate")
+    return judged.reindex(columns=columns).reset_index(drop=True)
 
 
 def rates_section(rates: pd.DataFrame, *, confidence: float) -> Section:
@@ -74,6 +75,7 @@ def rates_section(rates: pd.DataFrame, *, confidence: float) -> Section:
                 "much."
             ),
             label="fig:calibration",
+            floats=True,
         ),
     ]
     if chosen["f"].unique().size > 1:
@@ -86,6 +88,7 @@ def rates_section(rates: pd.DataFrame, *, confidence: float) -> Section:
                     share=percent(nearest),
                 ),
                 label="fig:by-frequency",
+                floats=True,
             )
         )
     blocks.append(_table(rates[rates["f"].isna()]))

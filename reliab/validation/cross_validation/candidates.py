@@ -1,5 +1,6 @@
 """Criteria that are put to the test: derived anew in each fold, or printed once and for all."""
 
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
@@ -21,6 +22,11 @@ class Candidate(ABC):
     """
 
     name: str
+
+    def promises(self, confidence: float) -> bool:
+        """Whether it claims to hold for a share of the motions."""
+        del confidence
+        return True
 
     @abstractmethod
     def learn(self, ellipses: xr.Dataset, threshold: float, metric: str, confidence: float) -> Law:
@@ -77,15 +83,22 @@ class Derived(Candidate):
 
 @dataclass(frozen=True, kw_only=True)
 class Printed(Candidate):
-    """Limits that are printed, whatever the motions and the confidence.
+    """Limits that are printed, whatever the motions.
 
     Parameters
     ----------
     law : Law
         The printed law.
+    confidence : float, optional
+        The share of the motions for which it is said to hold.
     """
 
     law: Law
+    confidence: float = 0.95
+
+    def promises(self, confidence: float) -> bool:
+        """Whether this is the stated share."""
+        return math.isclose(confidence, self.confidence)
 
     def learn(self, ellipses: xr.Dataset, threshold: float, metric: str, confidence: float) -> Law:
         """Return the law."""

@@ -30,7 +30,7 @@ def event_bootstrap(
     Returns
     -------
     low, high : numpy.ndarray
-        Ends of the interval, in the trailing shape.
+        Ends of the interval, in the trailing shape; NaN where there is nothing to be counted.
 
     References
     ----------
@@ -45,5 +45,7 @@ def event_bootstrap(
     drawn = rng.multinomial(distinct.size, np.full(distinct.size, 1.0 / distinct.size), _REPETITIONS)
     with np.errstate(invalid="ignore", divide="ignore"):  # nothing accepted in a drawing
         rates = np.tensordot(drawn, top, axes=1) / np.tensordot(drawn, bottom, axes=1)
-    low, high = np.nanquantile(rates, [0.5 * (1.0 - level), 0.5 * (1.0 + level)], axis=0)
-    return low, high
+    ends = np.full((2, *rates.shape[1:]), np.nan)
+    known = bottom.sum(axis=0) > 0.0
+    ends[:, known] = np.nanquantile(rates[:, known], [0.5 * (1.0 - level), 0.5 * (1.0 + level)], axis=0)
+    return ends[0], ends[1]

@@ -83,7 +83,8 @@ class CrossValidation:
             bottom.transpose("motion", ...).values.astype(np.float64),
             self.counts["event"].values,
         )
-        rate = top.sum("motion") / bottom.sum("motion")
+        total = bottom.sum("motion")
+        rate = top.sum("motion") / total.where(total > 0)  # NaN where nothing was judged
         return xr.Dataset({"rate": rate, "low": rate.copy(data=low), "high": rate.copy(data=high)})
 
 
@@ -151,6 +152,8 @@ def cross_validate(
     for done, fold in enumerate(folds, start=1):
         known = _known(ellipses, fold) if learn_from is None else learn_from
         for (c, candidate), (k, confidence) in product(enumerate(candidates), enumerate(confidences)):
+            if not candidate.promises(confidence):
+                continue
             law = candidate.learn(known, threshold, metric, confidence)
             for (i, j), cell in cells.items():
                 if not (fold.judges(cell.frequency, cell.damping_ratio) and _holds(law, cell)):
