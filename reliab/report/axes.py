@@ -6,12 +6,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 from numpy.typing import ArrayLike, NDArray
 
 from reliab.vocabulary import Metric
 
-_WIDE = 60.0
+_STEPS = ((1, 2, 3, 4, 5, 6, 7, 8, 9), (1, 1.5, 2, 3, 5, 7), (1, 2, 5), (1, 3), (1,))
 _LEAST_PLAIN, _GREATEST_PLAIN = 1e-2, 1e4
 
 MILLI: Final = 1e3
@@ -102,19 +102,51 @@ def scientific(value: float, digits: int = 3) -> str:
     return rf"${mantissa}\times10^{{{int(exponent)}}}$"
 
 
-def label_logarithmic(*axes: Axis) -> None:
-    """Label 1, 2 and 5 of each decade where an axis spans few of them, else the decades.
+def label_logarithmic(*axes: Axis, most: int = 5) -> None:
+    """Label a logarithmic axis with a few round numbers.
 
     Parameters
     ----------
     *axes : matplotlib.axis.Axis
         Logarithmic axes whose limits are final.
+    most : int, optional
+        Greatest number of labels.
     """
     for axis in axes:
         low, high = axis.get_view_interval()
-        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < _WIDE * low else (1.0,)))
+        axis.set_major_locator(FixedLocator(round_numbers(low, high, most).tolist()))
         axis.set_major_formatter(FuncFormatter(_written))
         axis.set_minor_formatter(NullFormatter())
+
+
+def round_numbers(low: float, high: float, most: int) -> NDArray[np.float64]:
+    """Round numbers that lie about evenly on a logarithmic scale.
+
+    Parameters
+    ----------
+    low, high : float
+        Positive ends.
+    most : int
+        Greatest number of them.
+
+    Returns
+    -------
+    array of float
+        Increasing numbers between the ends.
+
+    Examples
+    --------
+    >>> round_numbers(0.8, 40.0, 6).tolist(), round_numbers(2.9e-5, 7.1e-5, 5).round(6).tolist()
+    ([1.0, 2.0, 5.0, 10.0, 20.0], [3e-05, 4e-05, 5e-05, 6e-05, 7e-05])
+    """
+    decades = np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1.0)
+    inside = np.empty(0)
+    for steps in _STEPS:
+        candidates = (10.0 ** decades[:, None] * np.asarray(steps)).ravel()
+        inside = candidates[(candidates >= low) & (candidates <= high)]
+        if inside.size <= most:
+            break
+    return np.asarray(inside[:: -(-inside.size // most) if inside.size else 1])
 
 
 def _written(value: float, _: int | None = None) -> str:

@@ -142,6 +142,7 @@ class _Writer:
                     "heading": self._prose(column.heading),
                     "unit": literal(column.unit),
                     "numeric": column.number is not None,
+                    "wide": column.wide,
                 }
                 for column in table.columns
             ],

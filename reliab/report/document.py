@@ -83,6 +83,8 @@ class Column:
         How its numbers are written; without it the values are text.
     group : Prose, optional
         What stands above this and neighbouring columns of the same group.
+    wide : bool, optional
+        Whether it takes what width is left.
     """
 
     key: str
@@ -90,6 +92,7 @@ class Column:
     unit: str = ""
     number: Number | None = None
     group: Prose = ""
+    wide: bool = False
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -145,7 +148,7 @@ class Figure:
     drawing: Drawing
     caption: Prose
     label: str = ""
-    floats: bool = True
+    floats: bool = False
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

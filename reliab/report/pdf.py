@@ -7,7 +7,7 @@ machine.
 import datetime as dt
 from importlib.resources import files
 from pathlib import Path
-from typing import Any, Final, Literal, cast
+from typing import Any, Final, cast
 
 import typst
 
@@ -36,7 +36,7 @@ def write_pdf(document: Document, path: Path, *, date: dt.date) -> None:
     InputError
         If the file cannot be written.
     """
-    content = b"".join(compiled_report(document, date=date))
+    content = compiled_report(document, date=date)
     unfinished = path.with_name(f".{path.name}")
     try:
         unfinished.write_bytes(content)
@@ -50,8 +50,8 @@ def write_pdf(document: Document, path: Path, *, date: dt.date) -> None:
         ) from None
 
 
-def compiled_report(document: Document, *, date: dt.date, kind: Literal["pdf", "png"] = "pdf") -> list[bytes]:
-    """Set a report.
+def compiled_report(document: Document, *, date: dt.date) -> bytes:
+    """Set a report as PDF.
 
     Parameters
     ----------
@@ -59,23 +59,20 @@ def compiled_report(document: Document, *, date: dt.date, kind: Literal["pdf", "
         The report.
     date : datetime.date
         Its date.
-    kind : {"pdf", "png"}, optional
-        One PDF, or one picture for each page.
 
     Returns
     -------
-    list of bytes
-        The file, or one for each page.
+    bytes
+        The PDF.
     """
-    midnight = dt.datetime.combine(date, dt.time(), tzinfo=dt.UTC)
     made = typst.compile(
         cast("Any", {**templates(), **files_of(document)}),  # typst's type hints know of no dict
         ignore_system_fonts=True,
-        format=kind,
+        format="pdf",
         sys_inputs={"date": date.isoformat(), "version": __version__},
-        timestamp=midnight,
+        timestamp=dt.datetime.combine(date, dt.time(), tzinfo=dt.UTC),
     )
-    return [made] if isinstance(made, bytes) else list(made)
+    return bytes(made)
 
 
 def templates() -> dict[str, bytes]:

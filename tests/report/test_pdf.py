@@ -82,7 +82,7 @@ def test_the_date_is_written():
 
 
 def test_every_font_is_embedded():
-    (pdf,) = compiled_report(report(), date=DATE)
+    pdf = compiled_report(report(), date=DATE)
     content = b"\n".join([pdf, *streams(pdf)])
     described = len(re.findall(rb"/Type\s*/FontDescriptor", content))
     assert described >= 3
@@ -113,7 +113,7 @@ def test_text_of_users_is_set_as_it_is(text):
 @settings(max_examples=25, deadline=None)
 @given(st.text(min_size=1, max_size=60))
 def test_any_text_can_be_set(text):
-    (pdf,) = compiled_report(report(text), date=DATE)
+    pdf = compiled_report(report(text), date=DATE)
     assert pdf.startswith(b"%PDF")
 
 

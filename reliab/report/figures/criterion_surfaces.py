@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullLocator
 from numpy.typing import NDArray
 
-from reliab.report.axes import DAMPING_RATIO, FREQUENCY, name_axes
+from reliab.report.axes import DAMPING_RATIO, FREQUENCY, name_axes, round_numbers
 from reliab.report.style import INK, SEQUENTIAL, letters, panels, styled
 
 _HEIGHT = 74.0
@@ -16,7 +16,6 @@ _LEVELS = 9
 _SHADES = 25
 _PALENESS = 0.42
 _LEAST_SPACE = 0.085
-_STEPS = np.array([1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0])
 
 
 @styled
@@ -53,35 +52,6 @@ def criterion_surfaces(
     return figure
 
 
-def round_levels(low: float, high: float, count: int = _LEVELS) -> NDArray[np.float64]:
-    """Round numbers that lie evenly on a logarithmic scale.
-
-    Parameters
-    ----------
-    low, high : float
-        Positive ends.
-    count : int, optional
-        Greatest number of levels.
-
-    Returns
-    -------
-    array of float
-        Increasing levels strictly between the ends.
-
-    Examples
-    --------
-    >>> round_levels(0.8, 40.0).tolist()
-    [1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0, 15.0, 20.0, 30.0]
-    """
-    decades = np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1.0)
-    for steps in (_STEPS[:-1], _STEPS[[0, 2, 4]], _STEPS[[0, 3]], _STEPS[[0]]):
-        candidates = np.outer(10.0**decades, steps).ravel()
-        inside = candidates[(candidates > low) & (candidates < high)]
-        if inside.size <= count + 1:
-            break
-    return np.asarray(inside)
-
-
 def _draw(
     axes: Axes,
     frequencies: NDArray[np.float64],
@@ -95,7 +65,7 @@ def _draw(
     axes.contourf(
         frequencies, damping_ratios, shown, levels=shades, colors=_colours(shades.size - 1), norm=LogNorm()
     )
-    levels = round_levels(low, high)
+    levels = round_numbers(low, high, _LEVELS)
     if levels.size:
         lines = axes.contour(frequencies, damping_ratios, shown, levels=levels, colors=INK, linewidths=0.8)
         axes.clabel(lines, fontsize=8.0, fmt="%g")

@@ -7,13 +7,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from reliab.report.axes import AMPLITUDE, ERRORS, MILLI, mark
+from reliab.report.axes import AMPLITUDE, ERRORS, MILLI, label_logarithmic, mark
 from reliab.report.style import GREY, INK, letters, line, panels, styled
 from reliab.vocabulary import Metric
 
 _HEIGHT = 58.0
 _PERCENT = 100.0
 _MANY = 12
+_LEAST = 0.5
 
 
 @styled
@@ -50,6 +51,8 @@ def error_against_delay(
         place.axvline(MILLI * critical_delay, color=INK, linewidth=0.8, linestyle=(0, (1, 2)))
         place.set_xlabel("Delay $d$ [ms]")
     axes[0, 1].set_yscale("log")
+    axes[0, 1].set_ylim(bottom=_LEAST)
+    label_logarithmic(axes[0, 1].yaxis)
     mark(
         axes[0, 0],
         "critical\ndelay",

@@ -14,10 +14,10 @@ from reliab.report.axes import AMPLITUDE, ERRORS, MILLI, name_axes
 from reliab.report.style import INK, SEQUENTIAL, blank, styled
 from reliab.vocabulary import Metric
 
-_HEIGHT = 118.0
+_HEIGHT = 124.0
 _PERCENT = 100.0
 _LEVELS = 8
-_VIEW = {"elev": 28.0, "azim": -125.0}
+_VIEW = {"elev": 27.0, "azim": -58.0}
 
 
 @styled

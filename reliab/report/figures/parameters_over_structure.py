@@ -19,7 +19,7 @@ from reliab.report.axes import (
 )
 from reliab.report.style import letters, line, panels, styled
 
-_HEIGHT = 72.0
+_HEIGHT = 62.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -95,5 +95,5 @@ def _draw(series: Sequence[ParameterSeries], name: str, *, logarithmic: bool) ->
             place.set_xscale("log")
             label_logarithmic(place.xaxis)
         label_logarithmic(place.yaxis)
-    legend_below(figure, axes[0, 0], columns=3)
+    legend_below(figure, axes[0, 0], columns=4)
     return figure

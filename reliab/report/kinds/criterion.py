@@ -26,7 +26,16 @@ from reliab.report.figures.quantile_quantile import quantile_quantile
 from reliab.report.kinds.method import limits_section, method_section
 from reliab.report.kinds.provenance import provenance_of
 from reliab.report.kinds.rates import rates_section
-from reliab.report.kinds.wording import ERRORS, METHODS, PERCENT, ellipse, error_below, percent, values
+from reliab.report.kinds.wording import (
+    ERROR_NAMES,
+    ERRORS,
+    METHODS,
+    PERCENT,
+    ellipse,
+    error_below,
+    percent,
+    values,
+)
 from reliab.report.numbers import Fixed, Scientific, Shortest, Significant
 from reliab.report.prose import Piece, Prose, prose
 from reliab.report.sources import SOURCES
@@ -215,7 +224,6 @@ def _result(told: _Told) -> Section:
                 xi=xi,
             ),
             label="fig:criterion",
-            floats=False,
         ),
         *_over_structures(told),
     ]
@@ -246,7 +254,7 @@ def _criteria_table(told: _Told) -> Table:
         row = {"threshold": each.threshold, "metric": str(each.metric), "confidence": each.confidence}
         rows.append({**row, "a": a, "b": b, "amplitude": np.sqrt(a), "delay": np.sqrt(b)})
     frame = pd.DataFrame(rows)
-    frame["metric"] = [{"rms": "RMSᴿ", "mte": "MTEᴿ"}[name] for name in frame["metric"]]
+    frame["metric"] = [ERROR_NAMES[Metric(name)] for name in frame["metric"]]
     return Table(
         frame=frame,
         columns=(
@@ -300,6 +308,7 @@ def _over_both(told: _Told, amplitude: np.ndarray, delay: np.ndarray) -> Iterato
             " the frequency and grows with damping; the room for delay shrinks as the frequency grows."
         ),
         label="fig:surfaces",
+        floats=True,
     )
     yield _pivot(
         told, delay, Fixed(), "Greatest delay $sqrt(b)$ [ms] of a test without amplitude error", "tab:delay"
@@ -335,7 +344,8 @@ def _over_one(told: _Told, *, along_f: bool) -> Figure:
     series = []
     for each in told.criteria:
         a, b = (limit.ravel() for limit in told.over_grid(each))
-        name = f"{percent(each.threshold)} {str(each.metric).upper()}, {percent(each.confidence)} of motions"
+        error = f"{percent(each.threshold)} {ERROR_NAMES[Metric(each.metric)]}"
+        name = f"{error}, {percent(each.confidence)} of motions"
         series.append(ParameterSeries(name=name, x=nodes, a=a, b=b, law=True))
     draw = parameters_over_frequency if along_f else parameters_over_damping_ratio
     what = "natural frequency" if along_f else "damping ratio"
@@ -356,6 +366,7 @@ def _motions(told: _Told) -> Section:
                 "amplitude errors forgives delays too, since near resonance both are one complex error."
             ),
             label="fig:correlation",
+            floats=True,
         ),
         Figure(
             drawing=parameter_distributions(
@@ -371,6 +382,7 @@ def _motions(told: _Told) -> Section:
                 "Distribution of the ellipse parameters over the motions; the criterion cuts the lower tail."
             ),
             label="fig:distributions",
+            floats=True,
         ),
         Figure(
             drawing=quantile_quantile(sample),
@@ -379,6 +391,7 @@ def _motions(told: _Told) -> Section:
                 "motions."
             ),
             label="fig:quantiles",
+            floats=True,
         ),
         Figure(
             drawing=posterior_and_predictive(sample, limits=told.limits, confidence=chosen.confidence),
@@ -390,6 +403,7 @@ def _motions(told: _Told) -> Section:
                 share=percent(1.0 - chosen.confidence, 2),
             ),
             label="fig:predictive",
+            floats=True,
         ),
     ]
     if 1 < sample.n_events < min(sample.n_motions, _MOST_EVENTS):
@@ -402,6 +416,7 @@ def _motions(told: _Told) -> Section:
                     " the test."
                 ),
                 label="fig:forest",
+                floats=True,
             )
         )
     opening = Paragraph(

@@ -13,7 +13,7 @@ PERCENT: Final = 100.0
 ERRORS: Final = {Metric.RMS: Math(source='"RMS"^R'), Metric.MTE: Math(source='"MTE"^R')}
 """The errors of the whole test in mathematics."""
 
-ERROR_NAMES: Final = {Metric.RMS: "RMS^R", Metric.MTE: "MTE^R"}
+ERROR_NAMES: Final = {Metric.RMS: "RMSᴿ", Metric.MTE: "MTEᴿ"}
 """The errors of the whole test in plain text, where no mathematics can stand."""
 
 METHODS: Final = {
