@@ -10,6 +10,7 @@ from reliab.criterion import Criterion, derive_criterion
 from reliab.criterion.methods import RECOMMENDED, method_of
 from reliab.errors import InputError
 from reliab.shipped import shipped
+from reliab.sweep import open_ellipses
 
 _TABLE = "real_suite/ellipses.nc"
 _SOURCE = "the ellipses that ship with the package, of the motions of FEMA P-695"
@@ -72,8 +73,7 @@ def shipped_frequencies() -> list[float]:
 
 @lru_cache(maxsize=1)
 def _shipped_ellipses() -> xr.Dataset:
-    with xr.open_dataset(shipped("datasets", _TABLE), engine="h5netcdf") as dataset:
-        return dataset.load()
+    return open_ellipses(shipped("datasets", _TABLE))
 
 
 def _neighbours(values: NDArray[np.float64], wanted: float) -> list[float]:

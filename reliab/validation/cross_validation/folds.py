@@ -129,6 +129,41 @@ def leave_structures_out(folds: Iterable[Fold], dimension: str, values: Sequence
             yield replace(fold, name=f"{fold.name}, {dimension} = {value:g}", left_out=(dimension, value))
 
 
+def transfer(
+    sets: NDArray[np.str_], events: NDArray[np.str_], *, learned: Sequence[str], judged: Sequence[str]
+) -> Iterator[Fold]:
+    """Learn from some sets of motions and judge others, an earthquake at a time.
+
+    Parameters
+    ----------
+    sets, events : array of str, shape (motions,)
+        Set and earthquake of each motion.
+    learned, judged : sequence of str
+        Names of sets. An earthquake that is in both is not learned from while it is judged.
+
+    Yields
+    ------
+    Fold
+        One for each earthquake of the judged sets.
+
+    Raises
+    ------
+    InputError
+        If there is no such set.
+    """
+    unknown = sorted({*learned, *judged} - set(sets.tolist()))
+    if unknown:
+        raise InputError(
+            "A set must be among those of the motions",
+            value=unknown[0],
+            remedy=f"Choose among {', '.join(sorted(set(sets.tolist())))}",
+        )
+    from_these, these = np.isin(sets, learned), np.isin(sets, judged)
+    for event in np.unique(events[these]):
+        of_event = events == event
+        yield Fold(name=str(event), learned=from_these & ~of_event, judged=these & of_event)
+
+
 def _distinct(events: NDArray[np.str_], fewest: int) -> NDArray[np.str_]:
     distinct = np.unique(events)
     if distinct.size < fewest:

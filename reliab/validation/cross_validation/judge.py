@@ -27,7 +27,7 @@ from reliab.validation.cross_validation.folds import Fold
 from reliab.validation.cross_validation.intervals import event_bootstrap
 from reliab.validation.cross_validation.trials import Cell, Trials, draw_trials
 
-_COUNTS = ("contained", "judged", "accepted", "accepted_bad", "accepted_good", "good")
+_COUNTS = ("contained", "judged", "tried", "accepted", "accepted_bad", "accepted_good", "good")
 _DIMENSIONS = ("candidate", "confidence", "f", "xi", "motion")
 
 
@@ -38,7 +38,7 @@ class CrossValidation:
     Attributes
     ----------
     counts : xarray.Dataset
-        Over (candidate, confidence, f, xi, motion): times `judged` and `contained`; trials
+        Over (candidate, confidence, f, xi, motion): times `judged` and `contained`; trials `tried`,
         `accepted`, `accepted_bad`, `accepted_good`, and `good`.
     scheme : str
         How the motions were divided.
@@ -75,6 +75,31 @@ class CrossValidation:
     def accepted_share(self, over: Sequence[str] = ("f", "xi")) -> xr.Dataset:
         """Share of truly good tests that are accepted; as :meth:`containment`."""
         return self._rate("accepted_good", "good", over)
+
+    def confusion(self, over: Sequence[str] = ("f", "xi", "motion")) -> xr.Dataset:
+        """Confusion matrix of the verdicts on trials.
+
+        Parameters
+        ----------
+        over : sequence of str, optional
+            Dimensions that are added up.
+
+        Returns
+        -------
+        xarray.Dataset
+            Trials `good_accepted`, `good_rejected`, `bad_accepted` and `bad_rejected`, the error of good
+            ones staying below the threshold.
+        """
+        total = self.counts.sum(list(over))
+        good_rejected = total["good"] - total["accepted_good"]
+        return xr.Dataset(
+            {
+                "good_accepted": total["accepted_good"],
+                "good_rejected": good_rejected,
+                "bad_accepted": total["accepted_bad"],
+                "bad_rejected": total["tried"] - total["accepted"] - good_rejected,
+            }
+        )
 
     def _rate(self, numerator: str, denominator: str, over: Sequence[str]) -> xr.Dataset:
         top, bottom = (self.counts[name].sum(list(over)) for name in (numerator, denominator))
@@ -208,6 +233,7 @@ def _judge(
     found = (
         contained,
         np.ones_like(contained),
+        np.full_like(accepted_good, accepted.size),
         np.full_like(accepted_good, accepted.sum()),
         accepted.sum() - accepted_good,
         accepted_good,

@@ -16,6 +16,7 @@ from reliab.validation.cross_validation import (
     leave_one_event_out,
     leave_structures_out,
     random_halves,
+    transfer,
 )
 from reliab.validation.cross_validation.intervals import event_bootstrap
 from reliab.vocabulary import ELLIPSE_DIMENSIONS
@@ -166,3 +167,25 @@ def test_law_is_judged_at_the_structure_that_it_did_not_see():
     judged_at = found.counts["judged"].sum("motion").squeeze().values
     np.testing.assert_array_equal(judged_at, [0, 40, 0])  # a law refuses to extrapolate
     assert found.containment()["rate"].item() == pytest.approx(0.9, abs=0.12)
+
+
+def test_confusion_matrix_adds_up_to_the_trials():
+    ellipses = lognormal_ellipses(6, 2, 11)
+    found = judged(ellipses, leave_one_event_out(ellipses["event"].values), confidences=(0.9,), trials=128)
+    matrix = found.confusion().squeeze()
+    assert sum(int(matrix[name]) for name in matrix) == 12 * 128
+    accepted = int(matrix["good_accepted"]) + int(matrix["bad_accepted"])
+    assert int(matrix["bad_accepted"]) / accepted == pytest.approx(found.false_safe()["rate"].item())
+    good = int(matrix["good_accepted"]) + int(matrix["good_rejected"])
+    assert int(matrix["good_accepted"]) / good == pytest.approx(found.accepted_share()["rate"].item())
+
+
+def test_transfer_learns_from_no_earthquake_that_it_judges():
+    sets = np.array(["far", "near", "far", "near", "far", "far"])
+    events = np.array(["K", "K", "L", "M", "N", "N"])
+    folds = list(transfer(sets, events, learned=["far"], judged=["near"]))
+    assert [fold.name for fold in folds] == ["K", "M"]
+    np.testing.assert_array_equal(folds[0].learned, [False, False, True, False, True, True])
+    np.testing.assert_array_equal(folds[0].judged, [False, True, False, False, False, False])
+    with pytest.raises(InputError, match="among far, near"):
+        list(transfer(sets, events, learned=["far"], judged=["nearby"]))
