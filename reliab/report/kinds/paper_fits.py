@@ -144,7 +144,7 @@ def exponential(frequencies: Values, b: Values) -> tuple[float, float]:
     >>> from reliab.report.printed import printed_tables
     >>> table = printed_tables().frequencies
     >>> [round(k, 1) for k in exponential(table["f_hz"].to_numpy(), table["b"].to_numpy())]
-    [121.5, 6.6]
+    [121.6, 6.6]
     """
     slope, intercept = np.polyfit(frequencies, np.log(b), 1)
     start = (np.exp(intercept), -slope)
