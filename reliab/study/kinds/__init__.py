@@ -4,8 +4,9 @@ from typing import Final
 
 from reliab.study.kinds.criterion import CriterionStudy
 from reliab.study.kinds.kind import Kind
+from reliab.study.kinds.paper import PaperStudy
 
-KINDS: Final[dict[str, type[Kind]]] = {each.name: each for each in (CriterionStudy,)}
+KINDS: Final[dict[str, type[Kind]]] = {each.name: each for each in (CriterionStudy, PaperStudy)}
 """Every kind by the name that a study's file gives it."""
 
 __all__ = ["KINDS", "Kind"]
