@@ -23,6 +23,7 @@ def default_criterion(
     confidence: float = 0.95,
     *,
     metric: str = "rms",
+    without: str | None = None,
 ) -> Criterion:
     """Derive the recommended criterion of one structure from the ellipses that ship with the package.
 
@@ -36,6 +37,8 @@ def default_criterion(
         Share of ground motions, in (0, 1).
     metric : str, optional
         Which error, "rms" or "mte".
+    without : str, optional
+        Earthquake that is not learned from, where its motions are to be judged.
 
     Returns
     -------
@@ -50,6 +53,8 @@ def default_criterion(
     ellipses = _shipped_ellipses()
     if metric not in ellipses["metric"].values.tolist():
         raise InputError("The metric is rms or mte", value=metric, remedy="Choose one of these")
+    if without is not None:
+        ellipses = ellipses.isel(motion=ellipses["event"].values != without)
     near = ellipses.sel(
         f=_neighbours(ellipses["f"].values, frequency),
         xi=_neighbours(ellipses["xi"].values, damping_ratio),

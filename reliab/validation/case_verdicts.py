@@ -1,0 +1,57 @@
+"""Verdicts on the paper's four cases: equation (18), our criterion, and what really happened."""
+
+from collections.abc import Callable, Mapping
+
+import pandas as pd
+
+from reliab.criterion import Criterion
+from reliab.motions import Motion
+from reliab.validation.paper_cases import run_paper_cases
+
+_MILLISECONDS = 1e3
+
+CriterionOf = Callable[[float, float], Criterion]
+"""Gives the criterion of a structure: frequency [Hz] and damping ratio [-]."""
+
+
+def case_verdicts(motion: Motion, criteria: Mapping[str, CriterionOf]) -> pd.DataFrame:
+    """Simulate the paper's cases under a ground motion and hold criteria against what happened.
+
+    Parameters
+    ----------
+    motion : Motion
+        The ground motion, KOBE/KJM000 in the paper.
+    criteria : mapping of str to callable
+        Criteria by name.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row for each case and criterion: `case`, `f` [Hz], `xi` [-], `estimated_delay` [steps], `A`
+        [-], `d_ms`, `rms` [-], `good` (the error is at most the threshold), `criterion`, `index` [-],
+        `accepted`, and `probability` [-] of staying below the threshold, None where it is unknown.
+    """
+    rows = []
+    for number, outcome in enumerate(run_paper_cases(motion), start=1):
+        case = outcome.case
+        for name, criterion_of in criteria.items():
+            criterion = criterion_of(case.frequency, case.damping_ratio)
+            at = (outcome.amplitude, outcome.equivalent_delay, case.frequency, case.damping_ratio)
+            index = float(criterion.index(*at))
+            rows.append(
+                {
+                    "case": number,
+                    "f": case.frequency,
+                    "xi": case.damping_ratio,
+                    "estimated_delay": case.estimated_delay,
+                    "A": outcome.amplitude,
+                    "d_ms": _MILLISECONDS * outcome.equivalent_delay,
+                    "rms": outcome.rms,
+                    "good": outcome.rms <= criterion.threshold,
+                    "criterion": name,
+                    "index": index,
+                    "accepted": index <= 1.0,
+                    "probability": float(criterion.probability(*at)) if criterion.population else None,
+                }
+            )
+    return pd.DataFrame(rows)

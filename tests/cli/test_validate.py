@@ -1,0 +1,129 @@
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import typer
+from typer.testing import CliRunner, Result
+
+from reliab.cli.validate import validate
+from reliab.errors import InputError
+from reliab.shipped import shipped
+
+app = typer.Typer()
+app.command()(validate)
+TABLE2 = shipped("datasets", "paper/table2.csv")
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def answer(*arguments: object) -> dict:
+    return json.loads(run(*arguments, "--json", "-").stdout)
+
+
+@pytest.fixture(scope="module")
+def table2():
+    return answer("--ellipses", TABLE2)
+
+
+def test_calibration_curve_has_rates_with_intervals_and_whole_confusion_matrices(table2):
+    ours = [row for row in table2["rows"] if row["candidate"] == "dirichlet"]
+    assert [row["confidence"] for row in ours] == [0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99]
+    for row in ours:
+        rate = row["containment"]
+        assert rate["low"] <= rate["rate"] <= rate["high"]
+        assert abs(rate["rate"] - row["confidence"]) < 0.15
+        assert sum(row["confusion"].values()) == 100 * 512
+    assert np.all(np.diff([row["accepted_share"]["rate"] for row in ours]) < 0.0)
+
+
+def test_printed_laws_are_judged_where_they_promise_only(table2):
+    printed = [row for row in table2["rows"] if row["candidate"].startswith("guo_2017")]
+    assert [(row["candidate"], row["confidence"]) for row in printed] == [
+        ("guo_2017_15", 0.95),
+        ("guo_2017_18", 0.95),
+    ]
+
+
+def test_shipped_results_say_what_became_of_tests():
+    found = answer("--results", "real_suite", "--f", 1, "--xi", 0.02, "--confidence", 0.95, "--trials", 128)
+    ours, _, eq18 = found["rows"]
+    assert found["truth"] == "simulated"
+    assert (found["n_motions"], found["n_events"]) == (100, 19)
+    assert 0.92 <= ours["containment"]["rate"] <= 0.98
+    assert ours["false_safe"]["rate"] < 0.05 < eq18["false_safe"]["rate"]
+    shown = run("--results", "real_suite", "--f", 1, "--xi", 0.02, "--confidence", 0.95).stdout
+    assert "guo_2017_18 protects 13.0% of the motions where it states 95%" in shown
+
+
+@pytest.mark.parametrize("scheme", ["k_fold", "random_halves"])
+def test_earthquakes_are_divided_as_asked(scheme):
+    found = answer("--ellipses", TABLE2, "--scheme", scheme, "--confidence", 0.9, "--law", "table")
+    assert found["scheme"] == scheme
+    assert 0.75 < found["rows"][0]["containment"]["rate"] < 1.0
+
+
+def test_frequencies_can_be_left_out():
+    found = answer(
+        *("--ellipses", "real_suite", "--xi", 0.02, "--leave-out", "f", "--scheme", "k_fold"),
+        *("--law", "dimensionless", "--confidence", 0.95, "--f", 0.5, "--f", 1, "--f", 1.5, "--f", 2),
+    )
+    assert [row["f"] for row in found["by_frequency"]] == [1.0, 1.5]  # a law does not extrapolate
+    assert found["scheme"] == "k_fold, each f left out"
+
+
+def test_sets_are_judged_by_others(tmp_path):
+    from reliab.motions.synthetic import synthetic_suite
+    from reliab.motions.writing import write_suite
+
+    write_suite(synthetic_suite(count=12), tmp_path / "suite")
+    path = tmp_path / "suite" / "catalog.csv"
+    header, *rows = path.read_text(encoding="utf-8").splitlines()
+    place = header.split(",").index("set")
+    cells = [row.split(",") for row in rows]
+    for number, row in enumerate(cells):
+        row[place] = "far" if number < 8 else "near"
+    path.write_text("\n".join([header, *(",".join(row) for row in cells)]), encoding="utf-8")
+    found = answer(
+        *("--motions", tmp_path / "suite", "--learn", "far", "--judge", "near"),
+        *("--confidence", 0.8, "--law", "table"),
+    )
+    assert found["scheme"] == "learned from far, judged on near"
+    assert sum(found["rows"][0]["confusion"].values()) == 4 * 512
+
+
+def test_table_6_has_the_same_verdicts(real_motions_folder):
+    found = answer("--motions", real_motions_folder, "--case", "KOBE/KJM000")
+    assert found["motion"] == "KOBE/KJM000"
+    for row in found["cases"]:
+        assert row["accepted"] is row["good"]
+        assert row["good"] is (row["case"] != 4)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        (),
+        ("--ellipses", TABLE2, "--results", "real_suite"),
+        ("--ellipses", TABLE2, "--scheme", "magic"),
+        ("--ellipses", TABLE2, "--law", "magic"),
+        ("--ellipses", TABLE2, "--method", "magic"),
+        ("--ellipses", TABLE2, "--leave-out", "kp"),
+        ("--ellipses", TABLE2, "--learn", "far_field"),
+        ("--ellipses", TABLE2, "--confidence", 95),
+        ("--case", "KOBE/KJM000"),
+        ("--motions", "synthetic", "--case", "KOBE/KJM000"),
+        ("--motions", "synthetic", "--learn", "synthetic", "--judge", "none"),
+    ],
+)
+def test_bad_input_is_explained(wrong):
+    assert isinstance(run(*wrong).exception, InputError)
+
+
+def test_the_command_file_imports_no_numerics():
+    code = "import sys, reliab.cli.validate; print('numpy' in sys.modules)"
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)  # noqa: S603
+    assert result.stdout.strip() == "False"
