@@ -41,6 +41,8 @@ class EffectLoop:
         Record and window.
     test : HybridTest
         The model, with a structure; gain and delay of its own actuator do not count.
+    phase_step : float, optional
+        Largest ω₀h of a step [rad].
 
     Raises
     ------
@@ -63,6 +65,7 @@ class EffectLoop:
 
     excitation: Excitation
     test: HybridTest
+    phase_step: float = LARGEST_PHASE_STEP
 
     def __post_init__(self) -> None:
         if self.test.structure is None:
@@ -86,7 +89,7 @@ class EffectLoop:
     @cached_property
     def _sampled(self) -> tuple[Array, float]:
         """Ground acceleration [m/s²] at steps [s] that suit the structure and fit those of the record."""
-        longest = min(LONGEST_STEP, LARGEST_PHASE_STEP / self.structure.circular_frequency)
+        longest = min(LONGEST_STEP, self.phase_step / self.structure.circular_frequency)
         step = self.excitation.time_step
         ratio = step / longest
         step = step / np.ceil(ratio) if ratio > 1.0 else step * np.floor(1.0 / ratio)

@@ -1,0 +1,117 @@
+"""What effects do to the criterion, where it can be said beforehand."""
+
+import time
+
+import numpy as np
+import pytest
+
+from reliab.boundary import Ellipse, motion_contours
+from reliab.discrepancy.campaign import Campaign, Channel, MeasuredTest
+from reliab.discrepancy.criterion_shift import criterion_shift, shaking_of
+from reliab.errors import InputError
+from reliab.loop.effects import find_effect
+from reliab.loop.engine import Loop
+from reliab.loop.excitation import Excitation
+from reliab.loop.hybrid_test import HybridTest, run_closed_loop
+from reliab.loop.structure import Structure
+
+STRUCTURE = Structure(frequency=1.0, damping_ratio=0.03)
+
+
+def shaken(seed, *, duration=20.0, step=0.01):
+    rng = np.random.default_rng(seed)
+    t = np.arange(0.0, duration, step)
+    return 3.0 * rng.standard_normal(t.size) * np.exp(-(((t - 0.3 * duration) / (0.2 * duration)) ** 2))
+
+
+@pytest.fixture(scope="module")
+def shaking():
+    return [Excitation(acceleration=shaken(seed), time_step=0.01) for seed in range(3)]
+
+
+def with_effect(name, *values):
+    kind = find_effect(name)
+    return HybridTest(structure=STRUCTURE, effects=(kind.of(np.array(values)),))
+
+
+def test_without_effects_nothing_shifts(shaking):
+    shift = criterion_shift(HybridTest(structure=STRUCTURE), shaking)
+    assert (shift.a, shift.b) == (1.0, 1.0)
+
+
+def test_a_lag_takes_its_time_off_the_delay_that_is_left(shaking):
+    """Under one motion, √b is shortened by the time constant of a short lag."""
+    loop = Loop(excitation=shaking[0], structure=STRUCTURE)
+    left = 1e-3 * np.sqrt(Ellipse.fit(motion_contours(loop)[0]).b)
+    shift = criterion_shift(with_effect("first_order_lag", 0.2 * left), shaking[:1])
+    assert np.sqrt(shift.b) == pytest.approx(0.8, abs=0.03)
+    assert 0.7 < shift.a < 1.0
+
+
+def test_an_effect_beyond_the_threshold_leaves_no_criterion(shaking):
+    shift = criterion_shift(with_effect("first_order_lag", 0.05), shaking)
+    assert shift.as_dict() == {"a": 0.0, "b": 0.0}
+
+
+def test_a_specimen_that_dissipates_tolerates_more(shaking):
+    """Viscous damping that doubles the damping ratio: a and b grow as its square, nearly."""
+    damping = 2.0 * STRUCTURE.damping_ratio * STRUCTURE.circular_frequency
+    shift = criterion_shift(with_effect("viscous_damping", damping), shaking)
+    twice = Structure(frequency=1.0, damping_ratio=2.0 * STRUCTURE.damping_ratio)
+    ratios = []
+    for one in shaking:
+        found = [
+            Ellipse.fit(motion_contours(Loop(excitation=one, structure=each))[0])
+            for each in (twice, STRUCTURE)
+        ]
+        ratios.append((found[0].a / found[1].a, found[0].b / found[1].b))
+    low, high = np.min(ratios, axis=0), np.max(ratios, axis=0)
+    assert 0.9 * low[0] < shift.a < 1.1 * high[0]
+    assert 0.9 * low[1] < shift.b < 1.1 * high[1]
+
+
+def test_ground_motions_are_needed():
+    with pytest.raises(InputError, match="ground motions"):
+        criterion_shift(HybridTest(structure=STRUCTURE), [])
+
+
+def campaign(channels_of):
+    tests = tuple(
+        MeasuredTest(
+            file=f"{k}", motion="", held_out=k == 2, channels=channels_of(shaken(k, step=1.0 / 256.0))
+        )
+        for k in range(3)
+    )
+    return Campaign(
+        name="", structure=STRUCTURE, mass=1.0, actuator=None, specimen=None, rate=256.0, tests=tests
+    )
+
+
+def response(ground):
+    return run_closed_loop(HybridTest(structure=STRUCTURE), ground, 1.0 / 256.0).measured
+
+
+def test_recorded_ground_motions_are_taken():
+    recorded = campaign(lambda ground: {Channel.GROUND: ground, Channel.MEASURED: response(ground)})
+    found = shaking_of(recorded)
+    assert len(found) == 3
+    np.testing.assert_array_equal(found[1].acceleration, recorded.tests[1].channels[Channel.GROUND])
+
+
+def test_motions_of_the_built_in_suite_reach_the_measured_displacement():
+    without = campaign(lambda ground: {Channel.COMMAND: response(ground), Channel.MEASURED: response(ground)})
+    peak = max(np.ptp(test.channels[Channel.COMMAND]) / 2.0 for test in without.tests)
+    for one in shaking_of(without):
+        moved = run_closed_loop(without.nominal, one.acceleration, one.time_step).measured
+        assert np.abs(moved).max() == pytest.approx(peak)
+
+
+def test_five_tests_of_45_seconds_take_three_seconds_at_most():
+    long = [
+        Excitation(acceleration=shaken(k, duration=45.0, step=1 / 1024), time_step=1 / 1024) for k in range(5)
+    ]
+    test = with_effect("coulomb_friction", 0.05, 0.001)
+    criterion_shift(test, long[:1])  # compiles
+    start = time.process_time()
+    criterion_shift(test, long)
+    assert time.process_time() - start < 6.0  # on two processors

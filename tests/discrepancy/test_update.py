@@ -1,0 +1,76 @@
+"""The updated model holds what a diagnosis found."""
+
+import numpy as np
+import pytest
+
+from reliab.discrepancy import Campaign, Channel, MeasuredTest, diagnose
+from reliab.discrepancy.update import updated_model
+from reliab.discrepancy.updated_model import read_model, write_model
+from reliab.loop.actuator import Actuator
+from reliab.loop.effects import find_effect
+from reliab.loop.hybrid_test import HybridTest, Motion3, Specimen, drive, load
+from reliab.loop.structure import Structure
+
+RATE = 256.0
+NOMINAL = HybridTest(
+    structure=Structure(frequency=1.0, damping_ratio=0.03),
+    mass=50.0,
+    actuator=Actuator(gain=0.98, delay=0.004),
+)
+TRUTH = HybridTest(
+    structure=NOMINAL.structure,
+    mass=50.0,
+    actuator=Actuator(gain=1.01, delay=0.006),
+    specimen=Specimen(stiffness=1.04 * NOMINAL.specimen.stiffness),
+    effects=(find_effect("viscous_damping")(damping_n_s_per_m=30.0),),
+)
+
+
+def measured(seed, held_out):
+    rng = np.random.default_rng(seed)
+    t = np.arange(0.0, 20.0, 1.0 / RATE)
+    waves = [np.sin(2 * np.pi * f * t + rng.uniform(0, 7)) for f in rng.uniform(0.4, 2.0, 6)]
+    command = 0.01 * np.sum(waves, axis=0) * np.sin(np.pi * t / t[-1]) ** 2
+    piston = drive(TRUTH, Motion3.through(command, 1.0 / RATE))
+    force = load(TRUTH, piston)
+    channels = {
+        Channel.COMMAND: command,
+        Channel.MEASURED: piston.values[0] + 1e-5 * rng.standard_normal(t.size),
+        Channel.FORCE: force + 0.3 * rng.standard_normal(t.size),
+    }
+    return MeasuredTest(file=f"{seed}.csv", motion="waves", held_out=held_out, channels=channels)
+
+
+@pytest.fixture(scope="module")
+def updated():
+    campaign = Campaign(
+        name="late and damped",
+        structure=NOMINAL.structure,
+        mass=50.0,
+        actuator=NOMINAL.actuator,
+        specimen=None,
+        rate=RATE,
+        tests=tuple(measured(seed, seed == 3) for seed in range(4)),
+    )
+    return updated_model(diagnose(campaign))
+
+
+def test_calibrated_values_are_the_true_ones(updated):
+    sd = updated.deviations
+    assert abs(updated.test.actuator.gain - 1.01) < 4.0 * sd["gain"] < 0.01
+    assert abs(updated.test.actuator.delay - 0.006) < 4.0 * sd["delay_s"] < 0.001
+    off = abs(updated.test.specimen.stiffness - TRUTH.specimen.stiffness)
+    assert off < 4.0 * sd["stiffness_n_per_m"] < 0.01 * TRUTH.specimen.stiffness
+
+
+def test_the_effect_is_added(updated):
+    (effect,) = updated.test.effects
+    assert effect.name == "viscous_damping"
+    assert (
+        abs(effect.damping_n_s_per_m - 30.0) < 4.0 * updated.deviations["viscous_damping.damping_n_s_per_m"]
+    )
+
+
+def test_it_survives_its_file(updated, tmp_path):
+    write_model(tmp_path / "model.toml", updated)
+    assert read_model(tmp_path / "model.toml") == updated
