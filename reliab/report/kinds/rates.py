@@ -1,9 +1,12 @@
 """What criteria contain on motions that they were not learned from: table, section and figures."""
 
+import re
+from collections.abc import Iterator
+
 import numpy as np
 import pandas as pd
 
-from reliab.report.document import Block, Column, Figure, Paragraph, Section, Table
+from reliab.report.document import Column, Figure, Paragraph, Section, Table
 from reliab.report.figures.rates import calibration_curve, coverage_by_frequency
 from reliab.report.kinds.wording import PERCENT, percent
 from reliab.report.numbers import Fixed, Shortest
@@ -40,7 +43,7 @@ def rates_table(validation: CrossValidation) -> pd.DataFrame:
     return judged.reindex(columns=columns).reset_index(drop=True)
 
 
-def rates_section(rates: pd.DataFrame, *, confidence: float) -> Section:
+def rates_section(rates: pd.DataFrame, *, confidence: float, division: str = "") -> Section:
     """Show what criteria contain.
 
     Parameters
@@ -49,57 +52,64 @@ def rates_section(rates: pd.DataFrame, *, confidence: float) -> Section:
         As :func:`rates_table` makes it; without the column `measure` all rows are containment.
     confidence : float
         The stated confidence that is shown by frequency; the nearest there is [-].
+    division : str, optional
+        How motions were divided into learned and judged ones, where a report has several divisions.
 
     Returns
     -------
     Section
-        Calibration curve, containment by frequency, and the rates as a table.
+        Calibration curve, containment by frequency, and the rates as a table; labelled `sec:coverage`,
+        followed by the division where there is one.
     """
-    contained = rates[rates["measure"] == "containment"] if "measure" in rates else rates
-    overall, by_frequency = contained[contained["f"].isna()], contained[contained["f"].notna()]
-    stated = contained["confidence"].to_numpy()
-    nearest = float(stated[np.argmin(np.abs(stated - confidence))])
-    chosen = by_frequency[np.isclose(by_frequency["confidence"], nearest)]
-    blocks: list[Block] = [
-        Paragraph(
-            text=prose(
-                "Whole earthquakes were held out in turn; the criterion was derived from the others and held"
-                " against the motions that it had not seen. A motion contains a criterion when its own "
-                "ellipse is larger in both $a$ and $b$. Intervals resample earthquakes @davison1997."
-            )
-        ),
-        Figure(
-            drawing=calibration_curve(overall),
-            caption=(
-                "A criterion keeps its word where its line follows the diagonal; below it, it promises too "
-                "much."
-            ),
-            label="fig:calibration",
-            floats=True,
-        ),
-    ]
-    if chosen["f"].unique().size > 1:
-        blocks.append(
-            Figure(
-                drawing=coverage_by_frequency(chosen, confidence=nearest),
-                caption=prose(
-                    "Containment by natural frequency at a stated {share}: a point below the dotted line is"
-                    " unsafe at that frequency, as far as its interval lies below it.",
-                    share=percent(nearest),
-                ),
-                label="fig:by-frequency",
-                floats=True,
-            )
+    measured = rates if "measure" in rates else rates.assign(measure="containment")
+    mark = "".join(f"-{word.lower()}" for word in re.findall(r"[A-Za-z0-9]+", division))
+    explained = "Whole earthquakes were held out in turn" if not division else f"Division: {division}"
+    opening = Paragraph(
+        text=prose(
+            "{explained}; the criterion was derived from other earthquakes than those that it was held "
+            "against. A motion contains a criterion when its own ellipse is larger in both $a$ and $b$. "
+            "Intervals resample earthquakes @davison1997.",
+            explained=explained,
         )
-    blocks.append(_table(rates[rates["f"].isna()]))
+    )
+    contained = measured[measured["measure"] == "containment"]
     return Section(
-        title="Put to the test on held-out earthquakes", blocks=tuple(blocks), label="sec:coverage"
+        title=f"Put to the test: {division}" if division else "Put to the test on held-out earthquakes",
+        blocks=(
+            opening,
+            *_figures(contained, confidence, mark),
+            _table(measured[measured["f"].isna()], mark),
+        ),
+        label=f"sec:coverage{mark}",
     )
 
 
-def _table(overall: pd.DataFrame) -> Table:
-    measured = overall if "measure" in overall else overall.assign(measure="containment")
-    wide = measured.pivot_table(
+def _figures(contained: pd.DataFrame, confidence: float, mark: str) -> Iterator[Figure]:
+    yield Figure(
+        drawing=calibration_curve(contained[contained["f"].isna()]),
+        caption=(
+            "A criterion keeps its word where its line follows the diagonal; below it, it promises too much."
+        ),
+        label=f"fig:calibration{mark}",
+    )
+    stated = contained["confidence"].to_numpy()
+    nearest = float(stated[np.argmin(np.abs(stated - confidence))])
+    chosen = contained[contained["f"].notna() & np.isclose(contained["confidence"], nearest)]
+    if chosen["f"].unique().size > 1:
+        yield Figure(
+            drawing=coverage_by_frequency(chosen, confidence=nearest),
+            caption=prose(
+                "Containment by natural frequency at a stated {share}: a point below the dotted line is "
+                "unsafe at that frequency, as far as its interval lies below it.",
+                share=percent(nearest),
+            ),
+            label=f"fig:by-frequency{mark}",
+            floats=True,
+        )
+
+
+def _table(overall: pd.DataFrame, mark: str) -> Table:
+    wide = overall.pivot_table(
         index=["candidate", "confidence"], columns="measure", values=["rate", "low", "high"], sort=False
     )
     wide.columns = pd.Index([" ".join(reversed(name)) for name in wide.columns.to_flat_index()])
@@ -128,5 +138,5 @@ def _table(overall: pd.DataFrame) -> Table:
             "criterion; tests that are accepted although their error is too large, of those accepted; good "
             "tests that are accepted, of those good."
         ),
-        label="tab:rates",
+        label=f"tab:rates{mark}",
     )

@@ -50,6 +50,19 @@ def percent(share: float, digits: int = 3) -> str:
     return f"{PERCENT * share:.{digits}g} %"
 
 
+def probability(value: float) -> str:
+    """Write a probability in per cent, without claiming that anything is certain.
+
+    Examples
+    --------
+    >>> probability(0.988), probability(0.0), probability(1.0)
+    ('98.8 %', 'below 0.1 %', 'above 99.9 %')
+    """
+    if value < _RARE:
+        return f"below {percent(_RARE)}"
+    return f"above {percent(1.0 - _RARE)}" if value > 1.0 - _RARE else percent(value)
+
+
 def values(numbers: Sequence[float]) -> str:
     """Write several values: few of them one by one, many by their range.
 
@@ -103,4 +116,5 @@ def ellipse(a: float, b: float) -> Math:
 
 
 _FEW = 4
+_RARE = 1e-3
 _SMALLEST, _GREATEST = -2, 3

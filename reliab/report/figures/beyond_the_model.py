@@ -1,0 +1,40 @@
+"""Tests with actuators beyond a constant gain and delay: the error against what A and d tell."""
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from reliab.report.axes import label_logarithmic, legend_below, name_axes, plain
+from reliab.report.style import GREY, line, panels, styled
+
+_HEIGHT = 96.0
+_WIDTH = 120.0
+_PERCENT = 100.0
+
+
+@styled
+def error_beyond_the_model(tests: pd.DataFrame) -> Figure:
+    """Draw the error of each test over that of a constant gain and delay with the same indices.
+
+    Parameters
+    ----------
+    tests : pandas.DataFrame
+        Columns rig, error [-] and predicted [-], one row a test.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Both errors [%] on logarithmic scales; on the diagonal they agree.
+    """
+    figure, axes = panels(height=_HEIGHT, width=_WIDTH)
+    place = axes[0, 0]
+    percent = _PERCENT * tests[["predicted", "error"]]
+    ends = (0.8 * float(percent.min().min()), 1.25 * float(percent.max().max()))
+    place.plot(ends, ends, color=GREY, linewidth=0.9)
+    for rank, (name, chosen) in enumerate(percent.groupby(tests["rig"], sort=False)):
+        look = {**line(rank, marker=True), "linestyle": "none", "fillstyle": "none"}
+        place.plot(chosen["predicted"], chosen["error"], label=plain(str(name)), **look)
+    place.set(xscale="log", yscale="log", xlim=ends, ylim=ends, aspect="equal")
+    label_logarithmic(place.xaxis, place.yaxis)
+    name_axes(place, "Error of a constant gain $A$ and delay $d$ [%]", "Error of the test [%]")
+    legend_below(figure, place, columns=2)
+    return figure
