@@ -14,7 +14,6 @@ from reliab.discrepancy.result import BlockDiagnosis, Diagnosis
 from reliab.discrepancy.scales import motions_of, scales_of
 from reliab.discrepancy.search import Search
 from reliab.discrepancy.segment import cut_segments
-from reliab.discrepancy.smoothing import highest_frequency
 from reliab.errors import InputError
 from reliab.loop.effects import Scales
 from reliab.loop.hybrid_test import Motion3
@@ -109,11 +108,11 @@ def _pistons(actuator: BlockDiagnosis) -> list[Motion3]:
 
 
 def _examined(block: ObservedBlock, campaign: Campaign) -> BlockDiagnosis:
-    highest = highest_frequency(campaign.rate)
+    highest = block.highest
     training, proof = (
         Problem(block=block, segments=cut_segments(stretches, campaign.rate, highest, block.every))
         for stretches in (campaign.training, campaign.proof)
     )
     search = Search(training)
     search.whole()
-    return diagnose_block(search, proof)
+    return diagnose_block(search.again(), proof)

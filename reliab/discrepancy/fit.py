@@ -1,7 +1,7 @@
 """Fitting a candidate model to a block by free-run simulation, with everything else refitted."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.noise import NoiseModel, Periodogram, fit_noise
+from reliab.discrepancy.quantisation import converter_step, expected_error
 from reliab.discrepancy.segment import Segment
+from reliab.discrepancy.smoothing import highest_frequency
 from reliab.discrepancy.space import ModelSpace
 
 Array = NDArray[np.float64]
@@ -17,7 +19,10 @@ Array = NDArray[np.float64]
 _STEP = 1e-3  # of a prior's standard deviation, for derivatives
 _NEGLIGIBLE = 0.02  # nats
 _FIRST_DAMPING, _MOST_DAMPING = 1e-3, 1e6
-_MOST_STEPS = 20
+_MOST_STEPS = 12
+_MOST_ROUNDS = 4
+_SETTLED = 0.5  # nats
+_LEAST_OF_CONVERSION = 0.2  # of the mean square of a converter's error
 _UNBOUNDED = 1e6  # a whitened residual that stands for a simulation that ran away
 
 
@@ -31,14 +36,50 @@ class Problem:
         The block.
     segments : tuple of Segment
         Stretches of tests.
+    conversion : mapping of int to numpy.ndarray, optional
+        By test, what the converter is known to have added to the channel, shape (n,).
     """
 
     block: ObservedBlock
     segments: tuple[Segment, ...]
+    conversion: Mapping[int, Array] = field(default_factory=dict)
+
+    def measured(self, test: int) -> Array:
+        """Measured channel of a test without what is known of its conversion, shape (n,)."""
+        values = self.block.measured(test)
+        return values - self.conversion[test] if test in self.conversion else values
+
+    @cached_property
+    def steps(self) -> dict[int, float]:
+        """Steps of the converter by test, zero where there are none to be seen."""
+        return {test: converter_step(self.block.measured(test)) for test in {s.test for s in self.segments}}
+
+    @property
+    def least_noise(self) -> float:
+        """Variance of the noise below which a corrected conversion leaves it never."""
+        squares = [self.steps[test] ** 2 for test in self.conversion]
+        return _LEAST_OF_CONVERSION * float(np.mean(squares)) / 12.0 if squares else 0.0
+
+    def corrected(self, space: ModelSpace, coordinates: Array) -> "Problem":
+        """Return the problem with the converter's error taken off as a model expects it, where it has steps."""
+        if not any(self.steps.values()):
+            return self
+        conversion = {}
+        for test, predicted in self.predictions(space, coordinates).items():
+            values, step = self.block.measured(test), self.steps[test]
+            signal = self.block.at_rate(predicted, test)
+            if step > 0.0:
+                spread = np.sqrt(max(float(np.mean((values - signal) ** 2)) - step**2 / 12.0, 0.0))
+                error = expected_error(signal, step, spread, float(values[0]))
+                if error is not None:
+                    conversion[test] = error
+        return (
+            Problem(block=self.block, segments=self.segments, conversion=conversion) if conversion else self
+        )
 
     @cached_property
     def _spectra(self) -> list[NDArray[np.complex128]]:
-        return [segment.spectrum(self.block.measured(segment.test)) for segment in self.segments]
+        return [segment.spectrum(self.measured(segment.test)) for segment in self.segments]
 
     @property
     def rows(self) -> int:
@@ -61,7 +102,7 @@ class Problem:
         parts = []
         for segment, measured in zip(self.segments, self._spectra, strict=True):
             left = measured - segment.coarse_spectrum(predicted[segment.test], self.block.every)
-            parts.append(real_parts(left, noise.density(segment.frequency)))
+            parts.append(real_parts(left, segment.density(noise)))
         rows = np.concatenate(parts)
         return rows if np.isfinite(rows).all() else np.full(rows.size, _UNBOUNDED)
 
@@ -81,28 +122,23 @@ class Problem:
             left = measured - segment.coarse_spectrum(predicted[segment.test], self.block.every)
             inside = Periodogram(frequency=segment.frequency[1:], power=np.abs(left[1:]) ** 2)
             periodograms += [inside, beyond]
-        return fit_noise(periodograms, self.block.rate)
+        return fit_noise(periodograms, self.block.rate, least=self.least_noise)
 
     @cached_property
     def _beyond(self) -> list[Periodogram]:
         """Power of the measured channel at frequencies too high for any signal."""
         found = []
+        limit = highest_frequency(self.block.rate)
         for segment in self.segments:
-            whole = segment.periodogram(self.block.measured(segment.test))
-            found.append(
-                Periodogram(
-                    frequency=whole.frequency[segment.bins - 1 :], power=whole.power[segment.bins - 1 :]
-                )
-            )
+            whole = segment.periodogram(self.measured(segment.test))
+            above = whole.frequency > limit
+            found.append(Periodogram(frequency=whole.frequency[above], power=whole.power[above]))
         return found
 
     def log_volume(self, noise: NoiseModel) -> float:
         """Logarithm of the normalisation of the likelihood, up to a constant."""
-        return -sum(
-            float(np.log(noise.density(segment.frequency[1:])).sum())
-            + 0.5 * float(np.log(noise.density(segment.frequency[:1])).sum())
-            for segment in self.segments
-        )
+        logs = [np.log(segment.density(noise)) for segment in self.segments]
+        return -sum(float(one[1:].sum()) + 0.5 * float(one[0]) for one in logs)
 
 
 def real_parts(spectrum: NDArray[np.complex128], density: Array) -> Array:
@@ -184,11 +220,15 @@ def fit(problem: Problem, space: ModelSpace, starts: Sequence[Array], noise: Noi
     return max(found, key=lambda one: one.log_likelihood - 0.5 * float(one.coordinates @ one.coordinates))
 
 
-def refined(problem: Problem, fitted: Fit, *, rounds: int = 2) -> Fit:
-    """Fit noise and model in turn."""
-    for _ in range(rounds):
+def refined(problem: Problem, fitted: Fit) -> Fit:
+    """Fit noise and model in turn, until the evidence settles."""
+    for _ in range(_MOST_ROUNDS):
         noise = problem.noise_of(fitted.space, fitted.coordinates)
-        fitted = _fit_from(problem, fitted.space, fitted.coordinates, noise)
+        again = _fit_from(problem, fitted.space, fitted.coordinates, noise)
+        settled = abs(again.log_evidence - fitted.log_evidence) < _SETTLED
+        fitted = again
+        if settled:
+            break
     return fitted
 
 

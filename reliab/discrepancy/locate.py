@@ -158,10 +158,7 @@ def _columns(problem: Problem, noise: NoiseModel, family: _Family) -> Array:
         made[test] = family.columns(*_scaled(block.motions[test], block.scales.duration, problem))
     parts = [
         np.stack(
-            [
-                real_parts(segment.spectrum(column), noise.density(segment.frequency))
-                for column in made[segment.test]
-            ],
+            [real_parts(segment.spectrum(column), segment.density(noise)) for column in made[segment.test]],
             axis=1,
         )
         for segment in problem.segments

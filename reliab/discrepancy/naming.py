@@ -46,6 +46,8 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     inside = [kind for kind in best.space.effects if not is_outside(kind)]
     outside = [kind for kind in best.space.effects if is_outside(kind)]
     error = held_out_nrmse(proof, after)
+    recorded = Problem(block=problem.block, segments=problem.segments)
+    noise = recorded.noise_of(best.space, best.coordinates)
     return BlockDiagnosis(
         block=problem.block,
         problem=problem,
@@ -62,7 +64,7 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         findings=locate(problem, calibrated, best.noise),
         residuals_before=_by_file(proof, before),
         residuals_after=_by_file(proof, after),
-        gap=gap(proof, before, after, best.noise),
+        gap=gap(proof, before, after, noise),
     )
 
 
@@ -85,7 +87,7 @@ def _believed(ranked: Sequence[Ranked]) -> tuple[set[type[Effect]], set[type[Eff
     named = {effect for effect in best if probability(ranked, effect) >= SURE}
     rest = set(best) - named
     fewer = sum(one.probability for one in ranked if len(one.fit.space.effects) < len(best))
-    return named, rest if rest and fewer < _NEGLIGIBLE else set()
+    return named, rest if not named and fewer < _NEGLIGIBLE else set()
 
 
 def _fit_with(ranked: Sequence[Ranked], effects: set[type[Effect]]) -> Fit | None:

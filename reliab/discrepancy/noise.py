@@ -45,7 +45,7 @@ class NoiseModel:
 
     def density(self, frequency: Array) -> Array:
         """Expected periodogram |Σxe^(−iωt)|²/n at frequencies [Hz], shape of `frequency`."""
-        return np.asarray(self.weights @ _shapes(frequency, self.rate))
+        return np.asarray(self.weights @ spectral_shapes(frequency, self.rate))
 
     @property
     def rms(self) -> float:
@@ -54,7 +54,8 @@ class NoiseModel:
         return float(np.sqrt(np.trapezoid(self.density(frequency), frequency) / (0.5 * self.rate)))
 
 
-def _shapes(frequency: Array, rate: float) -> Array:
+def spectral_shapes(frequency: Array, rate: float) -> Array:
+    """Spectra of which a noise is a sum at frequencies [Hz]: white, then coloured, shape (1 + corners, bins)."""
     turn = 2.0 * np.pi * np.asarray(frequency) / rate
     rows = [np.ones_like(turn)]
     for corner in CORNERS:
@@ -79,7 +80,7 @@ class Periodogram:
     power: Array
 
 
-def fit_noise(periodograms: Sequence[Periodogram], rate: float) -> NoiseModel:
+def fit_noise(periodograms: Sequence[Periodogram], rate: float, *, least: float = 0.0) -> NoiseModel:
     """Fit a smooth spectrum to periodograms of noise.
 
     Parameters
@@ -88,6 +89,8 @@ def fit_noise(periodograms: Sequence[Periodogram], rate: float) -> NoiseModel:
         Residuals of the segments.
     rate : float
         Sampling rate [Hz].
+    least : float, optional
+        Variance of white noise that is there in any case.
 
     Returns
     -------
@@ -106,8 +109,8 @@ def fit_noise(periodograms: Sequence[Periodogram], rate: float) -> NoiseModel:
     power = np.concatenate([_without_lines(one) for one in periodograms])
     valid = np.isfinite(power)
     centre, mean, count = _binned(frequency[valid], power[valid])
-    shapes = _shapes(centre, rate)
-    floor = 1e-12 * float(mean.max()) + 1e-300
+    shapes = spectral_shapes(centre, rate)
+    floor = 1e-12 * float(mean.max()) + 1e-300 + least
     weights = np.full(shapes.shape[0], max(float(np.average(mean, weights=count)), floor) / shapes.shape[0])
     for _ in range(_ITERATIONS):
         density = weights @ shapes + floor

@@ -9,6 +9,7 @@ from reliab.discrepancy.fit import Fit, Problem
 from reliab.discrepancy.noise import NoiseModel
 from reliab.discrepancy.result import Gap
 from reliab.discrepancy.segment import Segment
+from reliab.discrepancy.smoothing import highest_frequency
 from reliab.loop.effects import Effect
 
 Array = NDArray[np.float64]
@@ -85,8 +86,9 @@ def _noise_energy(proof: Problem, left: dict[int, Array], noise: NoiseModel) -> 
     """Energy of the noise: as modelled where models are judged, as measured above."""
     total = 0.0
     for segment in proof.segments:
-        whole = segment.full_spectrum(left[segment.test])
-        above = 2.0 * float((np.abs(whole[segment.bins :]) ** 2).sum())
-        density = noise.density(segment.frequency)
-        total += above + 2.0 * float(density[1:].sum()) + float(density[0])
+        power = np.abs(segment.full_spectrum(left[segment.test])) ** 2
+        frequency = np.arange(power.size) * segment.rate / (segment.end - segment.begin)
+        below = frequency <= highest_frequency(segment.rate)
+        power[below] = noise.density(frequency[below])
+        total += 2.0 * float(power[1:].sum()) + float(power[0])
     return total

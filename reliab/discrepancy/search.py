@@ -21,9 +21,14 @@ COST = 4.0
 OUTSIDE_COST = 7.0
 """The same for an effect outside the library."""
 
-MOST_EFFECTS = 4
+LEAST_SHARE = 0.01
+"""Share of the gap's energy that an effect must close to be named beside others: no model of a machine is exact, and
+long records make errors of a tenth of the largest effect significant without making them effects."""
+
+MOST_EFFECTS = 3
 _WORKERS = 2
-_BEAM = 3
+_BEAM = 2
+_DEEPEST_OUTSIDE = 2
 _TRIED = 5
 
 
@@ -71,13 +76,14 @@ class Search:
     """
 
     def __init__(self, problem: Problem) -> None:
-        self.problem = problem
         self.fitted: dict[frozenset[str], Fit] = {}
         block = problem.block
         space = ModelSpace(block, ())
         spread = np.mean([block.measured(s.test)[s.begin : s.end].var() for s in problem.segments])
         start = NoiseModel.white(block.rate, 1e-3 * float(spread))
-        self.null = self._keep(refined(problem, fit(problem, space, [np.zeros(space.size)], start)))
+        null = refined(problem, fit(problem, space, [np.zeros(space.size)], start))
+        self.problem = problem if problem.conversion else problem.corrected(space, null.coordinates)
+        self.null = self._keep(null if self.problem is problem else refined(self.problem, null))
 
     def _keep(self, one: Fit) -> Fit:
         key = frozenset(one.space.names)
@@ -127,7 +133,22 @@ class Search:
             return refined(self.problem, fit(self.problem, space, [one.start], parent.noise))
 
         with ThreadPoolExecutor(_WORKERS) as pool:
-            return [self._keep(one) for one in pool.map(extended, fresh)]
+            found = list(pool.map(extended, fresh))
+        return [self._keep(one) for one in found if self._matters(one, parent)]
+
+    def _matters(self, one: Fit, smaller: Fit) -> bool:
+        """Whether what an effect adds is not negligible beside the whole gap that the larger model closes."""
+        if smaller is self.null:
+            return True
+        rows = one.residual
+        closed = self._energy(self.null, one.noise) - float(rows @ rows)
+        gained = self._energy(smaller, one.noise) - float(rows @ rows)
+        return gained > LEAST_SHARE * closed
+
+    def _energy(self, one: Fit, noise: NoiseModel) -> float:
+        """Energy that a model leaves, whitened by a given noise."""
+        rows = self.problem.whitened(one.space, one.coordinates, noise)
+        return float(rows @ rows)
 
     def forward(self, begin: Fit, kinds: Sequence[type[Effect]], *, deepest: int = MOST_EFFECTS) -> Fit:
         """Add effects as long as the evidence grows."""
@@ -139,11 +160,15 @@ class Search:
                 floor = max(COST, 0.02 * promising[0].gain) if promising else 0.0
                 children += self.extend(parent, [one for one in promising[:_TRIED] if one.gain > floor])
             children.sort(key=score, reverse=True)
-            beam = children[:_BEAM]
+            beam = [one for one in children[:_BEAM] if self._within_reach(one, children[0])]
             if not beam or score(beam[0]) < score(best):
                 break
             best = beam[0]
         return self.backward(best)
+
+    def _within_reach(self, one: Fit, first: Fit) -> bool:
+        """Whether a model is so close to the best one that a further effect might change the order."""
+        return score(one) > 0.5 * (score(first) + score(self.null))
 
     def whole(self) -> Fit:
         """Search the library, and beyond it where something is left that a term outside would explain."""
@@ -153,8 +178,18 @@ class Search:
         if not left or left[0].gain < self.noticeable(inside):
             return inside
         every = (*block.candidates, *block.outside)
-        found = [self.forward(begin, every) for begin in (self.null, inside)]
-        return max((inside, *found), key=score)
+        best = max(inside, self.forward(self.null, every, deepest=_DEEPEST_OUTSIDE), key=score)
+        return best if best is not inside else self.forward(inside, every, deepest=1)
+
+    def again(self) -> "Search":
+        """Search once more with the converter's error as the best model expects it; itself if there is none."""
+        best = self.best
+        corrected = self.problem.corrected(best.space, best.coordinates)
+        if corrected is self.problem or best is self.null:
+            return self
+        search = Search(corrected)
+        search.whole()
+        return search
 
     def noticeable(self, one: Fit) -> float:
         """Gain of log-likelihood below which what is left does not matter."""
@@ -166,7 +201,9 @@ class Search:
         while len(best.space.effects) > 1:
             smaller = [self._without(best, kind) for kind in best.space.effects]
             challenger = max(smaller, key=score)
-            if score(challenger) <= score(best):
+            if not self._matters(best, challenger):
+                self.fitted.pop(frozenset(best.space.names), None)
+            elif score(challenger) <= score(best):
                 break
             best = challenger
         return best

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from reliab.discrepancy.campaign import Stretch
-from reliab.discrepancy.noise import Periodogram
+from reliab.discrepancy.noise import NoiseModel, Periodogram, spectral_shapes
 
 Array = NDArray[np.float64]
 Spectrum = NDArray[np.complex128]
@@ -48,6 +48,14 @@ class Segment:
     def frequency(self) -> Array:
         """Frequencies that count [Hz], shape (bins,)."""
         return np.arange(self.bins) * self.rate / (self.end - self.begin)
+
+    @cached_property
+    def _shapes(self) -> Array:
+        return spectral_shapes(self.frequency, self.rate)
+
+    def density(self, noise: NoiseModel) -> Array:
+        """Expected periodogram of a noise at the frequencies that count, shape (bins,)."""
+        return np.asarray(noise.weights @ self._shapes)
 
     def full_spectrum(self, values: Array) -> Spectrum:
         """Discrete Fourier transform over √n, all frequencies."""

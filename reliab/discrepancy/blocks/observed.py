@@ -9,6 +9,7 @@ from scipy.interpolate import CubicSpline
 
 from reliab.discrepancy.blocks.calibration import Calibration
 from reliab.discrepancy.campaign import Channel, MeasuredTest
+from reliab.discrepancy.smoothing import highest_frequency
 from reliab.loop.effects import Effect, Scales
 from reliab.loop.hybrid_test import HybridTest, Motion3
 from reliab.vocabulary import Block
@@ -60,6 +61,11 @@ class ObservedBlock(ABC):
     candidates: tuple[type[Effect], ...]
     outside: tuple[type[Effect], ...]
     motions: tuple[Motion3, ...]
+
+    @property
+    def highest(self) -> float:
+        """Highest frequency at which models are judged [Hz]."""
+        return highest_frequency(self.rate)
 
     @abstractmethod
     def predict(self, model: HybridTest, test: int) -> Array:

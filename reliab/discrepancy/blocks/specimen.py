@@ -9,6 +9,7 @@ from reliab.discrepancy.blocks.calibration import Calibration, stiffness, unknow
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign import Campaign, Channel
 from reliab.discrepancy.outside import outside_terms
+from reliab.discrepancy.smoothing import reliable_frequency
 from reliab.loop.effects import Effect, Role, Scales, library
 from reliab.loop.effects.force_bias import ForceBias
 from reliab.loop.effects.sensor_drift import SensorDrift
@@ -54,6 +55,14 @@ class SpecimenBlock(ObservedBlock):
         self.outside = outside_terms(self.block)
         self.motions = tuple(pistons)
         self.smoothed = smoothed
+
+    @property
+    def highest(self) -> float:
+        """Highest frequency at which models are judged [Hz]: that up to which the motion is known well."""
+        if not self.smoothed:
+            return super().highest
+        readings = [test.channels[Channel.MEASURED] for test in self.tests]
+        return reliable_frequency(readings, 1.0 / self.rate)
 
     def predict(self, model: HybridTest, test: int) -> Array:
         """Force that the load cell reads [N], shape (n,)."""

@@ -33,7 +33,7 @@ class AddedMass(SteppedEffect):
             meaning="moving mass",
             scale=(("force", 1.0), ("acceleration", -1.0)),
             signed=True,
-            typical=0.1,
+            typical=0.3,
             lower=-2.0,
             upper=2.0,
             starts=(0.02,),

@@ -33,7 +33,7 @@ class CubicStiffness(SteppedEffect):
             meaning="cubic stiffness",
             scale=(("force", 1.0), ("displacement", -3.0)),
             signed=True,
-            typical=0.3,
+            typical=0.6,
             lower=-3.0,
             upper=3.0,
             starts=(0.05,),

@@ -33,7 +33,7 @@ class DelayDrift(SteppedEffect):
             meaning="growth of the delay",
             scale=(("displacement", 1.0), ("velocity", -1.0), ("duration", -1.0)),
             signed=True,
-            typical=0.05,
+            typical=0.3,
             lower=-2.0,
             upper=2.0,
             starts=(0.01,),

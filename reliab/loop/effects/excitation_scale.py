@@ -31,7 +31,7 @@ class ExcitationScale(RecordEffect):
             meaning="factor on the ground acceleration",
             signed=True,
             neutral=1.0,
-            typical=0.1,
+            typical=0.2,
             lower=-2.0,
             upper=5.0,
             starts=(1.02,),

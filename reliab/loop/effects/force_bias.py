@@ -33,7 +33,7 @@ class ForceBias(SteppedEffect):
             meaning="offset of the reading",
             scale=(("force", 1.0),),
             signed=True,
-            typical=0.1,
+            typical=0.3,
             lower=-10.0,
             upper=10.0,
             starts=(0.0,),

@@ -31,7 +31,7 @@ class IntegrationError(Effect):
             units="-",
             meaning="damping ratio that the integration adds",
             signed=True,
-            typical=0.02,
+            typical=0.05,
             lower=-0.5,
             upper=0.5,
             starts=(0.002,),

@@ -33,7 +33,7 @@ class QuadraticStiffness(SteppedEffect):
             meaning="quadratic stiffness",
             scale=(("force", 1.0), ("displacement", -2.0)),
             signed=True,
-            typical=0.3,
+            typical=0.5,
             lower=-3.0,
             upper=3.0,
             starts=(0.05,),

@@ -33,7 +33,7 @@ class SensorDrift(SteppedEffect):
             meaning="rate of the drift",
             scale=(("displacement", 1.0), ("duration", -1.0)),
             signed=True,
-            typical=0.1,
+            typical=0.5,
             lower=-10.0,
             upper=10.0,
             starts=(0.0,),

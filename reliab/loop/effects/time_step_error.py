@@ -31,7 +31,7 @@ class TimeStepError(RecordEffect):
             meaning="time step played over time step recorded",
             signed=True,
             neutral=1.0,
-            typical=0.02,
+            typical=0.1,
             lower=0.2,
             upper=5.0,
             starts=(0.9995, 1.0005, 0.996, 1.004, 0.97, 1.03, 0.9, 1.1, 0.5, 2.0),

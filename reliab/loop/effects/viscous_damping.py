@@ -33,7 +33,7 @@ class ViscousDamping(SteppedEffect):
             meaning="damping coefficient",
             scale=(("force", 1.0), ("velocity", -1.0)),
             signed=True,
-            typical=0.1,
+            typical=0.3,
             lower=-2.0,
             upper=2.0,
             starts=(0.02,),
