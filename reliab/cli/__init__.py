@@ -10,7 +10,7 @@ from typing import Any
 
 import typer
 
-from reliab.cli import criterion, ellipses, motions, simulate
+from reliab.cli import assess, criterion, ellipses, motions, simulate, validate
 from reliab.cli import run as run_command
 from reliab.errors import IncompleteError, InputError
 
@@ -27,6 +27,8 @@ app.add_typer(motions.app, name="motions")
 app.command("simulate")(simulate.simulate)
 app.command("ellipses")(ellipses.ellipses)
 app.command("criterion")(criterion.criterion)
+app.command("assess")(assess.assess)
+app.command("validate")(validate.validate)
 app.command("run")(run_command.run)
 
 
