@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from reliab.criterion.ellipse_sample import FEWEST_MOTIONS, is_ellipse
+from reliab.criterion.ellipse_sample import FEWEST_MOTIONS, is_ellipse, position
 from reliab.criterion.interpolation import tents
 from reliab.criterion.laws.validity import Validity
 from reliab.criterion.motion_predictive import MotionPredictive
@@ -68,7 +68,8 @@ class Population:
         Population
             All motions and structures.
         """
-        chosen = ellipses.sel(metric=metric, curve="ellipse").sel(threshold=threshold, method="nearest")
+        chosen = ellipses.sel(metric=metric, curve="ellipse")
+        chosen = chosen.isel(threshold=position(chosen, "threshold", threshold))
         chosen = chosen.sortby(["f", "xi"]).transpose("motion", "f", "xi", ...)
         a, b = chosen["a"].values, chosen["b"].values
         frequencies, damping_ratios = (chosen[name].values.astype(np.float64) for name in ("f", "xi"))

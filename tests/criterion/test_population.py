@@ -115,3 +115,10 @@ def test_it_comes_back_from_plain_lists(one):
 def test_too_few_motions_are_refused():
     with pytest.raises(InputError, match="At least 3 motions"):
         Population.of(dataset([1.0], [0.02], motions=2), threshold=0.05, metric="rms")
+
+
+def test_errors_may_stand_in_any_order():
+    one = dataset([1.0], [0.02])
+    both = xr.concat([one, one.assign_coords(threshold=[0.01])], "threshold")
+    found, alone = (Population.of(each, threshold=0.05, metric="rms") for each in (both, one))
+    assert np.array_equal(found.log_alpha, alone.log_alpha)
