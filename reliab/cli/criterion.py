@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from reliab.cli.options import (
+    FIVE_PERCENT,
     ONE_HERTZ,
     TWO_PERCENT,
     DampingRatios,
@@ -135,7 +136,7 @@ def criterion(
                 joint=joint,
                 law=fitted,
             )
-            for each_threshold in threshold or dataset["threshold"].values.tolist()
+            for each_threshold in threshold or _default_thresholds(dataset)
             for each_confidence in confidence or [0.95]
         ]
         rows = [
@@ -160,6 +161,12 @@ def _check_room(dataset: "xr.Dataset") -> None:
             value=f"none under {int(motions.sum())} of {motions.size} motions, even for a perfect actuator",
             remedy="Remove or compensate the effects, or allow a larger error by --threshold",
         )
+
+
+def _default_thresholds(dataset: "xr.Dataset") -> list[float]:
+    """Take 5 % where it is there, or all that is."""
+    there: list[float] = dataset["threshold"].values.tolist()
+    return [FIVE_PERCENT] if FIVE_PERCENT in there else there
 
 
 def _row(
