@@ -1,5 +1,6 @@
 """`reliab assess`: the verdict on a test, or what is tolerable before one."""
 
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -72,6 +73,13 @@ FigureFile = Annotated[
         "--figure", metavar="FILE.svg|png|pdf", help="With --design: chart of tolerable errors over f."
     ),
 ]
+ReportFile = Annotated[
+    Path | None, typer.Option("--report", metavar="FILE.pdf", help="Two pages to be filed with the test.")
+]
+ReportDate = Annotated[
+    datetime | None,
+    typer.Option("--date", formats=["%Y-%m-%d"], help="Date on the report; today by default."),
+]
 
 
 def assess(
@@ -95,6 +103,8 @@ def assess(
     delimiter: Delimiter = None,
     design: Design = False,
     figure: FigureFile = None,
+    report: ReportFile = None,
+    date: ReportDate = None,
     check: Check = False,
     json_target: JsonTarget = None,
 ) -> None:
@@ -133,10 +143,23 @@ def assess(
         metric=metric,
         error_window=Window.parse(window),
     )
+    if report is not None:
+        _write_report(found, test, report, date)
     if not write_json(found.to_dict(), json_target):
         _show(found)
     if check and not found.reliable:
         raise typer.Exit(_NOT_RELIABLE)
+
+
+def _write_report(found: "Assessment", test: Path, report: Path, date: datetime | None) -> None:
+    import hashlib
+
+    from reliab.report import write_pdf
+    from reliab.report.kinds.assessment import assessment_report
+
+    checksum = hashlib.sha256(test.read_bytes()).hexdigest()
+    document = assessment_report(found, provenance={"file": test.name, "file, SHA-256": checksum})
+    write_pdf(document, report, date=(date or datetime.now(tz=UTC)).date())
 
 
 def _only(values: list[float] | None, default: float, option: str) -> float:
