@@ -1,0 +1,66 @@
+"""A criterion can be reported whatever its motions, structures and names."""
+
+import numpy as np
+import pytest
+
+from reliab.criterion import derive_criterion
+from reliab.criterion.methods import method_of
+from reliab.report.kinds.criterion import criterion_report
+
+
+def report(ellipses, *, method="dirichlet", coverage=None, confidences=(0.95, 0.8), **changes):
+    criteria = [
+        derive_criterion(ellipses, method=method_of(method), joint=True, threshold=threshold, confidence=each)
+        for threshold in (0.05, 0.02)
+        for each in confidences
+    ]
+    content = {"title": "A criterion", "provenance": {"seed": 1}, **changes}
+    return criterion_report(ellipses=ellipses, criteria=criteria, coverage=coverage, **content), criteria
+
+
+def words(prose):
+    return "".join(str(getattr(piece, "text", getattr(piece, "source", piece))) for piece in prose)
+
+
+@pytest.mark.parametrize(
+    ("frequencies", "damping_ratios"),
+    [((0.5, 1.0, 2.0), (0.02, 0.05)), ((0.5, 1.0, 2.0), (0.02,)), ((1.0,), (0.02, 0.05)), ((3.0,), (0.04,))],
+)
+def test_any_grid_of_structures(ellipses_of, set_without_warnings, frequencies, damping_ratios, rates):
+    document, _ = report(ellipses_of(frequencies, damping_ratios), coverage=rates)
+    assert set_without_warnings(document).startswith(b"%PDF")
+
+
+def test_the_verdict_states_the_limits_of_the_first_criterion(ellipses_of):
+    document, (first, *_) = report(ellipses_of())
+    a, b = (float(limit) for limit in first.limits(1.0, 0.02))
+    stated = words(document.verdict)
+    assert f"{100 * np.sqrt(a):.2g} %" in stated
+    assert f"{np.sqrt(b):.2f} ms" in stated
+
+
+@pytest.mark.parametrize(("motions", "events"), [(3, 1), (4, 4), (60, 50)])
+def test_any_number_of_motions_and_earthquakes(ellipses_of, set_without_warnings, motions, events):
+    document, _ = report(ellipses_of((1.0,), (0.02,), motions=motions, events=events))
+    set_without_warnings(document)
+
+
+def test_too_few_motions_for_the_promise_are_told(ellipses_of, set_without_warnings):
+    document, criteria = report(
+        ellipses_of((1.0,), (0.02,)), method="order_statistic", confidences=(0.8, 0.999)
+    )
+    assert min(float(criterion.limits(1.0, 0.02)[0]) for criterion in criteria) == 0.0
+    set_without_warnings(document)
+
+
+def test_names_from_a_users_catalogue_are_text(ellipses_of, set_without_warnings):
+    names = [f"$#*_@{rank}\\ <b> {'x' * 60}" for rank in range(24)]
+    document, _ = report(ellipses_of((1.0,), (0.02,), names=names), title="#panic() $ *", notes=("$ # @x",))
+    set_without_warnings(document)
+
+
+def test_motions_without_an_ellipse_are_left_out(ellipses_of, set_without_warnings):
+    ellipses = ellipses_of((1.0,), (0.02,)).copy(deep=True)
+    ellipses["a"][:2] = np.nan
+    document, _ = report(ellipses)
+    set_without_warnings(document)

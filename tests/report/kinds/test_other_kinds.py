@@ -1,0 +1,88 @@
+"""Assessments, validations and comparisons of suites are set; their verdicts say what was found."""
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+from reliab.criterion import derive_criterion
+from reliab.criterion.methods import method_of
+from reliab.loop.structure import Structure
+from reliab.report.kinds.assessment import assessment_report
+from reliab.report.kinds.suites import suites_report
+from reliab.report.kinds.validation import validation_report
+from reliab.validation.assessment import Recording, assess
+
+
+def pages(pdf):
+    import re
+    import zlib
+
+    streams = re.findall(rb"stream\r?\n(.*?)\r?\nendstream", pdf, re.DOTALL)
+    content = [pdf]
+    for stream in streams:
+        try:
+            content.append(zlib.decompress(stream))
+        except zlib.error:
+            continue
+    return len(re.findall(rb"/Type\s*/Page\b", b"\n".join(content)))
+
+
+@pytest.fixture(scope="module")
+def criterion(ellipses_of):
+    return derive_criterion(ellipses_of(), method=method_of("dirichlet"), joint=True)
+
+
+@pytest.mark.parametrize(("delay", "reliable"), [(1e-4, True), (4e-3, False)])
+def test_a_test_is_reported_on_two_pages(criterion, set_without_warnings, delay, reliable):
+    times = np.arange(0.0, 40.0, 1.0 / 256.0)
+    command = 0.02 * np.sin(2.0 * np.pi * times) * np.hanning(times.size)
+    noise = 1e-6 * np.random.default_rng(1).normal(size=times.size)
+    measured = 0.999 * np.interp(times - delay, times, command) + noise
+    recording = Recording(command=command, measured=measured, time_step=1.0 / 256.0, name="#1 $test$")
+    found = assess(recording, Structure(frequency=1.0, damping_ratio=0.02), criterion=criterion)
+    document = assessment_report(found, provenance={"file": "a.csv"})
+    assert document.tone == ("good" if reliable else "bad")
+    assert pages(set_without_warnings(document)) == 2
+
+
+@pytest.mark.parametrize(("lowered", "tone"), [(0.0, "good"), (0.2, "bad")])
+def test_a_validation_says_whether_the_promise_is_kept(rates, set_without_warnings, lowered, tone):
+    shifted = rates.assign(
+        **{name: np.maximum(rates[name] - lowered, 0.0) for name in ("rate", "low", "high")}
+    )
+    tests = pd.DataFrame(
+        {"rig": ["a", "a", "b"], "error": [0.02, 0.04, 0.06], "predicted": [0.02, 0.05, 0.05]}
+    ).assign(accepted=[True, True, False], good=[True, True, False])
+    document = validation_report(
+        title="V", rates={"one": shifted, "other": rates}, confidence=0.95, beyond=tests, provenance={}
+    )
+    assert document.tone == tone
+    set_without_warnings(document)
+
+
+def test_suites_are_compared_with_the_first(set_without_warnings):
+    rng = np.random.default_rng(1)
+    columns = ("peak_acceleration", "arias_intensity", "significant_duration", "mean_period", "a", "b")
+    measures = {
+        name: pd.DataFrame(np.exp(rng.normal(size=(9, 6))), columns=list(columns)) for name in ("real", "new")
+    }
+    periods = np.geomspace(0.1, 4.0, 5)
+    spectra = {
+        name: xr.DataArray(
+            np.exp(rng.normal(size=(9, 5))), dims=("motion", "period"), coords={"period": periods}
+        )
+        for name in measures
+    }
+    limits = pd.DataFrame(
+        [
+            {"suite": name, "f": f, "xi": 0.02, "a": factor * 1e-4, "b": factor / f**2}
+            for name, factor in (("real", 1.0), ("new", 4.0))
+            for f in (0.5, 1.0)
+        ]
+    )
+    document = suites_report(
+        title="S", measures=measures, spectra=spectra, limits=limits, confidence=0.95, provenance={}
+    )
+    assert "2.00 to 2.00 times the delay" in "".join(map(str, document.verdict))
+    set_without_warnings(document)
