@@ -1,0 +1,22 @@
+"""`reliab report`: the PDF of a finished run."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from reliab.cli.options import JsonTarget
+from reliab.cli.output import console, write_json
+
+
+def report(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Run folder that `reliab run` left.")],
+    *,
+    json_target: JsonTarget = None,
+) -> None:
+    """Write the PDF of a finished run again, from its folder alone."""
+    from reliab.study import write_report
+
+    written = write_report(folder)
+    if not write_json({"folder": str(folder), "report": str(written)}, json_target):
+        console().print(f"Report: {written}", highlight=False)
