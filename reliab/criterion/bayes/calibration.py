@@ -1,0 +1,93 @@
+"""Simulation-based calibration: whether a sampler and its model agree about uncertainty.
+
+Parameters are drawn from the prior, data from the model at these parameters, and a posterior from the data.
+If all is right, the rank of the true parameter among draws of its posterior is uniform.
+
+References
+----------
+Talts, S. and others (2018). Validating Bayesian inference algorithms with simulation-based calibration.
+arXiv:1804.06788.
+"""
+
+import warnings
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chisquare
+
+from reliab.criterion.bayes.diagnostics import ConvergenceWarning
+from reliab.criterion.bayes.model import Model
+from reliab.criterion.bayes.sampling import Ensembles, sample
+from reliab.progress import Progress, silent
+
+DRAWS = 99
+"""Draws of a posterior among which the true parameter is ranked."""
+
+_BINS = 10
+
+
+def calibration_ranks(
+    model: Model, *, fits: int, steps: int, seed: int = 2017, progress: Progress = silent
+) -> NDArray[np.int64]:
+    """Rank true parameters among draws of their posteriors.
+
+    Parameters
+    ----------
+    model : Model
+        The model, for its priors and the shape of its data.
+    fits : int
+        Number of parameter vectors, data sets and posteriors.
+    steps : int
+        Steps of each posterior's one ensemble.
+    seed : int, optional
+        Seed of everything.
+    progress : callable, optional
+        Called after each fit.
+
+    Returns
+    -------
+    array of int, shape (fits, parameters)
+        Ranks from 0 to 99.
+
+    Examples
+    --------
+    >>> from reliab.criterion.bayes import NormalCell
+    >>> calibration_ranks(NormalCell(values=np.zeros(10)), fits=2, steps=200).shape
+    (2, 2)
+    """
+    rng = np.random.default_rng(seed)
+    ranks = np.empty((fits, len(model.parameters)), dtype=np.int64)
+    for number, truth in enumerate(model.draw_prior(fits, rng)):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ConvergenceWarning)  # one ensemble, judged by its ranks
+            posterior = sample(
+                model.simulate(truth, rng), Ensembles(steps=steps, count=1, seed=seed + number)
+            )
+        chosen = rng.choice(posterior.flat, DRAWS, replace=False)
+        ranks[number] = (chosen < truth).sum(axis=0)
+        progress(number + 1, fits)
+    return ranks
+
+
+def uniformity(ranks: NDArray[np.int64]) -> NDArray[np.float64]:
+    """p-values of the hypothesis that ranks are uniform, by the χ² test over ten bins.
+
+    Parameters
+    ----------
+    ranks : array of int, shape (fits, parameters)
+        Ranks from 0 to 99.
+
+    Returns
+    -------
+    array of float, shape (parameters,)
+        One p-value for each parameter.
+
+    Examples
+    --------
+    >>> ranks = np.random.default_rng(1).integers(0, 100, (500, 2))
+    >>> bool((uniformity(ranks) > 0.01).all()), bool((uniformity(ranks // 2) > 0.01).any())
+    (True, False)
+    """
+    edges = np.linspace(0, DRAWS + 1, _BINS + 1)
+    counts = np.stack([np.histogram(each, edges)[0] for each in ranks.T])
+    return np.asarray(chisquare(counts, axis=1).pvalue)

@@ -1,0 +1,156 @@
+"""Whether a run has converged: R-hat, effective sample sizes, autocorrelation time."""
+
+import warnings
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any, Final
+
+import numpy as np
+import xarray as xr
+from emcee.autocorr import integrated_time
+from numpy.typing import NDArray
+
+LARGEST_R_HAT: Final = 1.01
+LEAST_EFFECTIVE_SIZE: Final = 1000
+FEWEST_ENSEMBLES: Final = 4
+
+
+class ConvergenceWarning(UserWarning):
+    """A posterior was sampled too briefly to be relied on."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Diagnostics:
+    """Convergence of each parameter.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Parameters.
+    r_hat : array of float, shape (parameters,)
+        Rank-normalised split R-hat over both halves of all ensembles.
+    bulk_size, tail_size : array of float, shape (parameters,)
+        Effective number of independent draws for the centre and for the 5 % and 95 % quantiles.
+    autocorrelation_time : array of float, shape (parameters,)
+        Integrated autocorrelation time [steps].
+    ensembles : int
+        Number of independent ensembles.
+    """
+
+    names: tuple[str, ...]
+    r_hat: NDArray[np.float64]
+    bulk_size: NDArray[np.float64]
+    tail_size: NDArray[np.float64]
+    autocorrelation_time: NDArray[np.float64]
+    ensembles: int
+
+    @property
+    def complaints(self) -> tuple[str, ...]:
+        """What speaks against convergence, in plain sentences; nothing when all is well."""
+        smallest = np.minimum(self.bulk_size, self.tail_size)
+        worst, least = int(np.argmax(self.r_hat)), int(np.argmin(smallest))
+        found = (
+            (
+                not self.r_hat.max() < LARGEST_R_HAT,
+                f"R-hat of {self.names[worst]} is {self.r_hat[worst]:.3f}, not below {LARGEST_R_HAT}.",
+            ),
+            (
+                not smallest.min() > LEAST_EFFECTIVE_SIZE,
+                f"{self.names[least]} has {smallest[least]:.0f} effective draws, not {LEAST_EFFECTIVE_SIZE}.",
+            ),
+            (
+                self.ensembles < FEWEST_ENSEMBLES,
+                f"Only {self.ensembles} independent ensembles were run, not {FEWEST_ENSEMBLES}.",
+            ),
+        )
+        return tuple(sentence for wrong, sentence in found if wrong)
+
+    @property
+    def converged(self) -> bool:
+        """Whether R-hat < 1.01 and both effective sizes > 1,000 for every parameter."""
+        return not self.complaints
+
+
+def diagnose(draws: NDArray[np.float64], names: tuple[str, ...], thin: int) -> Diagnostics:
+    """Diagnose the kept draws of several ensembles.
+
+    Walkers of one ensemble learn from each other, so that R-hat compares ensembles and not walkers: the
+    earlier and the later half of each ensemble count as one chain each, which shows an ensemble that has
+    settled elsewhere and one that still drifts. In the effective sizes every walker counts as a chain, so
+    that walkers that are stuck show too.
+
+    Parameters
+    ----------
+    draws : array of float, shape (ensembles, draws, walkers, parameters)
+        Without the beginning that is left out.
+    names : tuple of str
+        Parameters.
+    thin : int
+        Steps from one draw to the next.
+
+    Returns
+    -------
+    Diagnostics
+        For every parameter.
+
+    Examples
+    --------
+    >>> draws = np.random.default_rng(1).normal(size=(4, 500, 8, 1))
+    >>> diagnose(draws, ("mean",), 1).converged
+    True
+    """
+    ensembles, count, walkers, dimensions = draws.shape
+    half = count // 2
+    halves = draws[:, : 2 * half].reshape(2 * ensembles, half, walkers, dimensions)
+    arviz = quiet_arviz()
+    with np.errstate(all="ignore"):
+        r_hat = arviz.rhat(_walkers_in_turn(halves))["theta"].values
+        sizes = [
+            arviz.ess(_one_chain_each(draws), method=method)["theta"].values for method in ("bulk", "tail")
+        ]
+        times = [integrated_time(each, tol=0, quiet=True) for each in draws]
+    return Diagnostics(
+        names=names,
+        r_hat=r_hat,
+        bulk_size=sizes[0],
+        tail_size=sizes[1],
+        autocorrelation_time=thin * np.mean(times, axis=0),
+        ensembles=ensembles,
+    )
+
+
+def _one_chain_each(draws: NDArray[np.float64]) -> xr.Dataset:
+    chains = draws.transpose(0, 2, 1, 3).reshape(-1, *draws.shape[1::2])
+    return xr.Dataset({"theta": (("chain", "draw", "parameter"), chains)})
+
+
+def _walkers_in_turn(draws: NDArray[np.float64]) -> xr.Dataset:
+    chains = draws.transpose(0, 2, 1, 3).reshape(draws.shape[0], -1, draws.shape[-1])
+    return xr.Dataset({"theta": (("chain", "draw", "parameter"), chains)})
+
+
+def quiet_arviz() -> ModuleType:
+    """Import ArviZ without its notice about the coming version, which is not the user's concern."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", FutureWarning)
+        import arviz
+    return arviz
+
+
+def inference_data(draws: NDArray[np.float64], names: tuple[str, ...]) -> Any:  # noqa: ANN401 - ArviZ is untyped
+    """Draws as ArviZ's object, one chain for each ensemble, for its plots and files.
+
+    Parameters
+    ----------
+    draws : array of float, shape (ensembles, draws, walkers, parameters)
+        Kept draws.
+    names : tuple of str
+        Parameters.
+
+    Returns
+    -------
+    arviz.InferenceData
+        One variable for each parameter, the walkers of an ensemble one after the other.
+    """
+    chains = draws.transpose(0, 2, 1, 3).reshape(draws.shape[0], -1, draws.shape[-1])
+    return quiet_arviz().from_dict(posterior={name: chains[..., k] for k, name in enumerate(names)})

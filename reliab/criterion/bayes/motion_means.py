@@ -1,0 +1,158 @@
+"""Likelihood of the motions' means over all structures, with event effects integrated out."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.criterion.bayes.covariance import distance, normal_log_density, squares_of
+
+_NODES: Final = 7  # Gauss-Hermite nodes along each of two directions
+_ROUNDS: Final = 6  # reweighted means that place them
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MotionMeans:
+    """Means of ln α and ln β of each motion over all structures, grouped by earthquake.
+
+    Parameters
+    ----------
+    means : array of float, shape (motions, 2)
+        The means.
+    groups : array of int, shape (motions,)
+        Number of each motion's earthquake, from zero.
+    """
+
+    means: NDArray[np.float64]
+    groups: NDArray[np.int64]
+
+    def normal(
+        self,
+        centre: NDArray[np.float64],
+        between: NDArray[np.float64],
+        within: NDArray[np.float64],
+    ) -> NDArray[np.float64]:
+        """Log-likelihood with normal event and motion effects.
+
+        Parameters
+        ----------
+        centre : array of float, shape (vectors, 2)
+            Mean of the law over the structures.
+        between, within : array of float, shape (vectors, 3)
+            Covariance of event effects, and of motions about their earthquake.
+
+        Returns
+        -------
+        array of float, shape (vectors,)
+            Up to a constant.
+        """
+        sizes, event_means, scatter = self._by_event
+        below = normal_log_density(within, scatter, float(self.groups.size - sizes.size))
+        of_mean = between[:, None, :] + within[:, None, :] / sizes[:, None]
+        strayed = squares_of(event_means - centre[:, None, :])
+        return np.asarray(below + normal_log_density(of_mean, strayed, 1.0).sum(axis=1))
+
+    def robust(
+        self,
+        centre: NDArray[np.float64],
+        between: NDArray[np.float64],
+        within: NDArray[np.float64],
+        degrees: NDArray[np.float64],
+    ) -> NDArray[np.float64]:
+        """Log-likelihood with normal event effects and bivariate Student-t motions about them.
+
+        The event effects are integrated out by Gauss–Hermite quadrature about their conditional mode,
+        which is found by reweighting.
+
+        Parameters
+        ----------
+        centre, between, within
+            As for :meth:`normal`; `within` is the scale of the Student-t distribution.
+        degrees : array of float, shape (vectors,)
+            Its degrees of freedom.
+
+        Returns
+        -------
+        array of float, shape (vectors,)
+            Up to a constant.
+        """
+        strayed = self.means - centre[:, None, :]  # (vectors, motions, 2)
+        mode, precision = self._conditional(strayed, between, within, degrees)
+        directions = np.linalg.inv(np.linalg.cholesky(precision)).swapaxes(-1, -2)
+        nodes, weights = _nodes()
+        effects = mode[:, :, None, :] + np.einsum("weij,nj->weni", directions, nodes)
+        log_weights = weights + 0.5 * (nodes**2).sum(axis=1)
+        integrand = self._integrand(strayed, effects, between, within, degrees) + log_weights
+        peak = integrand.max(axis=2)
+        area = np.log(np.exp(integrand - peak[..., None]).sum(axis=2))
+        return np.asarray((peak + area - 0.5 * np.linalg.slogdet(precision)[1]).sum(axis=1))
+
+    @cached_property
+    def _by_event(self) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
+        """Sizes of the earthquakes, their means, and the squares about these."""
+        sizes = np.bincount(self.groups)
+        event_means = self._event_sums(self.means) / sizes[:, None]
+        return sizes, event_means, squares_of(self.means - event_means[self.groups]).sum(axis=0)
+
+    def _event_sums(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Sum motions of each earthquake along the last axis but one."""
+        order = np.argsort(self.groups, kind="stable")
+        starts = np.flatnonzero(np.diff(self.groups[order], prepend=-1))
+        return np.asarray(np.add.reduceat(values[..., order, :], starts, axis=-2))
+
+    def _conditional(
+        self,
+        strayed: NDArray[np.float64],
+        between: NDArray[np.float64],
+        within: NDArray[np.float64],
+        degrees: NDArray[np.float64],
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Mode (vectors, events, 2) of the event effects and precision (vectors, events, 2, 2) about it."""
+        prior, scale = np.linalg.inv(_matrix(between)), np.linalg.inv(_matrix(within))
+        weight = np.ones(strayed.shape[:2])
+        determinant = _determinant(within)[:, None]
+        for _ in range(_ROUNDS):
+            total = self._event_sums(weight[..., None])[..., None]
+            precision = prior[:, None] + total * scale[:, None]
+            pull = np.einsum("wij,wej->wei", scale, self._event_sums(weight[..., None] * strayed))
+            mode = np.linalg.solve(precision, pull[..., None])[..., 0]
+            squares = squares_of(strayed - mode[:, self.groups])
+            weight = (degrees[:, None] + 2.0) / (
+                degrees[:, None] + distance(within[:, None], squares, determinant)
+            )
+        return np.asarray(mode), np.asarray(precision, dtype=np.float64)
+
+    def _integrand(
+        self,
+        strayed: NDArray[np.float64],
+        effects: NDArray[np.float64],
+        between: NDArray[np.float64],
+        within: NDArray[np.float64],
+        degrees: NDArray[np.float64],
+    ) -> NDArray[np.float64]:
+        """Log-density of effects and motions, shape (vectors, events, nodes)."""
+        squares = squares_of(strayed[:, :, None, :] - effects[:, self.groups])  # (vectors, motions, nodes, 3)
+        apart = distance(within[:, None, None], squares, _determinant(within)[:, None, None])
+        nu = degrees[:, None, None]
+        each = -0.5 * (nu + 2.0) * np.log1p(apart / nu) - 0.5 * np.log(_determinant(within))[:, None, None]
+        prior = normal_log_density(between[:, None, None], squares_of(effects), 1.0)
+        return np.asarray(prior + self._event_sums(each))
+
+
+def _matrix(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Covariances (..., 3) as matrices (..., 2, 2)."""
+    aa, bb, ab = np.moveaxis(covariance, -1, 0)
+    return np.stack([np.stack([aa, ab], axis=-1), np.stack([ab, bb], axis=-1)], axis=-2)
+
+
+def _determinant(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(covariance[..., 0] * covariance[..., 1] - covariance[..., 2] ** 2)
+
+
+def _nodes() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Nodes (nodes, 2) and logarithms of weights of the two-dimensional standard normal density."""
+    x, w = np.polynomial.hermite_e.hermegauss(_NODES)
+    grid = np.stack(np.meshgrid(x, x, indexing="ij"), axis=-1).reshape(-1, 2)
+    return grid, np.log(np.outer(w, w)).ravel()

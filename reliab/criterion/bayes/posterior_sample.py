@@ -1,0 +1,76 @@
+"""What a run has drawn, and what it is worth."""
+
+import warnings
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from reliab.criterion.bayes.diagnostics import ConvergenceWarning, Diagnostics, diagnose
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PosteriorSample:
+    """Draws from a posterior, in independent ensembles.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Parameters.
+    draws : array of float, shape (ensembles, draws, walkers, parameters)
+        Draws on the sampled scale, without the first half of the run.
+    thin : int
+        Steps from one draw to the next.
+    accepted : float
+        Share of proposed moves that were taken.
+    """
+
+    names: tuple[str, ...]
+    draws: NDArray[np.float64]
+    thin: int
+    accepted: float
+
+    @cached_property
+    def diagnostics(self) -> Diagnostics:
+        """R-hat, effective sample sizes and autocorrelation time of every parameter."""
+        return diagnose(self.draws, self.names, self.thin)
+
+    @property
+    def converged(self) -> bool:
+        """Whether the draws can be relied on."""
+        return self.diagnostics.converged
+
+    @property
+    def flat(self) -> NDArray[np.float64]:
+        """All draws, shape (draws, parameters)."""
+        return self.draws.reshape(-1, len(self.names))
+
+    def spread_out(self, count: int) -> NDArray[np.float64]:
+        """Take draws spread evenly over all of them, shape (count or fewer, parameters)."""
+        flat = self.flat
+        return np.asarray(flat[np.linspace(0, len(flat) - 1, min(count, len(flat))).astype(int)])
+
+    def table(self) -> pd.DataFrame:
+        """Summarise each parameter: mean, spread, 5 %, 50 % and 95 % quantiles and diagnostics."""
+        found = self.diagnostics
+        low, middle, high = np.quantile(self.flat, [0.05, 0.5, 0.95], axis=0)
+        columns = {
+            "mean": self.flat.mean(axis=0),
+            "spread": self.flat.std(axis=0),
+            "quantile_05": low,
+            "median": middle,
+            "quantile_95": high,
+            "r_hat": found.r_hat,
+            "bulk_size": found.bulk_size,
+            "tail_size": found.tail_size,
+            "autocorrelation_time": found.autocorrelation_time,
+        }
+        return pd.DataFrame(columns, index=pd.Index(self.names, name="parameter"))
+
+    def warn_unless_converged(self) -> None:
+        """Issue a :class:`ConvergenceWarning` with every complaint."""
+        if not self.converged:
+            text = " ".join(("THIS POSTERIOR HAS NOT CONVERGED.", *self.diagnostics.complaints))
+            warnings.warn(f"{text} Resume the run with more steps.", ConvergenceWarning, stacklevel=3)

@@ -1,0 +1,202 @@
+"""Independent affine-invariant ensembles, resumable from a file."""
+
+import hashlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import emcee
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from reliab.criterion.bayes.diagnostics import FEWEST_ENSEMBLES
+from reliab.criterion.bayes.model import Model
+from reliab.criterion.bayes.posterior_sample import PosteriorSample
+from reliab.errors import InputError
+from reliab.progress import Progress, silent
+
+_BLOCKS = 20  # reports of progress from one ensemble
+_DIFFERENCE = 1e-4
+_DESERT = 1e30
+_START = 0.1  # spread of the first walkers, in spreads of the prior
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ensembles:
+    """How a posterior is sampled.
+
+    Parameters
+    ----------
+    steps : int
+        Steps of every walker; the first half is left out.
+    thin : int, optional
+        Steps from one kept draw to the next.
+    count : int, optional
+        Number of independent ensembles.
+    walkers : int, optional
+        Walkers of an ensemble; by default three times as many as parameters, and at least 32.
+    seed : int, optional
+        Seed; each ensemble has its own stream.
+    """
+
+    steps: int
+    thin: int = 1
+    count: int = FEWEST_ENSEMBLES
+    walkers: int = 0
+    seed: int = 2017
+
+    def __post_init__(self) -> None:
+        least = 2 * self.thin
+        if self.thin < 1 or self.steps < least or self.steps % least:
+            raise InputError(
+                "The number of steps must be a multiple of twice the thinning",
+                value=f"{self.steps} steps, thinning {self.thin}",
+                remedy=f"Give {max(least, self.steps // least * least)}",
+            )
+        if self.count < 1:
+            raise InputError("At least one ensemble must be run", value=self.count)
+
+
+def sample(
+    model: Model, ensembles: Ensembles, *, file: Path | None = None, progress: Progress = silent
+) -> PosteriorSample:
+    """Sample the posterior of a model.
+
+    Walkers move as the model says, see :attr:`Model.moves`.
+
+    Parameters
+    ----------
+    model : Model
+        The model with its data.
+    ensembles : Ensembles
+        How.
+    file : Path, optional
+        HDF5 file; a run that stopped, or that was too short, goes on where it ended and ends up as if
+        it had never stopped.
+    progress : callable, optional
+        Called with finished and all steps.
+
+    Returns
+    -------
+    PosteriorSample
+        The draws; `converged` says whether they can be relied on.
+
+    Warns
+    -----
+    ConvergenceWarning
+        If they cannot.
+
+    Raises
+    ------
+    InputError
+        If the file holds a run of another model, other data or other settings.
+
+    Examples
+    --------
+    >>> from reliab.criterion.bayes import NormalCell
+    >>> model = NormalCell(values=np.random.default_rng(1).normal(-1.0, 0.6, 100))
+    >>> posterior = sample(model, Ensembles(steps=800, walkers=16))
+    >>> posterior.converged, bool(abs(posterior.flat[:, 0].mean() - model.values.mean()) < 0.01)
+    (True, True)
+    """
+    width = ensembles.walkers or max(32, 2 * (3 * len(model.parameters) // 2))
+    mode = _mode(model)
+    chains, accepted = [], []
+    for number in range(ensembles.count):
+        with _backend(file, number, model, ensembles, width) as backend:
+            sampler = _sampler(model, width, backend)
+            _run(sampler, _start(model, mode, width, (ensembles.seed, number)), ensembles, number, progress)
+            kept = ensembles.steps // ensembles.thin // 2
+            chains.append(sampler.get_chain(discard=kept)[:kept])
+            accepted.append(float(np.mean(sampler.acceptance_fraction)))
+    found = PosteriorSample(
+        names=tuple(each.name for each in model.parameters),
+        draws=np.stack(chains),
+        thin=ensembles.thin,
+        accepted=float(np.mean(accepted)),
+    )
+    found.warn_unless_converged()
+    return found
+
+
+def _sampler(model: Model, width: int, backend: emcee.backends.Backend) -> emcee.EnsembleSampler:
+    return emcee.EnsembleSampler(
+        width,
+        len(model.parameters),
+        model.log_posterior,
+        vectorize=True,
+        moves=model.moves,
+        backend=backend,
+    )
+
+
+def _run(
+    sampler: emcee.EnsembleSampler, start: emcee.State, ensembles: Ensembles, number: int, progress: Progress
+) -> None:
+    """Step on from where the backend ends, in blocks."""
+    draws = ensembles.steps // ensembles.thin
+    block = max(1, draws // _BLOCKS)
+    while (done := sampler.backend.iteration) < draws:
+        sampler.run_mcmc(start if done == 0 else None, min(block, draws - done), thin_by=ensembles.thin)
+        finished = number * ensembles.steps + sampler.backend.iteration * ensembles.thin
+        progress(finished, ensembles.count * ensembles.steps)
+
+
+def _mode(model: Model) -> NDArray[np.float64]:
+    """Find parameters near the greatest posterior density, so that no walker starts in the desert."""
+    begin = np.array([each.mean for each in model.parameters])
+    spreads = np.array([each.spread for each in model.parameters])
+
+    steps = _DIFFERENCE * np.concatenate([np.zeros((1, begin.size)), np.eye(begin.size), -np.eye(begin.size)])
+
+    def loss(scaled: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
+        values = np.minimum(-model.log_posterior(begin + spreads * (scaled + steps)), _DESERT)
+        ahead, behind = np.split(values[1:], 2)
+        return float(values[0]), (ahead - behind) / (2.0 * _DIFFERENCE)
+
+    bounds = [(-4.0, 4.0)] * begin.size
+    found = minimize(loss, np.zeros_like(begin), jac=True, method="L-BFGS-B", bounds=bounds)
+    return np.asarray(begin + spreads * found.x)
+
+
+def _start(model: Model, mode: NDArray[np.float64], width: int, seed: tuple[int, int]) -> emcee.State:
+    sequence = np.random.SeedSequence(seed)
+    rng = np.random.default_rng(sequence)
+    spreads = np.array([each.spread for each in model.parameters])
+    walkers = mode + _START * spreads * rng.standard_normal((width, mode.size))
+    stream = np.random.RandomState(sequence.generate_state(8))
+    return emcee.State(walkers, random_state=stream.get_state())
+
+
+@contextmanager
+def _backend(
+    file: Path | None, number: int, model: Model, ensembles: Ensembles, width: int
+) -> Iterator[emcee.backends.Backend]:
+    """Memory, or a group of an HDF5 file that belongs to this very run."""
+    if file is None:
+        yield emcee.backends.Backend()
+        return
+    backend = emcee.backends.HDFBackend(str(file), name=f"ensemble_{number}")
+    signature = _signature(model, ensembles, width)
+    if not backend.initialized:
+        backend.reset(width, len(model.parameters))
+        with backend.open("a") as opened:
+            opened[backend.name].attrs["signature"] = signature
+    with backend.open() as opened:
+        stored = opened[backend.name].attrs.get("signature", "")
+    if stored != signature:
+        raise InputError(
+            "A run is resumed with the model, data and settings that it began with",
+            value=f"another run of {model.name}",
+            remedy="Name another file; only the number of steps may grow",
+            where=str(file),
+        )
+    yield backend
+
+
+def _signature(model: Model, ensembles: Ensembles, width: int) -> str:
+    settings = (model.name, model.parameters, ensembles.thin, ensembles.seed, width)
+    data = np.ascontiguousarray(model.data, dtype=np.float64).tobytes()
+    return hashlib.sha256(repr(settings).encode() + data).hexdigest()

@@ -1,0 +1,181 @@
+"""The scatter of ln α and ln β over motions and structures, divided into independent strata.
+
+On a complete grid, orthonormal contrasts along ln f and along ln ξ turn correlated values into independent
+ones. Each stratum's covariance is a weighted sum of the covariances of the effects that reach it, so that
+motion effects are integrated out exactly and a likelihood costs as much for a hundred motions as for ten.
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.criterion.bayes.covariance import normal_log_density
+
+EVENT: Final = "event"
+MOTION: Final = "motion"
+MOTION_SLOPE: Final = "motion, slope in ln ξ"
+FREQUENCY: Final = "motion at a frequency"
+FREQUENCY_SLOPE: Final = "motion at a frequency, slope in ln ξ"
+REMAINDER: Final = "remainder"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Grid:
+    """Structures over which motions are compared.
+
+    Parameters
+    ----------
+    frequencies, damping_ratios : array of float, shape (F,) and (X,)
+        The grid [Hz, -].
+
+    Examples
+    --------
+    >>> Grid(frequencies=np.array([1.0]), damping_ratios=np.array([0.02, 0.05])).effects
+    ('event', 'motion', 'motion, slope in ln ξ')
+    """
+
+    frequencies: NDArray[np.float64]
+    damping_ratios: NDArray[np.float64]
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(F, X)."""
+        return self.frequencies.size, self.damping_ratios.size
+
+    @property
+    def eta(self) -> NDArray[np.float64]:
+        """Ln ξ about its mean, shape (X,)."""
+        logarithms = np.log(self.damping_ratios)
+        return np.asarray(logarithms - logarithms.mean())
+
+    @property
+    def bases(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Orthonormal contrasts in columns along f and ξ: mean first, along ξ then slope, then the rest."""
+        along_f, along_xi = self.shape
+        of_f = np.linalg.qr(np.column_stack([np.ones(along_f), np.eye(along_f)]))[0]
+        linear = [np.ones(along_xi), self.eta] if along_xi > 1 else [np.ones(along_xi)]
+        return of_f, np.linalg.qr(np.column_stack([*linear, np.eye(along_xi)]))[0]
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Effects that the grid can tell apart, that of the event first."""
+        along_f, along_xi = self.shape
+        wide, damped, curved = along_f > 1, along_xi > 1, along_xi > 2  # noqa: PLR2004 - a slope takes two
+        possible = (
+            (EVENT, True),
+            (MOTION, True),
+            (MOTION_SLOPE, damped),
+            (FREQUENCY, wide),
+            (FREQUENCY_SLOPE, wide and damped),
+            (REMAINDER, curved),
+        )
+        return tuple(name for name, present in possible if present)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Strata:
+    """Sums over the pairs (ln α, ln β) of each stratum, which are independent given the law.
+
+    Parameters
+    ----------
+    weights : array of float, shape (strata, effects)
+        Weight of each effect's covariance in that of each stratum.
+    counts : array of float, shape (strata,)
+        Numbers of pairs.
+    products : array of float, shape (strata, terms + 2, terms + 2)
+        Sums of products of the terms and values of each pair.
+    """
+
+    weights: NDArray[np.float64]
+    counts: NDArray[np.float64]
+    products: NDArray[np.float64]
+
+    def log_likelihood(
+        self, coefficients: NDArray[np.float64], covariances: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Log-likelihood up to a constant.
+
+        Parameters
+        ----------
+        coefficients : array of float, shape (vectors, terms, 2)
+            Of the law.
+        covariances : array of float, shape (vectors, effects, 3)
+            Of the effects.
+
+        Returns
+        -------
+        array of float, shape (vectors,)
+            Sum over the strata.
+        """
+        own = np.broadcast_to(np.eye(2), (len(coefficients), 2, 2))
+        residual = np.concatenate([-coefficients, own], axis=1)[:, None]  # values minus the law
+        squares = residual.swapaxes(-1, -2) @ self.products @ residual
+        about = np.stack([squares[..., 0, 0], squares[..., 1, 1], squares[..., 0, 1]], axis=-1)
+        covariance = self.weights @ covariances
+        return np.asarray(normal_log_density(covariance, about, self.counts).sum(axis=1))
+
+
+def divide(grid: Grid, values: NDArray[np.float64], terms: NDArray[np.float64]) -> Strata:
+    """Divide values into the strata below that of the motions' means.
+
+    Parameters
+    ----------
+    grid : Grid
+        The structures.
+    values : array of float, shape (motions, F, X, 2)
+        ln α and ln β.
+    terms : array of float, shape (F, X, terms)
+        Terms of the law.
+
+    Returns
+    -------
+    Strata
+        Those that the grid has.
+    """
+    of_f, of_xi = grid.bases
+    y = np.einsum("mfxq,fi,xj->mijq", values, of_f, of_xi)
+    t = np.broadcast_to(np.einsum("fxk,fi,xj->ijk", terms, of_f, of_xi), (*y.shape[:3], terms.shape[-1]))
+    both = np.concatenate([t, y], axis=-1)
+    damping = float((grid.eta**2).sum())
+    first, slope, bends = slice(0, 1), slice(1, 2), slice(2, None)
+    contrasts = slice(1, None)
+    places = (
+        (contrasts, first, {FREQUENCY: float(grid.shape[1]), REMAINDER: 1.0}),
+        (
+            first,
+            slope,
+            {MOTION_SLOPE: grid.shape[0] * damping, FREQUENCY_SLOPE: damping, REMAINDER: 1.0},
+        ),
+        (contrasts, slope, {FREQUENCY_SLOPE: damping, REMAINDER: 1.0}),
+        (slice(None), bends, {REMAINDER: 1.0}),
+    )
+    found = [(both[:, of_f, of_xi].reshape(-1, both.shape[-1]), w) for of_f, of_xi, w in places]
+    present = [(pairs, weights) for pairs, weights in found if pairs.size]
+    return Strata(
+        weights=np.array([_weights(grid, each) for _, each in present]).reshape(-1, len(grid.effects)),
+        counts=np.array([float(len(pairs)) for pairs, _ in present]),
+        products=np.array([pairs.T @ pairs for pairs, _ in present]).reshape(-1, *(both.shape[-1],) * 2),
+    )
+
+
+def weights_of_motion_mean(grid: Grid) -> NDArray[np.float64]:
+    """Weight of each effect in the mean of a motion over all structures, about its earthquake.
+
+    Parameters
+    ----------
+    grid : Grid
+        The structures.
+
+    Returns
+    -------
+    array of float, shape (effects,)
+        Slopes have none, since η is centred.
+    """
+    along_f, along_xi = grid.shape
+    return _weights(grid, {MOTION: 1.0, FREQUENCY: 1.0 / along_f, REMAINDER: 1.0 / (along_f * along_xi)})
+
+
+def _weights(grid: Grid, given: dict[str, float]) -> NDArray[np.float64]:
+    return np.array([given.get(effect, 0.0) for effect in grid.effects])

@@ -1,0 +1,74 @@
+"""Simulation-based calibration: ranks of true parameters are uniform, for each model."""
+
+import numpy as np
+import pytest
+from scipy.stats import kstest
+
+from reliab.criterion.bayes import BivariateLognormal, NormalCell
+from reliab.criterion.bayes.calibration import DRAWS, calibration_ranks, uniformity
+from reliab.criterion.bayes.hierarchical import Hierarchical
+from reliab.criterion.bayes.model import prior_predictive
+
+EVENTS = np.repeat([f"E{number}" for number in range(6)], 2)
+
+
+def hierarchical(**options):
+    return Hierarchical(
+        values=np.zeros((12, 2, 3, 2)),
+        events=EVENTS,
+        frequencies=np.array([0.5, 2.0]),
+        damping_ratios=np.array([0.02, 0.05, 0.1]),
+        **options,
+    )
+
+
+MODELS = {
+    "normal_cell": (NormalCell(values=np.zeros(12)), 400),
+    "bivariate_lognormal": (BivariateLognormal(pairs=np.zeros((12, 2))), 800),
+    "hierarchical": (hierarchical(), 3000),
+    "hierarchical_curved": (hierarchical(curved=True), 3000),
+    "hierarchical_robust": (hierarchical(robust=True), 3000),
+}
+
+
+def deviation(ranks):
+    """Least p-value over the parameters, as one of that many."""
+    uniform = (ranks + 0.5) / (DRAWS + 1)
+    p_values = np.array([kstest(each, "uniform").pvalue for each in uniform.T])
+    return min(1.0, p_values.min() * p_values.size)
+
+
+@pytest.mark.parametrize("name", ["normal_cell", "bivariate_lognormal", "hierarchical"])
+def test_ranks_are_uniform_over_a_few_fits(name):
+    model, steps = MODELS[name]
+    fits = 8 if name == "hierarchical" else 40
+    assert deviation(calibration_ranks(model, fits=fits, steps=steps)) > 0.01
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", MODELS)
+def test_ranks_are_uniform_over_many_fits(name):
+    model, steps = MODELS[name]
+    ranks = calibration_ranks(model, fits=200, steps=steps)
+    p_values = uniformity(ranks)
+    assert p_values.min() * p_values.size > 0.01
+    assert deviation(ranks) > 0.01
+
+
+def test_a_wrong_posterior_is_found_out():
+    class Overconfident(NormalCell):
+        def log_likelihood(self, theta):
+            return 4.0 * super().log_likelihood(theta)
+
+    ranks = calibration_ranks(Overconfident(values=np.zeros(12)), fits=60, steps=400)
+    assert deviation(ranks) < 0.01
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_priors_expect_what_structures_can_do_and_little_else(name):
+    drawn = prior_predictive(MODELS[name][0], count=1000)
+    low, middle, high = np.exp(np.quantile(drawn, [0.025, 0.5, 0.975]))
+    # α and β of real records lie between 0.03 and 5; no prior may rule that out or expect the absurd.
+    assert low < 0.03
+    assert 0.1 < middle < 1.0
+    assert 5.0 < high < 1e4

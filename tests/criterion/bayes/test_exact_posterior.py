@@ -1,0 +1,65 @@
+"""The sampler agrees with the posterior that is known exactly."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from reliab.criterion.bayes import Ensembles, NormalCell, sample
+from reliab.criterion.bayes.normal_cell import WEAK_PRIOR
+from reliab.criterion.bayes.normal_inverse_chi_squared import NormalInverseChiSquared
+
+SHARES = np.array([0.05, 0.25, 0.5, 0.75, 0.95])
+VALUES = np.random.default_rng(2017).normal(-0.8, 0.6, 40)
+
+
+@pytest.fixture(scope="module", params=["reference", "weak"])
+def posteriors(request):
+    prior = NormalInverseChiSquared.reference_prior() if request.param == "reference" else WEAK_PRIOR
+    sampled = sample(NormalCell(values=VALUES, prior=prior), Ensembles(steps=1200, walkers=16))
+    return sampled, NormalInverseChiSquared.posterior(VALUES, prior)
+
+
+def error_of_share(share, effective_size):
+    return np.sqrt(share * (1.0 - share) / effective_size)
+
+
+def test_quantiles_of_the_mean_are_exact_within_monte_carlo_error(posteriors):
+    sampled, exact = posteriors
+    found = (sampled.flat[:, :1] <= exact.mean_quantile(SHARES)).mean(axis=0)
+    size = min(sampled.diagnostics.bulk_size[0], sampled.diagnostics.tail_size[0])
+    assert (np.abs(found - SHARES) < 4.0 * error_of_share(SHARES, size)).all()
+
+
+def test_quantiles_of_the_spread_are_exact_within_monte_carlo_error(posteriors):
+    sampled, exact = posteriors
+    degrees = exact.degrees_of_freedom
+    sigma = np.sqrt(degrees * exact.variance / stats.chi2.isf(SHARES, degrees))
+    found = (np.exp(sampled.flat[:, 1:]) <= sigma).mean(axis=0)
+    size = min(sampled.diagnostics.bulk_size[1], sampled.diagnostics.tail_size[1])
+    assert (np.abs(found - SHARES) < 4.0 * error_of_share(SHARES, size)).all()
+
+
+def test_predictive_quantiles_are_exact_within_monte_carlo_error(posteriors):
+    sampled, exact = posteriors
+    mu, log_sigma = sampled.flat.T
+    cumulative = stats.norm.cdf(exact.predictive_quantile(SHARES)[:, None], mu, np.exp(log_sigma)).mean(
+        axis=1
+    )
+    assert (
+        np.abs(cumulative - SHARES) < 4.0 * error_of_share(SHARES, sampled.diagnostics.bulk_size.min())
+    ).all()
+
+
+def test_the_density_is_that_of_the_conjugate_posterior():
+    model = NormalCell(values=VALUES)
+    exact = NormalInverseChiSquared.posterior(VALUES, WEAK_PRIOR)
+    mu, log_sigma = np.random.default_rng(1).normal([-0.8, -0.5], 0.3, (20, 2)).T
+    variance = np.exp(2.0 * log_sigma)
+    scaled = exact.degrees_of_freedom * exact.variance
+    density = (
+        stats.norm.logpdf(mu, exact.mean, np.sqrt(variance / exact.mean_weight))
+        + stats.invgamma.logpdf(variance, exact.degrees_of_freedom / 2.0, scale=scaled / 2.0)
+        + 2.0 * log_sigma  # from the variance to the logarithm of the spread
+    )
+    offset = model.log_posterior(np.stack([mu, log_sigma], axis=1)) - density
+    np.testing.assert_allclose(offset, offset[0], rtol=1e-9)
