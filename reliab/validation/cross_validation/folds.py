@@ -132,7 +132,7 @@ def leave_structures_out(folds: Iterable[Fold], dimension: str, values: Sequence
 def transfer(
     sets: NDArray[np.str_], events: NDArray[np.str_], *, learned: Sequence[str], judged: Sequence[str]
 ) -> Iterator[Fold]:
-    """Learn from some sets of motions and judge others, an earthquake at a time.
+    """Learn from some sets of motions and judge others, never by motions of the same earthquake.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def transfer(
     Yields
     ------
     Fold
-        One for each earthquake of the judged sets.
+        One for each earthquake that is in both, and one for all others.
 
     Raises
     ------
@@ -159,7 +159,10 @@ def transfer(
             remedy=f"Choose among {', '.join(sorted(set(sets.tolist())))}",
         )
     from_these, these = np.isin(sets, learned), np.isin(sets, judged)
-    for event in np.unique(events[these]):
+    shared = np.isin(events, events[from_these])
+    if (these & ~shared).any():
+        yield Fold(name="other earthquakes", learned=from_these, judged=these & ~shared)
+    for event in np.unique(events[these & shared]):
         of_event = events == event
         yield Fold(name=str(event), learned=from_these & ~of_event, judged=these & of_event)
 
