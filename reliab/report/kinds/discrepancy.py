@@ -1,0 +1,244 @@
+"""Report of a measured campaign: where the model fails, what is missing, and the proof."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import pandas as pd
+
+from reliab.discrepancy import Diagnosis, MissingEffect, Verdict
+from reliab.discrepancy.posterior import Posterior
+from reliab.report.document import Block, Column, Document, Paragraph, Points, Section, Table
+from reliab.report.kinds.discrepancy_figures import (
+    block_figure,
+    gap_figure,
+    posterior_figure,
+    state_plane_figure,
+    time_frequency_figure,
+)
+from reliab.report.kinds.provenance import provenance_of
+from reliab.report.kinds.wording import percent
+from reliab.report.numbers import Fixed, Significant
+from reliab.report.prose import Prose, prose
+
+_CLOSED, _WHOLLY = 0.9, 0.995
+
+
+def discrepancy_report(
+    diagnosis: Diagnosis,
+    *,
+    posteriors: Mapping[str, Posterior] | None = None,
+    provenance: Mapping[str, object],
+    notes: Sequence[Prose] = (),
+) -> Document:
+    """Report a diagnosis.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        What was found, from :func:`reliab.discrepancy.diagnose`.
+    posteriors : mapping of str to Posterior, optional
+        Sampled posteriors by the name of the block; without them parameters stand with their approximate
+        standard deviations only.
+    provenance : mapping
+        What the report can be made again from, by name.
+    notes : sequence of Prose, optional
+        What the reader should know beside the diagnosis' own remarks.
+
+    Returns
+    -------
+    Document
+        The report.
+    """
+    sampled = posteriors or {}
+    sections = [_where(diagnosis), _what(diagnosis, sampled), _proof(diagnosis)]
+    if diagnosis.criterion_shift is not None:
+        sections.append(_shift(diagnosis.criterion_shift))
+    remarks = (*diagnosis.remarks, *(each.statement for each in sampled.values()), *notes)
+    return Document(
+        kind="Diagnosis of a measured campaign",
+        title=diagnosis.campaign.name,
+        verdict=_verdict(diagnosis),
+        tone="good" if diagnosis.verdict is Verdict.NO_MISSING_EFFECT else "plain",
+        facts=_facts(diagnosis),
+        blocks=(*sections, _method(remarks)),
+        provenance=provenance_of(provenance),
+    )
+
+
+def _verdict(found: Diagnosis) -> Prose:
+    names = ", ".join(_words(effect.name) for effect in found.effects)
+    match found.verdict:
+        case Verdict.NO_MISSING_EFFECT:
+            return "Nothing is missing: calibration alone explains the tests."
+        case Verdict.NAMED:
+            return prose("The model lacks *{names}*. {closed}", names=names, closed=_closed(found))
+        case Verdict.UNKNOWN_EFFECT:
+            where = "" if found.unknown is None else found.unknown.block
+            return prose("The *{where}* has an effect that is none of the known ones.", where=where)
+        case Verdict.NOT_IDENTIFIABLE:
+            doubtful = " or ".join(_words(effect.name) for effect in found.doubtful)
+            return prose("Something is missing, and these tests do not tell what: *{names}*.", names=doubtful)
+
+
+def _closed(found: Diagnosis) -> str:
+    share = found.gap.closed_fraction
+    if share is None:
+        return "There was no gap beyond the noise on the held-out tests."
+    if share >= _WHOLLY:
+        return "With it the gap on held-out tests closes to the noise."
+    left = "" if share >= _CLOSED else " Something is left."
+    return f"With it {percent(share)} of the gap on held-out tests is closed.{left}"
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def _facts(found: Diagnosis) -> dict[str, Prose]:
+    campaign = found.campaign
+    held_out = ", ".join(found.gap.held_out)
+    facts: dict[str, Prose] = {
+        "Tests": f"{len(campaign.tests)} at {campaign.rate:g} Hz, held out: {held_out}",
+        "Channels": ", ".join(sorted(campaign.channels)),
+        "Blocks observed": ", ".join(str(one.block.block) for one in found.blocks),
+    }
+    if campaign.structure is not None:
+        facts["Structure"] = prose(
+            "$f = {f:g}$ Hz, $xi = {xi:g}$, share of the stiffness in the laboratory $alpha = {alpha:g}$",
+            f=campaign.structure.frequency,
+            xi=campaign.structure.damping_ratio,
+            alpha=campaign.structure.experimental_fraction,
+        )
+    return facts
+
+
+def _where(found: Diagnosis) -> Section:
+    blocks: list[Block] = [block_figure(found)]
+    if found.where:
+        blocks.append(Points(items=tuple(dict.fromkeys(one.detail for one in found.where))))
+        rows = [{**one.as_dict(), "block": str(one.block)} for one in found.where]
+        columns = (
+            Column(key="block", heading="Block"),
+            Column(key="kind", heading="Goes with"),
+            Column(key="test", heading="Most in"),
+            Column(
+                key="share_of_residual", heading="Share", unit="%", number=Fixed(decimals=0, factor=100.0)
+            ),
+            Column(key="p_value", heading="p", number=Significant(digits=2)),
+        )
+        frame = pd.DataFrame(rows).assign(kind=lambda table: table["kind"].map(_words))
+        caption = "What the residual of the calibrated model goes along with; p is corrected for all trials."
+        blocks.append(Table(frame=frame, columns=columns, caption=caption, label="tab:where"))
+    else:
+        blocks.append(Paragraph(text="The calibrated model leaves nothing that differs from noise."))
+    for one in found.blocks:
+        if one.findings:
+            blocks += [time_frequency_figure(one), state_plane_figure(one)]
+    return Section(title="Where the model fails", blocks=tuple(blocks))
+
+
+def _what(found: Diagnosis, sampled: Mapping[str, Posterior]) -> Section:
+    effects = (*found.effects, *found.doubtful)
+    blocks: list[Block] = []
+    if effects:
+        blocks.append(_parameters(found, sampled))
+        blocks += [Paragraph(text=_sentence(effect)) for effect in effects]
+        blocks += [posterior_figure(found, name, each) for name, each in sampled.items()]
+    if found.unknown is not None:
+        text = prose(
+            "In the {block}: {description}. An expression for it is {expression}; with it {error} of the "
+            "signal remains on held-out tests.",
+            block=found.unknown.block,
+            description=found.unknown.description,
+            expression=found.unknown.expression,
+            error=percent(found.unknown.held_out_nrmse),
+        )
+        blocks.append(Paragraph(text=text))
+    return Section(title="What is missing", blocks=tuple(blocks) or (Paragraph(text="Nothing."),))
+
+
+def _parameters(found: Diagnosis, sampled: Mapping[str, Posterior]) -> Table:
+    rows = []
+    for one in found.blocks:
+        posterior = sampled.get(str(one.block.block))
+        for effect in (*one.effects, *one.doubtful):
+            known = {} if posterior is None else posterior.of(effect.name)
+            for estimate in effect.estimates:
+                low, high = known.get(estimate.name, {}).get("interval_90", (np.nan, np.nan))
+                row = {
+                    "effect": _words(effect.name),
+                    "probability": effect.probability,
+                    "low": low,
+                    "high": high,
+                }
+                rows.append(
+                    {**row, "parameter": f"{estimate.name}", "value": estimate.value, "sd": estimate.sd}
+                )
+    digits = Significant(digits=4)
+    columns = (
+        Column(key="effect", heading="Effect"),
+        Column(key="probability", heading="Probability", number=Fixed(decimals=3)),
+        Column(key="parameter", heading="Parameter"),
+        Column(key="value", heading="Value", number=digits),
+        Column(key="sd", heading="± sd", number=Significant(digits=2)),
+        Column(key="low", heading="from", number=digits, group="90 % interval"),
+        Column(key="high", heading="to", number=digits, group="90 % interval"),
+    )
+    return Table(
+        frame=pd.DataFrame(rows), columns=columns, caption="Effects with their parameters, SI units."
+    )
+
+
+def _sentence(effect: MissingEffect) -> Prose:
+    name, description = _words(effect.name), effect.effect.description
+    listed = "; ".join(
+        f"{_words(rival.name)} (probability {rival.probability:.2g}, error {rival.held_out_nrmse:.3g})"
+        for rival in effect.rivals
+    )
+    others = f"In its place, with errors on held-out tests: {listed}." if listed else "It has no rival."
+    return prose("*{name}*: {description}. {others}", name=name, description=description, others=others)
+
+
+def _proof(found: Diagnosis) -> Section:
+    rows = [
+        {
+            **one.gap.as_dict(),
+            "closed": np.nan if one.gap.closed_fraction is None else one.gap.closed_fraction,
+        }
+        for one in found.blocks
+    ]
+    size = Significant(digits=3)
+    columns = (
+        Column(key="channel", heading="Channel"),
+        Column(key="nrmse_before", heading="Before", number=size),
+        Column(key="nrmse_after", heading="After", number=size),
+        Column(key="noise_floor", heading="Noise", number=size),
+        Column(key="closed", heading="Gap closed", unit="%", number=Fixed(decimals=1, factor=100.0)),
+    )
+    caption = "Difference between model and measurement on held-out tests, RMS over that of the signal."
+    table = Table(frame=pd.DataFrame(rows), columns=columns, caption=caption)
+    return Section(title="The proof on held-out tests", blocks=(table, gap_figure(found)))
+
+
+def _shift(ratios: Mapping[str, float]) -> Section:
+    text = prose(
+        "With the effects, the ellipse parameters of the criterion for 5 % error are {a:.2f} ($a$) and "
+        "{b:.2f} ($b$) of what they are without. The gain and the delay of the criterion are those of the "
+        "actuator alone; what the specimen does belongs to the behaviour under test.",
+        a=ratios["a"],
+        b=ratios["b"],
+    )
+    return Section(title="What it means for the criterion", blocks=(Paragraph(text=text),))
+
+
+def _method(remarks: Sequence[Prose]) -> Section:
+    text = (
+        "Each observed block is driven with its measured input and simulated freely. Calibration and offsets "
+        "are fitted with every candidate. Noise is a smooth spectrum that is fitted to what a model leaves, "
+        "so that the lines of a structure's response do not pass for noise. Candidates are compared by their "
+        "evidence, and each effect pays for being added; held-out tests take no part in the choice."
+    )
+    blocks: list[Block] = [Paragraph(text=text)]
+    if remarks:
+        blocks.append(Points(items=tuple(remarks)))
+    return Section(title="How it was found, and what to know", blocks=tuple(blocks))

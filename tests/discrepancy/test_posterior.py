@@ -1,0 +1,175 @@
+"""The sampled posterior agrees with what can be computed otherwise."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from reliab.criterion.bayes import Ensembles, sample
+from reliab.discrepancy.blocks.specimen import SpecimenBlock
+from reliab.discrepancy.campaign import Campaign, Channel, MeasuredTest
+from reliab.discrepancy.fit import Problem, fit
+from reliab.discrepancy.likelihood_surface import LikelihoodSurface
+from reliab.discrepancy.noise import NoiseModel
+from reliab.discrepancy.posterior import SMALLEST_AGREEMENT, sample_posterior
+from reliab.discrepancy.scales import motions_of, scales_of
+from reliab.discrepancy.segment import cut_segments
+from reliab.discrepancy.space import ModelSpace
+from reliab.errors import InputError
+from reliab.loop.effects import find_effect
+from reliab.loop.hybrid_test import HybridTest, Motion3, Specimen, load
+
+RATE, NOISE = 256.0, 2.0
+SPECIMEN = Specimen(stiffness=2000.0)
+
+
+def displacement(rng):
+    t = np.arange(0.0, 24.0, 1.0 / RATE)
+    waves = [np.sin(2 * np.pi * f * t + rng.uniform(0, 7)) for f in rng.uniform(0.4, 2.0, 6)]
+    return 0.01 * np.sum(waves, axis=0) * np.sin(np.pi * t / t[-1]) ** 2
+
+
+def problem_with(effect, seed, noise=NOISE):
+    rng = np.random.default_rng(seed)
+    tests = []
+    for k in range(4):
+        command = displacement(rng)
+        force = load(HybridTest(specimen=SPECIMEN, effects=(effect,)), Motion3.through(command, 1.0 / RATE))
+        channels = {
+            Channel.COMMAND: command,
+            Channel.MEASURED: command,
+            Channel.FORCE: force + noise * rng.standard_normal(force.size),
+        }
+        tests.append(MeasuredTest(file=f"{k}", motion="waves", held_out=k == 3, channels=channels))
+    campaign = Campaign(
+        name="", structure=None, mass=1.0, actuator=None, specimen=SPECIMEN, rate=RATE, tests=tuple(tests)
+    )
+    motions = motions_of(campaign)
+    block = SpecimenBlock(campaign, scales_of(campaign, motions), motions)
+    return Problem(block=block, segments=cut_segments(campaign.training, RATE, 40.0))
+
+
+def fitted_to(problem, name, noise=NOISE):
+    space = ModelSpace(problem.block, (find_effect(name),))
+    start = next(space.starts(ModelSpace(problem.block, ()), np.zeros(ModelSpace(problem.block, ()).size)))
+    return fit(problem, space, [start], NoiseModel.white(RATE, noise**2))
+
+
+@pytest.fixture(scope="module")
+def damped():
+    effect = find_effect("viscous_damping")(damping_n_s_per_m=30.0)
+    problem = problem_with(effect, 1)
+    fitted = fitted_to(problem, "viscous_damping")
+    return problem, fitted, sample_posterior(problem, fitted)
+
+
+def test_a_linear_effect_has_the_posterior_of_least_squares(damped):
+    _, fitted, posterior = damped
+    exact = fitted.space.standard_deviations(fitted.coordinates, fitted.covariance)
+    slope = fitted.jacobian.T @ fitted.residual + fitted.coordinates
+    mode = fitted.space.values(fitted.coordinates - fitted.covariance @ slope)
+    np.testing.assert_allclose(posterior.sd, exact, rtol=0.06)
+    np.testing.assert_allclose((posterior.mean - mode) / exact, 0.0, atol=0.08)
+    assert posterior.agreement > 0.99
+    half = 0.5 * (posterior.interval[1] - posterior.interval[0])
+    np.testing.assert_allclose(half, stats.norm.ppf(0.95) * exact, rtol=0.06)
+
+
+def test_it_says_that_it_converged(damped):
+    posterior = damped[2]
+    assert posterior.converged
+    assert posterior.statement.startswith("Converged: 4 independent ensembles")
+
+
+def test_the_truth_lies_within_four_standard_deviations(damped):
+    entry = damped[2].of("viscous_damping")["damping_n_s_per_m"]
+    assert entry["units"] == "N·s/m"
+    assert abs(entry["value"] - 30.0) < 4.0 * entry["sd"]
+    assert entry["interval_90"][0] < entry["value"] < entry["interval_90"][1]
+
+
+def test_a_conjugate_posterior_is_met_exactly():
+    """Residual y − x with y = 3 and a standard normal prior of x: normal about 1.5, variance 1/2."""
+    surface = LikelihoodSurface(
+        names=("x",),
+        centre=np.array([1.4]),
+        axes=np.array([[0.7]]),
+        bounds=(np.array([-9.0]), np.array([9.0])),
+        coefficients=np.array([[1.6], [-0.7], [0.0]]),  # 3 − (1.4 + 0.7 z)
+    )
+    drawn = surface.coordinates(sample(surface, Ensembles(steps=800)).spread_out(4000))[:, 0]
+    assert drawn.mean() == pytest.approx(1.5, abs=0.04)
+    assert drawn.std() == pytest.approx(np.sqrt(0.5), rel=0.04)
+
+
+def test_bounds_cut_the_posterior():
+    """The same where the coordinate may not exceed 1.5: the lower half."""
+    surface = LikelihoodSurface(
+        names=("x",),
+        centre=np.array([1.4]),
+        axes=np.array([[0.7]]),
+        bounds=(np.array([-9.0]), np.array([1.5])),
+        coefficients=np.array([[1.6], [-0.7], [0.0]]),
+    )
+    drawn = surface.coordinates(sample(surface, Ensembles(steps=800)).spread_out(4000))[:, 0]
+    assert drawn.max() <= 1.5
+    expected = 1.5 - stats.halfnorm.mean(scale=np.sqrt(0.5))
+    assert drawn.mean() == pytest.approx(expected, abs=0.04)
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("coulomb_friction", {"force_n": 4.0, "regularisation_velocity_m_per_s": 3e-3}),
+        ("cubic_stiffness", {"cubic_n_per_m3": 1e5}),
+    ],
+)
+def test_the_surface_agrees_with_simulations_where_the_data_are_good(name, values):
+    problem = problem_with(find_effect(name)(**values), 2, noise=0.5)
+    fitted = fitted_to(problem, name, noise=0.5)
+    posterior = sample_posterior(problem, fitted)
+    assert posterior.agreement > 0.9
+    for parameter, truth in values.items():
+        entry = posterior.of(name)[parameter]
+        assert abs(entry["value"] - truth) < 4.0 * entry["sd"]
+
+
+def test_a_surface_that_does_not_hold_is_not_trusted():
+    """Simulated far beyond where the data leave the posterior, a polynomial does not follow friction."""
+    friction = find_effect("coulomb_friction")(force_n=4.0, regularisation_velocity_m_per_s=3e-3)
+    problem = problem_with(friction, 2, noise=0.5)
+    fitted = fitted_to(problem, "coulomb_friction", noise=0.5)
+    careless = replace(fitted, jacobian=1e-3 * fitted.jacobian)
+    posterior = sample_posterior(problem, careless)
+    assert posterior.agreement < SMALLEST_AGREEMENT
+    assert not posterior.converged
+    assert posterior.statement.startswith("Not converged")
+
+
+def test_a_run_goes_on_where_it_ended(damped, tmp_path):
+    problem, fitted, _ = damped
+    whole = sample_posterior(problem, fitted, steps=300)
+    sample_posterior(problem, fitted, steps=270, out=tmp_path / "chains.h5")
+    resumed = sample_posterior(problem, fitted, steps=300, out=tmp_path / "chains.h5")
+    np.testing.assert_array_equal(resumed.draws, whole.draws)
+    other = problem_with(find_effect("viscous_damping")(damping_n_s_per_m=30.0), 9)
+    with pytest.raises(InputError, match="resumed"):
+        sample_posterior(other, fitted_to(other, "viscous_damping"), out=tmp_path / "chains.h5")
+
+
+@pytest.mark.filterwarnings("ignore::reliab.criterion.bayes.ConvergenceWarning")
+@pytest.mark.parametrize("trials", [pytest.param(12), pytest.param(200, marks=pytest.mark.slow)])
+def test_intervals_cover_the_truth_as_often_as_they_say(damped, trials):
+    problem, fitted, _ = damped
+    surface = LikelihoodSurface.around(problem, fitted)
+    rng = np.random.default_rng(11)
+    hits = 0
+    for trial in range(trials):
+        truth = 0.5 * rng.standard_normal(surface.centre.size)
+        again = surface.simulate(truth, rng)
+        drawn = sample(again, Ensembles(steps=1000, seed=trial)).flat
+        low, high = np.quantile(drawn, (0.05, 0.95), axis=0)
+        hits += int(((low < truth) & (truth < high)).sum())
+    total = trials * surface.centre.size
+    assert stats.binomtest(hits, total, 0.9).pvalue > 1e-3

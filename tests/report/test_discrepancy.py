@@ -1,0 +1,111 @@
+"""The report of a diagnosis says what was found, and its figures draw it."""
+
+import datetime as dt
+import json
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from reliab.discrepancy import Campaign, Channel, MeasuredTest, diagnose
+from reliab.discrepancy.posterior import sample_posterior
+from reliab.loop.effects import find_effect
+from reliab.loop.hybrid_test import HybridTest, Motion3, Specimen, load
+from reliab.report.content import CONTENT_FILE, files_of
+from reliab.report.figures.discrepancy_blocks import discrepancy_blocks
+from reliab.report.figures.discrepancy_evaluation import discrepancy_confusion, discrepancy_reliability
+from reliab.report.kinds.discrepancy import discrepancy_report
+from reliab.report.pdf import compiled_report
+from reliab.report.style import svg
+from reliab.vocabulary import Block
+
+RATE = 256.0
+SPECIMEN = Specimen(stiffness=2000.0)
+
+
+def campaign_with(*effects):
+    truth = HybridTest(specimen=SPECIMEN, effects=effects)
+    tests = []
+    for k in range(4):
+        rng = np.random.default_rng(k)
+        t = np.arange(0.0, 20.0, 1.0 / RATE)
+        waves = [np.sin(2 * np.pi * f * t + rng.uniform(0, 7)) for f in rng.uniform(0.4, 2.0, 6)]
+        moved = 0.01 * np.sum(waves, axis=0) * np.sin(np.pi * t / t[-1]) ** 2
+        force = load(truth, Motion3.through(moved, 1.0 / RATE)) + 0.3 * rng.standard_normal(t.size)
+        measured = moved + 1e-6 * rng.standard_normal(t.size)
+        channels = {Channel.COMMAND: moved, Channel.MEASURED: measured, Channel.FORCE: force}
+        tests.append(MeasuredTest(file=f"test_{k}.csv", motion="", held_out=k == 3, channels=channels))
+    return Campaign(
+        name="rig $1",
+        structure=None,
+        mass=1.0,
+        actuator=None,
+        specimen=SPECIMEN,
+        rate=RATE,
+        tests=tuple(tests),
+    )
+
+
+@pytest.fixture(scope="module")
+def damped():
+    return diagnose(campaign_with(find_effect("viscous_damping")(damping_n_s_per_m=30.0)))
+
+
+def text_of(document):
+    return json.loads(files_of(document)[CONTENT_FILE])
+
+
+def test_what_is_missing_is_said_first(damped):
+    found = text_of(discrepancy_report(damped, provenance={"seed": 1}))
+    verdict = "".join(piece["text"] for piece in found["verdict"])
+    assert (
+        verdict == "The model lacks viscous damping. With it the gap on held-out tests closes to the noise."
+    )
+
+
+def test_a_report_with_a_posterior_is_set(damped):
+    specimen = next(one for one in damped.blocks if one.effects)
+    posterior = sample_posterior(specimen.problem, specimen.best)
+    shifted = replace(damped, criterion_shift={"a": 1.2, "b": 1.1})
+    first, second = (
+        compiled_report(
+            discrepancy_report(shifted, posteriors={"specimen": posterior}, provenance={}),
+            date=dt.date(2026, 1, 2),
+        )
+        for _ in range(2)
+    )
+    assert first.startswith(b"%PDF")
+    assert first == second
+    low, high = posterior.of("viscous_damping")["damping_n_s_per_m"]["interval_90"]
+    assert low < 30.0 < high or abs(low - 30.0) < 1.0
+
+
+def test_nothing_missing_is_said_so():
+    document = discrepancy_report(diagnose(campaign_with()), provenance={})
+    assert document.tone == "good"
+    assert "Nothing is missing" in document.verdict
+    assert compiled_report(document, date=dt.date(2026, 1, 2)).startswith(b"%PDF")
+
+
+def test_guilty_blocks_are_coloured():
+    none = discrepancy_blocks(guilty={}, observed=set(Block))
+    one = discrepancy_blocks(guilty={Block.SPECIMEN: "friction"}, observed=set(Block))
+    assert svg(none).count(b"#f7d9c6") == 1  # the legend's
+    assert svg(one).count(b"#f7d9c6") == 2
+
+
+def test_evaluations_are_drawn():
+    bins = pd.DataFrame(
+        {
+            "mean_stated": [0.5, 0.99],
+            "share": [0.4, 1.0],
+            "low": [0.2, 0.9],
+            "high": [0.7, 1.0],
+            "of": [10, 90],
+        }
+    )
+    assert discrepancy_reliability(bins).axes[0].get_lines()
+    counts = {"gap": {"gap": 9, "(not_identifiable)": 1}, "none": {"(no_missing_effect)": 12}}
+    drawn = {text.get_text() for text in discrepancy_confusion(counts).axes[0].texts}
+    assert drawn == {"9", "1", "12"}
