@@ -68,7 +68,7 @@ class ValidationTable(_Table):
     schemes: tuple[Literal["leave_one_event_out", "k_fold", "random_halves"], ...] = ("leave_one_event_out",)
     confidences: tuple[Share, ...] = (0.50, 0.60, 0.70, 0.80, 0.90, 0.95, 0.99)
     trials: Annotated[int, Field(ge=64, le=65536)] = 512
-    held_out: tuple[str, ...] = ()
+    held_out: str | None = None
 
 
 class CampaignTable(_Table):

@@ -1,7 +1,7 @@
 """Steps that studies share: simulate, trace, derive, cross-validate; each a stage with its files."""
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from functools import cached_property
 from pathlib import Path
@@ -14,7 +14,7 @@ from reliab.criterion import Criterion, derive_criterion
 from reliab.criterion.laws import OF_MANY_MOTIONS
 from reliab.criterion.methods import Quantile, method_of
 from reliab.errors import InputError
-from reliab.motions import MotionSuite, load_motions
+from reliab.motions import Motion, MotionSuite, load_motions
 from reliab.progress import Progress, silent
 from reliab.shipped import or_shipped
 from reliab.study.description import Study
@@ -24,13 +24,10 @@ from reliab.validation.cross_validation import (
     Candidate,
     CrossValidation,
     Derived,
-    Fold,
     Printed,
     cross_validate,
-    k_fold,
-    leave_one_event_out,
-    random_halves,
 )
+from reliab.validation.cross_validation.schemes import folds_of
 from reliab.vocabulary import Metric
 
 Show = Callable[[str], AbstractContextManager[Progress]]
@@ -39,9 +36,9 @@ Show = Callable[[str], AbstractContextManager[Progress]]
 RESULTS: Final = "results.zarr"
 ELLIPSES: Final = "ellipses.nc"
 CRITERIA: Final = "criteria.json"
+CASES: Final = "cases.nc"
 
-_FOLDS = 5
-_SPLITS = 20
+_HELD_OUT = "held_out"
 _PAPER_ERROR = (0.05, str(Metric.RMS))
 
 
@@ -191,7 +188,7 @@ def judgement(material: Material, show: Show) -> Stage:
             with show(f"Cross-validating, {scheme.replace('_', ' ')}") as progress:
                 found = cross_validate(
                     known,
-                    _folds(scheme, known),
+                    folds_of(scheme, known["event"].values),
                     candidates(study),
                     scheme=scheme,
                     confidences=study.validation.confidences,
@@ -221,8 +218,7 @@ def candidates(study: Study) -> list[Candidate]:
 
 def validation_of(study: Study, folder: Path, scheme: str) -> CrossValidation:
     """Read the cross-validation of a run."""
-    with xr.open_dataset(folder / _counts_file(scheme), engine="h5netcdf") as file:
-        counts: xr.Dataset = file.load()
+    counts = opened(folder / _counts_file(scheme))
     threshold, metric = study.errors.thresholds[0], study.errors.metrics[0]
     return CrossValidation(counts=counts, scheme=scheme, threshold=threshold, metric=metric)
 
@@ -231,10 +227,33 @@ def _counts_file(scheme: str) -> str:
     return f"validation_{scheme}.nc"
 
 
-def _folds(scheme: str, known: xr.Dataset) -> Sequence[Fold]:
-    events = known["event"].values
-    if scheme == "k_fold":
-        return list(k_fold(events, _FOLDS))
-    if scheme == "random_halves":
-        return list(random_halves(events, _SPLITS))
-    return list(leave_one_event_out(events))
+def paper_cases(material: Material, name: str) -> Stage:
+    """Run the paper's four cases under a motion that is held out."""
+    held_out = load_motions(*(material.study.motions.sources or ()), sets=[_HELD_OUT])
+    motion = named(held_out, name)
+
+    def work(folder: Path) -> None:
+        from reliab.report.kinds.paper_cases import cases_dataset
+        from reliab.validation.paper_cases import run_paper_cases
+
+        cases_dataset(run_paper_cases(motion)).to_netcdf(folder / CASES, engine="h5netcdf")
+
+    return Stage(name="cases", inputs={"motion": motion.checksum}, writes=(CASES,), work=work)
+
+
+def named(motions: MotionSuite, name: str) -> Motion:
+    """Take a motion by its name, or say that it is missing."""
+    if name not in motions.names:
+        raise InputError(
+            f"This study needs the motion {name}",
+            value=f"{len(motions)} motions without it",
+            remedy="Give a folder whose catalogue names it, with --motions",
+        )
+    return motions[motions.names.index(name)]
+
+
+def opened(path: Path) -> xr.Dataset:
+    """Read a dataset of a run."""
+    with xr.open_dataset(path, engine="h5netcdf") as file:
+        dataset: xr.Dataset = file.load()
+    return dataset
