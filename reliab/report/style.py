@@ -52,7 +52,6 @@ RC: Final[dict[Any, Any]] = {
     "axes.grid": True,
     "axes.axisbelow": True,
     "axes.unicode_minus": True,
-    "axes.formatter.use_mathtext": True,
     "grid.color": "#e3e3e3",
     "grid.linewidth": 0.5,
     "lines.linewidth": 1.2,

@@ -10,7 +10,7 @@ from reliab.criterion.event_components import event_components
 from reliab.report.axes import A_PARAMETER, B_PARAMETER, label_logarithmic, legend_below, plain
 from reliab.report.style import BLUE, GREY, INK, VERMILION, letters, panels, styled
 
-_MARGIN, _ROW = 28.0, 4.0
+_MARGIN, _ROW = 28.0, 3.7
 _TALLEST = 205.0
 _NORMAL_95 = 1.96
 

@@ -8,7 +8,7 @@ from reliab.criterion import EllipseSample
 from reliab.report.axes import A_PARAMETER, B_PARAMETER, label_logarithmic, mark, name_axes, scientific
 from reliab.report.style import BLUE, VERMILION, letters, panels, styled
 
-_HEIGHT = 62.0
+_HEIGHT = 58.0
 
 
 @styled

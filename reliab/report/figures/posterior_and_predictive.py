@@ -11,7 +11,7 @@ from reliab.criterion.motion_predictive import MotionPredictive
 from reliab.report.axes import A_PARAMETER, B_PARAMETER, label_logarithmic, legend_below, name_axes
 from reliab.report.style import BLUE, GREEN, GREY, INK, PALE, VERMILION, letters, panels, styled
 
-_HEIGHT = 106.0
+_HEIGHT = 98.0
 _POINTS = 241
 _TAIL = 1e-3
 _PERCENT = 100.0
@@ -63,6 +63,7 @@ def _posterior(axes: Axes, values: NDArray[np.float64], limit: float, share: flo
     axes.axvline(limit, color=VERMILION, linestyle=(0, (5, 1.6)))
     axes.set_ylim(bottom=0.0)
     axes.set_yticks([])
+    axes.ticklabel_format(axis="x", scilimits=(-2, 3), useMathText=True)
 
 
 def _predictive(

@@ -178,8 +178,8 @@ def _facts(told: _Told, coverage: pd.DataFrame | None) -> dict[str, Prose]:
     facts: dict[str, Prose] = {
         "Ground motions": f"{source.n_motions} of {source.n_events} earthquakes",
         "Structures": prose(
-            "$f$ = {f} Hz, $xi$ = {xi}",
-            f=values(told.frequencies.tolist()),
+            "$f$ = {f}, $xi$ = {xi}",
+            f=values(told.frequencies.tolist(), "Hz"),
             xi=values(told.damping_ratios.tolist()),
         ),
         "Error": error_below(chosen.metric, chosen.threshold),
@@ -308,7 +308,6 @@ def _over_both(told: _Told, amplitude: np.ndarray, delay: np.ndarray) -> Iterato
             " the frequency and grows with damping; the room for delay shrinks as the frequency grows."
         ),
         label="fig:surfaces",
-        floats=True,
     )
     yield _pivot(
         told, delay, Fixed(), "Greatest delay $sqrt(b)$ [ms] of a test without amplitude error", "tab:delay"
@@ -366,7 +365,6 @@ def _motions(told: _Told) -> Section:
                 "amplitude errors forgives delays too, since near resonance both are one complex error."
             ),
             label="fig:correlation",
-            floats=True,
         ),
         Figure(
             drawing=parameter_distributions(
@@ -382,7 +380,6 @@ def _motions(told: _Told) -> Section:
                 "Distribution of the ellipse parameters over the motions; the criterion cuts the lower tail."
             ),
             label="fig:distributions",
-            floats=True,
         ),
         Figure(
             drawing=quantile_quantile(sample),
@@ -391,7 +388,6 @@ def _motions(told: _Told) -> Section:
                 "motions."
             ),
             label="fig:quantiles",
-            floats=True,
         ),
         Figure(
             drawing=posterior_and_predictive(sample, limits=told.limits, confidence=chosen.confidence),
@@ -403,7 +399,6 @@ def _motions(told: _Told) -> Section:
                 share=percent(1.0 - chosen.confidence, 2),
             ),
             label="fig:predictive",
-            floats=True,
         ),
     ]
     if 1 < sample.n_events < min(sample.n_motions, _MOST_EVENTS):
@@ -416,7 +411,6 @@ def _motions(told: _Told) -> Section:
                     " the test."
                 ),
                 label="fig:forest",
-                floats=True,
             )
         )
     opening = Paragraph(

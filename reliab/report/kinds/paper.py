@@ -189,8 +189,9 @@ def _overview(found: pd.DataFrame) -> Section:
 
 
 def _unrepeated(names: pd.Series) -> pd.Series:
-    """Names without those that repeat the line above."""
-    return names.where(names != names.shift(), "")
+    """Shorten names, and leave out those that repeat the line above."""
+    short = names.str.replace("Equation", "Eq.").str.replace("Figure", "Fig.")
+    return short.where(names != names.shift(), "")
 
 
 def _keeping(contained: pd.DataFrame) -> Section:

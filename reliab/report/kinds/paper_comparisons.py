@@ -373,7 +373,7 @@ def _figures_over_structure(fits: PaperFits) -> Iterator[Comparison]:
 
 def _equations(fits: PaperFits, cases: xr.Dataset, printed: PrintedTables) -> Iterator[Comparison]:
     definitions = {
-        "Equation (1)": "weights w_i",
+        "Equation (1)": "weights w",
         "Equation (2)": "FEI",
         "Equation (3a)": "amplitude A",
         "Equation (3b)": "phase φ",
@@ -414,7 +414,7 @@ def _fitted_equations(fits: PaperFits, printed: PrintedTables) -> Iterator[Compa
         ("(11)", "b", "ms²", 2.3, ellipse.b, ""),
         ("(12)", "a", "10⁻⁵", 5.3, _E5 * a_12, ""),
         ("(12)", "b", "ms²", 1.04, b_12, ""),
-        ("(13)", "b = k₁ e^(−k₂f)", "", NAN, NAN, at_2_hz),
+        ("(13)", "exponential of f", "", NAN, NAN, at_2_hz),
         (
             "(14)",
             "a",
@@ -434,7 +434,7 @@ def _fitted_equations(fits: PaperFits, printed: PrintedTables) -> Iterator[Compa
         ("(17)", "b at ξ = 0.02", "ms²", 2.0, k4 * 0.02, "from (16b)"),
         (
             "(18)",
-            "factor of ξ",
+            "factor of ξ in a",
             "-",
             0.021,
             factor_a,
@@ -442,7 +442,7 @@ def _fitted_equations(fits: PaperFits, printed: PrintedTables) -> Iterator[Compa
         ),
         (
             "(18)",
-            "factor of ξ e^(−k₂f)",
+            "factor of ξ in b",
             "ms²",
             6080.0,
             factor_b,

@@ -201,7 +201,7 @@ def cases_section(cases: xr.Dataset) -> Section:
             times=times,
             ideal=cases["ideal"].sel(case=number).values,
             measured=cases["measured"].sel(case=number).values,
-            note=f"RMS^R {PERCENT * float(cases['rms'].sel(case=number)):.2f} %".replace("RMS^R", "$RMS^R$"),
+            note=f"RMS error {PERCENT * float(cases['rms'].sel(case=number)):.2f} %",
         )
         for number in cases["case"].values.tolist()
     ]

@@ -104,7 +104,6 @@ def _figures(contained: pd.DataFrame, confidence: float, mark: str) -> Iterator[
                 share=percent(nearest),
             ),
             label=f"fig:by-frequency{mark}",
-            floats=True,
         )
 
 

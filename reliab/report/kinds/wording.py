@@ -63,18 +63,18 @@ def probability(value: float) -> str:
     return f"above {percent(1.0 - _RARE)}" if value > 1.0 - _RARE else percent(value)
 
 
-def values(numbers: Sequence[float]) -> str:
+def values(numbers: Sequence[float], unit: str = "") -> str:
     """Write several values: few of them one by one, many by their range.
 
     Examples
     --------
-    >>> values([0.02]), values([0.5, 1.0]), values([0.25, 0.5, 0.75, 1.0, 1.25])
-    ('0.02', '0.5 and 1', '0.25 to 1.25 (5 values)')
+    >>> values([0.02]), values([0.5, 1.0], "Hz"), values([0.25, 0.5, 0.75, 1.0, 1.25], "Hz")
+    ('0.02', '0.5 and 1 Hz', '0.25 to 1.25 Hz (5 values)')
     """
-    words = [f"{each:g}" for each in numbers]
+    words, ending = [f"{each:g}" for each in numbers], f" {unit}" if unit else ""
     if len(words) > _FEW:
-        return f"{words[0]} to {words[-1]} ({len(words)} values)"
-    return listed(words)
+        return f"{words[0]} to {words[-1]}{ending} ({len(words)} values)"
+    return f"{listed(words)}{ending}"
 
 
 def listed(words: Sequence[str]) -> str:

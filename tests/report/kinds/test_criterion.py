@@ -24,7 +24,12 @@ def words(prose):
 
 @pytest.mark.parametrize(
     ("frequencies", "damping_ratios"),
-    [((0.5, 1.0, 2.0), (0.02, 0.05)), ((0.5, 1.0, 2.0), (0.02,)), ((1.0,), (0.02, 0.05)), ((3.0,), (0.04,))],
+    [
+        ((0.5, 1.0, 2.0), (0.02, 0.05)),
+        pytest.param((0.5, 1.0, 2.0), (0.02,), marks=pytest.mark.slow),
+        pytest.param((1.0,), (0.02, 0.05), marks=pytest.mark.slow),
+        ((3.0,), (0.04,)),
+    ],
 )
 def test_any_grid_of_structures(ellipses_of, set_without_warnings, frequencies, damping_ratios, rates):
     document, _ = report(ellipses_of(frequencies, damping_ratios), coverage=rates)
@@ -39,7 +44,9 @@ def test_the_verdict_states_the_limits_of_the_first_criterion(ellipses_of):
     assert f"{np.sqrt(b):.2f} ms" in stated
 
 
-@pytest.mark.parametrize(("motions", "events"), [(3, 1), (4, 4), (60, 50)])
+@pytest.mark.parametrize(
+    ("motions", "events"), [(3, 1), (4, 4), pytest.param(60, 50, marks=pytest.mark.slow)]
+)
 def test_any_number_of_motions_and_earthquakes(ellipses_of, set_without_warnings, motions, events):
     document, _ = report(ellipses_of((1.0,), (0.02,), motions=motions, events=events))
     set_without_warnings(document)
