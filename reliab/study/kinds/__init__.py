@@ -5,10 +5,11 @@ from typing import Final
 from reliab.study.kinds.criterion import CriterionStudy
 from reliab.study.kinds.kind import Kind
 from reliab.study.kinds.paper import PaperStudy
+from reliab.study.kinds.suites import SuitesStudy
 from reliab.study.kinds.validation import ValidationStudy
 
 KINDS: Final[dict[str, type[Kind]]] = {
-    each.name: each for each in (CriterionStudy, PaperStudy, ValidationStudy)
+    each.name: each for each in (CriterionStudy, PaperStudy, SuitesStudy, ValidationStudy)
 }
 """Every kind by the name that a study's file gives it."""
 
