@@ -18,7 +18,7 @@ _NOISY = 0.05
 _OFF_RESONANCE = (0.5, 1.7)
 _FAR_FROM_ONE = 0.2
 _VARYING = 0.1  # share of a limit
-_UNEXPLAINED = 0.5  # share of the amplitude limit
+_UNEXPLAINED = 0.3  # share of the amplitude limit
 _LEAD = 1e-5  # s
 _NOISIER, _ROUNDING = 10.0, 1e-8  # in power
 _MILLISECONDS = 1e3
@@ -93,7 +93,7 @@ def _of_signal(found: "Assessment") -> Iterator[str]:
         yield (
             f"A gain and a delay leave {tracking.unexplained_share:.2%} of the measured motion unexplained, "
             f"where an amplitude error of {limit:.2%} is tolerable: the rig has another fault (friction, "
-            "backlash, saturation), which A and d do not show."
+            "backlash, saturation) or slow noise, and its error may be a quarter from what A and d tell."
         )
 
 

@@ -4,14 +4,20 @@ import json
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from reliab.criterion import published_criterion
+from reliab.loop.actuator import Actuator
+from reliab.loop.effects.backlash import Backlash
+from reliab.loop.hybrid_test import HybridTest, run_closed_loop
 from reliab.loop.stability import critical_delay
 from reliab.loop.structure import Structure
-from reliab.validation.assessment import assess, default_criterion
+from reliab.motions import resample
+from reliab.validation.assessment import Recording, assess, default_criterion
 from reliab.validation.assessment.improvement import improvement
 from reliab.validation.assessment.own_boundary import OwnBoundary
 from reliab.validation.assessment.placement import carried_limits
+from reliab.validation.beyond_the_model import Rig, rigs_of_delay
 from reliab.vocabulary import Metric
 
 ONE_HERTZ = Structure(frequency=1.0, damping_ratio=0.02)
@@ -78,15 +84,52 @@ def test_published_criterion_has_no_probability(simulate):
 
 
 def test_varying_delay_is_warned_of(simulate):
-    from scipy.interpolate import CubicSpline
-
-    from reliab.validation.assessment import Recording
-
     test = simulate(noise=0.0)
     times = np.arange(test.command.size) * test.time_step
     late = CubicSpline(times, test.command)(np.clip(times - 0.002 * times / times[-1], 0.0, None))
     found = assess(Recording(command=test.command, measured=late, time_step=test.time_step), ONE_HERTZ)
     assert any("delay varies over the test" in warning for warning in found.warnings)
+
+
+@pytest.fixture(scope="module")
+def assessed_rigs(ground_motions):
+    """Assess rigs that are no constant gain and delay, of about 0.8 ms, with noise at 50 dB."""
+    record = resample(ground_motions[1], 1024.0)
+    rng, found = np.random.default_rng(8), {}
+    peak = np.abs(
+        run_closed_loop(HybridTest(structure=ONE_HERTZ), record.acceleration, 1 / 1024).measured
+    ).max()
+    loose = Rig(name="backlash", actuator=Actuator(delay=0.0004), effects=(Backlash(width_m=0.01 * peak),))
+    for rig in (*rigs_of_delay(0.0008), loose):
+        test = HybridTest(structure=ONE_HERTZ, actuator=rig.actuator, effects=rig.effects)
+        run = run_closed_loop(test, record.acceleration, 1 / 1024, compensator=rig.compensator)
+        size = 0.003 * np.sqrt(np.mean(run.measured**2))
+        recording = Recording(
+            command=run.command.values[0],
+            measured=run.measured + size * rng.normal(size=run.measured.size),
+            time_step=1 / 1024,
+        )
+        found[rig.name] = assess(recording, ONE_HERTZ)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("rig", "words"),
+    [
+        ("constant delay", None),
+        ("first-order lag", None),
+        ("second-order dynamics", None),
+        ("inverse compensation, wrong estimate", None),
+        ("drifting delay", "delay varies over the test"),
+        ("backlash", "leave"),
+    ],
+)
+def test_rigs_whose_error_a_and_d_do_not_tell_are_warned_of_and_no_others(assessed_rigs, rig, words):
+    warnings = assessed_rigs[rig].warnings
+    if words is None:
+        assert warnings == ()
+    else:
+        assert any(words in warning for warning in warnings)
 
 
 def test_partial_experimental_fraction_is_said(simulate):
