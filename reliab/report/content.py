@@ -67,7 +67,7 @@ class _Writer:
             "title": literal(document.title),
             "verdict": self._prose(document.verdict),
             "tone": document.tone,
-            "facts": [[literal(name), self._prose(text)] for name, text in document.facts.items()],
+            "facts": [[literal(name), self._prose(text)] for name, text in document.facts.items() if text],
             "blocks": self._blocks(document.blocks),
             "sources": [{"label": each.label, "text": literal(each.text)} for each in self._sources],
             "provenance": [[literal(name), literal(text)] for name, text in document.provenance.items()],

@@ -207,7 +207,7 @@ class Document:
     tone : {"plain", "good", "bad"}, optional
         Whether the verdict is neither good nor bad, good, or bad.
     facts : mapping of str to Prose, optional
-        What was asked and of what, for the first page.
+        What was asked and of what, for the first page; empty ones are left out.
     provenance : mapping of str to str, optional
         Versions, checksums and settings from which it can be made again.
     sources : tuple of Source, optional

@@ -4,15 +4,18 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
+from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullLocator
 from numpy.typing import NDArray
 
-from reliab.report.axes import DAMPING_RATIO, FREQUENCY, name_axes, round_numbers
+from reliab.report.axes import DAMPING_RATIO, FREQUENCY, name_axes
 from reliab.report.style import INK, SEQUENTIAL, letters, panels, styled
 
 _HEIGHT = 74.0
-_LEVELS = 9
+_MOST_LEVELS = 9
+_EDGE = 0.06
+_PREFERRED = ((1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8), (1, 1.5, 2.5, 4, 6), (1, 2, 5), (1, 3), (1,))
 _SHADES = 25
 _PALENESS = 0.42
 _LEAST_SPACE = 0.085
@@ -24,6 +27,8 @@ def criterion_surfaces(
     damping_ratios: NDArray[np.float64],
     amplitude_limit: NDArray[np.float64],
     delay_limit: NDArray[np.float64],
+    *,
+    simulated: tuple[NDArray[np.float64], NDArray[np.float64]],
 ) -> Figure:
     """Draw lines of equal limits over the structures, both axes logarithmic.
 
@@ -37,6 +42,8 @@ def criterion_surfaces(
         Greatest amplitude error √a [%].
     delay_limit : array of float, shape (F, X)
         Greatest delay √b [ms].
+    simulated : tuple of array of float
+        Frequencies [Hz] and damping ratios [-] that were simulated, for the ticks.
 
     Returns
     -------
@@ -47,6 +54,7 @@ def criterion_surfaces(
     letters(axes, (r"amplitude error $\sqrt{a}$ [%]", r"delay $\sqrt{b}$ [ms]"))
     for place, values in zip(axes[0], (amplitude_limit, delay_limit), strict=True):
         _draw(place, frequencies, damping_ratios, values.T)
+        _tick(place, simulated)
     name_axes(axes[0, 0], FREQUENCY, DAMPING_RATIO)
     axes[0, 1].set_xlabel(FREQUENCY)
     return figure
@@ -61,20 +69,46 @@ def _draw(
     shown = np.where(values > 0.0, values, np.nan)
     low, high = float(np.nanmin(shown)), float(np.nanmax(shown))
     axes.set(xscale="log", yscale="log")
+    axes.set(xlim=(frequencies[0], frequencies[-1]), ylim=(damping_ratios[0], damping_ratios[-1]))
     shades = np.geomspace(low, high, _SHADES) if high > low else np.array([low, low * 1.01])
     axes.contourf(
         frequencies, damping_ratios, shown, levels=shades, colors=_colours(shades.size - 1), norm=LogNorm()
     )
-    levels = round_numbers(low, high, _LEVELS)
+    levels = _levels(low, high)
     if levels.size:
         lines = axes.contour(frequencies, damping_ratios, shown, levels=levels, colors=INK, linewidths=0.8)
-        axes.clabel(lines, fontsize=8.0, fmt="%g")
-    for axis, nodes in ((axes.xaxis, frequencies), (axes.yaxis, damping_ratios)):
+        _label(axes, lines)
+    axes.grid(visible=False)
+
+
+def _tick(axes: Axes, simulated: tuple[NDArray[np.float64], NDArray[np.float64]]) -> None:
+    for axis, nodes in zip((axes.xaxis, axes.yaxis), simulated, strict=True):
         axis.set_major_locator(FixedLocator(_spread(nodes)))
         axis.set_minor_locator(NullLocator())
         axis.set_major_formatter(FormatStrFormatter("%g"))
-    axes.set(xlim=(frequencies[0], frequencies[-1]), ylim=(damping_ratios[0], damping_ratios[-1]))
-    axes.grid(visible=False)
+
+
+def _levels(low: float, high: float) -> NDArray[np.float64]:
+    """Preferred numbers between two limits, about evenly spaced on a logarithmic scale."""
+    decades = 10.0 ** np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1.0)
+    inside = np.empty(0)
+    for steps in _PREFERRED:
+        numbers = np.outer(decades, steps).ravel()
+        inside = numbers[(numbers > low) & (numbers < high)]
+        if inside.size <= _MOST_LEVELS:
+            break
+    return inside
+
+
+def _label(axes: Axes, lines: QuadContourSet) -> None:
+    """Write the level on each line, except where the frame would cut it."""
+    to_axes = axes.transData + axes.transAxes.inverted()
+    for text in axes.clabel(lines, inline=False, fontsize=8.0, fmt="%g"):
+        x, y = to_axes.transform(text.get_position())
+        if min(x, 1.0 - x, y, 1.0 - y) < _EDGE:
+            text.remove()
+        else:
+            text.set_bbox({"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.6})
 
 
 def _colours(count: int) -> list[tuple[float, ...]]:

@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 import xarray as xr
+from matplotlib.figure import Figure as Drawing
 
 from reliab.criterion import Criterion, EllipseSample, sample_of
 from reliab.criterion.distributions import Lognormal, LogSkewNormal
@@ -46,6 +47,7 @@ _MOST_COLUMNS = 9
 _MOST_ROWS = 12
 _MOST_EVENTS = 40
 _LONG_TABLE = 160
+_FINE = 41
 
 
 def criterion_report(
@@ -56,6 +58,7 @@ def criterion_report(
     coverage: pd.DataFrame | None = None,
     provenance: Mapping[str, object],
     notes: Sequence[Prose] = (),
+    purpose: str = "",
 ) -> Document:
     """Report criteria and the motions behind them.
 
@@ -77,6 +80,8 @@ def criterion_report(
         What the report can be made again from, by name: the hash of the study, seeds, …
     notes : sequence of Prose, optional
         What the reader should know beside the criterion's own warnings.
+    purpose : str, optional
+        What the study is for, for the first page.
 
     Returns
     -------
@@ -98,7 +103,7 @@ def criterion_report(
         kind="Reliability criterion",
         title=title,
         verdict=_verdict(told),
-        facts=_facts(told, coverage),
+        facts={**_facts(told, coverage), "Purpose": purpose},
         blocks=tuple(blocks),
         provenance=provenance_of(provenance, chosen.provenance),
         sources=SOURCES,
@@ -302,7 +307,7 @@ def _over_structures(told: _Told) -> Iterator[Block]:
 
 def _over_both(told: _Told, amplitude: np.ndarray, delay: np.ndarray) -> Iterator[Block]:
     yield Figure(
-        drawing=criterion_surfaces(told.frequencies, told.damping_ratios, amplitude, delay),
+        drawing=_surfaces(told),
         caption=prose(
             "Limits over natural frequency and damping ratio: the room for amplitude error hardly depends on"
             " the frequency and grows with damping; the room for delay shrinks as the frequency grows."
@@ -314,6 +319,17 @@ def _over_both(told: _Told, amplitude: np.ndarray, delay: np.ndarray) -> Iterato
     )
     text = "Greatest amplitude error $sqrt(a)$ [%] of a test without delay"
     yield _pivot(told, amplitude, Fixed(), text, "tab:amplitude")
+
+
+def _surfaces(told: _Told) -> Drawing:
+    """Draw the limits between the simulated structures too, as the law has them."""
+    f, xi = (
+        np.geomspace(nodes[0], nodes[-1], _FINE).clip(nodes[0], nodes[-1])
+        for nodes in (told.frequencies, told.damping_ratios)
+    )
+    a, b = told.criterion.limits(f[:, None], xi[None, :])
+    simulated = (told.frequencies, told.damping_ratios)
+    return criterion_surfaces(f, xi, PERCENT * np.sqrt(a), np.sqrt(b), simulated=simulated)
 
 
 def _pivot(told: _Told, limit: np.ndarray, number: Fixed, text: str, label: str) -> Table:

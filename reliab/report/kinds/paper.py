@@ -37,6 +37,7 @@ def paper_report(
     cases: xr.Dataset,
     provenance: Mapping[str, object],
     notes: Sequence[Prose] = (),
+    purpose: str = "",
 ) -> Document:
     """Report the reproduction of Guo and others (2017).
 
@@ -55,6 +56,8 @@ def paper_report(
         What the report can be made again from, by name.
     notes : sequence of Prose, optional
         What the reader should know beside what is always said.
+    purpose : str, optional
+        What the study is for, for the first page.
 
     Returns
     -------
@@ -81,7 +84,7 @@ def paper_report(
         kind="Reproduction of a published study",
         title=title,
         verdict=_verdict(found, rows, contained),
-        facts=_facts(fits),
+        facts={**_facts(fits), "Purpose": purpose},
         blocks=(
             _overview(found),
             loop_section(example),

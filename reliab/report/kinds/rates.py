@@ -8,7 +8,7 @@ import pandas as pd
 
 from reliab.report.document import Column, Figure, Paragraph, Section, Table
 from reliab.report.figures.rates import calibration_curve, coverage_by_frequency
-from reliab.report.kinds.wording import PERCENT, percent
+from reliab.report.kinds.wording import PERCENT, law_in_words, percent
 from reliab.report.numbers import Fixed, Shortest
 from reliab.report.prose import prose
 from reliab.validation.cross_validation.judge import CrossValidation
@@ -62,6 +62,7 @@ def rates_section(rates: pd.DataFrame, *, confidence: float, division: str = "")
         followed by the division where there is one.
     """
     measured = rates if "measure" in rates else rates.assign(measure="containment")
+    measured = measured.assign(candidate=[law_in_words(str(name)) for name in measured["candidate"]])
     mark = "".join(f"-{word.lower()}" for word in re.findall(r"[A-Za-z0-9]+", division))
     explained = "Whole earthquakes were held out in turn" if not division else f"Division: {division}"
     opening = Paragraph(

@@ -37,6 +37,7 @@ def suites_report(
     confidence: float,
     provenance: Mapping[str, object],
     notes: Sequence[Prose] = (),
+    purpose: str = "",
 ) -> Document:
     """Compare suites of ground motions, the first being the reference.
 
@@ -60,6 +61,8 @@ def suites_report(
         What the report can be made again from, by name.
     notes : sequence of Prose, optional
         What the reader should know.
+    purpose : str, optional
+        What the study is for, for the first page.
 
     Returns
     -------
@@ -80,6 +83,7 @@ def suites_report(
         facts={
             "Suites": listed([f"{name} ({len(table)} motions)" for name, table in measures.items()]),
             "Confidence": percent(confidence),
+            "Purpose": purpose,
         },
         blocks=tuple(blocks),
         provenance=provenance_of(provenance),

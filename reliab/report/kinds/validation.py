@@ -32,6 +32,7 @@ def validation_report(
     cases: xr.Dataset | None = None,
     provenance: Mapping[str, object],
     notes: Sequence[Prose] = (),
+    purpose: str = "",
 ) -> Document:
     """Report how criteria did on motions that they were not learned from.
 
@@ -58,6 +59,8 @@ def validation_report(
         What the report can be made again from, by name.
     notes : sequence of Prose, optional
         What the reader should know.
+    purpose : str, optional
+        What the study is for, for the first page.
 
     Returns
     -------
@@ -81,7 +84,7 @@ def validation_report(
         title=title,
         verdict=verdict,
         tone="good" if tone else "bad",
-        facts={"Divisions": ", ".join(rates), "Confidence": percent(confidence)},
+        facts={"Divisions": ", ".join(rates), "Confidence": percent(confidence), "Purpose": purpose},
         blocks=tuple(blocks),
         provenance=provenance_of(provenance),
         sources=SOURCES,

@@ -1,5 +1,6 @@
 """How reports say things: errors, shares, structures, confidences, equations with numbers."""
 
+import re
 from collections.abc import Sequence
 from typing import Final
 
@@ -86,6 +87,20 @@ def listed(words: Sequence[str]) -> str:
     'a, b and c'
     """
     return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else list(words))
+
+
+def law_in_words(name: str) -> str:
+    """Name a published law as readers of the paper know it; other names stay as they are.
+
+    Examples
+    --------
+    >>> law_in_words("guo_2017_18_corrected"), law_in_words("dirichlet")
+    ('equation (18) corrected', 'dirichlet')
+    """
+    published = re.fullmatch(r"guo_2017_(\d+)(_corrected)?", name)
+    if published is None:
+        return name
+    return f"equation ({published[1]}){' corrected' if published[2] else ''}"
 
 
 def error_below(metric: str, threshold: float) -> tuple[Piece, ...]:
