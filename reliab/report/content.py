@@ -24,7 +24,7 @@ from reliab.report.document import (
     Table,
 )
 from reliab.report.numbers import MISSING, Written
-from reliab.report.prose import Math, Piece, Prose, Reference, Strong, literal
+from reliab.report.prose import Math, Piece, Prose, Reference, Strong, literal, plain_text
 from reliab.report.style import svg
 
 CONTENT_FILE: Final = "document.json"
@@ -126,6 +126,7 @@ class _Writer:
             "file": name,
             "width": round(_MILLIMETRES_PER_INCH * float(figure.drawing.get_figwidth()), 3),
             "caption": self._prose(figure.caption),
+            "alternative": plain_text(figure.caption),
             "label": figure.label,
             "floats": figure.floats and not self._document.sheet,
         }

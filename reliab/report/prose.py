@@ -122,6 +122,29 @@ def literal(text: str) -> str:
     return _LONG_WORD.sub(lambda word: _PLACES_TO_BREAK.sub(_ZERO_WIDTH_SPACE, word[0]), single)
 
 
+def plain_text(text: Prose) -> str:
+    """Text without mathematics set and without references, for those who cannot see a figure.
+
+    Examples
+    --------
+    >>> plain_text(prose("Where $a$ is small, see @fig:limits."))
+    'Where a is small, see fig:limits.'
+    """
+    return literal("".join(_plain(piece) for piece in ((text,) if isinstance(text, str) else text)))
+
+
+def _plain(piece: Piece) -> str:
+    match piece:
+        case str():
+            return piece
+        case Math():
+            return piece.source
+        case Strong():
+            return piece.text
+        case Reference():
+            return piece.label
+
+
 def references(text: Prose) -> Iterator[str]:
     """Labels that a text refers to.
 

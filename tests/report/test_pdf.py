@@ -108,6 +108,7 @@ def headings(document):
 def test_text_of_users_is_set_as_it_is(text):
     (first, *_) = json.loads(headings(report(text)))
     assert first == {"func": "text", "text": literal(text)}
+    assert compiled_report(report(text), date=DATE).startswith(b"%PDF")
 
 
 @settings(max_examples=25, deadline=None)

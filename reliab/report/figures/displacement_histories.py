@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from reliab.report.axes import DISPLACEMENT, MILLI, TIME, legend_below, mark, plain
-from reliab.report.style import BLUE, GREY, VERMILION, letters, panels, styled
+from reliab.report.style import BLUE, INK, PALE, VERMILION, letters, panels, styled
 
 _PANEL_HEIGHT, _MARGIN = 32.0, 16.0
 _HEADROOM = 1.45
@@ -106,7 +106,10 @@ def _draw(axes: Axes, history: HistoryPanel) -> None:
     history = as_printed(history)
     shown = [history.ideal] if history.measured is None else [history.ideal, history.measured]
     # The exact response lies underneath, broad and pale, so that both remain visible where they agree.
-    axes.plot(history.times, MILLI * history.ideal, color=GREY, linewidth=2.0, label="exact response $x_I$")
+    colour, width = (INK, 0.8) if history.measured is None else (PALE, 2.6)
+    axes.plot(
+        history.times, MILLI * history.ideal, color=colour, linewidth=width, label="exact response $x_I$"
+    )
     if history.measured is not None:
         axes.plot(
             history.times,

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from reliab.report.axes import MILLI, TIME, legend_below, name_axes, plain
-from reliab.report.style import BLUE, GREY, INK, line, panels, styled
+from reliab.report.style import BLUE, GREY, INK, PALE, line, panels, styled
 
 _PERCENT = 100.0
 _MARGIN = 1.12
@@ -109,7 +109,7 @@ def tracking_over_time(
     histories, of_amplitude, of_delay = axes[:, 0]
     peak = float(np.abs(command).max())
     kept = np.linspace(0, times.size - 1, min(times.size, _MOST_SAMPLES)).astype(int)
-    histories.plot(times[kept], command[kept] / peak, color=GREY, linewidth=1.8, label="command")
+    histories.plot(times[kept], command[kept] / peak, color=PALE, linewidth=2.6, label="command")
     histories.plot(times[kept], measured[kept] / peak, color=BLUE, linewidth=0.7, label="measured")
     histories.set_ylabel("Displacement\nover its peak [-]")
     histories.legend(loc="upper right", ncols=2)

@@ -1,0 +1,110 @@
+"""Every axis has a unit; every colour differs in grey too; drawings depend on nothing but what is drawn."""
+
+import re
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.colors import to_rgb
+
+from reliab.criterion import derive_criterion
+from reliab.criterion.methods import method_of
+from reliab.motions import Motion
+from reliab.report.document import Figure, Section
+from reliab.report.kinds.criterion import criterion_report
+from reliab.report.kinds.paper import paper_report
+from reliab.report.kinds.paper_cases import cases_dataset
+from reliab.report.printed import printed_tables
+from reliab.report.style import line, panels, styled, svg
+from reliab.validation.paper_cases import run_paper_cases
+from reliab.validation.paper_example import EXAMPLE, run_paper_example
+
+UNIT = re.compile(r"\[[^\]]+\]$")
+
+
+def figures(blocks):
+    for block in blocks:
+        if isinstance(block, Section):
+            yield from figures(block.blocks)
+        elif isinstance(block, Figure):
+            yield block
+
+
+@pytest.fixture(scope="module")
+def drawn(ellipses_of, rates):
+    """All figures of two kinds of report."""
+    noise = np.random.default_rng(1).normal(size=3000) * np.hanning(3000)
+    motion = Motion(name=EXAMPLE, acceleration=noise, time_step=0.015)
+    tables = printed_tables()
+    structures = (tuple(tables.frequencies["f_hz"]), tuple(tables.damping_ratios["xi"]))
+    ellipses = ellipses_of(*structures, motions=100, events=19, names=tables.motions["record"].to_numpy())
+    few = ellipses_of()
+    criterion = derive_criterion(few, method=method_of("dirichlet"), joint=True)
+    documents = (
+        paper_report(
+            title="P",
+            example=run_paper_example(motion),
+            ellipses=ellipses,
+            cases=cases_dataset(run_paper_cases(motion)),
+            provenance={},
+        ),
+        criterion_report(title="C", ellipses=few, criteria=[criterion], coverage=rates, provenance={}),
+    )
+    return {block.label: block for document in documents for block in figures(document.blocks)}
+
+
+def test_every_axis_has_a_unit(drawn):
+    without = [
+        (label, text)
+        for label, figure in drawn.items()
+        for axes in figure.drawing.axes
+        if axes.axison
+        for text in (axes.get_xlabel(), axes.get_ylabel())
+        if text and not UNIT.search(text.replace("\n", " "))
+    ]
+    assert without == []
+
+
+def is_named(axis):
+    """Whether an axis has a name, or words for its ticks."""
+    ticks = [text.get_text() for text in axis.get_ticklabels()]
+    return bool(axis.get_label_text()) or any(tick[:1].isalpha() for tick in ticks)
+
+
+def test_every_figure_names_both_axes(drawn):
+    for label, figure in drawn.items():
+        shown = [axes for axes in figure.drawing.axes if axes.axison]
+        for name in ("xaxis", "yaxis"):
+            assert not shown or any(is_named(getattr(axes, name)) for axes in shown), label
+
+
+def test_every_figure_fits_the_column(drawn):
+    assert {label for label, each in drawn.items() if 25.4 * each.drawing.get_figwidth() > 160.1} == set()
+
+
+def test_every_figure_says_what_to_see(drawn):
+    assert all(len("".join(map(str, each.caption))) > 40 for each in drawn.values())
+
+
+def test_lines_differ_without_colour():
+    looks = [line(rank, marker=True) for rank in range(5)]
+    assert len({(str(look["linestyle"]), look["marker"]) for look in looks}) == 5
+
+
+def test_the_first_colours_differ_in_lightness():
+    weights = np.array([0.2126, 0.7152, 0.0722])
+    lightness = [float(weights @ to_rgb(line(rank)["color"])) for rank in range(3)]
+    assert abs(np.diff(sorted(lightness))).min() > 0.02
+
+
+def test_a_drawing_depends_on_nothing_else():
+    @styled
+    def draw():
+        figure, axes = panels()
+        axes[0, 0].plot([1.0, 2.0], [3.0, 4.0], label="$x^2$")
+        axes[0, 0].legend()
+        return figure
+
+    first = svg(draw())
+    with mpl.rc_context({"font.size": 30.0, "svg.hashsalt": "other", "axes.grid": False}):
+        assert svg(draw()) == first
