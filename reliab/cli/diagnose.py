@@ -69,9 +69,9 @@ def _show(found: "Diagnosis") -> None:
     if effects:
         names = table("What is missing", _EFFECTS)
         for effect in effects:
-            for one in effect.estimates:
-                value, spread = f"{one.value:.4g} {one.units}", f"{one.sd:.2g}"
-                names.add_row(effect.name, f"{effect.probability:.3f}", one.name, value, spread)
+            for estimate in effect.estimates:
+                value, spread = f"{estimate.value:.4g} {estimate.units}", f"{estimate.sd:.2g}"
+                names.add_row(effect.name, f"{effect.probability:.3f}", estimate.name, value, spread)
         screen.print(names)
     if found.unknown is not None:
         screen.print(f"Unknown effect in the {found.unknown.block}: {found.unknown.expression}")
@@ -80,6 +80,6 @@ def _show(found: "Diagnosis") -> None:
     gap = found.gap
     closed = "" if gap.closed_fraction is None else f", {gap.closed_fraction:.1%} of the gap closed"
     screen.print(
-        f"Held-out {', '.join(gap.held_out)}, {gap.channel}: error {gap.before:.4f} before, {gap.after:.4f} after,"
-        f" noise {gap.floor:.4f} of the signal's RMS{closed}."
+        f"Held-out {', '.join(gap.held_out)}, {gap.channel}: error {gap.before:.4f} before,"
+        f" {gap.after:.4f} after, noise {gap.floor:.4f} of the signal's RMS{closed}."
     )

@@ -1,4 +1,4 @@
-"""Measured campaigns: locate the discrepancy, name the missing effect, add it, prove that the gap has shrunk."""
+"""Measured campaigns: locate the discrepancy, name what is missing, add it, prove that the gap shrank."""
 
 from reliab.discrepancy.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.diagnose import diagnose

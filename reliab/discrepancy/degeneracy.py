@@ -4,7 +4,7 @@ from reliab.vocabulary import EffectName
 
 _TELLS = {
     frozenset({EffectName.FIRST_ORDER_LAG, EffectName.SECOND_ORDER_DYNAMICS}):
-        "A sweep of the command up to twice the servo's bandwidth shows whether the amplitude peaks or only falls",
+        "A sweep to twice the servo's bandwidth shows whether the amplitude peaks or only falls",
     frozenset({EffectName.FIRST_ORDER_LAG, EffectName.DELAY_DRIFT}):
         "A steady sine, or a sweep run downwards, separates time from frequency",
     frozenset({EffectName.SECOND_ORDER_DYNAMICS, EffectName.DELAY_DRIFT}):

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import optimize
 
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.noise import NoiseModel, Periodogram, fit_noise
@@ -61,7 +62,7 @@ class Problem:
         return _LEAST_OF_CONVERSION * float(np.mean(squares)) / 12.0 if squares else 0.0
 
     def corrected(self, space: ModelSpace, coordinates: Array) -> "Problem":
-        """Return the problem with the converter's error taken off as a model expects it, where it has steps."""
+        """Return the problem without the converter's error that a model expects, where it has steps."""
         if not any(self.steps.values()):
             return self
         conversion = {}
@@ -178,12 +179,12 @@ class Fit:
     @cached_property
     def precision(self) -> Array:
         """Inverse covariance of the coordinates, shape (size, size)."""
-        return self.jacobian.T @ self.jacobian + np.eye(self.space.size)
+        return np.asarray(self.jacobian.T @ self.jacobian + np.eye(self.space.size), dtype=np.float64)
 
     @cached_property
     def covariance(self) -> Array:
         """Covariance of the coordinates, shape (size, size)."""
-        return np.linalg.inv(self.precision)
+        return np.asarray(np.linalg.inv(self.precision), dtype=np.float64)
 
     @property
     def log_likelihood(self) -> float:
@@ -243,14 +244,11 @@ def _fit_from(problem: Problem, space: ModelSpace, start: Array, noise: NoiseMod
     for _ in range(_MOST_STEPS):
         curvature = derivatives.T @ derivatives + np.eye(x.size)
         slope = derivatives.T @ residual + x
-        free = ~(((x <= lower) & (slope > 0.0)) | ((x >= upper) & (slope < 0.0)))
         accepted = False
         while damping < _MOST_DAMPING:
-            step = np.zeros_like(x)
-            damped = curvature + damping * np.diag(np.diag(curvature))
-            step[free] = -np.linalg.solve(damped[np.ix_(free, free)], slope[free])
+            step = _bounded_step(curvature, slope, lower - x, upper - x, damping)
             moved = np.clip(x + step, lower, upper)
-            promise = -slope @ (moved - x) - 0.5 * (moved - x) @ curvature @ (moved - x)
+            promise = -slope @ step - 0.5 * step @ curvature @ step
             if promise < _NEGLIGIBLE:
                 break
             there = problem.whitened(space, moved, noise)
@@ -273,6 +271,18 @@ def _fit_from(problem: Problem, space: ModelSpace, start: Array, noise: NoiseMod
     )
 
 
+def _bounded_step(curvature: Array, slope: Array, least: Array, most: Array, damping: float) -> Array:
+    """Damped Newton step: the minimum of the quadratic model within the bounds."""
+    damped = curvature + damping * np.diag(np.diag(curvature))
+    step: Array = np.asarray(-np.linalg.solve(damped, slope), dtype=np.float64)
+    if ((step >= least) & (step <= most)).all():
+        return step
+    root = np.linalg.cholesky(damped)
+    most = np.maximum(most, least + 1e-12)
+    found = optimize.lsq_linear(root.T, -np.linalg.solve(root, slope), bounds=(least, most), method="bvls")
+    return np.asarray(found.x)
+
+
 def _objective(residual: Array, coordinates: Array) -> float:
     return 0.5 * float(residual @ residual + coordinates @ coordinates)
 
@@ -280,7 +290,7 @@ def _objective(residual: Array, coordinates: Array) -> float:
 def jacobian(
     problem: Problem, space: ModelSpace, coordinates: Array, noise: NoiseModel, centre: Array
 ) -> Array:
-    """Derivatives of the whitened residual, shape (rows, size), given it at the coordinates."""
+    """Differentiate the whitened residual, shape (rows, size), given it at the coordinates."""
     _, upper = space.bounds
     columns = np.empty((centre.size, space.size))
     for place in range(space.size):

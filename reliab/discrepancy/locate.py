@@ -1,8 +1,9 @@
 """Where a calibrated model fails: what its residual goes along with.
 
-Each test projects the whitened residual on what a family of causes would add to the channel (columns of the motion, whitened
-alike, the calibration's own directions taken out). Under noise alone the projected energy is χ²-distributed with as many
-degrees of freedom as the family has columns; Bonferroni's factor corrects for the number of families.
+Each test projects the whitened residual on what a family of causes would add to the channel (columns of the
+motion, whitened alike, the calibration's own directions taken out). Under noise alone the projected energy
+is χ²-distributed with as many degrees of freedom as the family has columns; Bonferroni's factor corrects for
+the number of families.
 """
 
 from collections.abc import Callable
@@ -142,7 +143,7 @@ def _finding(problem: Problem, test: int, kind: str, sentence: str) -> _Make:
             channel=str(block.channel),
             test=block.tests[test].file,
             kind=kind,
-            detail=f"In {block.channel} of the {block.block} {sentence}; it shows most in {block.tests[test].file}.",
+            detail=f"In {block.channel} of the {block.block} {sentence}, most in {block.tests[test].file}.",
             share_of_residual=share,
             p_value=p_value,
         )
@@ -151,7 +152,7 @@ def _finding(problem: Problem, test: int, kind: str, sentence: str) -> _Make:
 
 
 def _columns(problem: Problem, noise: NoiseModel, family: _Family) -> Array:
-    """What a family would add to the channel, whitened, shape (rows, columns)."""
+    """Whiten what a family would add to the channel, shape (rows, columns)."""
     block = problem.block
     made: dict[int, tuple[Array, ...]] = {}
     for test in {segment.test for segment in problem.segments}:
@@ -169,6 +170,6 @@ def _columns(problem: Problem, noise: NoiseModel, family: _Family) -> Array:
 def _scaled(motion: Motion3, duration: float, problem: Problem) -> tuple[Array, Array, Array, Array]:
     """Time, displacement, velocity and acceleration over their scales."""
     scales = problem.block.scales
-    time = np.arange(motion.values.shape[1]) * motion.step / duration
+    time: Array = np.arange(motion.values.shape[1], dtype=np.float64) * (motion.step / duration)
     x, v, a = motion.values / [[scales.displacement], [scales.velocity], [scales.acceleration]]
     return time, x, v, a

@@ -41,7 +41,7 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     named, doubtful = _believed(ranked)
     best = _fit_with(ranked, named | doubtful) or calibrated
     biases = [kind for kind in problem.block.offsets if offset_odds(best, kind) > 0.0]
-    before = residuals(proof, calibrated, without=biases)
+    before = residuals(proof, search.plain(), without=biases)
     after = residuals(proof, best)
     inside = [kind for kind in best.space.effects if not is_outside(kind)]
     outside = [kind for kind in best.space.effects if is_outside(kind)]

@@ -1,9 +1,10 @@
 """The noise of a channel: a smooth spectrum fitted to what a model leaves over.
 
-The power spectral density of the noise is taken as a sum, with coefficients that are not negative, of white noise and
-first-order autoregressive noises of fixed corner frequencies. Their maximum-likelihood coefficients under Whittle's
-approximation follow from a multiplicative iteration (majorise–minimise for the Itakura–Saito divergence). A smooth
-spectrum cannot imitate the narrow lines of a structure's response, so that an effect does not pass for noise.
+The power spectral density of the noise is taken as a sum, with coefficients that are not negative, of white
+noise and first-order autoregressive noises of fixed corner frequencies. Their maximum-likelihood
+coefficients under Whittle's approximation follow from a multiplicative iteration (majorise–minimise for the
+Itakura–Saito divergence). A smooth spectrum cannot imitate the narrow lines of a structure's response, so
+that an effect does not pass for noise.
 """
 
 from collections.abc import Sequence
@@ -19,6 +20,7 @@ CORNERS = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
 
 _ITERATIONS = 300
 _BINS = 160
+_LOWEST_LINE = 10.0  # Hz, of the mains folded at the Nyquist frequency
 _LINE = 12.0  # times the local median that a periodogram must exceed to be a line of the mains
 
 
@@ -44,7 +46,7 @@ class NoiseModel:
         return cls(rate=rate, weights=np.array([variance, *(0.0 for _ in CORNERS)]))
 
     def density(self, frequency: Array) -> Array:
-        """Expected periodogram |Σxe^(−iωt)|²/n at frequencies [Hz], shape of `frequency`."""
+        """Return the expected periodogram |Σxe^(−iωt)|²/n at frequencies [Hz], shape of `frequency`."""
         return np.asarray(self.weights @ spectral_shapes(frequency, self.rate))
 
     @property
@@ -55,7 +57,7 @@ class NoiseModel:
 
 
 def spectral_shapes(frequency: Array, rate: float) -> Array:
-    """Spectra of which a noise is a sum at frequencies [Hz]: white, then coloured, shape (1 + corners, bins)."""
+    """Spectra of which a noise is a sum: white, then coloured, shape (1 + corners, frequencies)."""
     turn = 2.0 * np.pi * np.asarray(frequency) / rate
     rows = [np.ones_like(turn)]
     for corner in CORNERS:
@@ -145,7 +147,7 @@ def line_places(one: Periodogram) -> list[tuple[int, int]]:
     places = []
     for line in mains_frequencies(nyquist):
         reach, around = max(int(0.6 / spacing), 2), max(int(3.0 / spacing), 10)
-        centre = int(round(line / spacing)) - int(round(one.frequency[0] / spacing))
+        centre = round(line / spacing) - round(float(one.frequency[0]) / spacing)
         near = one.power[max(centre - reach, 0) : centre + reach + 1]
         wide = one.power[max(centre - around, 0) : centre + around + 1]
         if near.size and near.max() > _LINE * np.median(wide):
@@ -159,6 +161,6 @@ def mains_frequencies(nyquist: float) -> list[float]:
     for mains in (50.0, 60.0):
         for order in range(1, 8):
             folded = abs((order * mains + nyquist) % (2.0 * nyquist) - nyquist)
-            if 10.0 < folded < nyquist - 1.0:
+            if _LOWEST_LINE < folded < nyquist - 1.0:
                 found.add(round(folded, 6))
     return sorted(found)

@@ -9,7 +9,6 @@ from reliab.discrepancy.fit import Fit, Problem
 from reliab.discrepancy.noise import NoiseModel
 from reliab.discrepancy.result import Gap
 from reliab.discrepancy.segment import Segment
-from reliab.discrepancy.smoothing import highest_frequency
 from reliab.loop.effects import Effect
 
 Array = NDArray[np.float64]
@@ -88,7 +87,7 @@ def _noise_energy(proof: Problem, left: dict[int, Array], noise: NoiseModel) -> 
     for segment in proof.segments:
         power = np.abs(segment.full_spectrum(left[segment.test])) ** 2
         frequency = np.arange(power.size) * segment.rate / (segment.end - segment.begin)
-        below = frequency <= highest_frequency(segment.rate)
+        below = frequency <= segment.highest
         power[below] = noise.density(frequency[below])
         total += 2.0 * float(power[1:].sum()) + float(power[0])
     return total

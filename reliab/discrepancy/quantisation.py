@@ -1,7 +1,8 @@
 """The steps of a converter in a channel, and the error that they make where a model says what was converted.
 
-A converter's error is no noise: where the signal rests within one step it is the signal itself, which looks like slack.
-Given a model's prediction the error is known but for what else is added to the signal before the conversion.
+A converter's error is no noise: where the signal rests within one step it is the signal itself, which looks
+like slack. Given a model's prediction the error is known but for what else is added to the signal before the
+conversion.
 """
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 _MOST_LEVELS = 0.25  # of the samples; more levels are not worth correcting
+_FEWEST_LEVELS = 3
 _ON_THE_GRID = 0.02  # of a step
 _LARGEST_SPREAD = 0.45  # of a step; more noise than this makes the error independent of the signal
 _EXACT_BELOW = 0.05
@@ -35,7 +37,7 @@ def converter_step(values: Array) -> float:
     0.1
     """
     levels = np.unique(values)
-    if not 2 < levels.size < _MOST_LEVELS * values.size:
+    if not _FEWEST_LEVELS <= levels.size < _MOST_LEVELS * values.size:
         return 0.0
     step = float(np.diff(levels).min())
     places = (levels - levels[0]) / step

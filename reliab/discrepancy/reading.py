@@ -104,21 +104,25 @@ def _campaign(described: _CampaignFile, tests: tuple[MeasuredTest, ...], folder:
     structure, actuator, specimen = described.structure, described.actuator, described.specimen
     return Campaign(
         name=described.name or folder.name,
-        structure=structure
-        and Structure(
-            frequency=structure.frequency_hz,
-            damping_ratio=structure.damping_ratio,
-            experimental_fraction=structure.experimental_fraction,
-        ),
+        structure=None if structure is None else _as_structure(structure),
         mass=(structure.mass_kg if structure else None) or 1.0,
-        actuator=actuator and Actuator(gain=actuator.gain, delay=actuator.delay_s),
-        specimen=specimen
-        and Specimen(
-            stiffness=specimen.stiffness_n_per_m, damping=specimen.damping_n_s_per_m, mass=specimen.mass_kg
-        ),
+        actuator=None if actuator is None else Actuator(gain=actuator.gain, delay=actuator.delay_s),
+        specimen=None if specimen is None else _as_specimen(specimen),
         rate=described.sampling.rate_hz,
         tests=tests,
     )
+
+
+def _as_structure(table: _Structure) -> Structure:
+    return Structure(
+        frequency=table.frequency_hz,
+        damping_ratio=table.damping_ratio,
+        experimental_fraction=table.experimental_fraction,
+    )
+
+
+def _as_specimen(table: _Specimen) -> Specimen:
+    return Specimen(stiffness=table.stiffness_n_per_m, damping=table.damping_n_s_per_m, mass=table.mass_kg)
 
 
 def _described(path: Path) -> _CampaignFile:

@@ -127,7 +127,7 @@ class MissingEffect:
     def remark(self) -> str:
         """What it cannot be told from, in a sentence, and the test that would tell."""
         rival = self.rivals[0] if self.rivals else None
-        return remark(self.name, self.probability, rival and (rival.name, rival.probability))
+        return remark(self.name, self.probability, None if rival is None else (rival.name, rival.probability))
 
     def as_dict(self) -> dict[str, Any]:
         """Return the entry of `effects`."""
@@ -184,8 +184,8 @@ class Gap:
     before, after : float
         RMS of the difference over RMS of the signal, calibrated model and model with the effects.
     floor : float
-        The same of the noise: its smooth spectrum, fitted to what the final model leaves of the other tests, up to the
-        highest frequency of a signal, and the held-out channel's own power above.
+        The same of the noise: its smooth spectrum, fitted to what the final model leaves of the other tests,
+        up to the highest frequency of a signal, and the held-out channel's own power above.
     """
 
     held_out: tuple[str, ...]

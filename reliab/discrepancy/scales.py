@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 
 def motions_of(campaign: Campaign) -> tuple[Motion3, ...]:
-    """Motion of the piston in every test as the channels themselves tell: the command, else the smoothed reading.
+    """Motion of the piston in every test as the channels tell: the command, else the smoothed reading.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def scales_of(campaign: Campaign, motions: Sequence[Motion3]) -> Scales:
     if not peaks.min() > 0.0:
         raise InputError(
             "The displacement must move in at least one test that is not held out",
-            value=f"a constant {Channel.COMMAND if Channel.COMMAND in campaign.channels else Channel.MEASURED}",
+            value="a constant",
             remedy="Check that the column holds the recording, in metres",
         )
     return Scales(

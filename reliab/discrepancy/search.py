@@ -1,4 +1,4 @@
-"""Searching for the effects that a block hides: forward by screening, backward by removal, judged by evidence."""
+"""Searching for what a block hides: forward by screening, backward by removal, judged by evidence."""
 
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.discrepancy.fit import Fit, Problem, fit, refined
+from reliab.discrepancy.lines import line_terms
 from reliab.discrepancy.noise import NoiseModel
 from reliab.discrepancy.space import ModelSpace
 from reliab.loop.effects import Effect
@@ -22,8 +23,9 @@ OUTSIDE_COST = 7.0
 """The same for an effect outside the library."""
 
 LEAST_SHARE = 0.01
-"""Share of the gap's energy that an effect must close to be named beside others: no model of a machine is exact, and
-long records make errors of a tenth of the largest effect significant without making them effects."""
+"""Share of the gap's energy that an effect must close to be named beside others.
+
+No model of a machine is exact: long records make errors of a tenth of the largest effect significant."""
 
 MOST_EFFECTS = 3
 _WORKERS = 2
@@ -91,6 +93,14 @@ class Search:
             self.fitted[key] = one
         return self.fitted[key]
 
+    def plain(self) -> Fit:
+        """Calibrate by least squares, as a laboratory would that knows nothing of noise."""
+        variance = float(
+            np.mean(self.null.noise.density(np.linspace(0.0, 0.5 * self.problem.block.rate, 99)))
+        )
+        white = NoiseModel.white(self.null.noise.rate, variance)
+        return fit(self.problem, self.null.space, [self.null.coordinates], white)
+
     @property
     def best(self) -> Fit:
         """The most credible of all fitted models."""
@@ -107,7 +117,8 @@ class Search:
     def _screen_one(self, parent: Fit, basis: Array, kind: type[Effect]) -> Screened:
         space = ModelSpace(parent.space.block, (*parent.space.effects, kind))
         best = Screened(kind=kind, gain=0.0, start=np.zeros(0))
-        for start in space.starts(parent.space, parent.coordinates):
+        for begin in space.starts(parent.space, parent.coordinates):
+            start = begin
             change = self.problem.whitened(space, start, parent.noise) - parent.residual
             change -= basis @ (basis.T @ change)
             size = float(change @ change)
@@ -174,15 +185,16 @@ class Search:
         """Search the library, and beyond it where something is left that a term outside would explain."""
         block = self.problem.block
         inside = self.forward(self.null, block.candidates)
-        left = self.screen(inside, block.outside)
+        outside = (*block.outside, *line_terms(self.problem, inside)) if block.outside else ()
+        left = self.screen(inside, outside)
         if not left or left[0].gain < self.noticeable(inside):
             return inside
-        every = (*block.candidates, *block.outside)
+        every = (*block.candidates, *outside)
         best = max(inside, self.forward(self.null, every, deepest=_DEEPEST_OUTSIDE), key=score)
         return best if best is not inside else self.forward(inside, every, deepest=1)
 
     def again(self) -> "Search":
-        """Search once more with the converter's error as the best model expects it; itself if there is none."""
+        """Search again with the converter's error that the best model expects; itself if there is none."""
         best = self.best
         corrected = self.problem.corrected(best.space, best.coordinates)
         if corrected is self.problem or best is self.null:

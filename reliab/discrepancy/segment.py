@@ -54,17 +54,17 @@ class Segment:
         return spectral_shapes(self.frequency, self.rate)
 
     def density(self, noise: NoiseModel) -> Array:
-        """Expected periodogram of a noise at the frequencies that count, shape (bins,)."""
+        """Return the expected periodogram of a noise at the frequencies that count, shape (bins,)."""
         return np.asarray(noise.weights @ self._shapes)
 
     def full_spectrum(self, values: Array) -> Spectrum:
         """Discrete Fourier transform over √n, all frequencies."""
         n = self.end - self.begin
-        return np.asarray(fft.rfft(values[self.begin : self.end]) / np.sqrt(n))
+        return np.asarray(fft.rfft(values[self.begin : self.end]) / np.sqrt(n), dtype=np.complex128)
 
     def spectrum(self, values: Array) -> Spectrum:
         """Discrete Fourier transform over √n at the frequencies that count, shape (bins,)."""
-        return self.full_spectrum(values)[: self.bins]
+        return np.asarray(self.full_spectrum(values)[: self.bins])
 
     def coarse_spectrum(self, values: Array, every: int) -> Spectrum:
         """Return the same of values of which only each `every`-th is there."""

@@ -1,8 +1,8 @@
 """The motion behind a noisy displacement, by Wiener's filter.
 
-The spectrum of the noise is extrapolated from frequencies that are too high for a signal. The smoothed displacement p̂ is
-the mean of the true one given the reading, so that what it misses is independent of p̂ itself (Berkson's error): forces
-regressed on p̂ are not attenuated.
+The spectrum of the noise is extrapolated from frequencies that are too high for a signal. The smoothed
+displacement p̂ is the mean of the true one given the reading, so that what it misses is independent of p̂
+itself (Berkson's error): forces regressed on p̂ are not attenuated.
 """
 
 from collections.abc import Sequence
@@ -54,7 +54,7 @@ def reliable_frequency(displacements: Sequence[Array], step: float) -> float:
 
 
 def _spectra(displacement: Array, step: float) -> tuple[Array, Array, Array, Array]:
-    """Spectrum of a displacement, antisymmetric about its ends; frequencies; its smooth power; the noise's."""
+    """Spectrum of a displacement made antisymmetric, frequencies, its smooth power, the noise's."""
     n = displacement.size
     swing = displacement - np.linspace(displacement[0], displacement[-1], n)
     padded = np.concatenate([swing, -swing[-2:0:-1]])

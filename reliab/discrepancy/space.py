@@ -8,10 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.discrepancy.blocks.observed import ObservedBlock
-from reliab.loop.effects import Effect, Parameter
+from reliab.loop.effects import Effect, LinearEffect, Parameter
 from reliab.loop.hybrid_test import HybridTest
 
 Array = NDArray[np.float64]
+
+_SLOW = 1e-3  # rad/s, at which the phase of a transfer function is a delay
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,11 +73,11 @@ class ModelSpace:
         )
 
     def standard_deviations(self, coordinates: Array, covariance: Array) -> Array:
-        """Standard deviations of the SI values, to first order, shape (size,)."""
+        """Propagate a covariance to standard deviations of the SI values, to first order, shape (size,)."""
         mean, spread = self._prior
         own = (mean + spread * coordinates).tolist()
         slopes = [p.derivative(c, self.block.scales) for p, c in zip(self.parameters, own, strict=True)]
-        return np.abs(np.array(slopes)) * spread * np.sqrt(np.diag(covariance))
+        return np.asarray(np.abs(np.array(slopes)) * spread * np.sqrt(np.diag(covariance)))
 
     def coordinates(self, values: Array) -> Array:
         """Coordinates of SI values, shape (size,)."""
@@ -100,15 +102,28 @@ class ModelSpace:
         return model.adding(*effects)
 
     def starts(self, base: "ModelSpace", coordinates: Array) -> Iterator[Array]:
-        """Coordinates from which to fit, given those of a smaller model; the added effects at their starts."""
+        """Coordinates from which to fit, given those of a smaller model; added effects at their starts."""
         known = dict(zip(base._keys, coordinates.tolist(), strict=True))  # noqa: SLF001 - the same class
         added = [effect for effect in self.effects if effect not in base.effects]
         tries = max((len(effect.parameters[0].starts) for effect in added), default=1)
         lower, upper = self.bounds
         for k in range(tries):
             fresh = self._start(k)
-            filled = [known.get(key, fresh[place]) for place, key in enumerate(self._keys)]
-            yield np.clip(np.array(filled), lower + 1e-9, upper - 1e-9)
+            filled = np.array([known.get(key, fresh[place]) for place, key in enumerate(self._keys)])
+            yield np.clip(self._as_late(filled, added), lower + 1e-9, upper - 1e-9)
+
+    def _as_late(self, coordinates: Array, added: Sequence[type[Effect]]) -> Array:
+        """Take the delay that added linear dynamics bring along off the actuator's, as far as it reaches."""
+        place = self._keys.index("delay_s") if "delay_s" in self._keys else None
+        linear = [effect for effect in added if issubclass(effect, LinearEffect)]
+        if place is None or not linear:
+            return coordinates
+        values = self.values(coordinates)
+        for effect in linear:
+            slow = effect.of(values[self.places(effect)]).transfer(np.array([1j * _SLOW]))[0]
+            values[place] += float(np.angle(slow)) / _SLOW
+        values[place] = max(values[place], 0.0)
+        return self.coordinates(values)
 
     def scaled(self, coordinates: Array, kind: type[Effect], factor: float) -> Array:
         """Coordinates in which an effect's first parameter, if it is signed, is multiplied by a factor."""

@@ -13,6 +13,7 @@ from reliab.errors import InputError
 TIME = "time_s"
 _FEWEST_SAMPLES = 256
 _RATE_TOLERANCE = 2e-3
+_LARGEST_ERROR_OF_STEP = 0.75
 _KNOWN = (TIME, *Channel)
 
 
@@ -133,7 +134,7 @@ def _is_number(cell: str) -> bool:
 def _check_time(time: NDArray[np.float64], rate: float, path: Path) -> None:
     steps = np.diff(time)
     wrong = np.flatnonzero(
-        (steps <= 0.0) & (np.round(steps * rate) != 0) | (np.abs(steps * rate - 1.0) > 0.75)
+        (steps <= 0.0) & (np.round(steps * rate) != 0) | (np.abs(steps * rate - 1.0) > _LARGEST_ERROR_OF_STEP)
     )
     if steps.mean() <= 0.0 or wrong.size:
         line = int(wrong[0]) + 3 if wrong.size else 3

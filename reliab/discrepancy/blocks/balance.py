@@ -1,7 +1,8 @@
 """The numerical substructure: ground acceleration and command → the force that would balance them.
 
-The command is exact, so that its derivatives are, too: the force that must have come back to the controller follows from
-the equation of motion and is compared with the measured one. An error of the integration shifts the acceleration in time.
+The command is exact, so that its derivatives are, too: the force that must have come back to the controller
+follows from the equation of motion and is compared with the measured one. An error of the integration shifts
+the acceleration in time.
 """
 
 import numpy as np
@@ -58,7 +59,7 @@ class BalanceBlock(ObservedBlock):
             acceleration = np.interp(times - shift * self.rate, times, acceleration)
         substructure = model.substructure
         demanded = acceleration + substructure.damping * velocity + substructure.stiffness * displacement
-        return -model.mass * (ground + demanded)
+        return np.asarray(-model.mass * (ground + demanded))
 
 
 def _shift(model: HybridTest) -> float:

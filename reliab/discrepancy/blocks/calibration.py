@@ -81,7 +81,7 @@ def stiffness(nominal: HybridTest, spread: float = 0.05, reach: float = 0.1) -> 
     unit = _stiffness(nominal)
     return Calibration(
         parameter=Parameter(
-            name="stiffness", units="-", meaning="stiffness of the specimen over its nominal value", signed=True,
+            name="stiffness", units="-", meaning="stiffness over its nominal value", signed=True,
             neutral=1.0, typical=spread, lower=1.0 - reach, upper=1.0 + reach, starts=(1.0,),
         ),
         nominal=lambda model: _stiffness(model) / unit,

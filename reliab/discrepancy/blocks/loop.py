@@ -24,8 +24,8 @@ _OF_THE_RIG = (Role.DELAY, Role.PISTON, Role.INTEGRATION)
 class LoopBlock(ObservedBlock):
     """Ground acceleration → measured displacement, the loop being closed.
 
-    A force bias shifts the displacement as a sensor bias does, and a wrong scale of the excitation is calibration where
-    no rig states it: neither is a candidate.
+    A force bias shifts the displacement as a sensor bias does, and a wrong scale of the excitation is
+    calibration where no rig states it: neither is a candidate.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What may act beside the effects of the library: physical terms that give an unknown effect an expression."""
+"""What may act beside the library: physical terms that give an unknown effect an expression."""
 
 from reliab.discrepancy.outside.terms import outside_terms
 

@@ -6,6 +6,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.compiled import compiled
 from reliab.loop.effects import Kernel, Parameter, Role, Setting, SteppedEffect
 from reliab.loop.effects.kernel import Numbers
 from reliab.vocabulary import Block
@@ -20,44 +21,36 @@ _UNITS = {
 _SIGN = -0.5  # stands for the sign function among the exponents of x and v
 
 
+@compiled
+def _power(base: float, exponent: float) -> float:
+    if exponent == 0.0:
+        return 1.0
+    if exponent == 1.0:
+        return base
+    if exponent == _SIGN:
+        return float(np.sign(base))
+    return float(base**exponent)
+
+
+@compiled
+def _product(time: float, x: float, v: float, exponents: tuple[float, float, float, float, float]) -> float:
+    on_time, on_x, on_modulus_of_x, on_v, on_modulus_of_v = exponents
+    place = _power(x, on_x) * _power(abs(x), on_modulus_of_x)
+    return _power(time, on_time) * place * _power(v, on_v) * _power(abs(v), on_modulus_of_v)
+
+
 def _force(motion: Numbers, time: float, _step: float, coefficients: Numbers, _state: Numbers) -> float:
-    product = coefficients[0]
-    for place in range(5):
-        exponent = coefficients[1 + place]
-        base = time
-        if place == 1 or place == 2:
-            base = motion[0]
-        elif place > 2:
-            base = motion[1]
-        if place == 2 or place == 4:
-            base = abs(base)
-        if exponent == -0.5:
-            product *= 1.0 if base > 0.0 else (-1.0 if base < 0.0 else 0.0)
-        elif exponent == 0.5:
-            product *= base**0.5
-        else:
-            for _ in range(int(exponent)):
-                product *= base
-    return product
+    exponents = (coefficients[1], coefficients[2], coefficients[3], coefficients[4], coefficients[5])
+    return coefficients[0] * _product(time, motion[0], motion[1], exponents)
 
 
 def _move(motion: Numbers, time: float, step: float, coefficients: Numbers, state: Numbers) -> float:
     # State: started, the term one step earlier.
-    product = coefficients[0]
-    for place in range(5):
-        exponent = coefficients[1 + place]
-        base = time
-        if place == 1 or place == 2:
-            base = motion[0]
-        elif place > 2:
-            base = motion[1]
-        if place == 2 or place == 4:
-            base = abs(base)
-        for _ in range(int(exponent)):
-            product *= base
-    rate = (product - state[1]) / step if state[0] != 0.0 else 0.0
-    state[0], state[1] = 1.0, product
-    motion[0] += product
+    exponents = (coefficients[1], coefficients[2], coefficients[3], coefficients[4], coefficients[5])
+    added = coefficients[0] * _product(time, motion[0], motion[1], exponents)
+    rate = (added - state[1]) / step if state[0] != 0.0 else 0.0
+    state[0], state[1] = 1.0, added
+    motion[0] += added
     motion[1] += rate
     return 0.0
 

@@ -53,8 +53,8 @@ class Setting:
 class Effect(ABC):
     """An effect that may be missing from the model of a hybrid test.
 
-    A subclass is a frozen dataclass whose fields are its parameters, in order and in SI units, with the names of
-    `parameters`. Another package adds its own under the entry-point group ``reliab.effects``.
+    A subclass is a frozen dataclass whose fields are its parameters, in order and in SI units, with the
+    names of `parameters`. Another package adds its own under the entry-point group ``reliab.effects``.
 
     Attributes
     ----------

@@ -11,9 +11,9 @@ from reliab.vocabulary import Block, EffectName
 class IntegrationError(Effect):
     """A controller whose integration is of first order and so evaluates the equation of motion off time.
 
-    To first order in its step such an integrator solves x''(t) = u(t + s) with the acceleration u that the equation
-    of motion demands. Forward Euler with the step Δ has s = −Δ, Newmark's method s = (γ − ½)Δ; the time shift
-    adds the damping ratio ω₀s/2 to the structure.
+    To first order in its step such an integrator solves x''(t) = u(t + s) with the acceleration u that the
+    equation of motion demands. Forward Euler with the step Δ has s = −Δ, Newmark's method s = (γ − ½)Δ; the
+    time shift adds the damping ratio ω₀s/2 to the structure.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """How the mathematics of an effect is compiled: each kernel by itself, called by its address.
 
-A loop that calls kernels by address does not depend on which they are, so that a new effect compiles one small
-function and nothing else, and every kernel is cached on disk across processes.
+A loop that calls kernels by address does not depend on which they are, so that a new effect compiles one
+small function and nothing else, and every kernel is cached on disk across processes.
 """
 
 from collections.abc import Callable
@@ -17,7 +17,7 @@ from numba.extending import intrinsic
 
 
 class Numbers(Protocol):
-    """Numbers in double precision that a kernel reads and writes: an array, or its address in compiled code."""
+    """Numbers that a kernel reads and writes: an array, or its address in compiled code."""
 
     def __getitem__(self, index: int, /) -> float: ...
 
@@ -38,8 +38,8 @@ class Kernel:
     ----------
     function : callable
         `function(motion, time, step, coefficients, state) -> float` in Numba's nopython subset: displacement,
-        velocity and acceleration (which it may change), time and step [s], the effect's coefficients, its state
-        (zero before the first step). What it returns depends on the role of the effect.
+        velocity and acceleration (which it may change), time and step [s], the effect's coefficients, its
+        state (zero before the first step). What it returns depends on the role of the effect.
     states : int, optional
         Length of the state.
 

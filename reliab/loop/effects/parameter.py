@@ -44,15 +44,15 @@ class Scales:
 
     def of(self, exponents: tuple[tuple[str, float], ...]) -> float:
         """Product of powers of the scales."""
-        return math.prod(float(getattr(self, name)) ** exponent for name, exponent in exponents)
+        return float(math.prod(float(getattr(self, name)) ** exponent for name, exponent in exponents))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Parameter:
     """One parameter of an effect.
 
-    Its prior is a normal distribution about zero for a parameter that may have either sign and a lognormal one for
-    a positive parameter; both are cut at the bounds.
+    Its prior is a normal distribution about zero for a parameter that may have either sign and a lognormal
+    one for a positive parameter; both are cut at the bounds.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ class Parameter:
         return scales.of(self.scale)
 
     def coordinate(self, value: float, scales: Scales) -> float:
-        """Coordinate in which the parameter is fitted: itself if signed, else its logarithm; dimensionless."""
+        """Coordinate in which the parameter is fitted: itself if signed, else its logarithm."""
         relative = value / self.unit(scales)
         return relative - self.neutral if self.signed else math.log(relative)
 
@@ -119,7 +119,7 @@ class Parameter:
         return relative * self.unit(scales)
 
     def derivative(self, coordinate: float, scales: Scales) -> float:
-        """Derivative of the SI value by the coordinate."""
+        """Differentiate the SI value by the coordinate."""
         return self.unit(scales) * (1.0 if self.signed else math.exp(coordinate))
 
     @property

@@ -39,7 +39,7 @@ class SecondOrderDynamics(LinearEffect):
     natural_frequency_hz : float
         Natural frequency f [Hz].
     damping_ratio : float
-        Damping ratio ζ [-]; above one the servo is overdamped.
+        Damping ratio ζ [-]; a fit goes up to 1.2, beyond which a servo is a first-order lag and some delay.
     """
 
     name = EffectName.SECOND_ORDER_DYNAMICS
@@ -62,10 +62,10 @@ class SecondOrderDynamics(LinearEffect):
             units="-",
             meaning="damping ratio of the servo",
             typical=0.7,
-            spread=0.7,
+            spread=0.5,
             lower=0.05,
-            upper=8.0,
-            starts=(0.7, 0.7, 0.3, 1.5, 0.7),
+            upper=1.2,
+            starts=(0.7, 0.7, 0.3, 1.0, 0.7),
         ),
     )
     kernel = Kernel(function=_move, states=4)

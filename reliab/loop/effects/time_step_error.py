@@ -42,5 +42,5 @@ class TimeStepError(RecordEffect):
 
     def applied(self, acceleration: NDArray[np.float64], step: float) -> NDArray[np.float64]:
         """Ground acceleration [m/s²] on the stretched time axis, zero after its end."""
-        samples = np.arange(acceleration.size, dtype=np.float64)
-        return np.interp(samples / self.ratio, samples, acceleration, right=0.0)
+        times = step * np.arange(acceleration.size, dtype=np.float64)
+        return np.interp(times / self.ratio, times, acceleration, right=0.0)

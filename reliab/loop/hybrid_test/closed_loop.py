@@ -1,7 +1,8 @@
 """The whole hybrid test, step by step: numerical substructure, compensator, actuator, specimen, load cell.
 
-At each step the integrator moves the structure with the force at the end of the step as far as it is known, the piston
-follows, the specimen answers, and the integrator corrects. A delay of a step or more makes the first answer final.
+At each step the integrator moves the structure with the force at the end of the step as far as it is known,
+the piston follows, the specimen answers, and the integrator corrects. A delay of a step or more makes the
+first answer final.
 """
 
 from dataclasses import dataclass
@@ -21,6 +22,9 @@ from reliab.loop.hybrid_test.plan import STATES, Plan, plan
 from reliab.loop.hybrid_test.stepping import call_all, read_delayed
 
 Array = NDArray[np.float64]
+
+BEYOND_ALL = 1e100
+"""Command [m] at which a loop has run away."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -167,7 +171,7 @@ def _integrated(test: HybridTest) -> tuple[LinearSubstructure, float, float]:
 
 
 @compiled
-def _march(
+def _march(  # noqa: C901, PLR0915 - one compiled loop; what it calls costs more than it is worth
     ground: Array,
     h: float,
     mass: float,
@@ -228,9 +232,7 @@ def _march(
             call_all(socket.addresses, socket.coefficients, states, 0, motion, last_measured, h)
             sent[0, i], sent[1, i], sent[2, i] = motion[0], motion[1] * h, motion[2] * h * h
             time = i * h
-            tau = delay + call_all(
-                delays.addresses, delays.coefficients, states, at_delays, motion, time, h
-            )
+            tau = delay + call_all(delays.addresses, delays.coefficients, states, at_delays, motion, time, h)
             read_delayed(sent, i - max(tau, 0.0) / h, max(i - 1, 0), motion)
             motion[0] *= gain
             motion[1] *= gain / h
@@ -247,7 +249,7 @@ def _march(
             if settled or i == 0:
                 break
         force[i] = measured_force
-        if not abs(command[0, i]) < 1e100:
+        if not abs(command[0, i]) < BEYOND_ALL:
             command[:, i:] = np.nan
             piston[:, i:] = np.nan
             force[i:] = np.nan

@@ -1,9 +1,9 @@
 """How the numerical substructure is integrated: a small interface and the default.
 
-An integrator advances x'' + c·x' + k·x = u, where u is minus the ground acceleration minus the measured force per unit
-mass. The loop calls it with the force at the end of the step as far as it is known: first the last measured one, then,
-once the piston has moved, the one measured there. A scheme that is explicit in the displacement ignores the first
-guess and needs one correction; an implicit one repeats.
+An integrator advances x'' + c·x' + k·x = u, where u is minus the ground acceleration minus the measured
+force per unit mass. The loop calls it with the force at the end of the step as far as it is known: first the
+last measured one, then, once the piston has moved, the one measured there. A scheme that is explicit in the
+displacement ignores the first guess and needs one correction; an implicit one repeats.
 """
 
 from abc import ABC, abstractmethod
@@ -40,8 +40,9 @@ class Integrator(ABC):
     Attributes
     ----------
     kernel : Kernel
-        Called as `kernel(motion, u₀, u₁, coefficients, scratch)` with the motion at the begin of the step, which it
-        advances to the end; u₀ and u₁ [m/s²] are the loads at both ends. Returns nothing of interest.
+        Called as `kernel(motion, u₀, u₁, coefficients, scratch)` with the motion at the begin of the step,
+        which it advances to the end; u₀ and u₁ [m/s²] are the loads at both ends. Returns nothing of
+        interest.
     corrections : int
         How often the step is repeated with the force measured at its end.
     """
@@ -63,7 +64,7 @@ def _advance(motion: Numbers, early: float, late: float, coefficients: Numbers, 
 
 
 class ExactIntegrator(Integrator):
-    """Exact for a load that is linear within the step; the error is that of the load, (ωh)²/12 of a harmonic."""
+    """Exact for a load that is linear within the step; its error is that of the load, (ωh)²/12."""
 
     kernel = Kernel(function=_advance)
     corrections = 1

@@ -1,7 +1,7 @@
 """The model of a whole hybrid test: structure, actuator, specimen and effects."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Self
 
 from reliab.errors import InputError
@@ -38,7 +38,7 @@ class HybridTest:
 
     structure: Structure | None = None
     mass: float = 1.0
-    actuator: Actuator = Actuator()
+    actuator: Actuator = field(default_factory=Actuator)
     specimen: Specimen | None = None
     effects: tuple[Effect, ...] = ()
 
@@ -74,9 +74,7 @@ class HybridTest:
             If there is no structure.
         """
         if self.structure is None:
-            raise InputError(
-                "A closed loop needs a numerical substructure", remedy="Add a [structure] table"
-            )
+            raise InputError("A closed loop needs a numerical substructure", remedy="Add a [structure] table")
         w0, alpha = self.structure.circular_frequency, self.structure.experimental_fraction
         return LinearSubstructure(
             damping=2.0 * self.structure.damping_ratio * w0, stiffness=(1.0 - alpha) * w0**2

@@ -1,4 +1,4 @@
-"""Blocks of a hybrid test by themselves: the actuator under a command, the specimen under a motion, the sensors."""
+"""Blocks of a hybrid test by themselves: actuator under a command, specimen under a motion, sensors."""
 
 from dataclasses import dataclass
 
@@ -153,14 +153,12 @@ def load(test: HybridTest, piston: Motion3) -> Array:
         raise InputError("A force needs a specimen", remedy="Add a [structure] or a [specimen] table")
     setting = _setting(test, piston.step)
     linear = np.array([test.specimen.stiffness, test.specimen.damping, test.specimen.mass])
-    return linear @ piston.values + _sum(piston, test, Role.FORCE, setting)
+    return np.asarray(linear @ piston.values) + _sum(piston, test, Role.FORCE, setting)
 
 
 def read_displacement(test: HybridTest, piston: Motion3) -> Array:
     """Displacement as the sensor reads it [m], shape (n,)."""
-    return piston.values[0] + _sum(
-        piston, test, Role.DISPLACEMENT_READING, _setting(test, piston.step)
-    )
+    return piston.values[0] + _sum(piston, test, Role.DISPLACEMENT_READING, _setting(test, piston.step))
 
 
 def read_force(test: HybridTest, piston: Motion3, force: Array) -> Array:
