@@ -1,0 +1,103 @@
+r"""The ellipse of small errors in closed form: what the record's spectrum alone says of a and b.
+
+To first order in the actuator's error u − 1 ≈ (k_p − 1) − iωτ, the measured displacement strays from the
+exact response by (u − 1) times
+
+.. math:: Z(ω) = -A_g(ω) \frac{ω_0^2 (1 - α) - ω^2 + 2iξω_0ω}{(ω_0^2 - ω^2 + 2iξω_0ω)^2}
+
+so that RMS^R² = [(k_p − 1)² P + τ² Q] / peak² with the mean squares P of Z and Q of iωZ over the window. The
+contour of an error ε is then an ellipse with a = ε² peak²/P and b = ε² peak²/Q.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.loop.deviation import peak_of_history
+from reliab.loop.excitation import Excitation
+from reliab.loop.spectral import respond
+from reliab.loop.structure import Structure
+
+_MILLISECONDS_SQUARED = 1e6
+
+
+@dataclass(frozen=True, kw_only=True)
+class FirstOrderEllipse:
+    """Ellipse parameters per squared error, exact in the limit of small errors.
+
+    Parameters
+    ----------
+    amplitude : float
+        a/ε² [-], for a small RMS^R ε.
+    delay : float
+        b/ε² [ms²].
+    """
+
+    amplitude: float
+    delay: float
+
+    def parameters(self, threshold: float) -> tuple[float, float]:
+        """Ellipse parameters of an error.
+
+        Parameters
+        ----------
+        threshold : float
+            RMS^R on the contour [-].
+
+        Returns
+        -------
+        a, b : float
+            Parameters [-] and [ms²].
+
+        Examples
+        --------
+        >>> FirstOrderEllipse(amplitude=0.05, delay=1000.0).parameters(0.05)
+        (0.000125..., 2.5...)
+        """
+        return self.amplitude * threshold**2, self.delay * threshold**2
+
+
+def first_order_ellipse(excitation: Excitation, structure: Structure) -> FirstOrderEllipse:
+    """Predict the ellipse of RMS^R from the record's spectrum, without simulating a test.
+
+    Parameters
+    ----------
+    excitation : Excitation
+        The record and the window over which errors are taken.
+    structure : Structure
+        The structure under test.
+
+    Returns
+    -------
+    FirstOrderEllipse
+        a and b per squared error.
+
+    Examples
+    --------
+    A resonant pulse: the more damped structure tolerates more.
+
+    >>> t = np.arange(0.0, 20.0, 0.01)
+    >>> pulse = Excitation(acceleration=np.sin(2.0 * np.pi * t) * np.exp(-t), time_step=0.01)
+    >>> light, heavy = (Structure(frequency=1.0, damping_ratio=xi) for xi in (0.02, 0.08))
+    >>> first_order_ellipse(pulse, light).amplitude < first_order_ellipse(pulse, heavy).amplitude
+    True
+    """
+    w0, xi = structure.circular_frequency, structure.damping_ratio
+    rest = 1.0 - structure.experimental_fraction
+
+    def dynamic(s: NDArray[np.complex128], stiffness: float) -> NDArray[np.complex128]:
+        return np.asarray(s**2 + 2.0 * xi * w0 * s + w0**2 * stiffness)
+
+    def to_gain(s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        return np.asarray(dynamic(s, rest) / dynamic(s, 1.0) ** 2)
+
+    exact, step = respond(excitation, lambda s: 1.0 / dynamic(s, 1.0))
+    of_gain, _ = respond(excitation, to_gain)
+    of_delay, _ = respond(excitation, lambda s: -s * to_gain(s))
+    peak = peak_of_history(exact)
+    duration = excitation.window_duration
+    by_gain, by_delay = (np.trapezoid(each**2, dx=step) / duration for each in (of_gain, of_delay))
+    return FirstOrderEllipse(
+        amplitude=float(peak**2 / by_gain), delay=float(_MILLISECONDS_SQUARED * peak**2 / by_delay)
+    )
