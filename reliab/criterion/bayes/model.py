@@ -61,12 +61,9 @@ class Model(ABC):
         return np.asarray(-0.5 * (((theta - means) / spreads) ** 2).sum(axis=1))
 
     @property
-    def moves(self) -> emcee.moves.Move | list[tuple[emcee.moves.Move, float]]:
-        """How walkers move: by differential evolution (Nelson and others 2014).
-
-        It mixes several times faster than the stretch move here.
-        """
-        return emcee.moves.DEMove()
+    def moves(self) -> emcee.moves.Move | list[tuple[emcee.moves.Move, float]] | None:
+        """How walkers move; None leaves it to :func:`reliab.criterion.bayes.sample`."""
+        return None
 
     def draw_prior(self, count: int, rng: np.random.Generator) -> NDArray[np.float64]:
         """Draw parameter vectors from the prior, shape (count, parameters)."""

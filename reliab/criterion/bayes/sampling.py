@@ -8,19 +8,16 @@ from pathlib import Path
 
 import emcee
 import numpy as np
-from numpy.typing import NDArray
-from scipy.optimize import minimize
 
 from reliab.criterion.bayes.diagnostics import FEWEST_ENSEMBLES
+from reliab.criterion.bayes.laplace import Laplace
 from reliab.criterion.bayes.model import Model
 from reliab.criterion.bayes.posterior_sample import PosteriorSample
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
 
 _BLOCKS = 20  # reports of progress from one ensemble
-_DIFFERENCE = 1e-4
-_DESERT = 1e30
-_START = 0.1  # spread of the first walkers, in spreads of the prior
+_START = 2.0  # spread of the first walkers, in spreads of the approximate posterior
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,7 +61,10 @@ def sample(
 ) -> PosteriorSample:
     """Sample the posterior of a model.
 
-    Walkers move as the model says, see :attr:`Model.moves`.
+    Every ensemble starts twice as wide as the posterior's normal approximation at its mode. Unless the
+    model says otherwise, walkers leap anywhere in that approximation, widened (60 % of the moves), or step
+    by differential evolution (40 %), which needs no approximation to be right: the draws are decorrelated
+    ten times sooner than by differential evolution alone.
 
     Parameters
     ----------
@@ -101,13 +101,13 @@ def sample(
     >>> posterior.converged, bool(abs(posterior.flat[:, 0].mean() - model.values.mean()) < 0.01)
     (True, True)
     """
-    width = ensembles.walkers or max(32, 2 * (3 * len(model.parameters) // 2))
-    mode = _mode(model)
+    width = ensembles.walkers or max(32, 2 * (4 * len(model.parameters) // 3))
+    laplace = Laplace.of(model)
     chains, accepted = [], []
     for number in range(ensembles.count):
         with _backend(file, number, model, ensembles, width) as backend:
-            sampler = _sampler(model, width, backend)
-            _run(sampler, _start(model, mode, width, (ensembles.seed, number)), ensembles, number, progress)
+            sampler = _sampler(model, laplace, width, backend)
+            _run(sampler, _start(laplace, width, (ensembles.seed, number)), ensembles, number, progress)
             kept = ensembles.steps // ensembles.thin // 2
             chains.append(sampler.get_chain(discard=kept)[:kept])
             accepted.append(float(np.mean(sampler.acceptance_fraction)))
@@ -121,13 +121,15 @@ def sample(
     return found
 
 
-def _sampler(model: Model, width: int, backend: emcee.backends.Backend) -> emcee.EnsembleSampler:
+def _sampler(
+    model: Model, laplace: Laplace, width: int, backend: emcee.backends.Backend
+) -> emcee.EnsembleSampler:
     return emcee.EnsembleSampler(
         width,
         len(model.parameters),
         model.log_posterior,
         vectorize=True,
-        moves=model.moves,
+        moves=model.moves or laplace.moves,
         backend=backend,
     )
 
@@ -144,28 +146,9 @@ def _run(
         progress(finished, ensembles.count * ensembles.steps)
 
 
-def _mode(model: Model) -> NDArray[np.float64]:
-    """Find parameters near the greatest posterior density, so that no walker starts in the desert."""
-    begin = np.array([each.mean for each in model.parameters])
-    spreads = np.array([each.spread for each in model.parameters])
-
-    steps = _DIFFERENCE * np.concatenate([np.zeros((1, begin.size)), np.eye(begin.size), -np.eye(begin.size)])
-
-    def loss(scaled: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
-        values = np.minimum(-model.log_posterior(begin + spreads * (scaled + steps)), _DESERT)
-        ahead, behind = np.split(values[1:], 2)
-        return float(values[0]), (ahead - behind) / (2.0 * _DIFFERENCE)
-
-    bounds = [(-4.0, 4.0)] * begin.size
-    found = minimize(loss, np.zeros_like(begin), jac=True, method="L-BFGS-B", bounds=bounds)
-    return np.asarray(begin + spreads * found.x)
-
-
-def _start(model: Model, mode: NDArray[np.float64], width: int, seed: tuple[int, int]) -> emcee.State:
+def _start(laplace: Laplace, width: int, seed: tuple[int, int]) -> emcee.State:
     sequence = np.random.SeedSequence(seed)
-    rng = np.random.default_rng(sequence)
-    spreads = np.array([each.spread for each in model.parameters])
-    walkers = mode + _START * spreads * rng.standard_normal((width, mode.size))
+    walkers = laplace.around(width, _START, np.random.default_rng(sequence))
     stream = np.random.RandomState(sequence.generate_state(8))
     return emcee.State(walkers, random_state=stream.get_state())
 

@@ -1,0 +1,109 @@
+"""Where a posterior lies: its mode and curvature, from which ensembles start and leap."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Self
+
+import emcee
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from reliab.criterion.bayes.model import Model
+
+_DIFFERENCE = 1e-3  # of the spread of the prior
+_FARTHEST = 6.0
+_DESERT = 1e30
+_DEGREES = 8.0  # tails of the leaps
+_WIDER = 1.1
+_LEAPS = 0.6  # share of the moves
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Laplace:
+    """Normal approximation of a posterior about its mode.
+
+    Parameters
+    ----------
+    mode : array of float, shape (parameters,)
+        Parameters of the greatest density.
+    factor : array of float, shape (parameters, parameters)
+        Square root of the covariance, mapping standard normal variables to deviations from the mode.
+    """
+
+    mode: NDArray[np.float64]
+    factor: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, model: Model) -> Self:
+        """Approximate the posterior of a model.
+
+        Parameters
+        ----------
+        model : Model
+            The model with its data.
+
+        Returns
+        -------
+        Laplace
+            Nowhere wider than the prior.
+        """
+        begin = np.array([each.mean for each in model.parameters])
+        spreads = np.array([each.spread for each in model.parameters])
+
+        def loss(scaled: NDArray[np.float64]) -> NDArray[np.float64]:
+            return np.minimum(-model.log_posterior(begin + spreads * scaled), _DESERT)
+
+        bounds = [(-_FARTHEST, _FARTHEST)] * begin.size
+        found = minimize(
+            lambda scaled: _with_gradient(loss, scaled),
+            np.zeros_like(begin),
+            jac=True,
+            method="L-BFGS-B",
+            bounds=bounds,
+            options={"maxiter": 2000},
+        )
+        steps = _DIFFERENCE * np.eye(begin.size)
+        gradients = [
+            (_with_gradient(loss, found.x + step)[1] - _with_gradient(loss, found.x - step)[1])
+            / (2.0 * _DIFFERENCE)
+            for step in steps
+        ]
+        curvature, axes = np.linalg.eigh((np.array(gradients) + np.array(gradients).T) / 2.0)
+        factor = spreads[:, None] * axes / np.sqrt(np.maximum(curvature, 1.0))
+        return cls(mode=begin + spreads * found.x, factor=factor)
+
+    def around(self, count: int, width: float, rng: np.random.Generator) -> NDArray[np.float64]:
+        """Draw parameter vectors about the mode, `width` times as far as the posterior reaches."""
+        return self.mode + width * rng.standard_normal((count, self.mode.size)) @ self.factor.T
+
+    @property
+    def moves(self) -> list[tuple[emcee.moves.Move, float]]:
+        """Leaps anywhere in the approximation, widened, and steps of differential evolution."""
+        return [(emcee.moves.MHMove(self._leap), _LEAPS), (emcee.moves.DEMove(), 1.0 - _LEAPS)]
+
+    def _leap(
+        self, walkers: NDArray[np.float64], rng: np.random.RandomState
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Independent Student-t proposals, with the logarithms of their Hastings factors."""
+        normal = rng.standard_normal(walkers.shape)
+        longer = np.sqrt(_DEGREES / rng.chisquare(_DEGREES, (len(walkers), 1)))
+        proposed = normal * longer * _WIDER
+        present = np.asarray(np.linalg.solve(self.factor, (walkers - self.mode).T).T, dtype=np.float64)
+        return self.mode + proposed @ self.factor.T, _log_density(present) - _log_density(proposed)
+
+
+def _with_gradient(
+    loss: Callable[[NDArray[np.float64]], NDArray[np.float64]], at: NDArray[np.float64]
+) -> tuple[float, NDArray[np.float64]]:
+    """Value and central differences, all evaluated at once."""
+    steps = _DIFFERENCE * np.concatenate([np.zeros((1, at.size)), np.eye(at.size), -np.eye(at.size)])
+    values = loss(at + steps)
+    ahead, behind = np.split(values[1:], 2)
+    return float(values[0]), (ahead - behind) / (2.0 * _DIFFERENCE)
+
+
+def _log_density(standard: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Student-t density up to a constant of standardised vectors."""
+    squares = (standard**2).sum(axis=1) / _WIDER**2
+    return np.asarray(-0.5 * (_DEGREES + standard.shape[1]) * np.log1p(squares / _DEGREES))
