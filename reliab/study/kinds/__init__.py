@@ -6,10 +6,11 @@ from reliab.study.kinds.criterion import CriterionStudy
 from reliab.study.kinds.kind import Kind
 from reliab.study.kinds.paper import PaperStudy
 from reliab.study.kinds.suites import SuitesStudy
+from reliab.study.kinds.table_audit import TableAuditStudy
 from reliab.study.kinds.validation import ValidationStudy
 
 KINDS: Final[dict[str, type[Kind]]] = {
-    each.name: each for each in (CriterionStudy, PaperStudy, SuitesStudy, ValidationStudy)
+    each.name: each for each in (CriterionStudy, PaperStudy, SuitesStudy, TableAuditStudy, ValidationStudy)
 }
 """Every kind by the name that a study's file gives it."""
 
