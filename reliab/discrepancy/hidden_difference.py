@@ -1,0 +1,126 @@
+"""What may have been different when a published row was computed: time step, duration, component.
+
+Another scale or unit of the record would change nothing, because the error of a test is relative.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.boundary import Ellipse, motion_contours
+from reliab.loop.engine import Loop
+from reliab.loop.excitation import Excitation
+from reliab.loop.structure import Structure
+from reliab.motions import Motion
+
+Array = NDArray[np.float64]
+Pair = tuple[float, float]
+
+NOTHING: Pair = (np.nan, np.nan)
+_LONGEST, _POINTS = 4.0, 33  # durations are tried from a quarter to four times the record's own
+_LEAST_CHANGE = 0.1
+_SAME = 0.02
+
+
+def logarithms(acceleration: Array, time_step: float, structure: Structure, end: float = -1.0) -> Pair:
+    """Logarithms of a and b [ms²] of a record, 5 % RMS^R; NaN where the boundary is no ellipse.
+
+    Parameters
+    ----------
+    acceleration : numpy.ndarray
+        Ground acceleration [m/s²], shape (n,).
+    time_step : float
+        Step between samples [s].
+    structure : Structure
+        The structure.
+    end : float, optional
+        End of the window over which the error is taken [s], the record's own by default.
+
+    Returns
+    -------
+    tuple of float
+        ln a and ln b.
+    """
+    excitation = Excitation(acceleration=acceleration, time_step=time_step, window=(0.0, end))
+    (contour,) = motion_contours(Loop(excitation=excitation, structure=structure))
+    found = Ellipse.fit(contour)
+    return (float(np.log(found.a)), float(np.log(found.b))) if min(found.a, found.b) > 0.0 else NOTHING
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Difference:
+    """A way in which a row may have been computed differently, with its choices.
+
+    Attributes
+    ----------
+    kind : str
+        "time step", "duration" or "component".
+    details : tuple of str
+        What was different, for each choice.
+    pairs : numpy.ndarray
+        ln a and ln b that it leads to, shape (choices, 2); NaN where there is no ellipse.
+    """
+
+    kind: str
+    details: tuple[str, ...]
+    pairs: Array
+
+    def distances(self, printed: Array) -> Array:
+        """Larger of the differences of ln a and ln b to a printed pair, shape (choices,).
+
+        Both must be explained; a choice without an ellipse is infinitely far.
+        """
+        return np.nan_to_num(np.abs(self.pairs - printed).max(axis=1), nan=np.inf)
+
+
+def differences(
+    motion: Motion, siblings: Sequence[Motion], steps: Sequence[float], structure: Structure
+) -> tuple[Difference, ...]:
+    """Work out what every difference would have led to.
+
+    Parameters
+    ----------
+    motion : Motion
+        The record of the row.
+    siblings : sequence of Motion
+        Other components of the same recording.
+    steps : sequence of float
+        Time steps that occur in the suite [s].
+    structure : Structure
+        The structure.
+
+    Returns
+    -------
+    tuple of Difference
+        Time step, duration and component, as far as there is a choice.
+    """
+    others = [step for step in steps if abs(step / motion.time_step - 1.0) > _SAME]
+    played = Difference(
+        kind="time step",
+        details=tuple(f"{step:.4g} s instead of {motion.time_step:.4g} s" for step in others),
+        pairs=_table([logarithms(motion.acceleration, step, structure) for step in others]),
+    )
+    swapped = Difference(
+        kind="component",
+        details=tuple(f"{each.name} instead" for each in siblings),
+        pairs=_table([logarithms(each.acceleration, each.time_step, structure) for each in siblings]),
+    )
+    return tuple(each for each in (played, _durations(motion, structure), swapped) if each.details)
+
+
+def _table(pairs: Sequence[Pair]) -> Array:
+    return np.array(pairs, dtype=np.float64).reshape(-1, 2)
+
+
+def _durations(motion: Motion, structure: Structure) -> Difference:
+    """Shorter and longer windows; beyond the record the structure vibrates freely."""
+    ratios = np.geomspace(1.0 / _LONGEST, _LONGEST, _POINTS)
+    chosen = ratios[np.abs(np.log(ratios)) > np.log1p(_LEAST_CHANGE)]
+    quiet = np.zeros(int(np.ceil(_LONGEST * motion.duration / motion.time_step)) + 2)
+    quiet[: motion.acceleration.size] = motion.acceleration
+    lengths = (chosen * motion.duration).tolist()
+    found = [logarithms(quiet, motion.time_step, structure, length) for length in lengths]
+    details = tuple(f"{length:.3g} s instead of {motion.duration:.3g} s" for length in lengths)
+    return Difference(kind="duration", details=details, pairs=_table(found))

@@ -1,0 +1,200 @@
+"""A published table of ellipse parameters as measured data: what explains the rows that disagree.
+
+A difference must explain a and b together. Over many candidates chance does that, too: the candidates of
+a row are therefore offered the pairs of all other earthquakes, printed and simulated, and the share of
+these that they explain as well, times the number of explanations that are tried, is the probability that
+an explanation means nothing. Time step and duration belong to a recording: where both of its components
+disagree, one value must explain both.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import permutations
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from reliab.discrepancy.hidden_difference import Difference, differences, logarithms
+from reliab.errors import InputError
+from reliab.loop.structure import Structure
+from reliab.motions import Motion
+from reliab.progress import Progress, silent
+
+Array = NDArray[np.float64]
+
+AGREES = 0.10
+"""Relative difference of a and of b up to which a row agrees."""
+
+LARGEST_CHANCE = 0.05
+"""Probability of an explanation by chance from which no name is given."""
+
+NONE_FOUND = "none found"
+"""What a row is given that no difference explains."""
+
+_STRUCTURE = Structure(frequency=1.0, damping_ratio=0.02)
+_CLOSE_QUANTILE = 0.9
+_FEWEST_AGREEING = 5
+
+
+def audit_table2(
+    suite: Sequence[Motion], printed: pd.DataFrame, *, progress: Progress = silent
+) -> pd.DataFrame:
+    """Find hidden differences between the paper's Table 2 and a simulation of its records.
+
+    Parameters
+    ----------
+    suite : sequence of Motion
+        The records, named as in the table.
+    printed : pandas.DataFrame
+        Columns `record`, `a` [-] and `b` [ms²], for 1 Hz, 2 % damping and 5 % RMS^R.
+    progress : callable, optional
+        Called after each row.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row each of the printed records that the suite has: `record`, `a_printed`, `b_printed`, `a`,
+        `b` of our simulation, `gap_before` (larger of |ln a/a_printed| and |ln b/b_printed|), `agrees`,
+        `difference` ("", "time step", "duration", "component" or "none found"), `detail`, `a_after`,
+        `b_after`, `gap_after`, and `chance`, the probability that an explanation as good means nothing.
+
+    Raises
+    ------
+    InputError
+        If the suite has no or hardly any record of the table.
+    """
+    by_name = {motion.name: motion for motion in suite}
+    rows = printed[printed["record"].isin(list(by_name))].reset_index(drop=True)
+    motions = [by_name[name] for name in rows["record"]]
+    if len(rows) <= _FEWEST_AGREEING:
+        raise InputError(
+            "The suite must hold records of the table, under its names",
+            value=f"{len(rows)} of {len(printed)}",
+            remedy="Give the folder of the paper's records with --motions",
+        )
+    values = np.log(rows[["a", "b"]].to_numpy(dtype=np.float64))
+    ours = np.array([logarithms(one.acceleration, one.time_step, _STRUCTURE) for one in motions])
+    table = _Table(motions=motions, printed=values, ours=ours)
+    found = []
+    for row in range(len(motions)):
+        found.append(table.explained(row))
+        progress(row + 1, len(motions))
+    return pd.DataFrame(found)
+
+
+class _Offer(NamedTuple):
+    """An explanation: probability that it means nothing, what it leaves, which choice of which kind."""
+
+    chance: float
+    distance: float
+    place: int
+    kind: str
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Table:
+    """Records with the printed and our logarithms of a and b, shape (rows, 2) each."""
+
+    motions: Sequence[Motion]
+    printed: Array
+    ours: Array
+    worked_out: dict[int, dict[str, Difference]] = field(default_factory=dict)
+
+    @cached_property
+    def gaps(self) -> Array:
+        """Larger of the differences of ln a and ln b, shape (rows,); infinite where we have no ellipse."""
+        return np.asarray(np.nan_to_num(np.abs(self.ours - self.printed).max(axis=1), nan=np.inf))
+
+    @cached_property
+    def close(self) -> float:
+        """How closely rows agree that do: as closely must an explanation fit."""
+        agreeing = self.gaps[self.gaps <= np.log1p(AGREES)]
+        if agreeing.size < _FEWEST_AGREEING:
+            raise InputError(
+                f"At least {_FEWEST_AGREEING} rows must agree, to know how closely an explanation must fit",
+                value=agreeing.size,
+                remedy="Check the records' time steps and units",
+            )
+        return float(np.quantile(agreeing, _CLOSE_QUANTILE))
+
+    @cached_property
+    def steps(self) -> list[float]:
+        """Time steps of the records [s], each once to four digits."""
+        return sorted({float(f"{motion.time_step:.4g}") for motion in self.motions})
+
+    @cached_property
+    def recordings(self) -> list[tuple[int, ...]]:
+        """Rows of the components of each recording, known by event, time step and length."""
+        found: dict[object, list[int]] = {}
+        for row, one in enumerate(self.motions):
+            found.setdefault((one.event, one.time_step, one.acceleration.size), []).append(row)
+        return [tuple(rows) for rows in found.values()]
+
+    def _recording(self, row: int) -> tuple[int, ...]:
+        return next(rows for rows in self.recordings if row in rows)
+
+    def explained(self, row: int) -> dict[str, object]:
+        """Compare a row and explain it if it disagrees."""
+        agrees = bool(self.gaps[row] <= np.log1p(AGREES))
+        (a_printed, b_printed), (a, b) = np.exp(self.printed[row]).tolist(), np.exp(self.ours[row]).tolist()
+        compared = {"record": self.motions[row].name, "a_printed": a_printed, "b_printed": b_printed}
+        compared |= {"a": a, "b": b, "gap_before": float(self.gaps[row]), "agrees": agrees}
+        left = {"a_after": a, "b_after": b, "gap_after": float(self.gaps[row])}
+        if agrees:
+            return compared | {"difference": "", "detail": "", "chance": np.nan} | left
+        best = self._best(row)
+        if best is None:
+            return compared | {"difference": NONE_FOUND, "detail": "", "chance": np.nan} | left
+        found = self._told(row, best)
+        if best.distance <= self.close and best.chance <= LARGEST_CHANCE:
+            return compared | found
+        nearest = f"nearest: {best.kind}, {found['detail']}, which leaves {best.distance:.0%}"
+        return compared | {"difference": NONE_FOUND, "detail": nearest, "chance": best.chance} | left
+
+    def _best(self, row: int) -> "_Offer | None":
+        """Explain a row: with all of its recording that disagrees, unless a component was swapped."""
+        together = tuple(each for each in self._recording(row) if self.gaps[each] > np.log1p(AGREES))
+        kinds = list(self._differences(row))
+        tried = [((row,) if kind == "component" else together, kind) for kind in kinds]
+        offers = [self._offer(rows, kind, len(tried)) for rows, kind in tried]
+        fitting = [offer for offer in offers if offer.distance <= self.close]
+        return min(fitting or offers, default=None)
+
+    def _offer(self, rows: tuple[int, ...], kind: str, trials: int) -> "_Offer":
+        """Explain rows by a kind of difference; pairs that mean nothing say how likely that is by chance."""
+        distance, place = self._nearest(rows, kind, self.printed[list(rows)])
+        event = self.motions[rows[0]].event
+        unrelated = [
+            table[list(each)]
+            for recording in self.recordings
+            if self.motions[recording[0]].event != event
+            for each in permutations(recording, len(rows))
+            for table in (self.printed, self.ours)
+        ]
+        hits = sum(self._nearest(rows, kind, pairs)[0] <= distance for pairs in unrelated)
+        chance = min(1.0, trials * (1.0 + hits) / (1.0 + len(unrelated)))
+        return _Offer(chance=chance, distance=distance, place=place, kind=kind)
+
+    def _told(self, row: int, best: "_Offer") -> dict[str, object]:
+        one = self._differences(row)[best.kind]
+        a, b = np.exp(one.pairs[best.place]).tolist()
+        left = float(one.distances(self.printed[row])[best.place])
+        told = {"difference": best.kind, "detail": one.details[best.place], "chance": best.chance}
+        return told | {"a_after": a, "b_after": b, "gap_after": left}
+
+    def _differences(self, row: int) -> dict[str, Difference]:
+        if row not in self.worked_out:
+            siblings = [self.motions[each] for each in self._recording(row) if each != row]
+            tried = differences(self.motions[row], siblings, self.steps, _STRUCTURE)
+            self.worked_out[row] = {one.kind: one for one in tried}
+        return self.worked_out[row]
+
+    def _nearest(self, rows: tuple[int, ...], kind: str, pairs: Array) -> tuple[float, int]:
+        """Distance and place of the choice that best explains pairs of logarithms, as if of the rows."""
+        each = [self._differences(row)[kind].distances(pair) for row, pair in zip(rows, pairs, strict=True)]
+        distances = np.nan_to_num(np.max(each, axis=0), nan=np.inf)
+        place = int(np.argmin(distances))
+        return float(distances[place]), place
