@@ -112,6 +112,7 @@ class _Writer:
                 title = literal(block.title)
                 return {
                     "kind": "section",
+                    "opens": level == 1 and not self._document.sheet,
                     "title": title,
                     "level": level,
                     "label": block.label,

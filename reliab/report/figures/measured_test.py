@@ -23,7 +23,7 @@ def tracking_plane(
     delay: float,
     draws: NDArray[np.float64],
     boundaries: Mapping[str, tuple[float, float]],
-    height: float = 96.0,
+    height: float = 88.0,
 ) -> Figure:
     """Draw a test with its uncertainty and the ellipses inside of which it would be accepted.
 
@@ -83,7 +83,7 @@ def tracking_over_time(
     amplitude_sd: NDArray[np.float64],
     delay: NDArray[np.float64],
     delay_sd: NDArray[np.float64],
-    height: float = 104.0,
+    height: float = 88.0,
 ) -> Figure:
     """Draw the histories of a test, and its amplitude error and delay in moving windows.
 

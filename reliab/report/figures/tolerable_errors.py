@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullLocator
 
 from reliab.report.axes import AMPLITUDE_LIMIT, DELAY_LIMIT, FREQUENCY, MILLI, legend_below, name_axes
 from reliab.report.style import letters, line, panels, styled
@@ -38,6 +39,9 @@ def tolerable_errors_over_frequency(tolerances: Sequence[Tolerance]) -> Figure:
         axes[0, 1].plot(f, [MILLI * each.delay for each in chosen], label=name, **line(rank, marker=True))
     axes[0, 0].set_ylim(bottom=0.0)
     axes[0, 1].set_yscale("log")
+    axes[0, 1].yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes[0, 1].yaxis.set_major_formatter("{x:g}")
+    axes[0, 1].yaxis.set_minor_locator(NullLocator())
     name_axes(axes[0, 0], FREQUENCY, AMPLITUDE_LIMIT)
     name_axes(axes[0, 1], FREQUENCY, DELAY_LIMIT)
     legend_below(figure, axes[0, 0], columns=2)

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 
-from reliab.report.document import Block, Column, Document, Figure, Paragraph, Points, Section, Table
+from reliab.report.document import Column, Document, Figure, Paragraph, Points, Section, Table
 from reliab.report.figures.measured_test import tracking_over_time, tracking_plane
 from reliab.report.kinds.provenance import provenance_of
 from reliab.report.kinds.wording import METHODS, PERCENT, error_below, percent, probability
@@ -41,21 +41,21 @@ def assessment_report(
     Document
         A sheet of two pages.
     """
-    figures: list[Block] = [_plane(assessment)]
+    sections = [
+        Section(title="What was measured", blocks=(_numbers(assessment), _plane(assessment))),
+        Section(title="What to improve", blocks=(Paragraph(text=_advice(assessment)),)),
+        Section(title="What to know", blocks=(Points(items=(*_cautions(assessment), *notes)),)),
+        Section(title="How it was judged", blocks=(Paragraph(text=_method(assessment)),)),
+    ]
     if assessment.windows.centre.size:
-        figures.append(_over_time(assessment))
+        sections.insert(3, Section(title="Over the test", blocks=(_over_time(assessment),)))
     return Document(
         kind="Assessment of a real-time hybrid simulation",
         title=title or assessment.recording.name,
         verdict=_verdict(assessment),
         tone="good" if assessment.reliable else "bad",
         facts=_facts(assessment),
-        blocks=(
-            Section(title="What was measured", blocks=(_numbers(assessment), figures[0])),
-            Section(title="What to improve", blocks=(Paragraph(text=_advice(assessment)), *figures[1:])),
-            Section(title="What to know", blocks=(Points(items=(*_cautions(assessment), *notes)),)),
-            Section(title="How it was judged", blocks=(Paragraph(text=_method(assessment)),)),
-        ),
+        blocks=tuple(sections),
         provenance=provenance_of(provenance, assessment.criterion.provenance),
         sources=SOURCES,
         sheet=True,

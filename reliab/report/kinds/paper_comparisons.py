@@ -386,10 +386,10 @@ def _equations(fits: PaperFits, cases: xr.Dataset, printed: PrintedTables) -> It
         yield Comparison(item=item, quantity=quantity, remark=remark)
     yield Comparison(item="Equation (6)", quantity="the loop", remark="used")
     for letter, curve in zip("abc", fits.curves, strict=True):
-        yield Comparison(item=f"Equation (7{letter})", quantity=curve.name, remark="used; numbers in Table 1")
+        yield Comparison(item=f"Equation (7{letter})", quantity=curve.name, remark="see Table 1")
     yield Comparison(item="Equation (8)", quantity="ellipse solved for d", remark="b′² should be b′")
     yield Comparison(item="Equation (9)", quantity="straight line of the fit", remark="used")
-    yield Comparison(item="Equation (10)", quantity="fitting error", remark="used; numbers in Table 1")
+    yield Comparison(item="Equation (10)", quantity="fitting error", remark="see Table 1")
     yield from _fitted_equations(fits, printed)
 
 

@@ -41,7 +41,8 @@ def test_a_test_is_reported_on_two_pages(criterion, set_without_warnings, delay,
     measured = 0.999 * np.interp(times - delay, times, command) + noise
     recording = Recording(command=command, measured=measured, time_step=1.0 / 256.0, name="#1 $test$")
     found = assess(recording, Structure(frequency=1.0, damping_ratio=0.02), criterion=criterion)
-    document = assessment_report(found, provenance={"file": "a.csv"})
+    notes = ("A remark of the laboratory, long enough to take more than one line of the sheet. " * 2,) * 5
+    document = assessment_report(found, provenance={"file": "a.csv"}, notes=notes)
     assert document.tone == ("good" if reliable else "bad")
     assert pages(set_without_warnings(document)) == 2
 
