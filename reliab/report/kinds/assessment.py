@@ -9,6 +9,7 @@ from reliab.report.document import Column, Document, Figure, Paragraph, Points, 
 from reliab.report.figures.measured_test import tracking_over_time, tracking_plane
 from reliab.report.kinds.provenance import provenance_of
 from reliab.report.kinds.wording import METHODS, PERCENT, error_below, percent, probability
+from reliab.report.numbers import Fixed, Significant
 from reliab.report.prose import Prose, prose
 from reliab.report.sources import SOURCES
 from reliab.validation.assessment.assess import LEVEL, Assessment
@@ -70,8 +71,8 @@ def _verdict(found: Assessment) -> Prose:
         "" if chance is None else f", and the probability that its error stays there is {probability(chance)}"
     )
     return (
-        *prose("The test is *{word}*: its index is {index:.2f} ", word=word, index=found.index),
-        f"({LEVEL:.0%} interval {low:.2f} to {high:.2f}".replace("%", " %"),
+        *prose("The test is *{word}*: its index is {index} ", word=word, index=_three(found.index)),
+        f"({LEVEL:.0%} interval {_three(low)} to {_three(high)}".replace("%", " %"),
         "; reliable up to 1) for ",
         *error_below(found.criterion.metric, found.criterion.threshold),
         f"{likely}.",
@@ -107,8 +108,8 @@ def _numbers(found: Assessment) -> Table:
         ("Equivalent delay d [ms]", *_milliseconds(tracking.delay, low_d, high_d), f"{np.sqrt(b):.3f}"),
         (
             "Index (A − 1)²/a + d²/b",
-            f"{found.index:.3f}",
-            "{:.3f} to {:.3f}".format(*found.index_interval),
+            _three(found.index),
+            " to ".join(map(_three, found.index_interval)),
             "1",
         ),
         *_own(found),
@@ -119,7 +120,12 @@ def _numbers(found: Assessment) -> Table:
             "",
             "",
         ),
-        ("Share of it that is free [%]", f"{PERCENT * found.stability_margin:.1f}", "", "0 at least"),
+        (
+            "Share of it that is free [%]",
+            Fixed(decimals=1, factor=PERCENT)(found.stability_margin).digits,
+            "",
+            "0 at least",
+        ),
         ("Noise in the measured displacement [%]", f"{PERCENT * tracking.noise_share:.2f}", "", ""),
     ]
     frame = pd.DataFrame(rows, columns=["quantity", "value", "interval", "limit"])
@@ -136,6 +142,11 @@ def _numbers(found: Assessment) -> Table:
         ),
         label="tab:numbers",
     )
+
+
+def _three(value: float) -> str:
+    """Three significant digits."""
+    return Significant()(value).digits
 
 
 def _milliseconds(value: float, low: float, high: float) -> tuple[str, str]:
@@ -200,13 +211,17 @@ def _over_time(found: Assessment) -> Figure:
 def _advice(found: Assessment) -> Prose:
     advice = found.improvement
     share = advice.share_of_delay if advice.first == "delay" else 1.0 - advice.share_of_delay
-    return prose(
-        "{share} of the index comes from the {first}. At its own amplitude the test is accepted up to a "
-        "delay of {delay:.2f} ms, at its own delay up to an amplitude error of {amplitude}.",
-        share=percent(share, 2),
-        first=advice.first,
-        delay=_MILLISECONDS * advice.tolerable_delay,
-        amplitude=percent(advice.tolerable_amplitude_error, 2),
+    late, off = _MILLISECONDS * advice.tolerable_delay, advice.tolerable_amplitude_error
+    return " ".join(
+        (
+            f"{percent(share, 2)} of the index comes from the {advice.first}.",
+            f"At its own amplitude the test is accepted up to a delay of {late:.2f} ms."
+            if late > 0.0
+            else "At its own amplitude the test is not accepted with any delay.",
+            f"At its own delay it is accepted up to an amplitude error of {percent(off, 2)}."
+            if off > 0.0
+            else "At its own delay it is not accepted with any amplitude.",
+        )
     )
 
 
