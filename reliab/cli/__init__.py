@@ -10,7 +10,7 @@ from typing import Any
 
 import typer
 
-from reliab.cli import assess, criterion, ellipses, motions, report, simulate, validate
+from reliab.cli import assess, criterion, diagnose, ellipses, motions, report, simulate, validate
 from reliab.cli import run as run_command
 from reliab.errors import IncompleteError, InputError
 
@@ -29,6 +29,7 @@ app.command("ellipses")(ellipses.ellipses)
 app.command("criterion")(criterion.criterion)
 app.command("assess")(assess.assess)
 app.command("validate")(validate.validate)
+app.command("diagnose")(diagnose.diagnose)
 app.command("run")(run_command.run)
 app.command("report")(report.report)
 

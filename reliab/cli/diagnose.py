@@ -7,11 +7,13 @@ import typer
 
 from reliab.cli.options import JsonTarget
 from reliab.cli.output import console, progress_bar, table, write_json
+from reliab.errors import InputError
 
 if TYPE_CHECKING:
-    from reliab.discrepancy import Diagnosis
+    from reliab.discrepancy import Addition, Diagnosis
 
 RESULT_FILE = "diagnosis.json"
+REPORT_FILE = "report.pdf"
 
 _SENTENCES = {
     "named": "The model lacks what is listed below.",
@@ -36,23 +38,55 @@ def diagnose(
     ],
     *,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Folder for diagnosis.json.")
+        Path | None, typer.Option("--out", metavar="DIR", help="Folder for diagnosis, report and model.")
     ] = None,
     json_target: JsonTarget = None,
 ) -> None:
     """Find where simulation and measurement disagree, name what is missing, prove it on held-out tests."""
+    from reliab.discrepancy import add, read_campaign
     from reliab.discrepancy import diagnose as diagnose_campaign
-    from reliab.discrepancy import read_campaign
 
     measured = read_campaign(campaign)
+    if out is not None:
+        _make(out)
     with progress_bar("Searching the blocks") as progress:
         found = diagnose_campaign(measured, progress=progress)
-    content = found.as_dict()
+    with progress_bar("Sampling posteriors") as progress:
+        addition = add(found, out=out, progress=progress)
+    content = addition.as_dict()
     if out is not None:
-        out.mkdir(parents=True, exist_ok=True)
         write_json(content, str(out / RESULT_FILE))
+        _report(addition, campaign, out)
     if not write_json(content, json_target):
-        _show(found)
+        _show(addition.diagnosis)
+
+
+def _make(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            "The folder for the diagnosis must be writable",
+            value=error.strerror,
+            remedy="Name another",
+            where=str(folder),
+        ) from None
+
+
+def _report(addition: "Addition", campaign: Path, out: Path) -> None:
+    from datetime import UTC, datetime
+
+    from reliab.report import write_pdf
+    from reliab.report.kinds.discrepancy import discrepancy_report
+    from reliab.study.stages import digest
+
+    newest = max(path.stat().st_mtime for path in campaign.iterdir())
+    document = discrepancy_report(
+        addition.diagnosis,
+        posteriors=addition.posteriors,
+        provenance={"campaign": campaign.name, "campaign, SHA-256": digest(campaign)},
+    )
+    write_pdf(document, out / REPORT_FILE, date=datetime.fromtimestamp(newest, tz=UTC).date())
 
 
 def _show(found: "Diagnosis") -> None:

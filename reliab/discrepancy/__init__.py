@@ -1,11 +1,13 @@
 """Measured campaigns: locate the discrepancy, name what is missing, add it, prove that the gap shrank."""
 
+from reliab.discrepancy.adding import Addition, add
 from reliab.discrepancy.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.diagnose import diagnose
 from reliab.discrepancy.reading import read_campaign
 from reliab.discrepancy.result import BlockDiagnosis, Diagnosis, Gap, MissingEffect, Verdict
 
 __all__ = [
+    "Addition",
     "BlockDiagnosis",
     "Campaign",
     "Channel",
@@ -14,6 +16,7 @@ __all__ = [
     "MeasuredTest",
     "MissingEffect",
     "Verdict",
+    "add",
     "diagnose",
     "read_campaign",
 ]

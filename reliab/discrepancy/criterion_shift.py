@@ -51,9 +51,9 @@ def criterion_shift(
 
     The criterion is the paper's, the 5 % quantile of a lognormal distribution of a and of b over the
     ground motions. Both criteria are those of an actuator's gain and delay, see
-    :class:`reliab.loop.effect_loop.EffectLoop`: an effect of the specimen belongs to the behaviour under
-    test and may make a test more tolerant; any other uses up part of the error that the actuator may
-    cause.
+    :class:`reliab.loop.effect_loop.EffectLoop`: an effect of the specimen or of the shaking belongs to
+    the behaviour under test and may make a test more tolerant; any other uses up part of the error that
+    the actuator may cause.
 
     Parameters
     ----------

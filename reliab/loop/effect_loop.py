@@ -31,8 +31,9 @@ class EffectLoop:
     """A hybrid test with effects under one ground motion, ready to be run with any actuator.
 
     The exact response is that of the same loop with a perfect rig: an actuator of gain 1 without delay, and
-    without effects other than those of the specimen. What the specimen does is the behaviour under test,
-    while a lag, an offset or an integration error spoils the test. Gain k_p and delay τ of the cells are
+    without effects other than those of the specimen and of the shaking. What the specimen does, and how
+    it was shaken, is the behaviour under test, while a lag, an offset or an integration error spoils the
+    test. Gain k_p and delay τ of the cells are
     those of the actuator alone; effects on the way to the piston come on top of them.
 
     Parameters
@@ -110,7 +111,7 @@ class EffectLoop:
     @cached_property
     def exact(self) -> Array:
         """Displacement of the perfect rig [m] at the steps inside the window."""
-        perfect = replace(self.test, actuator=Actuator(), effects=self.test.acting(Role.FORCE))
+        perfect = replace(self.test, actuator=Actuator(), effects=self.test.acting(Role.FORCE, Role.RECORD))
         return self._reading(perfect)
 
     def deviation(self, cells: Cells) -> Deviation:
