@@ -14,7 +14,6 @@ from functools import cached_property
 from itertools import combinations
 from typing import ClassVar
 
-import emcee
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,8 +23,7 @@ from reliab.discrepancy.fit import Fit, Problem
 Array = NDArray[np.float64]
 
 _REACH = np.sqrt(3.0)  # standard deviations: the nodes of Gauss and Hermite of order three
-_FREEDOM = 12.0  # of the Student distribution: tails that are heavier than the posterior's
-_WIDE = 10.0  # walkers start within a tenth of it, one standard deviation
+_WIDE = 10.0  # standard deviations within which the mode is looked for
 _WALL = 1e9  # stands for infinity where walkers may still start
 _WORKERS = 2
 
@@ -108,7 +106,7 @@ class LikelihoodSurface(Model):
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
-        """Standard coordinates; the spread is where walkers start, not that of the prior, see `log_prior`."""
+        """Standard coordinates; their spread is how far the mode is looked for, not that of the prior."""
         return tuple(Parameter(name=name, mean=0.0, spread=_WIDE) for name in self.names)
 
     @property
@@ -130,11 +128,6 @@ class LikelihoodSurface(Model):
         overshoot = np.abs(coordinates - np.clip(coordinates, *self.bounds)).sum(axis=1)
         walls = np.where(overshoot > 0.0, _WALL * (1.0 + overshoot), 0.0)
         return np.asarray(-0.5 * (coordinates**2).sum(axis=1) - walls)
-
-    @property
-    def moves(self) -> list[tuple[emcee.moves.Move, float]]:
-        """Mostly draws from a Student distribution about the centre, much like the posterior itself."""
-        return [(emcee.moves.MHMove(_independent), 0.8), (emcee.moves.DEMove(), 0.2)]
 
     def draw_prior(self, count: int, rng: np.random.Generator) -> Array:
         """Draw standard coordinates from the prior, shape (count, size)."""
@@ -165,15 +158,6 @@ def _design(size: int) -> Array:
     unit = _REACH * np.eye(size)
     pairs = [unit[i] + unit[j] for i, j in combinations(range(size), 2)]
     return np.vstack([np.zeros((1, size)), unit, -unit, *(pair[np.newaxis] / np.sqrt(2.0) for pair in pairs)])
-
-
-def _independent(walkers: Array, random: np.random.RandomState) -> tuple[Array, Array]:
-    """Propose new places whatever the old ones, with the logarithm of the ratio of their densities."""
-    size = walkers.shape[1]
-    scale = np.sqrt(_FREEDOM / random.chisquare(_FREEDOM, (len(walkers), 1)))
-    proposed = scale * random.standard_normal(walkers.shape)
-    grown = np.log1p((proposed**2).sum(axis=1) / _FREEDOM) - np.log1p((walkers**2).sum(axis=1) / _FREEDOM)
-    return proposed, 0.5 * (_FREEDOM + size) * grown
 
 
 def _features(standard: Array) -> Array:
