@@ -8,6 +8,8 @@ import numpy as np
 MISSING = "–"
 """What stands where there is no number."""
 
+_LEAST_EXPONENT, _GREATEST_EXPONENT = -4, 7  # without a power of ten
+
 
 @dataclass(frozen=True, kw_only=True)
 class Written:
@@ -87,7 +89,7 @@ class Fixed(Number):
 
 @dataclass(frozen=True, kw_only=True)
 class Significant(Number):
-    """A fixed number of significant digits, as many decimals as they need.
+    """A fixed number of significant digits; very small and large numbers with a power of ten.
 
     Parameters
     ----------
@@ -100,6 +102,8 @@ class Significant(Number):
     --------
     >>> [Significant(digits=3)(value).digits for value in (23.268, 0.3333, 1234.0)]
     ['23.3', '0.333', '1234']
+    >>> Significant(digits=2)(1.77e-5)
+    Written(digits='1.8', exponent=-5)
     """
 
     digits: int = 3
@@ -108,6 +112,8 @@ class Significant(Number):
     def _write(self, value: float) -> Written:
         scaled = self.factor * value
         exponent = int(f"{scaled:.{self.digits - 1}e}".partition("e")[2])
+        if not _LEAST_EXPONENT <= exponent <= _GREATEST_EXPONENT:
+            return Scientific(decimals=self.digits - 1)(scaled)
         return Fixed(decimals=max(self.digits - 1 - exponent, 0))(scaled)
 
 

@@ -1,7 +1,6 @@
 """The real records of the paper, where they are at hand."""
 
 import csv
-import time
 from pathlib import Path
 
 import numpy as np
@@ -61,12 +60,6 @@ def test_events_are_told_by_the_headers_without_the_catalogue(real_motions_folde
     for name, events in {"far_field": 15, "near_field": 14}.items():
         scanned = load_motions(real_motions_folder / name)
         assert len(set(scanned.events)) == events
-
-
-def test_a_hundred_records_are_read_in_well_under_a_second(real_motions_folder: Path) -> None:
-    start = time.perf_counter()
-    assert len(list(load_motions(real_motions_folder, sets=ALL))) == 101
-    assert time.perf_counter() - start < 0.6
 
 
 def test_an_imported_suite_reads_back_bit_by_bit(suite: MotionSuite, tmp_path: Path) -> None:
