@@ -27,7 +27,8 @@ def cautions_of(samples: Sequence[Sequence[EllipseSample]], offered: int, method
         Sentences: motions left out, few earthquakes, lognormality rejected where the method needs it.
     """
     cells = [sample for row in samples for sample in row]
-    found = (_left_out(cells, offered), _few_events(cells), *_not_lognormal(cells, method))
+    fewest = min(sample.n_events for sample in cells)
+    found = (_left_out(cells, offered), few_events(fewest), *_not_lognormal(cells, method))
     return tuple(sentence for sentence in found if sentence)
 
 
@@ -41,8 +42,24 @@ def _left_out(cells: Sequence[EllipseSample], offered: int) -> str:
     )
 
 
-def _few_events(cells: Sequence[EllipseSample]) -> str:
-    fewest = min(sample.n_events for sample in cells)
+def few_events(fewest: int) -> str:
+    """Say that there are few earthquakes; nothing from thirty on.
+
+    Parameters
+    ----------
+    fewest : int
+        Number of earthquakes.
+
+    Returns
+    -------
+    str
+        A sentence, or nothing.
+
+    Examples
+    --------
+    >>> few_events(1)
+    'The motions come from one earthquake only, and motions of one earthquake are alike.'
+    """
     if fewest >= _FEW_EVENTS:
         return ""
     noun = "one earthquake" if fewest == 1 else f"{fewest} earthquakes"

@@ -1,0 +1,171 @@
+"""Laws put to the test on earthquakes that they have not seen, frequency by frequency."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.stats import multivariate_normal, norm
+
+from reliab.criterion.distribution_comparison import leave_one_event_out
+from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, FittedLaw, Law
+from reliab.criterion.population import Population
+from reliab.criterion.scaling import scales
+from reliab.errors import InputError
+
+_PRINTED_CONFIDENCE = 0.95
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Motions:
+    """ln α and ln β of motions over structures, shape (motions, F, X, 2)."""
+
+    values: NDArray[np.float64]
+    frequencies: NDArray[np.float64]
+    damping_ratios: NDArray[np.float64]
+
+    @property
+    def scale(self) -> NDArray[np.float64]:
+        """Logarithms of what a and b are divided by, shape (F, X, 2)."""
+        return np.log(np.stack(scales(self.frequencies[:, None], self.damping_ratios[None, :]), axis=-1))
+
+    def location(self, law: FittedLaw | Law) -> NDArray[np.float64]:
+        """Medians that a law expects, shape (F, X, 2).
+
+        A law that is fitted is fitted to the geometric means; a printed one states the 5 % quantile, and the
+        scatter of these motions leads from there to the median.
+        """
+        grid = self.frequencies[:, None], self.damping_ratios[None, :]
+        if isinstance(law, Law):
+            stated = np.log(np.stack(law.limits(*grid), axis=-1)) - self.scale
+            return np.asarray(stated + norm.ppf(_PRINTED_CONFIDENCE) * self.values.std(axis=0))
+        means = np.exp(np.mean(self.values, axis=0) + self.scale)
+        fitted = law.fit(self.frequencies, self.damping_ratios, means[..., 0], means[..., 1])
+        return np.asarray(np.log(np.stack(fitted.limits(*grid), axis=-1)) - self.scale)
+
+    def covariance(self, law: FittedLaw | Law, location: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Scatter of ln α and ln β about a law; about their own means for a printed one."""
+        centre = self.values.mean(axis=0) if isinstance(law, Law) else location
+        residual = (self.values - centre).reshape(-1, 2)
+        return np.asarray(residual.T @ residual / len(residual))
+
+
+def compare_laws(
+    ellipses: xr.Dataset,
+    *,
+    threshold: float = 0.05,
+    metric: str = "rms",
+    confidence: float = 0.95,
+    laws: Mapping[str, FittedLaw | Law] | None = None,
+) -> pd.DataFrame:
+    """Compare laws by held-out log score and by the region that they accept at equal coverage.
+
+    Each earthquake is held out in turn. The *log score* of its motions is the mean log-density of
+    (ln a, ln b) under a bivariate normal distribution about the law. The *region* is the geometric mean over
+    ξ of √(ab)/√(a₀b₀), the area of the accepted ellipse in units of that with α = β = 1, once every law has
+    been scaled so that 95 % of the held-out motions contain its ellipse (in a and b together): by one factor
+    for all structures (`region`, with `coverage` at each f), or by one for each f (`region_at_f`).
+
+    Parameters
+    ----------
+    ellipses : xarray.Dataset
+        Ellipses over motions, f and ξ.
+    threshold, metric
+        Which error.
+    confidence : float, optional
+        Share of held-out motions.
+    laws : mapping of str to law, optional
+        By default all that are fitted, and those printed for many motions that hold at all structures.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns law, f, log_score, region, coverage, region_at_f.
+
+    Raises
+    ------
+    InputError
+        If a motion has no ellipse at some structure.
+
+    Examples
+    --------
+    >>> from reliab.criterion.laws import Dimensionless, Exponential
+    >>> rng = np.random.default_rng(1)
+    >>> f, xi, dims = np.array([0.5, 1.0, 2.0]), np.array([0.02, 0.1]), ("motion", "f", "xi")
+    >>> a, b = (s * np.exp(rng.normal(-1.0, 0.5, (30, 3, 2))) for s in scales(f[:, None], xi[None, :]))
+    >>> dataset = xr.Dataset(
+    ...     {"a": (dims, a), "b": (dims, b)},
+    ...     coords={"f": f, "xi": xi, "event": ("motion", np.repeat(np.arange(10), 3).astype(str))},
+    ... ).expand_dims(threshold=[0.05], metric=["rms"], curve=["ellipse"])
+    >>> table = compare_laws(dataset, laws={"new": Dimensionless, "old": Exponential})
+    >>> scores = table.pivot(index="f", columns="law", values="log_score")
+    >>> bool((scores["new"] > scores["old"]).all())
+    True
+    """
+    population = Population.of(ellipses, threshold=threshold, metric=metric)
+    values = np.stack([population.log_alpha, population.log_beta], axis=-1)
+    if not np.isfinite(values).all():
+        raise InputError(
+            "Laws are compared on motions with an ellipse at every structure",
+            value=f"{np.isnan(values).any(axis=(1, 2, 3)).sum()} motions without",
+            remedy="Choose a smaller threshold or less damping",
+        )
+    structures = population.frequencies, population.damping_ratios
+    tables = [
+        _judge(name, law, values, population.events, *structures, confidence)
+        for name, law in (laws or _all_that_hold(*structures)).items()
+    ]
+    return pd.concat(tables, ignore_index=True)
+
+
+def _all_that_hold(
+    frequencies: NDArray[np.float64], damping_ratios: NDArray[np.float64]
+) -> dict[str, FittedLaw | Law]:
+    found: dict[str, FittedLaw | Law] = dict(FITTED)
+    for name, law in OF_MANY_MOTIONS.items():
+        try:
+            law.validity.require(frequencies, damping_ratios)
+        except InputError:
+            continue
+        found[name] = law
+    return found
+
+
+def _judge(
+    name: str,
+    law: FittedLaw | Law,
+    values: NDArray[np.float64],
+    events: NDArray[np.str_],
+    frequencies: NDArray[np.float64],
+    damping_ratios: NDArray[np.float64],
+    confidence: float,
+) -> pd.DataFrame:
+    """One law at every frequency."""
+    score = np.empty(values.shape[:3])
+    stated = np.empty(values.shape)
+    for held_out in leave_one_event_out(events):
+        learned = _Motions(values=values[~held_out], frequencies=frequencies, damping_ratios=damping_ratios)
+        location = learned.location(law)
+        covariance = learned.covariance(law, location)
+        residual = values[held_out] - location
+        score[held_out] = (
+            multivariate_normal([0.0, 0.0], covariance).logpdf(residual).reshape(residual.shape[:3])
+        )
+        spread = learned.values.std(axis=0) if isinstance(law, Law) else np.sqrt(np.diag(covariance))
+        stated[held_out] = location - norm.ppf(confidence) * spread
+    room = (values - stated).min(axis=-1)  # by which the limits could grow, in logarithms
+    size = stated.mean(axis=-1)  # ln √(ab) of the stated limits
+    factor = np.quantile(room, 1.0 - confidence, method="lower")
+    factor_at_f = np.quantile(room, 1.0 - confidence, axis=(0, 2), method="lower")
+    return pd.DataFrame(
+        {
+            "law": name,
+            "f": frequencies,
+            "log_score": score.mean(axis=(0, 2)),
+            "region": np.exp(size.mean(axis=(0, 2)) + factor),
+            "coverage": (room >= factor).mean(axis=(0, 2)),
+            "region_at_f": np.exp(size.mean(axis=(0, 2)) + factor_at_f),
+        }
+    )
