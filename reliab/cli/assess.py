@@ -21,12 +21,10 @@ from reliab.errors import InputError
 if TYPE_CHECKING:
     from reliab.criterion import Criterion
     from reliab.motions import Motion
-    from reliab.validation.assessment import Assessment, Tolerance
+    from reliab.validation.assessment import Assessment
 
 _NINETY_FIVE = 0.95
 _NOT_RELIABLE = 1
-_BAR = 40
-_MILLISECONDS = 1e3
 
 Test = Annotated[
     Path | None,
@@ -112,7 +110,9 @@ def assess(
     chosen = _read_criterion(criterion, threshold, confidence)
     error = threshold or FIVE_PERCENT
     if design:
-        _design(f, xi, error, confidence, metric, chosen, figure, json_target)
+        from reliab.cli.design_mode import state_tolerances
+
+        state_tolerances(f or [ONE_HERTZ], xi, error, confidence, metric, chosen, figure, json_target)
         return
     if test is None:
         raise InputError(
@@ -257,89 +257,3 @@ def _sentences(found: "Assessment", summary: dict[str, Any]) -> list[str]:
         f"amplitude error {advice['tolerable_amplitude_error']:.2g}."
     )
     return sentences
-
-
-def _design(
-    f: list[float] | None,
-    xi: float,
-    threshold: float,
-    confidence: list[float] | None,
-    metric: str,
-    criterion: "Criterion | None",
-    figure: Path | None,
-    json_target: str | None,
-) -> None:
-    from reliab.validation.assessment.design import CONFIDENCES, chart_frequencies, tolerable_errors
-
-    def tolerances(frequencies: list[float]) -> "list[Tolerance]":
-        return tolerable_errors(
-            frequencies,
-            xi,
-            threshold=threshold,
-            confidences=confidence or CONFIDENCES,
-            metric=metric,
-            criterion=criterion,
-        )
-
-    rows, chart = tolerances(f or [ONE_HERTZ]), tolerances(chart_frequencies(criterion))
-    if figure is not None:
-        _draw(chart, figure)
-    content = {"design": [each.to_dict() for each in rows], "chart": [each.to_dict() for each in chart]}
-    if not write_json(content, json_target):
-        _show_design(rows, chart)
-
-
-def _draw(chart: "list[Tolerance]", path: Path) -> None:
-    from reliab.report.figures.tolerable_errors import tolerable_errors_over_frequency
-
-    drawn = tolerable_errors_over_frequency(chart)
-    try:
-        drawn.savefig(path)
-    except (OSError, ValueError) as error:
-        raise InputError(
-            "The figure's file must be writable and end in .svg, .png or .pdf",
-            value=str(error),
-            remedy="Name another file",
-            where=str(path),
-        ) from error
-
-
-def _show_design(rows: "list[Tolerance]", chart: "list[Tolerance]") -> None:
-    first = rows[0]
-    shown = table(
-        f"Tolerable errors at ξ = {first.damping_ratio:g} for an error of {first.threshold:.0%}",
-        dict.fromkeys(
-            ("f [Hz]", "confidence", "|A − 1| alone", "d alone [ms]", "|A − 1| and", "d together [ms]"),
-            "right",
-        ),
-    )
-    for each in rows:
-        amplitude, delay = each.both
-        shown.add_row(
-            f"{each.frequency:g}",
-            f"{each.confidence:.0%}",
-            f"{each.amplitude_error:.4f}",
-            f"{_MILLISECONDS * each.delay:.3f}",
-            f"{amplitude:.4f}",
-            f"{_MILLISECONDS * delay:.3f}",
-        )
-    terminal = console()
-    terminal.print(shown)
-    _show_chart(chart, terminal)
-
-
-def _show_chart(chart: "list[Tolerance]", terminal: Any) -> None:  # noqa: ANN401 - Rich's console
-    """Bars of the tolerable delay over the frequency at one confidence, in share of the critical delay."""
-    confidence = min((each.confidence for each in chart), key=lambda value: abs(value - _NINETY_FIVE))
-    chosen = [each for each in chart if each.confidence == confidence]
-    longest = max(each.delay for each in chosen)
-    shown = table(
-        f"Over the frequency, at {confidence:.0%}",
-        {"f [Hz]": "right", "|A − 1| alone": "right", "d alone [ms]": "right", "d": "left"},
-    )
-    for each in chosen:
-        bar = "█" * max(round(_BAR * each.delay / longest), 1)
-        shown.add_row(
-            f"{each.frequency:g}", f"{each.amplitude_error:.4f}", f"{_MILLISECONDS * each.delay:.3f}", bar
-        )
-    terminal.print(shown)

@@ -1,6 +1,5 @@
 """`reliab validate`: whether criteria hold on motions that they have not seen."""
 
-from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -24,10 +23,8 @@ from reliab.cli.sources import ellipse_dataset
 from reliab.errors import InputError
 
 if TYPE_CHECKING:
-    import pandas as pd
     import xarray as xr
 
-    from reliab.motions import Motion
     from reliab.validation.cross_validation import Candidate, CrossValidation, Fold
 
 _CONFIDENCES = (0.50, 0.60, 0.70, 0.80, 0.90, 0.95, 0.99)
@@ -39,11 +36,6 @@ _HEADINGS = {
     "false-safe": "right",
     "good tests accepted": "right",
 }
-_CASE_HEADINGS = (
-    *("case", "f [Hz]", "ξ [-]", "A [-]", "d [ms]", "criterion", "index", "accepted"),
-    *("probability", "RMS^R [%]", "error below"),
-)
-
 Threshold = Annotated[float, typer.Option("--threshold", metavar="ERROR", help="Error, 0.05 for 5 %.")]
 Scheme = Annotated[
     str,
@@ -108,7 +100,9 @@ def validate(
 ) -> None:
     """Judge criteria on earthquakes that they were not learned from."""
     if case is not None:
-        _cases(motions, sets, case, json_target)
+        from reliab.cli.case_mode import judge_cases
+
+        judge_cases(motions, sets, case, json_target)
         return
     from reliab.validation.cross_validation import cross_validate
 
@@ -290,51 +284,3 @@ def _interval(rate: dict[str, float | None]) -> str:
     if rate["low"] is None or rate["high"] is None:
         return f"{rate['rate']:.1%}"
     return f"{rate['rate']:.1%} ({rate['low']:.1%} … {rate['high']:.1%})"
-
-
-def _cases(motions: list[str] | None, sets: list[str] | None, case: str, json_target: str | None) -> None:
-    from reliab.criterion import published_criterion
-    from reliab.validation.assessment import default_criterion
-    from reliab.validation.case_verdicts import case_verdicts
-
-    motion = _motion(motions, sets, case)
-    printed = published_criterion("guo_2017_18")
-    found = case_verdicts(
-        motion,
-        {
-            "guo_2017_18": lambda f, xi: printed,  # noqa: ARG005 - one law for all structures
-            "recommended": lambda f, xi: default_criterion(f, xi, without=motion.event),
-        },
-    )
-    rows = found.astype(object).where(found.notna(), None).to_dict(orient="records")
-    if not write_json({"motion": motion.name, "cases": rows}, json_target):
-        _show_cases(motion.name, found)
-
-
-def _motion(motions: list[str] | None, sets: list[str] | None, name: str) -> "Motion":
-    """Find a motion of a suite by its name, also among those that are held out."""
-    if not motions:
-        raise InputError(
-            "The paper's cases need a ground motion",
-            value="no --motions",
-            remedy=f"Give the folder or file of {name} with --motions",
-        )
-    from reliab.motions import load_motions
-
-    suite = load_motions(*motions, sets=sets)
-    if name not in suite.names and sets is None:
-        with suppress(InputError):  # where nothing is held out, the suite's own message is the better one
-            suite = load_motions(*motions, sets=["held_out"])
-    return suite.select(names=[name])[0]
-
-
-def _show_cases(motion: str, found: "pd.DataFrame") -> None:
-    shown = table(f"The paper's cases under {motion}", dict.fromkeys(_CASE_HEADINGS, "right"))
-    for row in found.to_dict(orient="records"):
-        shown.add_row(
-            *(str(row["case"]), f"{row['f']:g}", f"{row['xi']:g}", f"{row['A']:.4f}", f"{row['d_ms']:.3f}"),
-            *(row["criterion"], f"{row['index']:.3g}", "yes" if row["accepted"] else "no"),
-            "" if row["probability"] != row["probability"] else f"{row['probability']:.3f}",
-            *(f"{100.0 * row['rms']:.2f}", "yes" if row["good"] else "no"),
-        )
-    console().print(shown)

@@ -33,6 +33,8 @@ class Tolerance:
         Ellipse parameters [-] and [ms²].
     critical_delay : float
         Delay [s] at which the loop loses stability.
+    outside_validity : bool
+        Whether the criterion was carried over from another structure.
     """
 
     frequency: float
@@ -42,6 +44,7 @@ class Tolerance:
     a: float
     b: float
     critical_delay: float
+    outside_validity: bool
 
     @property
     def amplitude_error(self) -> float:
@@ -74,6 +77,7 @@ class Tolerance:
             "amplitude_limit_of_both": amplitude,
             "delay_limit_of_both_ms": _MILLISECONDS * delay,
             "critical_delay_ms": critical if np.isfinite(critical) else None,
+            "outside_validity": self.outside_validity,
         }
 
 
@@ -143,7 +147,7 @@ def tolerable_errors(
             ]
         )
         for each in criteria:
-            a, b = carried_limits(each, structure)
+            a, b, carried_from = carried_limits(each, structure)
             found.append(
                 Tolerance(
                     frequency=frequency,
@@ -153,6 +157,7 @@ def tolerable_errors(
                     a=a,
                     b=b,
                     critical_delay=float(critical_delay(structure)),
+                    outside_validity=carried_from is not None,
                 )
             )
     return found

@@ -92,22 +92,23 @@ def place(
         Limits, index and probability.
     """
     carried = _Carried.into(criterion.law.validity, structure)
-    a, b = carried_limits(criterion, structure)
+    a, b, carried_from = carried_limits(criterion, structure)
     index = criterion.index(*carried.errors(np.array([amplitude]), np.array([delay])))
     spread = criterion.index(*carried.errors(draws[0], draws[1]))
     low, high = np.quantile(spread, [0.025, 0.975]).tolist()
-    outside = carried.frequency != structure.frequency or carried.damping_ratio != structure.damping_ratio
     return Placement(
         a=a,
         b=b,
         index=float(index[0]),
         index_interval=(low, high),
         probability=_probability(criterion, structure, draws[:, :_DRAWS]),
-        carried_from=(carried.frequency, carried.damping_ratio) if outside else None,
+        carried_from=carried_from,
     )
 
 
-def carried_limits(criterion: Criterion, structure: Structure) -> tuple[float, float]:
+def carried_limits(
+    criterion: Criterion, structure: Structure
+) -> tuple[float, float, tuple[float, float] | None]:
     """Limits of a structure, carried over from the nearest one where the criterion holds.
 
     Parameters
@@ -121,10 +122,14 @@ def carried_limits(criterion: Criterion, structure: Structure) -> tuple[float, f
     -------
     a, b : float
         Limits [-] and [ms²]; a/ξ² and bω₀²/ξ² are those of the nearest valid structure.
+    carried_from : tuple of float or None
+        That structure [Hz, -], if it is another one.
     """
     carried = _Carried.into(criterion.law.validity, structure)
     a, b = (float(limit) for limit in criterion.limits(carried.frequency, carried.damping_ratio))
-    return a / carried.amplitude_factor**2, b / carried.delay_factor**2
+    place = carried.frequency, carried.damping_ratio
+    outside = place != (structure.frequency, structure.damping_ratio)
+    return a / carried.amplitude_factor**2, b / carried.delay_factor**2, place if outside else None
 
 
 def _probability(criterion: Criterion, structure: Structure, draws: NDArray[np.float64]) -> float | None:
