@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
-
 STANDARD_GRAVITY: Final = 9.80665
 """Standard gravity [m/s²], by definition."""
 

@@ -72,7 +72,7 @@ class Difference:
 
         Both must be explained; a choice without an ellipse is infinitely far.
         """
-        return np.nan_to_num(np.abs(self.pairs - printed).max(axis=1), nan=np.inf)
+        return np.asarray(np.nan_to_num(np.abs(self.pairs - printed).max(axis=1), nan=np.inf))
 
 
 def differences(

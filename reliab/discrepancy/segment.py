@@ -70,7 +70,7 @@ class Segment:
         """Return the same of values of which only each `every`-th is there."""
         n = self.end - self.begin
         inside = values[self.begin // every : self.end // every]
-        return np.asarray(fft.rfft(inside)[: self.bins]) * (every / np.sqrt(n))
+        return np.asarray(fft.rfft(inside)[: self.bins] * (every / np.sqrt(n)))
 
     def periodogram(self, values: Array) -> Periodogram:
         """Power at all frequencies but zero."""

@@ -53,7 +53,7 @@ class ModalLoop:
         """Transfer function from −a_g [s²] at frequencies s [rad/s] that broadcast with the cells."""
         slow = self.residue / (s - self.pole) + self.residue.conj() / (s - self.pole.conj())
         (p, q), (u, v) = self.fast_poles, self.fast_residues
-        return slow + u / (s - p) + v / (s - q)
+        return np.asarray(slow + u / (s - p) + v / (s - q))
 
 
 def dominant_pole(

@@ -70,7 +70,7 @@ class Excitation:
     @cached_property
     def _cumulative_power(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Frequencies [Hz] and the share of the record's sum of squares below them [-]."""
-        power = np.abs(np.fft.rfft(self.acceleration)) ** 2
+        power = np.asarray(np.abs(np.fft.rfft(self.acceleration)) ** 2, dtype=np.float64)
         cumulative = np.concatenate([[0.0], np.cumsum(power)])
         frequency = (np.arange(cumulative.size) - 0.5) / (self.acceleration.size * self.time_step)
-        return frequency, cumulative / cumulative[-1]
+        return frequency.astype(np.float64), cumulative / cumulative[-1]

@@ -14,7 +14,6 @@ from reliab.loop.structure import Structure
 from reliab.motions import load_motions
 from reliab.vocabulary import Metric
 
-
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.1)
 
 

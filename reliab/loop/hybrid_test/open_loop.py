@@ -158,7 +158,8 @@ def load(test: HybridTest, piston: Motion3) -> Array:
 
 def read_displacement(test: HybridTest, piston: Motion3) -> Array:
     """Displacement as the sensor reads it [m], shape (n,)."""
-    return piston.values[0] + _sum(piston, test, Role.DISPLACEMENT_READING, _setting(test, piston.step))
+    read = _sum(piston, test, Role.DISPLACEMENT_READING, _setting(test, piston.step))
+    return np.asarray(piston.values[0] + read)
 
 
 def read_force(test: HybridTest, piston: Motion3, force: Array) -> Array:
