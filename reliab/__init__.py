@@ -1,8 +1,9 @@
 """Probabilistic reliability of real-time hybrid simulation.
 
 The functions here mirror the command line: `load_motions`, `simulate`, `ellipses`, `derive_criterion`,
-`assess`, `cross_validate`, `diagnose` and `write_report`; beside them stand `open_results`,
-`read_ellipses` and `published_criterion`. Each is imported when it is first asked for.
+`assess`, `cross_validate`, `diagnose` and `write_report`; beside them stand what reads their input
+(`open_results`, `read_ellipses`, `read_recording`, `read_campaign`, `open_study`), `published_criterion`
+and `run_study`. Each is imported when it is first asked for.
 """
 
 from importlib import import_module
@@ -11,8 +12,11 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from reliab.api import ellipses, simulate
     from reliab.criterion import derive_criterion, published_criterion, read_ellipses
+    from reliab.discrepancy import diagnose, read_campaign
     from reliab.motions import load_motions
+    from reliab.study import open_study, run_study, write_report
     from reliab.sweep import open_results
+    from reliab.validation.assessment import assess, read_recording
     from reliab.validation.cross_validation import cross_validate
 
 __version__ = "0.1.0"
@@ -26,17 +30,31 @@ _HOMES = {
     "derive_criterion": "reliab.criterion",
     "published_criterion": "reliab.criterion",
     "cross_validate": "reliab.validation.cross_validation",
+    "read_recording": "reliab.validation.assessment",
+    "assess": "reliab.validation.assessment",
+    "read_campaign": "reliab.discrepancy",
+    "diagnose": "reliab.discrepancy",
+    "open_study": "reliab.study",
+    "run_study": "reliab.study",
+    "write_report": "reliab.study",
 }
 
 __all__ = [
+    "assess",
     "cross_validate",
     "derive_criterion",
+    "diagnose",
     "ellipses",
     "load_motions",
     "open_results",
+    "open_study",
     "published_criterion",
+    "read_campaign",
     "read_ellipses",
+    "read_recording",
+    "run_study",
     "simulate",
+    "write_report",
 ]
 
 

@@ -3,6 +3,7 @@
 from typing import Final
 
 from reliab.study.kinds.criterion import CriterionStudy
+from reliab.study.kinds.discrepancy import DiscrepancyStudy
 from reliab.study.kinds.kind import Kind
 from reliab.study.kinds.paper import PaperStudy
 from reliab.study.kinds.suites import SuitesStudy
@@ -10,7 +11,11 @@ from reliab.study.kinds.table_audit import TableAuditStudy
 from reliab.study.kinds.validation import ValidationStudy
 
 KINDS: Final[dict[str, type[Kind]]] = {
-    each.name: each for each in (CriterionStudy, PaperStudy, SuitesStudy, TableAuditStudy, ValidationStudy)
+    each.name: each
+    for each in (
+        *(CriterionStudy, DiscrepancyStudy, PaperStudy),
+        *(SuitesStudy, TableAuditStudy, ValidationStudy),
+    )
 }
 """Every kind by the name that a study's file gives it."""
 

@@ -1,0 +1,36 @@
+"""What the package offers to Python mirrors the command line."""
+
+import subprocess
+import sys
+
+import pytest
+
+import reliab
+
+PROMISED = (
+    *("load_motions", "simulate", "ellipses", "derive_criterion"),
+    *("assess", "cross_validate", "diagnose", "write_report"),
+)
+
+
+@pytest.mark.parametrize("name", reliab.__all__)
+def test_every_name_is_a_documented_function(name):
+    offered = getattr(reliab, name)
+    assert callable(offered)
+    assert offered.__doc__
+    assert name in dir(reliab)
+
+
+def test_the_names_of_the_design_are_there():
+    assert set(PROMISED) <= set(reliab.__all__)
+
+
+def test_an_unknown_name_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="magic"):
+        reliab.magic  # noqa: B018
+
+
+def test_importing_the_package_imports_no_numerics():
+    code = "import sys, reliab; print('numpy' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)  # noqa: S603
+    assert done.stdout.strip() == "False"
