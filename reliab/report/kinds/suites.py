@@ -74,7 +74,8 @@ def suites_report(
     if spectra:
         blocks.insert(1, _spectra(spectra))
     if coverage is not None and len(coverage):
-        blocks.append(rates_section(coverage, confidence=confidence))
+        division = f"learned from {names[-1]}, judged on {names[0]}"
+        blocks.append(rates_section(coverage, confidence=confidence, division=division))
     blocks += [method_section(None, experimental_fraction=1.0, window="record"), limits_section(notes)]
     return Document(
         kind="Comparison of suites",
