@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 CORNERS = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
 """Corner frequencies of the coloured parts [Hz]."""
 
-_ITERATIONS = 300
+_ITERATIONS = 3000
 _BINS = 160
 _LOWEST_LINE = 10.0  # Hz, of the mains folded at the Nyquist frequency
 _LINE = 12.0  # times the local median that a periodogram must exceed to be a line of the mains
@@ -116,7 +116,7 @@ def fit_noise(periodograms: Sequence[Periodogram], rate: float, *, least: float 
     weights = np.full(shapes.shape[0], max(float(np.average(mean, weights=count)), floor) / shapes.shape[0])
     for _ in range(_ITERATIONS):
         density = weights @ shapes + floor
-        weights *= np.sqrt((shapes @ (count * mean / density**2)) / (shapes @ (count / density)))
+        weights *= (shapes @ (count * mean / density**2)) / (shapes @ (count / density))
     weights[0] += floor
     return NoiseModel(rate=rate, weights=weights)
 
