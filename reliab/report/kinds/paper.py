@@ -6,6 +6,7 @@ import pandas as pd
 import xarray as xr
 
 from reliab.criterion.laws import OF_MANY_MOTIONS
+from reliab.criterion.provenance import records_checksum
 from reliab.errors import InputError
 from reliab.report.document import Column, Document, Paragraph, Points, Section, Table
 from reliab.report.kinds.method import limits_section, method_section
@@ -98,7 +99,7 @@ def paper_report(
             limits_section((*_limits(rows), *notes)),
             _appendix(rows),
         ),
-        provenance=provenance_of(provenance),
+        provenance=provenance_of({**provenance, "records, SHA-256": records_checksum(ellipses)}),
         sources=SOURCES,
     )
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from reliab.criterion.provenance import Provenance
+from reliab.criterion.provenance import Provenance, installed_versions
 
 
 def provenance_of(given: Mapping[str, object], criterion: Provenance | None = None) -> dict[str, str]:
@@ -22,7 +22,7 @@ def provenance_of(given: Mapping[str, object], criterion: Provenance | None = No
     """
     lines = {name: _line(value) for name, value in given.items()}
     if criterion is None:
-        return lines
+        return {**lines, "packages": _line(installed_versions())}
     settings = _line(criterion.settings)
     derived = {
         "source": criterion.source,

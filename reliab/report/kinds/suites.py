@@ -69,7 +69,7 @@ def suites_report(
     Document
         The report.
     """
-    names = list(measures)
+    names, kept = list(measures), _kept(coverage, confidence)
     blocks: list[Block] = [_measures(measures), _limits(limits, names, confidence)]
     if spectra:
         blocks.insert(1, _spectra(spectra))
@@ -80,7 +80,8 @@ def suites_report(
     return Document(
         kind="Comparison of suites",
         title=title,
-        verdict=_verdict(limits, names, confidence),
+        verdict=_verdict(limits, names, kept, confidence),
+        tone="bad" if kept is not None and kept["high"] < confidence else "plain",
         facts={
             "Suites": listed([f"{name} ({len(table)} motions)" for name, table in measures.items()]),
             "Confidence": percent(confidence),
@@ -92,13 +93,19 @@ def suites_report(
     )
 
 
-def _verdict(limits: pd.DataFrame, names: Sequence[str], confidence: float) -> Prose:
+def _verdict(limits: pd.DataFrame, names: Sequence[str], kept: pd.Series | None, confidence: float) -> Prose:
     reference, other = names[0], names[-1]
     ratios = _ratios(limits, reference, other)
+    ending = (
+        ""
+        if kept is None
+        else f"; {percent(kept['rate'])} of the motions of “{reference}” contain it "
+        f"(95 % interval {percent(kept['low'])} to {percent(kept['high'])})"
+    )
     return prose(
-        "For {share} of motions, the criterion from “{other}” allows {a_low:.2f} to {a_high:.2f} times the "
-        "amplitude error and {b_low:.2f} to {b_high:.2f} times the delay that the criterion from "
-        "“{reference}” allows.",
+        "For a stated {share} of motions, the criterion from “{other}” allows {a_low:.2f} to {a_high:.2f} "
+        "times the amplitude error and {b_low:.2f} to {b_high:.2f} times the delay that the criterion from "
+        "“{reference}” allows{ending}.",
         share=percent(confidence),
         other=other,
         reference=reference,
@@ -106,7 +113,20 @@ def _verdict(limits: pd.DataFrame, names: Sequence[str], confidence: float) -> P
         a_high=ratios["a"].max(),
         b_low=ratios["b"].min(),
         b_high=ratios["b"].max(),
+        ending=ending,
     )
+
+
+def _kept(coverage: pd.DataFrame | None, confidence: float) -> pd.Series | None:
+    """Take what the first criterion contains of the reference over all structures, where that is known."""
+    if coverage is None:
+        return None
+    overall = coverage[
+        (coverage["measure"] == "containment")
+        & coverage["f"].isna()
+        & np.isclose(coverage["confidence"], confidence)
+    ]
+    return None if overall.empty else overall.iloc[0]
 
 
 def _ratios(limits: pd.DataFrame, reference: str, other: str) -> pd.DataFrame:

@@ -62,7 +62,7 @@ def test_a_validation_says_whether_the_promise_is_kept(rates, set_without_warnin
     set_without_warnings(document)
 
 
-def test_suites_are_compared_with_the_first(set_without_warnings):
+def test_suites_are_compared_with_the_first(rates, set_without_warnings):
     rng = np.random.default_rng(1)
     columns = ("peak_acceleration", "arias_intensity", "significant_duration", "mean_period", "a", "b")
     measures = {
@@ -83,7 +83,16 @@ def test_suites_are_compared_with_the_first(set_without_warnings):
         ]
     )
     document = suites_report(
-        title="S", measures=measures, spectra=spectra, limits=limits, confidence=0.95, provenance={}
+        title="S",
+        measures=measures,
+        spectra=spectra,
+        limits=limits,
+        coverage=rates.assign(high=rates["rate"]),
+        confidence=0.95,
+        provenance={},
     )
-    assert "2.00 to 2.00 times the delay" in "".join(map(str, document.verdict))
+    stated = "".join(map(str, document.verdict))
+    assert "2.00 to 2.00 times the delay" in stated
+    assert "95 % of the motions of “real” contain it" in stated
+    assert document.tone == "plain"
     set_without_warnings(document)
