@@ -1,5 +1,6 @@
 """Every recipe of the README runs as it is printed."""
 
+import contextlib
 import os
 import re
 import shutil
@@ -35,20 +36,24 @@ def checkout(tmp_path):
 def test_recipe_runs(block, checkout):
     lines = [line.removeprefix("$ ") for line in block.splitlines() if not line.startswith(INSTALL)]
     environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
-    with subprocess.Popen(  # noqa: S603
-        ["bash", "-e", "-c", "\n".join(lines)],  # noqa: S607 - the shell of the reader
-        cwd=checkout,
-        env=environment,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        start_new_session=True,
-    ) as process:
+    said = checkout / "said.txt"
+    with (
+        said.open("w", encoding="utf-8") as output,
+        subprocess.Popen(  # noqa: S603
+            ["bash", "-e", "-c", "\n".join(lines)],  # noqa: S607 - the shell of the reader
+            cwd=checkout,
+            env=environment,
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        ) as process,
+    ):
         try:
             code = process.wait(timeout=300)
         finally:
-            os.killpg(process.pid, signal.SIGTERM)  # a scheduler that was left running
-        assert code == 0, process.stdout.read()
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGTERM)  # a scheduler that was left running
+    assert code == 0, said.read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("block", blocks("python"))

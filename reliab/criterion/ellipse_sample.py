@@ -139,8 +139,8 @@ def sample_of(
     return EllipseSample(
         a=cell["a"].values[known].astype(np.float64),
         b=cell["b"].values[known].astype(np.float64),
-        motions=cell["motion"].values[known].astype(np.str_),
-        events=cell["event"].values[known].astype(np.str_),
+        motions=np.array(cell["motion"].values[known].tolist(), dtype=np.str_),
+        events=np.array(cell["event"].values[known].tolist(), dtype=np.str_),
         frequency=frequency,
         damping_ratio=damping_ratio,
         threshold=threshold,

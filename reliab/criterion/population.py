@@ -80,7 +80,7 @@ class Population:
             damping_ratios=damping_ratios,
             log_alpha=np.log(np.where(sound, a / scale_a, np.nan)),
             log_beta=np.log(np.where(sound, b / scale_b, np.nan)),
-            events=chosen["event"].values.astype(np.str_),
+            events=np.array(chosen["event"].values.tolist(), dtype=np.str_),
         )
 
     @property

@@ -72,10 +72,11 @@ def open_results(path: str | Path, *, window: str | None = None) -> xr.Dataset:
         )
     # Strings of fixed width are what everyone can compare, save and group by.
     texts = {
-        name: dataset[name].copy(data=np.array(dataset[name].values.tolist()))
+        name: ("motion", np.array(dataset[name].values.tolist()), dataset[name].attrs)
         for name in ("motion", "event", "checksum")
     }
-    opened: xr.Dataset = dataset.drop_vars("journal", errors="ignore").assign(texts).set_coords(_COORDINATES)
+    plain = dataset.drop_vars(["journal", *texts], errors="ignore")
+    opened: xr.Dataset = plain.assign_coords(texts).set_coords(_COORDINATES)
     return opened
 
 

@@ -132,3 +132,16 @@ def test_the_command_file_imports_no_numerics():
     code = "import sys, reliab.cli.criterion; print('numpy' in sys.modules)"
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)  # noqa: S603
     assert result.stdout.strip() == "False"
+
+
+def test_stored_results_answer_for_any_threshold(tmp_path):
+    from reliab.motions.synthetic import synthetic_suite
+    from reliab.sweep import ScaledGrid, SweepRequest, run_sweep
+
+    request = SweepRequest(
+        frequencies=(1.0,), damping_ratios=(0.05,), grid=ScaledGrid(gain_steps=14, delay_steps=20)
+    )
+    store = run_sweep(synthetic_suite(count=6), request, tmp_path / "results.zarr")
+    found = answer("--results", store, "--threshold", 0.1, "--threshold", 0.05)
+    assert [each["threshold"] for each in found["criteria"]] == [0.1, 0.05]
+    assert found["criteria"][0]["a"] > found["criteria"][1]["a"]
