@@ -33,6 +33,13 @@ class Dimensionless(LogLinearLaw):
     name: ClassVar[str] = "dimensionless"
     equation: ClassVar[str] = "a = α(f, ξ) ξ², b = β(f, ξ) (ξ/ω₀)²"
 
+    @classmethod
+    def terms_of(
+        cls, frequencies: NDArray[np.float64], damping_ratios: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Terms of ln α and ln β over a grid [Hz, -], shape (F, X, 6)."""
+        return cls._terms(*np.meshgrid(frequencies, damping_ratios, indexing="ij"))[0]
+
     @staticmethod
     def _terms(
         f: NDArray[np.float64], xi: NDArray[np.float64]
