@@ -1,7 +1,8 @@
 """A and d of a measured test, free of the ends of the record and with the uncertainty that noise leaves.
 
-Three things are done beyond equations (1)–(5):
+Four things are done beyond equations (1)–(5):
 
+- Offsets are taken off both histories, which would otherwise leak into the lowest frequencies.
 - Command and measured displacement pass the same low-pass filter, so that noise recorded with the command
   does not count as command (equation (4) would otherwise average over the noise's frequencies, too). What
   noise is left of it in the band, at the level found above the band, is taken off the power in (1) and (4).
@@ -101,8 +102,8 @@ def track(recording: Recording, *, window: str = "hann", draws: int = 2000, seed
     >>> round(found.amplitude, 5), round(1e3 * found.delay, 4)
     (0.99, 2.0)
     """
-    band = in_band(recording)
-    step = recording.time_step
+    recording = replace(recording, command=_centred(recording.command), measured=_centred(recording.measured))
+    band, step = in_band(recording), recording.time_step
     plain = _without_noise(frequency_evaluation(band.command, band.measured, step, window=window), band, step)
     path = CubicSpline(np.arange(band.command.size) * step, band.command)
     gain, delay = plain.amplitude, plain.equivalent_delay
@@ -122,16 +123,21 @@ def track(recording: Recording, *, window: str = "hann", draws: int = 2000, seed
         delay=delay,
         plain=plain,
         draws=np.stack([gain * (1.0 + error.real), delay - error.imag / turn]),
-        noise_share=_rms(noise) / _rms(recording.measured - recording.measured.mean()),
+        noise_share=_rms(noise) / _rms(recording.measured),
         attenuation=float(band.noise.sum()),
         unexplained_share=_unexplained(left, noise, band),
     )
 
 
 def _moved(path: CubicSpline, gain: float, delay: float) -> Array:
-    """Command times a gain and later by a delay; at rest before its first and after its last sample."""
+    """Command times a gain and later by a delay, without its mean; at rest before the first sample."""
     times = path.x
-    return np.asarray(gain * path(np.clip(times - delay, times[0], times[-1])), dtype=np.float64)
+    return _centred(gain * path(np.clip(times - delay, times[0], times[-1])))
+
+
+def _centred(values: Array) -> Array:
+    """Take off the mean, in which sensors may have an offset."""
+    return np.asarray(values - values.mean(), dtype=np.float64)
 
 
 def _rms(values: Array) -> float:

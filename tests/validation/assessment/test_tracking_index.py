@@ -42,6 +42,18 @@ def test_noise_of_the_command_biases_neither(simulate):
     assert np.mean(plain) < -3.5 * np.std(plain) / np.sqrt(len(plain))
 
 
+def test_offsets_of_position_and_sensor_change_nothing(simulate):
+    test = simulate()
+    size = np.abs(test.command).max()
+    moved = Recording(
+        command=test.command + 3.0 * size, measured=test.measured + 2.5 * size, time_step=test.time_step
+    )
+    plain, shifted = (track(each, draws=50) for each in (test, moved))
+    assert shifted.amplitude == pytest.approx(plain.amplitude, abs=1e-8)
+    assert shifted.delay == pytest.approx(plain.delay, abs=1e-9)
+    assert shifted.noise_share == pytest.approx(plain.noise_share)
+
+
 def noisy(test, kind, rng):
     """Add noise of 1 % of the RMS: white, of 0.5 s memory, or in proportion to the motion."""
     noise = rng.normal(size=test.command.size)
