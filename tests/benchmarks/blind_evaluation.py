@@ -1,0 +1,69 @@
+"""Measure `diagnose` on blind campaigns that nobody has seen, restartable.
+
+`python tests/benchmarks/blind_evaluation.py FOLDER [--seed 2000000] [--count 400]` draws the campaigns of
+the seeds from `--seed` on, diagnoses each, keeps labels and results in FOLDER, and writes
+FOLDER/figures.json and the table of `tests/blind_campaigns/score.py`. What is there already is not done
+again; several runs may share the work, each with its own range of seeds.
+"""
+
+import argparse
+import json
+import shutil
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests"))
+
+from blind_campaigns.campaign import Options, generate  # noqa: E402
+from blind_campaigns.labels import write_label  # noqa: E402
+from blind_campaigns.scoring import main as score  # noqa: E402
+
+from reliab.discrepancy import diagnose, read_campaign  # noqa: E402
+
+
+def evaluate(seed: int, folder: Path) -> None:
+    """Draw, diagnose and record the campaign of one seed; the measured data are thrown away."""
+    name = f"campaign_{seed}"
+    with tempfile.TemporaryDirectory() as scratch:
+        campaign = Path(scratch) / name
+        try:
+            label = generate(seed, campaign, options=Options())
+        except RuntimeError as error:
+            print(f"{name} cannot be drawn: {error}")
+            return
+        begin = time.perf_counter()
+        result = diagnose(read_campaign(campaign)).as_dict()
+        result["seconds"] = time.perf_counter() - begin
+        shutil.rmtree(campaign)
+    (folder / "results" / f"{name}.json").write_text(json.dumps(result), encoding="utf-8")
+    write_label(label, folder / "labels")
+    names = [effect["name"] for effect in result["effects"]]
+    print(f"{name} {label.kind} {sorted(label.names)}: {result['verdict']} {names}", flush=True)
+
+
+def main() -> None:
+    """Run the command line."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--seed", type=int, default=2_000_000)
+    parser.add_argument("--count", type=int, default=400)
+    given = parser.parse_args()
+    for part in ("labels", "results"):
+        (given.folder / part).mkdir(parents=True, exist_ok=True)
+    for seed in range(given.seed, given.seed + given.count):
+        if not (given.folder / "labels" / f"campaign_{seed}.json").exists():
+            evaluate(seed, given.folder)
+    score(
+        [
+            *(str(given.folder / part) for part in ("labels", "results")),
+            "--json",
+            str(given.folder / "figures.json"),
+        ]
+    )
+
+
+if __name__ == "__main__":
+    main()

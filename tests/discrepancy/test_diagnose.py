@@ -1,0 +1,128 @@
+"""The whole workflow on campaigns whose content is known, by an independent simulator."""
+
+import base64
+import json
+
+import numpy as np
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from reliab.cli.diagnose import diagnose as command
+from reliab.discrepancy import Verdict, diagnose, read_campaign
+
+KEYS = {"campaign", "verdict", "where", "effects", "unknown", "gap", "criterion_shift"}
+
+# seed, kind, observation, effect, noise, signal-to-noise ratio [dB]
+REPRESENTATIVE = [
+    (1, "single", "actuator_only", "first_order_lag", "white", 35.0),
+    (2, "single", "command_measured", "stroke_saturation", "coloured", 40.0),
+    (3, "single", "actuator_only", "backlash", "quantised", 35.0),
+    (4, "single", "command_measured", "sensor_drift", "mains", 30.0),
+    (5, "single", "specimen_only", "cubic_stiffness", "white", 40.0),
+    (6, "single", "measured_force", "viscous_damping", "mixture", 45.0),
+    (7, "single", "full", "added_mass", "coloured", 35.0),
+    (8, "single", "full", "excitation_scale", "white", 30.0),
+    (9, "miscalibrated", "command_measured", None, "quantised", 25.0),
+    (10, "miscalibrated", "actuator_only", None, "coloured", 35.0),
+    (11, "miscalibrated", "specimen_only", None, "white", 30.0),
+    (12, "none", "command_measured", None, "mains", 25.0),
+    (13, "miscalibrated", "measured_force", None, "mixture", 40.0),
+    (14, "none", "one_channel_oscillator", None, "white", 35.0),
+    (15, "outside", "command_measured", "position_dependent_gain", "white", 40.0),
+    (16, "outside", "actuator_only", "gain_drift", "mains", 40.0),
+    (17, "outside", "measured_force", "stiffness_degradation", "white", 40.0),
+    (18, "outside", "specimen_only", "one_sided_spring", "coloured", 45.0),
+    (19, "one_channel", "one_channel_oscillator", "quadratic_stiffness", "white", 40.0),
+    (20, "faint", "command_measured", "rate_limit", "white", 30.0),
+]
+
+
+def judged(found, label):
+    """Whether an answer is right: exact, or for faint effects without a wrong name."""
+    named = {effect.name for effect in found.effects}
+    if label.kind == "faint":
+        return named <= label.names
+    if label.kind == "outside":
+        return found.verdict is Verdict.UNKNOWN_EFFECT
+    return named == label.names and str(found.verdict) == label.verdict
+
+
+def test_twenty_blind_campaigns(blind):
+    wrong = []
+    for case in REPRESENTATIVE[::2]:
+        seed, kind, observation, effect, noise, snr = case
+        folder, label = blind(seed, kind, observation, effect, noise, snr)
+        found = diagnose(read_campaign(folder))
+        if not judged(found, label):
+            wrong.append((case, found.verdict, [one.name for one in found.effects]))
+    assert len(wrong) <= 1, wrong
+
+
+@pytest.mark.slow
+def test_the_other_blind_campaigns(blind):
+    wrong = []
+    for case in REPRESENTATIVE[1::2]:
+        seed, kind, observation, effect, noise, snr = case
+        folder, label = blind(seed, kind, observation, effect, noise, snr)
+        found = diagnose(read_campaign(folder))
+        if not judged(found, label):
+            wrong.append((case, found.verdict, [one.name for one in found.effects]))
+    assert len(wrong) <= 1, wrong
+
+
+@pytest.mark.parametrize("name", ["rig_a", "rig_b", "rig_c"])
+def test_sample_campaigns_answer_as_their_sealed_labels(sample_campaigns, name):
+    sealed = json.loads((sample_campaigns / "labels.json").read_text(encoding="utf-8"))[name]
+    label = json.loads(base64.b64decode(sealed))
+    found = diagnose(read_campaign(sample_campaigns / name))
+    assert str(found.verdict) == label["verdict"]
+    if label["verdict"] == "named":
+        assert {one.name for one in found.effects} == {one["name"] for one in label["effects"]}
+        assert found.gap.closed_fraction > 0.9
+        truth = label["effects"][0]["parameters"]["force_n"]["value"]
+        estimate = next(one for one in found.effects[0].estimates if one.name == "force_n")
+        assert abs(estimate.value - truth) < 4.0 * estimate.sd
+
+
+def test_answer_has_the_keys_of_the_format_and_is_json(sample_campaigns):
+    content = diagnose(read_campaign(sample_campaigns / "rig_a")).as_dict()
+    assert set(content) >= KEYS
+    assert set(content["gap"]) == {
+        "held_out", "channel", "nrmse_before", "nrmse_after", "noise_floor", "closed_fraction",
+    }  # fmt: skip
+    assert all(0.0 <= place["share_of_residual"] <= 1.0 for place in content["where"])
+    json.dumps(content, allow_nan=False)
+
+
+def test_servo_hydraulic_is_a_low_pass_with_a_bias_and_no_drifting_delay(shared_folder):
+    found = diagnose(read_campaign(shared_folder / "measured" / "servo_hydraulic"))
+    names = {effect.name for effect in found.effects}
+    assert names in ({"first_order_lag", "sensor_bias"}, {"second_order_dynamics", "sensor_bias"})
+    assert found.gap.before > 0.35
+    assert found.gap.after <= 0.045
+    rivals = next(effect for effect in found.effects if effect.name != "sensor_bias").rivals
+    drift = [rival for rival in rivals if rival.name == "delay_drift"]
+    assert all(rival.held_out_nrmse > 3.0 * found.gap.after for rival in drift)
+
+
+def test_residuals_by_file_are_those_of_the_gap(sample_campaigns):
+    found = diagnose(read_campaign(sample_campaigns / "rig_a"))
+    block = next(one for one in found.blocks if one.effects)
+    assert set(block.residuals_after) == set(block.gap.held_out)
+    before, after = (
+        np.concatenate(list(r.values())).std() for r in (block.residuals_before, block.residuals_after)
+    )
+    assert after < before
+
+
+def test_command_line_writes_json_and_says_what_is_wrong(sample_campaigns, tmp_path):
+    application = typer.Typer()
+    application.command()(command)
+    run = CliRunner().invoke(
+        application, [str(sample_campaigns / "rig_b"), "--out", str(tmp_path), "--json", "-"]
+    )
+    assert run.exit_code == 0
+    assert json.loads(run.stdout)["verdict"] == "no_missing_effect"
+    written = json.loads((tmp_path / "diagnosis.json").read_text(encoding="utf-8"))
+    assert written["verdict"] == "no_missing_effect"

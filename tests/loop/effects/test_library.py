@@ -1,0 +1,124 @@
+"""Every effect against its equation, its registry entry, and its own transfer function."""
+
+import numpy as np
+import pytest
+
+from reliab.errors import InputError
+from reliab.loop.actuator import Actuator
+from reliab.loop.effects import LinearEffect, Role, Scales, find_effect, library
+from reliab.loop.hybrid_test import HybridTest, Motion3, Specimen, drive, load, read_displacement
+from reliab.vocabulary import EffectName
+
+STEP = 1e-3
+TIME = np.arange(0.0, 8.0, STEP)
+X = 0.8 * np.sin(2.0 * np.pi * TIME) * np.sin(np.pi * TIME / 8.0)
+MOTION = Motion3.through(X, STEP)
+CALIBRATION = {EffectName.GAIN_ERROR, EffectName.DELAY_ERROR}
+
+
+def force_of(name, **parameters):
+    effect = find_effect(name)(**parameters)
+    return load(HybridTest(specimen=Specimen(stiffness=50.0), effects=(effect,)), MOTION) - 50.0 * X
+
+
+def moved_by(name, **parameters):
+    return drive(HybridTest(effects=(find_effect(name)(**parameters),)), MOTION).values[0]
+
+
+def test_library_holds_every_name_of_the_vocabulary():
+    assert set(library()) == {str(name) for name in EffectName} - {str(name) for name in CALIBRATION}
+
+
+@pytest.mark.parametrize("name", list(library()))
+def test_values_and_coordinates_make_a_round_trip(name):
+    effect = library()[name]
+    scales = Scales(displacement=0.1, velocity=0.7, acceleration=5.0, force=300.0, duration=40.0)
+    for parameter in effect.parameters:
+        for start in parameter.starts:
+            value = start * parameter.unit(scales)
+            assert parameter.value(parameter.coordinate(value, scales), scales) == pytest.approx(value)
+            assert parameter.lower <= start <= parameter.upper
+    made = effect.of(np.array([p.starts[0] * p.unit(scales) or 1.0 for p in effect.parameters]))
+    assert np.array_equal(effect.of(made.values).values, made.values)
+
+
+FORCES = [
+    ("cubic_stiffness", {"cubic_n_per_m3": 3.0}, lambda x, _v, _a: 3.0 * x**3),
+    ("quadratic_stiffness", {"quadratic_n_per_m2": 3.0}, lambda x, _v, _a: 3.0 * x**2),
+    ("viscous_damping", {"damping_n_s_per_m": 2.0}, lambda _x, v, _a: 2.0 * v),
+    ("quadratic_damping", {"coefficient_n_s2_per_m2": 2.0}, lambda _x, v, _a: 2.0 * v * np.abs(v)),
+    ("added_mass", {"mass_kg": 0.3}, lambda _x, _v, a: 0.3 * a),
+    (
+        "coulomb_friction",
+        {"force_n": 4.0, "regularisation_velocity_m_per_s": 0.01},
+        lambda _x, v, _a: 4.0 * np.tanh(v / 0.01),
+    ),
+    ("gap", {"gap_m": 0.1}, lambda x, _v, _a: -50.0 * np.clip(x, -0.1, 0.1)),
+]
+
+
+@pytest.mark.parametrize(("name", "parameters", "expected"), FORCES)
+def test_force_follows_its_equation(name, parameters, expected):
+    np.testing.assert_allclose(force_of(name, **parameters), expected(*MOTION.values), atol=1e-9)
+
+
+def test_hysteresis_is_elastic_first_and_yields_then():
+    force = force_of("hysteresis", force_n=10.0, displacement_m=0.1, beta=0.5, exponent=2.0)
+    early = np.abs(X) < 0.01
+    first = early & (TIME < 0.3)
+    np.testing.assert_allclose(force[first], 100.0 * X[first], atol=0.05)
+    assert np.abs(force).max() == pytest.approx(10.0, rel=0.01)
+    dissipated = np.trapezoid(force, X)
+    assert dissipated > 10.0
+
+
+def test_stroke_backlash_and_rate_limit():
+    assert moved_by("stroke_saturation", stroke_m=0.3) == pytest.approx(np.clip(X, -0.3, 0.3), abs=1e-12)
+    played = moved_by("backlash", width_m=0.1)
+    assert np.abs(played - X).max() == pytest.approx(0.05, abs=1e-6)
+    slow = moved_by("rate_limit", velocity_limit_m_per_s=2.0)
+    assert np.abs(np.diff(slow)).max() <= 2.0 * STEP + 1e-12
+
+
+def test_drifting_delay():
+    rate = 0.01
+    found = moved_by("delay_drift", delay_rate_s_per_s=rate)
+    expected = np.interp(TIME - rate * TIME, TIME, X)
+    np.testing.assert_allclose(found, expected, atol=2e-5)
+
+
+def test_readings():
+    bias = HybridTest(effects=(find_effect("sensor_bias")(bias_m=0.2),))
+    drift = HybridTest(effects=(find_effect("sensor_drift")(drift_m_per_s=0.01),))
+    np.testing.assert_allclose(read_displacement(bias, MOTION) - X, 0.2, atol=1e-12)
+    np.testing.assert_allclose(read_displacement(drift, MOTION) - X, 0.01 * TIME, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "values"), [("first_order_lag", [0.02]), ("second_order_dynamics", [8.0, 0.6])]
+)
+def test_stepping_of_a_linear_effect_agrees_with_its_transfer_function(name, values):
+    effect = find_effect(name).of(np.array(values))
+    assert isinstance(effect, LinearEffect)
+    frequency = 2.0
+    wave = np.sin(2.0 * np.pi * frequency * TIME)
+    found = drive(HybridTest(actuator=Actuator(), effects=(effect,)), Motion3.through(wave, STEP)).values[0]
+    steady = TIME > 4.0 - 0.5 * STEP
+    basis = np.exp(2j * np.pi * frequency * TIME[steady])
+    measured = 2j * np.mean(found[steady] * np.conj(basis))
+    expected = effect.transfer(np.array([2j * np.pi * frequency]))[0]
+    assert measured == pytest.approx(expected, abs=2e-4)
+
+
+def test_record_is_played_with_another_time_step():
+    effect = find_effect("time_step_error")(ratio=1.25)
+    applied = effect.applied(X, STEP)
+    np.testing.assert_allclose(applied, np.interp(TIME / 1.25, TIME, X), atol=1e-12)
+
+
+def test_errors_say_what_to_do():
+    with pytest.raises(InputError, match="Choose one of these"):
+        find_effect("gremlins")
+    with pytest.raises(InputError, match=r"gap_m of gap must be positive; found -0\.1"):
+        find_effect("gap")(gap_m=-0.1)
+    assert find_effect("gap").role is Role.FORCE

@@ -1,0 +1,62 @@
+"""The march of the whole loop against the spectral solution, and against its own blocks run alone."""
+
+import numpy as np
+import pytest
+
+from reliab.errors import InputError
+from reliab.loop import spectral
+from reliab.loop.actuator import Actuator
+from reliab.loop.effects import find_effect
+from reliab.loop.excitation import Excitation
+from reliab.loop.hybrid_test import HybridTest, drive, load, read_force, run_closed_loop
+from reliab.loop.structure import Structure
+
+STEP = 1.0 / 512.0
+TIME = np.arange(0.0, 20.0, STEP)
+GROUND = np.sin(2.0 * np.pi * 0.8 * TIME) * np.exp(-(((TIME - 6.0) / 3.0) ** 2))
+STRUCTURE = Structure(frequency=1.0, damping_ratio=0.05, experimental_fraction=0.6)
+
+
+@pytest.mark.parametrize(("gain", "delay"), [(1.0, 0.0), (1.02, 0.004), (0.98, 0.0125)])
+def test_loop_agrees_with_the_spectral_engine(gain, delay):
+    test = HybridTest(structure=STRUCTURE, actuator=Actuator(gain=gain, delay=delay))
+    found = run_closed_loop(test, GROUND, STEP)
+    excitation = Excitation(acceleration=GROUND, time_step=STEP)
+    exact, fine = spectral.response(excitation, STRUCTURE, gain, delay)
+    sampled = np.interp(TIME, fine * np.arange(exact.size), exact)
+    assert np.abs(found.measured - sampled).max() < 2e-3 * np.abs(sampled).max()
+
+
+def test_blocks_alone_repeat_what_they_did_in_the_loop():
+    effects = (
+        find_effect("first_order_lag")(time_constant_s=0.01),
+        find_effect("coulomb_friction")(force_n=0.05, regularisation_velocity_m_per_s=0.01),
+        find_effect("force_bias")(bias_n=0.02),
+    )
+    test = HybridTest(structure=STRUCTURE, actuator=Actuator(gain=1.01, delay=0.006), effects=effects)
+    whole = run_closed_loop(test, GROUND, STEP)
+    piston = drive(test, whole.command)
+    np.testing.assert_allclose(piston.values[0], whole.piston.values[0], atol=1e-12)
+    np.testing.assert_allclose(read_force(test, piston, load(test, piston)), whole.force, atol=1e-9)
+
+
+def damping_of(test):
+    """Damping ratio from the decay of a free vibration."""
+    pulse = np.where(TIME < 0.04, 1.0, 0.0)
+    swing = np.abs(run_closed_loop(test, pulse, STEP).command.values[0])
+    early, late = swing[512:1024].max(), swing[1536:2048].max()
+    return np.log(early / late) / (4.0 * np.pi)
+
+
+@pytest.mark.parametrize("added", [0.005, 0.03, -0.01])
+def test_integration_error_adds_the_damping_that_it_states(added):
+    effect = find_effect("integration_error")(numerical_damping_ratio=added)
+    plain = HybridTest(structure=STRUCTURE)
+    assert damping_of(plain.adding(effect)) - damping_of(plain) == pytest.approx(added, rel=0.01)
+
+
+def test_loop_without_a_structure():
+    with pytest.raises(InputError, match="needs a numerical substructure"):
+        _ = HybridTest().substructure
+    with pytest.raises(InputError, match="mass must be positive"):
+        HybridTest(mass=-1.0)
