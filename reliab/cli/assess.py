@@ -239,6 +239,10 @@ def _range(ends: list[float], digits: int) -> str:
     return f"{low:.{digits}f} … {high:.{digits}f}"
 
 
+def _or_none(what: str, tolerable: float, unit: str) -> str:
+    return f"{what} {tolerable:.3g}{unit}" if tolerable > 0.0 else f"no {what}"
+
+
 def _sentences(found: "Assessment", summary: dict[str, Any]) -> list[str]:
     sentences = []
     if found.own is not None:
@@ -253,7 +257,7 @@ def _sentences(found: "Assessment", summary: dict[str, Any]) -> list[str]:
     share = advice["share_of_delay"] if advice["first"] == "delay" else 1.0 - advice["share_of_delay"]
     sentences.append(
         f"Improve first: the {advice['first']} ({share:.0%} of the index). "
-        f"Tolerable with the other as it is: delay {advice['tolerable_delay_ms']:.3g} ms, "
-        f"amplitude error {advice['tolerable_amplitude_error']:.2g}."
+        f"Tolerable with the other as it is: {_or_none('delay', advice['tolerable_delay_ms'], ' ms')}, "
+        f"{_or_none('amplitude error', advice['tolerable_amplitude_error'], '')}."
     )
     return sentences

@@ -80,11 +80,9 @@ def _of_signal(found: "Assessment") -> Iterator[str]:
     samples = 1.0 / (recording.time_step * tracking.plain.equivalent_frequency)
     if samples < _FEW_SAMPLES:
         yield f"The test is sampled coarsely: {samples:.3g} samples in a period."
-    if tracking.noise_share > _NOISY:
-        yield (
-            f"The test is noisy: {tracking.noise_share:.1%} of the measured displacement is unrelated to "
-            "the command."
-        )
+    noise = float(np.sqrt(max(tracking.noise_share**2 - tracking.unexplained_share**2, 0.0)))
+    if noise > _NOISY:
+        yield (f"The test is noisy: {noise:.1%} of the measured displacement is unrelated to the command.")
     low, high = found.index_interval
     if low < 1.0 < high:
         yield "Noise leaves the verdict open: the interval of the index holds 1."
