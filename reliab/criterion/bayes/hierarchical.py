@@ -109,8 +109,8 @@ class Hierarchical(Model):
         coefficients = (
             Parameter(
                 name=f"{each}: {term}",
-                mean=-1.0 if term == "1" else 0.0,
-                spread=1.5 if term == "1" else 0.5,
+                mean=-1.0 if term == "constant" else 0.0,
+                spread=1.5 if term == "constant" else 0.5,
             )
             for each in "ab"
             for term in names
@@ -134,8 +134,8 @@ class Hierarchical(Model):
     @cached_property
     def _terms(self) -> dict[str, NDArray[np.float64]]:
         phi, eta = np.meshgrid(np.log(self.frequencies), np.log(self.damping_ratios / 0.05), indexing="ij")
-        fits = {"1": True, "ln f": phi.shape[0] > 1, "ln ξ": phi.shape[1] > 1}
-        found = {"1": np.ones_like(phi), "ln f": phi, "ln ξ": eta}
+        fits = {"constant": True, "ln f": phi.shape[0] > 1, "ln ξ": phi.shape[1] > 1}
+        found = {"constant": np.ones_like(phi), "ln f": phi, "ln ξ": eta}
         if self.curved:
             found.update({"ln² f": phi**2, "ln f ln ξ": phi * eta, "ln² ξ": eta**2})
             fits.update(
