@@ -1,0 +1,103 @@
+"""What the real records say: the paper's tables, the laws, the closed form, the hierarchical fit."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from reliab.boundary.first_order import first_order_ellipse
+from reliab.criterion.audit import audit
+from reliab.criterion.bayes import Ensembles, sample
+from reliab.criterion.bayes.posterior_criterion import hierarchical_model
+from reliab.criterion.law_comparison import compare_laws
+from reliab.criterion.motion_terms import gain_of_terms
+from reliab.loop.excitation import Excitation
+from reliab.loop.structure import Structure
+from reliab.motions import load_motions
+from reliab.shipped import shipped
+from reliab.sweep import EllipseRequest, trace_ellipses
+
+pytestmark = pytest.mark.slow
+
+FREQUENCIES = (0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0)
+DAMPING_RATIOS = (0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09, 0.10)
+
+
+@pytest.fixture(scope="module")
+def suite(real_motions_folder):
+    return load_motions(real_motions_folder)
+
+
+@pytest.fixture(scope="module")
+def real_ellipses(suite):
+    return trace_ellipses(suite, EllipseRequest(frequencies=FREQUENCIES, damping_ratios=DAMPING_RATIOS))
+
+
+@pytest.fixture(scope="module")
+def audited(real_ellipses):
+    return audit(shipped("datasets", "paper"), real_ellipses).set_index(["item", "quantity"])
+
+
+def test_table_3_comes_back_from_the_records(audited):
+    rows = audited.loc["Table 3"]
+    ratio = rows["from_records"] / rows["printed"] - 1.0
+    assert ratio[ratio.index.str.startswith("a")].abs().max() < 0.35
+    assert ratio[ratio.index.str.startswith("b")].abs().max() < 0.20
+
+
+def test_column_b_of_table_4_is_the_root(audited):
+    rows = audited.loc["Table 4"]
+    roots = rows[rows.index.str.startswith("b")]
+    np.testing.assert_allclose(roots["from_records"], roots["printed"], rtol=0.16)
+    assert (roots["from_records"].iloc[1:] ** 2 > 1.8 * roots["printed"].iloc[1:]).all()
+
+
+def test_three_quarters_of_table_2_come_back(audited):
+    rows = audited.loc["Table 2"]
+    both = (rows["finding"] == "comes back").to_numpy().reshape(-1, 2).all(axis=1)
+    assert both.sum() >= 70
+
+
+def test_the_new_law_beats_the_old_ones_at_every_frequency(real_ellipses):
+    table = compare_laws(real_ellipses)
+    for column in ("log_score", "region_at_f"):
+        found = table.pivot_table(index="f", columns="law", values=column)
+        for other in ("exponential", "guo_2017_18"):
+            assert (found["dimensionless"] > found[other]).all()
+
+
+def test_the_closed_form_explains_most_of_the_scatter_between_motions(suite, real_ellipses):
+    chosen = real_ellipses.sel(xi=[0.02, 0.10])
+    records = {motion.name: motion for motion in suite}
+    predicted = np.log(
+        [
+            [
+                [
+                    first_order_ellipse(
+                        Excitation(
+                            acceleration=records[name].acceleration, time_step=records[name].time_step
+                        ),
+                        Structure(frequency=f, damping_ratio=xi),
+                    ).parameters(0.05)
+                    for xi in (0.02, 0.10)
+                ]
+                for f in FREQUENCIES
+            ]
+            for name in chosen["motion"].values.astype(str)
+        ]
+    )
+    for k, (name, least) in enumerate((("a", 0.95), ("b", 0.75))):
+        true = np.log(chosen[name].sel(threshold=0.05, metric="rms", curve="ellipse").values)
+        unexplained = (true - predicted[..., k]).var(axis=0) / true.var(axis=0)
+        assert (1.0 - unexplained).min() > least
+    gain = gain_of_terms(chosen, {"closed form": predicted}).loc["closed form"]
+    assert gain["gain"] > 2.0
+
+
+def test_the_hierarchical_fit_converges(real_ellipses):
+    posterior = sample(
+        hierarchical_model(real_ellipses, threshold=0.05, metric="rms"), Ensembles(steps=800, thin=2)
+    )
+    table: pd.DataFrame = posterior.table()
+    assert posterior.converged
+    assert table["r_hat"].max() < 1.01
+    assert table[["bulk_size", "tail_size"]].min().min() > 1000.0
