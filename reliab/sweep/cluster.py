@@ -5,7 +5,7 @@ from itertools import islice
 from typing import TYPE_CHECKING
 
 from reliab.errors import InputError
-from reliab.sweep.run import Solved, SweepJob
+from reliab.sweep.job import Solved, SweepJob
 
 if TYPE_CHECKING:
     from distributed import Client

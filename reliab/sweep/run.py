@@ -3,17 +3,15 @@
 import os
 from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
-from reliab.motions import Motion, MotionSuite
+from reliab.motions import MotionSuite
 from reliab.progress import Progress, silent
+from reliab.sweep.job import SweepJob
 from reliab.sweep.request import SweepRequest
-from reliab.sweep.solve import MotionResults, solve_motion
 from reliab.sweep.store import ResultsStore
 
-Solved = tuple[int, Motion, list[MotionResults]]
 _AHEAD = 2  # tasks in hand for each worker; bounds the memory
 
 
@@ -73,38 +71,6 @@ def run_sweep(
             progress(finished, len(complete))
         store.finish()
     return path
-
-
-@dataclass(frozen=True, kw_only=True)
-class SweepJob:
-    """A suite and what is asked of it: all that a worker needs.
-
-    Parameters
-    ----------
-    motions : MotionSuite
-        The suite.
-    request : SweepRequest
-        Structures, actuators and windows.
-    """
-
-    motions: MotionSuite
-    request: SweepRequest
-
-    def solve(self, index: int) -> Solved:
-        """Read and simulate one motion.
-
-        Parameters
-        ----------
-        index : int
-            Which motion.
-
-        Returns
-        -------
-        tuple
-            Index, motion and results.
-        """
-        motion = self.motions[index]
-        return index, motion, solve_motion(motion, self.request)
 
 
 def _on_threads(

@@ -1,0 +1,42 @@
+"""What a worker needs to solve the motions of a sweep."""
+
+from dataclasses import dataclass
+
+from reliab.motions import Motion, MotionSuite
+from reliab.sweep.request import SweepRequest
+from reliab.sweep.solve import MotionResults, solve_motion
+
+Solved = tuple[int, Motion, list[MotionResults]]
+"""Index of a motion, the motion, and its results for each window."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SweepJob:
+    """A suite and what is asked of it.
+
+    Parameters
+    ----------
+    motions : MotionSuite
+        The suite.
+    request : SweepRequest
+        Structures, actuators and windows.
+    """
+
+    motions: MotionSuite
+    request: SweepRequest
+
+    def solve(self, index: int) -> Solved:
+        """Read and simulate one motion.
+
+        Parameters
+        ----------
+        index : int
+            Which motion.
+
+        Returns
+        -------
+        tuple
+            Index, motion and results.
+        """
+        motion = self.motions[index]
+        return index, motion, solve_motion(motion, self.request)
