@@ -1,7 +1,6 @@
 """What the real records say: the paper's tables, the laws, the closed form, the hierarchical fit."""
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from reliab.boundary.first_order import first_order_ellipse
@@ -97,7 +96,7 @@ def test_the_hierarchical_fit_converges(real_ellipses):
     posterior = sample(
         hierarchical_model(real_ellipses, threshold=0.05, metric="rms"), Ensembles(steps=800, thin=2)
     )
-    table: pd.DataFrame = posterior.table()
+    table = posterior.table()
     assert posterior.converged
     assert table["r_hat"].max() < 1.01
     assert table[["bulk_size", "tail_size"]].min().min() > 1000.0
