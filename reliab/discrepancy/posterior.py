@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.criterion.bayes import ConvergenceWarning, Ensembles, PosteriorSample, sample
+from reliab.criterion.bayes import Ensembles, PosteriorSample, sample
 from reliab.discrepancy.fit import Fit, Problem
 from reliab.discrepancy.likelihood_surface import LikelihoodSurface, log_density, simulated
 from reliab.discrepancy.space import ModelSpace
@@ -27,6 +27,7 @@ simulators of the same equations differ by some parts in ten thousand, from how 
 samples.
 """
 
+_THIN = 8  # steps to a kept draw, of which a file takes milliseconds each
 _CHECKED = 48  # draws at which the surface is compared with simulations
 _KEPT = 4000
 _INTERVAL = (0.05, 0.95)
@@ -127,7 +128,7 @@ def sample_posterior(
     out : pathlib.Path, optional
         HDF5 file that keeps the chains; a run that was cut short goes on from there.
     steps : int, optional
-        Steps of every walker, the first half of which is left out.
+        Steps of every walker, a multiple of 16; the first half is left out.
     seed : int, optional
         Seed of the walkers.
     progress : callable, optional
@@ -145,8 +146,8 @@ def sample_posterior(
     """
     surface = LikelihoodSurface.around(problem, fitted)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ConvergenceWarning)  # said in the statement
-        sampled = sample(surface, Ensembles(steps=steps, seed=seed), file=out, progress=progress)
+        warnings.simplefilter("ignore", UserWarning)  # convergence is said in the statement
+        sampled = sample(surface, Ensembles(steps=steps, thin=_THIN, seed=seed), file=out, progress=progress)
     coordinates = surface.coordinates(sampled.spread_out(_KEPT))
     return Posterior(
         names=_names(fitted.space),
