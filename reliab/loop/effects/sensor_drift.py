@@ -36,7 +36,7 @@ class SensorDrift(SteppedEffect):
             typical=0.5,
             lower=-10.0,
             upper=10.0,
-            starts=(0.0,),
+            starts=(0.05,),
         ),
     )
     kernel = Kernel(function=_reading)
