@@ -59,8 +59,9 @@ def test_numbers_end_at_the_same_place_after_the_point(number):
 
 @pytest.mark.parametrize("value", [9.995, 0.09996, 99.96, 123456.0, -0.5, 1e-12])
 def test_significant_digits_are_kept(value):
-    text = Significant(digits=3)(value).digits.replace("−", "-")
-    assert float(text) == pytest.approx(float(f"{value:.2e}"), rel=6e-3)
+    written = Significant(digits=3)(value)
+    text = written.digits.replace("−", "-")
+    assert float(f"{text}e{written.exponent or 0}") == pytest.approx(float(f"{value:.2e}"), rel=6e-3)
     assert len(text.lstrip("-").replace(".", "").lstrip("0")) >= 3
 
 

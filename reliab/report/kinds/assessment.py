@@ -9,12 +9,13 @@ from reliab.report.document import Column, Document, Figure, Paragraph, Points, 
 from reliab.report.figures.measured_test import tracking_over_time, tracking_plane
 from reliab.report.kinds.provenance import provenance_of
 from reliab.report.kinds.wording import METHODS, PERCENT, error_below, percent, probability
-from reliab.report.numbers import Fixed, Significant
+from reliab.report.numbers import Fixed
 from reliab.report.prose import Prose, prose
 from reliab.report.sources import SOURCES
 from reliab.validation.assessment.assess import LEVEL, Assessment
 
 _MILLISECONDS = 1e3
+_FAR = 10.0
 
 
 def assessment_report(
@@ -71,8 +72,8 @@ def _verdict(found: Assessment) -> Prose:
         "" if chance is None else f", and the probability that its error stays there is {probability(chance)}"
     )
     return (
-        *prose("The test is *{word}*: its index is {index} ", word=word, index=_three(found.index)),
-        f"({LEVEL:.0%} interval {_three(low)} to {_three(high)}".replace("%", " %"),
+        *prose("The test is *{word}*: its index is {index} ", word=word, index=_index(found.index)),
+        f"({LEVEL:.0%} interval {_index(low)} to {_index(high)}".replace("%", " %"),
         "; reliable up to 1) for ",
         *error_below(found.criterion.metric, found.criterion.threshold),
         f"{likely}.",
@@ -108,8 +109,8 @@ def _numbers(found: Assessment) -> Table:
         ("Equivalent delay d [ms]", *_milliseconds(tracking.delay, low_d, high_d), f"{np.sqrt(b):.3f}"),
         (
             "Index (A − 1)²/a + d²/b",
-            _three(found.index),
-            " to ".join(map(_three, found.index_interval)),
+            _index(found.index),
+            " to ".join(map(_index, found.index_interval)),
             "1",
         ),
         *_own(found),
@@ -144,9 +145,9 @@ def _numbers(found: Assessment) -> Table:
     )
 
 
-def _three(value: float) -> str:
-    """Three significant digits."""
-    return Significant()(value).digits
+def _index(value: float) -> str:
+    """Three decimals, or none where the index is far from its bound."""
+    return Fixed(decimals=3 if value < _FAR else 0)(value).digits
 
 
 def _milliseconds(value: float, low: float, high: float) -> tuple[str, str]:

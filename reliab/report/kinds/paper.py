@@ -163,9 +163,9 @@ def _overview(found: pd.DataFrame) -> Section:
             Paragraph(
                 text=prose(
                     "@tab:all lists everything that the paper prints with a number, in its order, none left "
-                    "out. What has no number of its own (definitions, drawings) says how it was used. Table "
-                    "2 has a hundred rows, which stand in @tab:rows. Differences are relative to the printed"
-                    " number."
+                    "out. What has no number of its own (definitions, drawings) says how it was used. The "
+                    "hundred rows of the paper's second table stand in @tab:rows. Differences are relative "
+                    "to the printed number."
                 )
             ),
             Table(
@@ -240,6 +240,9 @@ def _errata() -> Section:
     return Section(
         title="Errata of the paper",
         blocks=(
+            Paragraph(
+                text="Tables and equations are numbered here as in the paper, figures as in this report."
+            ),
             Points(
                 items=(
                     prose(
@@ -267,8 +270,8 @@ def _errata() -> Section:
                         "($0.45 dot 10^(-4)$ to $24.5 dot 10^(-4)$ and 0.90 to 47.8 ms²)."
                     ),
                     prose(
-                        "At 6.4 ms the text quotes errors of 280 % and 96 %; the exact loop gives those of "
-                        "@tab:all."
+                        "At 6.4 ms the text quotes errors of 280 % and 96 %; the exact loop gives those "
+                        "listed in @sec:all of this report."
                     ),
                 )
             ),

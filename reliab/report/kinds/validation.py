@@ -28,6 +28,7 @@ def validation_report(
     confidence: float,
     experimental_fraction: float = 1.0,
     window: str = "record",
+    verdicts: pd.DataFrame | None = None,
     beyond: pd.DataFrame | None = None,
     cases: xr.Dataset | None = None,
     provenance: Mapping[str, object],
@@ -50,6 +51,10 @@ def validation_report(
         Share of the stiffness in the laboratory [-].
     window : str, optional
         Where errors were taken.
+    verdicts : pandas.DataFrame, optional
+        What became of simulated tests in the first division: columns `candidate`, `confidence`,
+        `good_accepted`, `good_rejected`, `bad_accepted`, `bad_rejected`, as
+        :func:`reliab.validation.generalisation.tabulate` makes it.
     beyond : pandas.DataFrame, optional
         Tests with actuators that are no constant gain and delay, as
         :func:`reliab.validation.beyond_the_model.try_rigs` makes it.
@@ -70,6 +75,8 @@ def validation_report(
     blocks: list[Block] = [
         rates_section(table, confidence=confidence, division=name) for name, table in rates.items()
     ]
+    if verdicts is not None and len(verdicts):
+        blocks.append(_confusion(verdicts, confidence))
     if beyond is not None and len(beyond):
         blocks.append(_beyond(beyond))
     if cases is not None:
@@ -120,6 +127,33 @@ def _verdict(rates: pd.DataFrame, confidence: float) -> tuple[Prose, bool]:
         ending=ending,
     )
     return verdict, keeps
+
+
+def _confusion(verdicts: pd.DataFrame, confidence: float) -> Section:
+    chosen = verdicts[np.isclose(verdicts["confidence"], confidence)]
+    good, bad = prose("good tests"), prose("bad tests")
+    return Section(
+        title="Verdicts on simulated tests",
+        blocks=(
+            Table(
+                frame=chosen,
+                columns=(
+                    Column(key="candidate", heading="Criterion"),
+                    Column(key="good_accepted", heading="accepted", number=Whole(), group=good),
+                    Column(key="good_rejected", heading="refused", number=Whole(), group=good),
+                    Column(key="bad_accepted", heading="accepted", number=Whole(), group=bad),
+                    Column(key="bad_rejected", heading="refused", number=Whole(), group=bad),
+                ),
+                caption=prose(
+                    "Verdicts of the criteria that state {share} on tests whose amplitude errors and delays "
+                    "lie evenly around the boundaries, each under a motion of a held-out earthquake; a test "
+                    "is good when its simulated error stays below the threshold.",
+                    share=percent(confidence),
+                ),
+                label="tab:confusion",
+            ),
+        ),
+    )
 
 
 def _beyond(tests: pd.DataFrame) -> Section:
