@@ -58,6 +58,7 @@ class ValidationStudy(Kind):
         """Report containment, false-safe rate and accepted share of every scheme, and what lies beyond."""
         from reliab.report.kinds.rates import rates_table
         from reliab.report.kinds.validation import validation_report
+        from reliab.validation.generalisation import tabulate
 
         return validation_report(
             title=study.title,
@@ -68,6 +69,7 @@ class ValidationStudy(Kind):
             confidence=study.criterion.confidences[0],
             experimental_fraction=study.structures.experimental_fraction,
             window=study.errors.window,
+            verdicts=tabulate(validation_of(study, folder, study.validation.schemes[0])),
             beyond=pd.read_csv(folder / BEYOND),
             cases=opened(folder / CASES) if study.validation.held_out else None,
             provenance={"study": study.title, "study, SHA-256": study.digest()},
