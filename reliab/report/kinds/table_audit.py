@@ -21,10 +21,11 @@ def table_audit_report(
     *,
     title: str,
     rows: pd.DataFrame,
+    numbers: pd.DataFrame,
     provenance: Mapping[str, object],
     notes: Sequence[Prose] = (),
 ) -> Document:
-    """Report which rows of the paper's Table 2 come back, and what differs in the others.
+    """Report which numbers of the paper come back, Table 2 row by row, and what differs in the others.
 
     Parameters
     ----------
@@ -32,6 +33,8 @@ def table_audit_report(
         Title of the report.
     rows : pandas.DataFrame
         As :func:`reliab.discrepancy.table_audit.audit_table2` makes it.
+    numbers : pandas.DataFrame
+        Every number of the paper, as :func:`reliab.criterion.audit.audit` makes it.
     provenance : mapping
         What the report can be made again from, by name.
     notes : sequence of Prose, optional
@@ -69,6 +72,7 @@ def table_audit_report(
         },
         blocks=(
             _apart(rows, apart),
+            _numbers(numbers),
             _all(rows),
             method_section(None, experimental_fraction=1.0, window="record"),
             limits_section(notes),
@@ -128,6 +132,45 @@ def _apart(rows: pd.DataFrame, apart: pd.DataFrame) -> Section:
             ),
         ),
         label="sec:apart",
+    )
+
+
+def _numbers(numbers: pd.DataFrame) -> Section:
+    known = numbers[["from_tables", "from_records"]].notna().any(axis=1)
+    shown = numbers[known & ((numbers["item"] != "Table 2") | ~numbers["quantity"].str.contains(" of "))]
+    shown = shown.assign(item=shown["item"].where(shown["item"] != shown["item"].shift(), ""))
+    return Section(
+        title="Every other number",
+        blocks=(
+            Paragraph(
+                text=prose(
+                    "Every number of Tables 1 and 3 to 6 and of equations (11) to (18), recomputed from the "
+                    "tables that the paper prints and from the ellipses of its records. Differences are "
+                    "relative to the printed number. What neither gives, curves and histories, is in the "
+                    "report of the study paper2017."
+                )
+            ),
+            Table(
+                frame=shown,
+                columns=(
+                    Column(key="item", heading="Paper", wide=True),
+                    Column(key="quantity", heading="Quantity", wide=True),
+                    Column(key="printed", heading="Printed", number=Significant()),
+                    Column(key="from_tables", heading="Its tables", number=Significant()),
+                    Column(key="from_records", heading="Its records", number=Significant()),
+                    Column(
+                        key="difference",
+                        heading="Difference",
+                        unit="%",
+                        number=Fixed(decimals=1, factor=PERCENT, signed=True),
+                    ),
+                    Column(key="finding", heading="Finding", wide=True),
+                ),
+                caption="What the paper prints, what follows from its tables, and what from its records.",
+                label="tab:numbers",
+            ),
+        ),
+        label="sec:numbers",
     )
 
 

@@ -15,6 +15,7 @@ from reliab.study.stages import Stage, digest
 from reliab.study.steps import Material, Show
 
 ROWS: Final = "table2.csv"
+NUMBERS: Final = "numbers.csv"
 
 
 class TableAuditStudy(Kind):
@@ -41,7 +42,7 @@ class TableAuditStudy(Kind):
             rows.to_csv(folder / ROWS, index=False)
 
         inputs = {"motions": material.checksums, "printed": digest(table)}
-        return (Stage(name="audit", inputs=inputs, writes=(ROWS,), work=work),)
+        return (Stage(name="audit", inputs=inputs, writes=(ROWS,), work=work), _numbers())
 
     @staticmethod
     def report(study: Study, folder: Path) -> Document:
@@ -51,6 +52,21 @@ class TableAuditStudy(Kind):
         return table_audit_report(
             title=study.title,
             rows=pd.read_csv(folder / ROWS),
+            numbers=pd.read_csv(folder / NUMBERS),
             provenance={"study": study.title, "study, SHA-256": study.digest()},
             notes=(study.purpose,) if study.purpose else (),
         )
+
+
+def _numbers() -> Stage:
+    """Recompute every number from the printed tables and the ellipses of the real motions."""
+    printed, ellipses = shipped("datasets", "paper"), shipped("datasets", "real_suite/ellipses.nc")
+
+    def work(folder: Path) -> None:
+        from reliab.criterion.audit import audit
+        from reliab.sweep import open_ellipses
+
+        audit(printed, open_ellipses(ellipses)).to_csv(folder / NUMBERS, index=False)
+
+    inputs = {"printed": digest(printed), "ellipses": digest(ellipses)}
+    return Stage(name="numbers", inputs=inputs, writes=(NUMBERS,), work=work)
