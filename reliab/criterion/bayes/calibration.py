@@ -9,15 +9,12 @@ Talts, S. and others (2018). Validating Bayesian inference algorithms with simul
 arXiv:1804.06788.
 """
 
-import warnings
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chisquare
 
-from reliab.criterion.bayes.diagnostics import ConvergenceWarning
 from reliab.criterion.bayes.model import Model
-from reliab.criterion.bayes.sampling import Ensembles, sample
+from reliab.criterion.bayes.sampling import Ensembles, draw
 from reliab.progress import Progress, silent
 
 DRAWS = 99
@@ -58,11 +55,8 @@ def calibration_ranks(
     rng = np.random.default_rng(seed)
     ranks = np.empty((fits, len(model.parameters)), dtype=np.int64)
     for number, truth in enumerate(model.draw_prior(fits, rng)):
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", ConvergenceWarning)  # one ensemble, judged by its ranks
-            posterior = sample(
-                model.simulate(truth, rng), Ensembles(steps=steps, count=1, seed=seed + number)
-            )
+        settings = Ensembles(steps=steps, count=1, seed=seed + number)
+        posterior = draw(model.simulate(truth, rng), settings)
         chosen = rng.choice(posterior.flat, DRAWS, replace=False)
         ranks[number] = (chosen < truth).sum(axis=0)
         progress(number + 1, fits)

@@ -101,6 +101,26 @@ def sample(
     >>> posterior.converged, bool(abs(posterior.flat[:, 0].mean() - model.values.mean()) < 0.01)
     (True, True)
     """
+    found = draw(model, ensembles, file=file, progress=progress)
+    found.warn_unless_converged()
+    return found
+
+
+def draw(
+    model: Model, ensembles: Ensembles, *, file: Path | None = None, progress: Progress = silent
+) -> PosteriorSample:
+    """Draw as :func:`sample` does, without asking whether the run has converged.
+
+    Parameters
+    ----------
+    model, ensembles, file, progress
+        As for :func:`sample`.
+
+    Returns
+    -------
+    PosteriorSample
+        The draws.
+    """
     width = ensembles.walkers or max(32, 2 * (4 * len(model.parameters) // 3))
     laplace = Laplace.of(model)
     chains, accepted = [], []
@@ -111,14 +131,12 @@ def sample(
             kept = ensembles.steps // ensembles.thin // 2
             chains.append(sampler.get_chain(discard=kept)[:kept])
             accepted.append(float(np.mean(sampler.acceptance_fraction)))
-    found = PosteriorSample(
+    return PosteriorSample(
         names=tuple(each.name for each in model.parameters),
         draws=np.stack(chains),
         thin=ensembles.thin,
         accepted=float(np.mean(accepted)),
     )
-    found.warn_unless_converged()
-    return found
 
 
 def _sampler(
