@@ -10,7 +10,8 @@ from reliab.criterion.provenance import records_checksum
 from reliab.errors import InputError
 from reliab.report.document import Column, Document, Paragraph, Points, Section, Table
 from reliab.report.kinds.method import limits_section, method_section
-from reliab.report.kinds.paper_comparisons import comparisons, table_2
+from reliab.report.kinds.paper_compared_tables import table_2
+from reliab.report.kinds.paper_comparisons import comparisons
 from reliab.report.kinds.paper_figures import (
     boundary_section,
     cases_section,

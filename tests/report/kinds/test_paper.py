@@ -7,7 +7,8 @@ import xarray as xr
 from reliab.motions import Motion
 from reliab.report.kinds.paper import containment, paper_report
 from reliab.report.kinds.paper_cases import cases_dataset
-from reliab.report.kinds.paper_comparisons import comparisons, table_2
+from reliab.report.kinds.paper_compared_tables import table_2
+from reliab.report.kinds.paper_comparisons import comparisons
 from reliab.report.kinds.paper_fits import PaperFits
 from reliab.report.printed import printed_tables
 from reliab.validation.paper_cases import run_paper_cases

@@ -1,0 +1,128 @@
+"""The motions behind a criterion: figures, and their ellipses as a table."""
+
+import pandas as pd
+
+from reliab.criterion.distributions import Lognormal, LogSkewNormal
+from reliab.report.document import Block, Column, Figure, Paragraph, Section, Table
+from reliab.report.figures.event_forest import event_forest
+from reliab.report.figures.parameter_correlation import parameter_correlation
+from reliab.report.figures.parameter_distributions import parameter_distributions
+from reliab.report.figures.posterior_and_predictive import posterior_and_predictive
+from reliab.report.figures.quantile_quantile import quantile_quantile
+from reliab.report.kinds.criterion_told import Told
+from reliab.report.kinds.wording import (
+    ERRORS,
+    percent,
+)
+from reliab.report.numbers import Fixed, Scientific, Significant
+from reliab.report.prose import Piece, prose
+from reliab.vocabulary import Metric
+
+_MOST_EVENTS = 40
+
+_LONG_TABLE = 160
+
+
+def motions_section(told: Told) -> Section:
+    """Show the motions behind the criterion and what they leave open."""
+    sample, chosen, (f, xi) = told.sample, told.criterion, told.structure
+    figures: list[Block] = [
+        Figure(
+            drawing=parameter_correlation(sample),
+            caption=prose(
+                "Every motion has its own ellipse. $a$ and $b$ rise together: a motion that forgives "
+                "amplitude errors forgives delays too, since near resonance both are one complex error."
+            ),
+            label="fig:correlation",
+        ),
+        Figure(
+            drawing=parameter_distributions(
+                sample,
+                {
+                    "lognormal": (Lognormal.fit(sample.a), Lognormal.fit(sample.b)),
+                    "log-skew-normal": (LogSkewNormal.fit(sample.a), LogSkewNormal.fit(sample.b)),
+                },
+                limits=told.limits,
+                confidence=chosen.confidence,
+            ),
+            caption=(
+                "Distribution of the ellipse parameters over the motions; the criterion cuts the lower tail."
+            ),
+            label="fig:distributions",
+        ),
+        Figure(
+            drawing=quantile_quantile(sample),
+            caption=(
+                "Where points leave the band, the lognormal distribution of the paper does not describe the "
+                "motions."
+            ),
+            label="fig:quantiles",
+        ),
+        Figure(
+            drawing=posterior_and_predictive(sample, limits=told.limits, confidence=chosen.confidence),
+            caption=prose(
+                "What the motions leave open. Above: how well the quantile is known, if motions were "
+                "independent and lognormal (bar: 95 %). Below: the chance that a further motion lies below "
+                "a value; the criterion stands where the predictive curve meets {share}, or lower where $a$"
+                " and $b$ must hold together.",
+                share=percent(1.0 - chosen.confidence, 2),
+            ),
+            label="fig:predictive",
+        ),
+    ]
+    if 1 < sample.n_events < min(sample.n_motions, _MOST_EVENTS):
+        figures.append(
+            Figure(
+                drawing=event_forest(sample, limits=told.limits),
+                caption=prose(
+                    "Motions of one earthquake are alike @searle1992; this many motions are therefore worth "
+                    "fewer independent ones, and whole earthquakes are held out when the criterion is put to"
+                    " the test."
+                ),
+                label="fig:forest",
+            )
+        )
+    opening = Paragraph(
+        text=prose(
+            "{n} motions of {events} earthquakes have an ellipse at {f:g} Hz and $xi = {xi:g}$; their "
+            "parameters are listed in @tab:motions.",
+            n=sample.n_motions,
+            events=sample.n_events,
+            f=f,
+            xi=xi,
+        )
+    )
+    return Section(title="The motions behind it", blocks=(opening, *figures), label="sec:motions")
+
+
+def appendix_section(told: Told) -> Section:
+    """List the ellipses of the motions."""
+    sample, (f, xi) = told.sample, told.structure
+    frame = pd.DataFrame({"motion": sample.motions, "event": sample.events, "a": sample.a, "b": sample.b})
+    for name in ("duration", "pga"):
+        if name in told.ellipses.coords:
+            frame[name] = told.ellipses[name].sel(motion=sample.motions).values
+    shown = frame.sort_values("a").head(_LONG_TABLE) if len(frame) > _LONG_TABLE else frame
+    optional = {
+        "duration": Column(key="duration", heading="Duration", unit="s", number=Fixed(decimals=1)),
+        "pga": Column(key="pga", heading="Peak", unit="m/s²", number=Fixed()),
+    }
+    which = "" if len(shown) == len(frame) else f" The {_LONG_TABLE} least forgiving of {len(frame)} motions."
+    caption: tuple[Piece, ...] = (
+        *prose("Ellipses of the motions at {f:g} Hz and $xi = {xi:g}$ for ", f=f, xi=xi),
+        ERRORS[Metric(sample.metric)],
+        f" of {percent(sample.threshold)}.{which}",
+    )
+    table = Table(
+        frame=shown,
+        columns=(
+            Column(key="motion", heading="Motion"),
+            Column(key="event", heading="Earthquake"),
+            *(column for name, column in optional.items() if name in shown),
+            Column(key="a", heading=prose("$a$"), unit="-", number=Scientific()),
+            Column(key="b", heading=prose("$b$"), unit="ms²", number=Significant()),
+        ),
+        caption=caption,
+        label="tab:motions",
+    )
+    return Section(title="Ellipses of the motions", blocks=(table,))

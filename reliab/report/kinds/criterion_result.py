@@ -1,0 +1,197 @@
+"""The criterion itself: limits at one structure and over all."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure as Drawing
+
+from reliab.report.document import Block, Column, Figure, Paragraph, Remark, Section, Table
+from reliab.report.figures.criterion_surfaces import criterion_surfaces
+from reliab.report.figures.ellipses_and_criterion import ellipses_and_criterion
+from reliab.report.figures.parameters_over_structure import (
+    ParameterSeries,
+    parameters_over_damping_ratio,
+    parameters_over_frequency,
+)
+from reliab.report.kinds.criterion_told import Told
+from reliab.report.kinds.wording import (
+    ERROR_NAMES,
+    PERCENT,
+    percent,
+)
+from reliab.report.numbers import Fixed, Scientific, Shortest, Significant
+from reliab.report.prose import prose
+from reliab.vocabulary import Metric
+
+_MOST_COLUMNS = 9
+
+_MOST_ROWS = 12
+
+_FINE = 41
+
+
+def result_section(told: Told) -> Section:
+    """State the criterion at one structure, then over all."""
+    chosen = told.criterion
+    f, xi = told.structure
+    blocks: list[Block] = [
+        Paragraph(
+            text=prose(
+                "Evaluate $A$ and $d$ from the command and measured displacements of the test (@eq:index). "
+                "The test is reliable in the sense of this report while its point lies inside the ellipse of"
+                " its structure (@tab:criteria, @fig:criterion). A test that is accurate in amplitude may "
+                "use the whole of the delay, and the other way round; errors in both share the same budget."
+            )
+        ),
+        _criteria_table(told),
+        Figure(
+            drawing=ellipses_and_criterion(told.sample, _named_limits(told)),
+            caption=prose(
+                "Boundaries of all ground motions at {f:g} Hz and $xi = {xi:g}$ (grey) and the criterion: "
+                "the share of grey ellipses that the coloured one crosses is the share of motions for which"
+                " a test on its edge would exceed the error.",
+                f=f,
+                xi=xi,
+            ),
+            label="fig:criterion",
+        ),
+        *_over_structures(told),
+    ]
+    zero = _without_promise(told)
+    if zero:
+        blocks.insert(1, Remark(text=zero))
+    title = f"Criterion for {percent(chosen.confidence)} of ground motions"
+    return Section(title=title, blocks=tuple(blocks), label="sec:result")
+
+
+def _without_promise(told: Told) -> str:
+    """Say for which criteria the motions are too few."""
+    few = [each for each in told.criteria if not all(np.min(limit) > 0.0 for limit in told.over_grid(each))]
+    if not few:
+        return ""
+    shares = ", ".join(sorted({percent(each.confidence) for each in few}))
+    return (
+        f"The motions are too few for the promise at {shares}; the limits are zero there and no test is "
+        "accepted."
+    )
+
+
+def _criteria_table(told: Told) -> Table:
+    f, xi = told.structure
+    rows = []
+    for each in told.criteria:
+        a, b = (float(limit) for limit in each.limits(f, xi))
+        row = {"threshold": each.threshold, "metric": str(each.metric), "confidence": each.confidence}
+        rows.append({**row, "a": a, "b": b, "amplitude": np.sqrt(a), "delay": np.sqrt(b)})
+    frame = pd.DataFrame(rows)
+    frame["metric"] = [ERROR_NAMES[Metric(name)] for name in frame["metric"]]
+    return Table(
+        frame=frame,
+        columns=(
+            Column(key="metric", heading="Error"),
+            Column(key="threshold", heading="Bound", unit="%", number=Shortest(factor=PERCENT)),
+            Column(key="confidence", heading="Confidence", unit="%", number=Shortest(factor=PERCENT)),
+            Column(key="a", heading=prose("$a$"), unit="-", number=Scientific()),
+            Column(key="b", heading=prose("$b$"), unit="ms²", number=Significant()),
+            Column(
+                key="amplitude", heading=prose("$|A - 1| <= sqrt(a)$"), unit="%", number=Fixed(factor=PERCENT)
+            ),
+            Column(key="delay", heading=prose("$d <= sqrt(b)$"), unit="ms", number=Fixed()),
+        ),
+        caption=prose(
+            "Limits of the ellipse at {f:g} Hz and $xi = {xi:g}$; the first line is the criterion of this "
+            "report. Small errors and high confidences leave less room.",
+            f=f,
+            xi=xi,
+        ),
+        label="tab:criteria",
+    )
+
+
+def _named_limits(told: Told) -> dict[str, tuple[float, float]]:
+    chosen = told.criterion
+    alike = [
+        each for each in told.criteria if (each.threshold, each.metric) == (chosen.threshold, chosen.metric)
+    ]
+    named = {}
+    for each in alike:
+        a, b = (float(limit) for limit in each.limits(*told.structure))
+        if a > 0.0 and b > 0.0:
+            named[f"{percent(each.confidence)} of motions"] = (a, b)
+    return named
+
+
+def _over_structures(told: Told) -> Iterator[Block]:
+    a, b = told.over_grid(told.criterion)
+    several_f, several_xi = a.shape[0] > 1, a.shape[1] > 1
+    if several_f and several_xi:
+        yield from _over_both(told, PERCENT * np.sqrt(a), np.sqrt(b))
+    elif several_f or several_xi:
+        yield _over_one(told, along_f=several_f)
+
+
+def _over_both(told: Told, amplitude: np.ndarray, delay: np.ndarray) -> Iterator[Block]:
+    yield Figure(
+        drawing=_surfaces(told),
+        caption=prose(
+            "Limits over natural frequency and damping ratio: the room for amplitude error hardly depends on"
+            " the frequency and grows with damping; the room for delay shrinks as the frequency grows."
+        ),
+        label="fig:surfaces",
+    )
+    yield _pivot(
+        told, delay, Fixed(), "Greatest delay $sqrt(b)$ [ms] of a test without amplitude error", "tab:delay"
+    )
+    text = "Greatest amplitude error $sqrt(a)$ [%] of a test without delay"
+    yield _pivot(told, amplitude, Fixed(), text, "tab:amplitude")
+
+
+def _surfaces(told: Told) -> Drawing:
+    """Draw the limits between the simulated structures too, as the law has them."""
+    f, xi = (
+        np.geomspace(nodes[0], nodes[-1], _FINE).clip(nodes[0], nodes[-1])
+        for nodes in (told.frequencies, told.damping_ratios)
+    )
+    a, b = told.criterion.limits(f[:, None], xi[None, :])
+    simulated = (told.frequencies, told.damping_ratios)
+    return criterion_surfaces(f, xi, PERCENT * np.sqrt(a), np.sqrt(b), simulated=simulated)
+
+
+def _pivot(told: Told, limit: np.ndarray, number: Fixed, text: str, label: str) -> Table:
+    rows = _chosen(told.damping_ratios.size, _MOST_ROWS)
+    across = _chosen(told.frequencies.size, _MOST_COLUMNS)
+    frame = pd.DataFrame(limit[np.ix_(across, rows)].T, columns=[str(k) for k in across])
+    frame.insert(0, "xi", told.damping_ratios[rows])
+    columns = tuple(
+        Column(key=str(k), heading=f"{told.frequencies[k]:g}", number=number, group=prose("$f$ [Hz]"))
+        for k in across
+    )
+    return Table(
+        frame=frame,
+        columns=(Column(key="xi", heading=prose("$xi$ [-]"), number=Shortest()), *columns),
+        caption=prose(f"{text}, by damping ratio and natural frequency."),
+        label=label,
+    )
+
+
+def _chosen(count: int, most: int) -> list[int]:
+    """Positions spread evenly over those that there are."""
+    return sorted({int(k) for k in np.linspace(0, count - 1, min(count, most)).round()})
+
+
+def _over_one(told: Told, *, along_f: bool) -> Figure:
+    nodes = told.frequencies if along_f else told.damping_ratios
+    series = []
+    for each in told.criteria:
+        a, b = (limit.ravel() for limit in told.over_grid(each))
+        error = f"{percent(each.threshold)} {ERROR_NAMES[Metric(each.metric)]}"
+        name = f"{error}, {percent(each.confidence)} of motions"
+        series.append(ParameterSeries(name=name, x=nodes, a=a, b=b, law=True))
+    draw = parameters_over_frequency if along_f else parameters_over_damping_ratio
+    what = "natural frequency" if along_f else "damping ratio"
+    return Figure(
+        drawing=draw(series),
+        caption=prose("Limits $a$ and $b$ of the criteria over the {what} of the structure.", what=what),
+        label="fig:surfaces",
+    )
