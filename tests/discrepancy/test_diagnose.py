@@ -48,26 +48,25 @@ def judged(found, label):
     return named == label.names and str(found.verdict) == label.verdict
 
 
-def test_twenty_blind_campaigns(blind):
+def wrong_answers(cases, blind):
+    """Cases that are answered wrongly, with the answers."""
     wrong = []
-    for case in REPRESENTATIVE[::2]:
-        seed, kind, observation, effect, noise, snr = case
+    for seed, kind, observation, effect, noise, snr in cases:
         folder, label = blind(seed, kind, observation, effect, noise, snr)
         found = diagnose(read_campaign(folder))
         if not judged(found, label):
-            wrong.append((case, found.verdict, [one.name for one in found.effects]))
-    assert len(wrong) <= 1, wrong
+            wrong.append((seed, kind, effect, found.verdict, [one.name for one in found.effects]))
+    return wrong
+
+
+def test_some_of_twenty_blind_campaigns(blind):
+    wrong = wrong_answers(REPRESENTATIVE[::3], blind)
+    assert not wrong
 
 
 @pytest.mark.slow
-def test_the_other_blind_campaigns(blind):
-    wrong = []
-    for case in REPRESENTATIVE[1::2]:
-        seed, kind, observation, effect, noise, snr = case
-        folder, label = blind(seed, kind, observation, effect, noise, snr)
-        found = diagnose(read_campaign(folder))
-        if not judged(found, label):
-            wrong.append((case, found.verdict, [one.name for one in found.effects]))
+def test_twenty_blind_campaigns(blind):
+    wrong = wrong_answers(REPRESENTATIVE, blind)
     assert len(wrong) <= 1, wrong
 
 
