@@ -8,12 +8,9 @@ from reliab.discrepancy.criterion_shift import criterion_shift, shaking_of
 from reliab.discrepancy.posterior import Posterior, sample_posterior
 from reliab.discrepancy.result import BlockDiagnosis, Diagnosis
 from reliab.discrepancy.update import updated_model
-from reliab.discrepancy.updated_model import UpdatedModel, write_model
+from reliab.discrepancy.updated_model import MODEL_FILE, UpdatedModel, write_model
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
-
-MODEL_FILE = "model.toml"
-"""The updated model in the folder of a diagnosis."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

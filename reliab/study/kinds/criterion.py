@@ -49,5 +49,5 @@ class CriterionStudy(Kind):
             criteria=criteria_of(folder),
             coverage=rates[rates["measure"] == "containment"],
             provenance={"study": study.title, "study, SHA-256": study.digest()},
-            notes=(study.purpose,) if study.purpose else (),
+            purpose=study.purpose,
         )

@@ -59,6 +59,7 @@ class PaperStudy(Kind):
             example=opened(folder / EXAMPLE),
             ellipses=open_ellipses(folder / ELLIPSES),
             cases=opened(folder / CASES),
+            purpose=study.purpose,
             provenance={"study": study.title, "study, SHA-256": study.digest()},
         )
 

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from reliab.criterion.provenance import records_checksum
 from reliab.report import Document
 from reliab.shipped import shipped
 from reliab.study.description import Study
@@ -79,8 +80,13 @@ class SuitesStudy(Kind):
             limits=_limits(study, folder, real, names),
             coverage=rates_table(transfer),
             confidence=study.criterion.confidences[0],
-            provenance={"study": study.title, "study, SHA-256": study.digest()},
-            notes=(study.purpose,) if study.purpose else (),
+            provenance={
+                "study": study.title,
+                "study, SHA-256": study.digest(),
+                f"records of {names[0]}, SHA-256": records_checksum(real),
+                f"records of {names[1]}, SHA-256": records_checksum(own),
+            },
+            purpose=study.purpose,
         )
 
 

@@ -7,6 +7,7 @@ from typing import Final
 
 import pandas as pd
 
+from reliab.criterion.provenance import records_checksum
 from reliab.loop.structure import Structure
 from reliab.motions import Motion, MotionSuite, load_motions
 from reliab.report import Document
@@ -16,6 +17,7 @@ from reliab.study.stages import Stage
 from reliab.study.steps import (
     CASES,
     CRITERIA,
+    ELLIPSES,
     Material,
     Show,
     criteria_of,
@@ -27,6 +29,7 @@ from reliab.study.steps import (
     tracing,
     validation_of,
 )
+from reliab.sweep import open_ellipses
 
 BEYOND: Final = "beyond_the_model.csv"
 
@@ -72,8 +75,12 @@ class ValidationStudy(Kind):
             verdicts=tabulate(validation_of(study, folder, study.validation.schemes[0])),
             beyond=pd.read_csv(folder / BEYOND),
             cases=opened(folder / CASES) if study.validation.held_out else None,
-            provenance={"study": study.title, "study, SHA-256": study.digest()},
-            notes=(study.purpose,) if study.purpose else (),
+            provenance={
+                "study": study.title,
+                "study, SHA-256": study.digest(),
+                "records, SHA-256": records_checksum(open_ellipses(folder / ELLIPSES)),
+            },
+            purpose=study.purpose,
         )
 
 
