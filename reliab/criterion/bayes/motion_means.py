@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.criterion.bayes.covariance import distance, normal_log_density, squares_of
+from reliab.criterion.bayes.covariance import normal_log_density, squares_of
 
 _NODES: Final = 7  # Gauss-Hermite nodes along each of two directions
 _ROUNDS: Final = 6  # reweighted means that place them
@@ -78,16 +78,20 @@ class MotionMeans:
         array of float, shape (vectors,)
             Up to a constant.
         """
-        strayed = self.means - centre[:, None, :]  # (vectors, motions, 2)
-        mode, precision = self._conditional(strayed, between, within, degrees)
+        # In coordinates in which the scale is the identity, distances are Euclidean.
+        whitening = np.linalg.inv(np.linalg.cholesky(_matrix(within)))
+        strayed = np.einsum("wij,wmj->wmi", whitening, self.means - centre[:, None, :])
+        prior = whitening @ _matrix(between) @ whitening.swapaxes(-1, -2)
+        mode, precision = self._conditional(strayed, np.linalg.inv(prior), degrees)
         directions = np.linalg.inv(np.linalg.cholesky(precision)).swapaxes(-1, -2)
         nodes, weights = _nodes()
         effects = mode[:, :, None, :] + np.einsum("weij,nj->weni", directions, nodes)
         log_weights = weights + 0.5 * (nodes**2).sum(axis=1)
-        integrand = self._integrand(strayed, effects, between, within, degrees) + log_weights
+        integrand = self._integrand(strayed, effects, prior, degrees) + log_weights
         peak = integrand.max(axis=2)
         area = np.log(np.exp(integrand - peak[..., None]).sum(axis=2))
-        return np.asarray((peak + area - 0.5 * np.linalg.slogdet(precision)[1]).sum(axis=1))
+        of_events = (peak + area - 0.5 * np.linalg.slogdet(precision)[1]).sum(axis=1)
+        return np.asarray(of_events - 0.5 * self.groups.size * np.log(_determinant(within)))
 
     @cached_property
     def _by_event(self) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
@@ -103,42 +107,35 @@ class MotionMeans:
         return np.asarray(np.add.reduceat(values[..., order, :], starts, axis=-2))
 
     def _conditional(
-        self,
-        strayed: NDArray[np.float64],
-        between: NDArray[np.float64],
-        within: NDArray[np.float64],
-        degrees: NDArray[np.float64],
+        self, strayed: NDArray[np.float64], prior: NDArray[np.float64], degrees: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Mode (vectors, events, 2) of the event effects and precision (vectors, events, 2, 2) about it."""
-        prior, scale = np.linalg.inv(_matrix(between)), np.linalg.inv(_matrix(within))
-        weight = np.ones(strayed.shape[:2])
-        determinant = _determinant(within)[:, None]
+        weight = np.ones((*strayed.shape[:2], 1))
         for _ in range(_ROUNDS):
-            total = self._event_sums(weight[..., None])[..., None]
-            precision = prior[:, None] + total * scale[:, None]
-            pull = np.einsum("wij,wej->wei", scale, self._event_sums(weight[..., None] * strayed))
-            mode = np.linalg.solve(precision, pull[..., None])[..., 0]
-            squares = squares_of(strayed - mode[:, self.groups])
-            weight = (degrees[:, None] + 2.0) / (
-                degrees[:, None] + distance(within[:, None], squares, determinant)
-            )
+            precision = prior[:, None] + self._event_sums(weight)[..., None] * np.eye(2)
+            pull = self._event_sums(weight * strayed)
+            mode = (np.linalg.inv(precision) @ pull[..., None])[..., 0]
+            apart = ((strayed - mode[:, self.groups]) ** 2).sum(axis=2, keepdims=True)
+            weight = (degrees[:, None, None] + 2.0) / (degrees[:, None, None] + apart)
         return np.asarray(mode), np.asarray(precision, dtype=np.float64)
 
     def _integrand(
         self,
         strayed: NDArray[np.float64],
         effects: NDArray[np.float64],
-        between: NDArray[np.float64],
-        within: NDArray[np.float64],
+        prior: NDArray[np.float64],
         degrees: NDArray[np.float64],
     ) -> NDArray[np.float64]:
-        """Log-density of effects and motions, shape (vectors, events, nodes)."""
-        squares = squares_of(strayed[:, :, None, :] - effects[:, self.groups])  # (vectors, motions, nodes, 3)
-        apart = distance(within[:, None, None], squares, _determinant(within)[:, None, None])
+        """Log-density of effects and motions in whitened coordinates, shape (vectors, events, nodes)."""
+        of_motions = effects[:, self.groups]
+        apart = (strayed[..., None, 0] - of_motions[..., 0]) ** 2
+        apart += (strayed[..., None, 1] - of_motions[..., 1]) ** 2
         nu = degrees[:, None, None]
-        each = -0.5 * (nu + 2.0) * np.log1p(apart / nu) - 0.5 * np.log(_determinant(within))[:, None, None]
-        prior = normal_log_density(between[:, None, None], squares_of(effects), 1.0)
-        return np.asarray(prior + self._event_sums(each))
+        motions = self._event_sums(np.log1p(apart / nu))
+        factor = np.linalg.inv(np.linalg.cholesky(prior))
+        standard = np.einsum("wij,wenj->weni", factor, effects)
+        events = -0.5 * (standard**2).sum(axis=-1) + np.linalg.slogdet(factor)[1][:, None, None]
+        return np.asarray(events - 0.5 * (nu + 2.0) * motions)
 
 
 def _matrix(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
