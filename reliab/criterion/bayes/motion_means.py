@@ -82,7 +82,9 @@ class MotionMeans:
         whitening = np.linalg.inv(np.linalg.cholesky(_matrix(within)))
         strayed = np.einsum("wij,wmj->wmi", whitening, self.means - centre[:, None, :])
         prior = whitening @ _matrix(between) @ whitening.swapaxes(-1, -2)
-        mode, precision = self._conditional(strayed, np.linalg.inv(prior), degrees)
+        mode, precision = self._conditional(
+            strayed, np.asarray(np.linalg.inv(prior), dtype=np.float64), degrees
+        )
         directions = np.linalg.inv(np.linalg.cholesky(precision)).swapaxes(-1, -2)
         nodes, weights = _nodes()
         effects = mode[:, :, None, :] + np.einsum("weij,nj->weni", directions, nodes)
