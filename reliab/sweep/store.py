@@ -14,6 +14,7 @@ import errno
 import hashlib
 import json
 import shutil
+import tempfile
 import threading
 from collections.abc import Iterator, Sequence
 from functools import cached_property
@@ -86,7 +87,7 @@ class ResultsStore:
         InputError
             If the store exists and is not to be resumed, holds something else, or is being written.
         """
-        path.parent.mkdir(parents=True, exist_ok=True)
+        _make_writable(path.parent)
         lock = filelock.FileLock(path.with_name(path.name + ".lock"), timeout=0)
         try:
             lock.acquire()
@@ -175,6 +176,20 @@ class ResultsStore:
             return _digest([[array_of(group, name)[index] for name in VARIABLES] for group in self._windows])
         except (ValueError, RuntimeError, OSError):
             return ""
+
+
+def _make_writable(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise InputError(
+            "The folder of a results store must be writable",
+            value=error.strerror,
+            remedy="Name another folder",
+            where=str(folder),
+        ) from None
 
 
 def array_of(group: zarr.Group, name: str) -> Any:  # noqa: ANN401 - arrays of many types

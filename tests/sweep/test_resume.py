@@ -173,3 +173,9 @@ def test_what_is_no_store_is_named(tmp_path, suite, request_, what):
         metadata.write_text(metadata.read_text().replace('"schema_version": 1', '"schema_version": 99'))
     with pytest.raises(InputError, match="schema version 1" if what == "version" else "Zarr store"):
         open_results(path)
+
+
+def test_a_folder_that_cannot_be_written_is_named(tmp_path, suite, request_):
+    (tmp_path / "file").write_bytes(b"")
+    with pytest.raises(InputError, match="folder of a results store must be writable"):
+        run_sweep(suite, request_, tmp_path / "file" / "results.zarr")
