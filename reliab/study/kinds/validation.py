@@ -45,7 +45,7 @@ class ValidationStudy(Kind):
     @staticmethod
     def stages(material: Material, show: Show) -> Sequence[Stage]:
         """Derive and judge; then leave the model's comfort; then the paper's cases where they can be run."""
-        held_out = material.study.validation.held_out
+        held_out = _held_out(material.study)
         cases = [] if held_out is None else [paper_cases(material, held_out)]
         return (
             *simulation(material, show),
@@ -74,7 +74,7 @@ class ValidationStudy(Kind):
             window=study.errors.window,
             verdicts=tabulate(validation_of(study, folder, study.validation.schemes[0])),
             beyond=pd.read_csv(folder / BEYOND),
-            cases=opened(folder / CASES) if study.validation.held_out else None,
+            cases=opened(folder / CASES) if _held_out(study) else None,
             provenance={
                 "study": study.title,
                 "study, SHA-256": study.digest(),
@@ -82,6 +82,11 @@ class ValidationStudy(Kind):
             },
             purpose=study.purpose,
         )
+
+
+def _held_out(study: Study) -> str | None:
+    """Return the motion of the paper's cases, where there are records that may hold it."""
+    return study.validation.held_out if study.motions.sources else None
 
 
 def _beyond(material: Material, show: Show) -> Stage:
