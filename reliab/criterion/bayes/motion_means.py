@@ -79,21 +79,19 @@ class MotionMeans:
             Up to a constant.
         """
         # In coordinates in which the scale is the identity, distances are Euclidean.
-        whitening = np.linalg.inv(np.linalg.cholesky(_matrix(within)))
+        whitening = _inverse_of_triangle(_cholesky(_matrix(within)))
         strayed = np.einsum("wij,wmj->wmi", whitening, self.means - centre[:, None, :])
         prior = whitening @ _matrix(between) @ whitening.swapaxes(-1, -2)
-        mode, precision = self._conditional(
-            strayed, np.asarray(np.linalg.inv(prior), dtype=np.float64), degrees
-        )
-        directions = np.linalg.inv(np.linalg.cholesky(precision)).swapaxes(-1, -2)
+        mode, precision = self._conditional(strayed, _inverse(prior), degrees)
+        directions = _inverse_of_triangle(_cholesky(precision)).swapaxes(-1, -2)
         nodes, weights = _nodes()
         effects = mode[:, :, None, :] + np.einsum("weij,nj->weni", directions, nodes)
         log_weights = weights + 0.5 * (nodes**2).sum(axis=1)
         integrand = self._integrand(strayed, effects, prior, degrees) + log_weights
         peak = integrand.max(axis=2)
         area = np.log(np.exp(integrand - peak[..., None]).sum(axis=2))
-        of_events = (peak + area - 0.5 * np.linalg.slogdet(precision)[1]).sum(axis=1)
-        return np.asarray(of_events - 0.5 * self.groups.size * np.log(_determinant(within)))
+        of_events = (peak + area - 0.5 * np.log(_determinant(precision))).sum(axis=1)
+        return np.asarray(of_events - 0.5 * self.groups.size * np.log(_determinant(_matrix(within))))
 
     @cached_property
     def _by_event(self) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
@@ -116,7 +114,7 @@ class MotionMeans:
         for _ in range(_ROUNDS):
             precision = prior[:, None] + self._event_sums(weight)[..., None] * np.eye(2)
             pull = self._event_sums(weight * strayed)
-            mode = (np.linalg.inv(precision) @ pull[..., None])[..., 0]
+            mode = (_inverse(precision) @ pull[..., None])[..., 0]
             apart = ((strayed - mode[:, self.groups]) ** 2).sum(axis=2, keepdims=True)
             weight = (degrees[:, None, None] + 2.0) / (degrees[:, None, None] + apart)
         return np.asarray(mode), np.asarray(precision, dtype=np.float64)
@@ -134,9 +132,9 @@ class MotionMeans:
         apart += (strayed[..., None, 1] - of_motions[..., 1]) ** 2
         nu = degrees[:, None, None]
         motions = self._event_sums(np.log1p(apart / nu))
-        factor = np.linalg.inv(np.linalg.cholesky(prior))
+        factor = _inverse_of_triangle(_cholesky(prior))
         standard = np.einsum("wij,wenj->weni", factor, effects)
-        events = -0.5 * (standard**2).sum(axis=-1) + np.linalg.slogdet(factor)[1][:, None, None]
+        events = -0.5 * (standard**2).sum(axis=-1) + np.log(_determinant(factor))[:, None, None]
         return np.asarray(events - 0.5 * (nu + 2.0) * motions)
 
 
@@ -146,8 +144,37 @@ def _matrix(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.stack([np.stack([aa, ab], axis=-1), np.stack([ab, bb], axis=-1)], axis=-2)
 
 
-def _determinant(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.asarray(covariance[..., 0] * covariance[..., 1] - covariance[..., 2] ** 2)
+# Two by two and in closed form, so that a covariance that is singular to rounding gives NaN, and with it no
+# probability, instead of an exception for all vectors.
+def _determinant(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(matrix[..., 0, 0] * matrix[..., 1, 1] - matrix[..., 0, 1] * matrix[..., 1, 0])
+
+
+def _inverse(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Inverse of symmetric matrices."""
+    aa, bb, ab = matrix[..., 0, 0], matrix[..., 1, 1], matrix[..., 0, 1]
+    adjugate = _matrix(np.stack([bb, aa, -ab], axis=-1))
+    return np.asarray(adjugate / _determinant(matrix)[..., None, None])
+
+
+def _cholesky(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Lower factors; NaN where there is none."""
+    first = np.sqrt(matrix[..., 0, 0])
+    mixed = matrix[..., 1, 0] / first
+    return _triangle(first, mixed, np.sqrt(matrix[..., 1, 1] - mixed**2))
+
+
+def _inverse_of_triangle(factor: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Inverse of lower triangular matrices."""
+    first, mixed, second = factor[..., 0, 0], factor[..., 1, 0], factor[..., 1, 1]
+    return _triangle(1.0 / first, -mixed / (first * second), 1.0 / second)
+
+
+def _triangle(
+    first: NDArray[np.float64], mixed: NDArray[np.float64], second: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    rows = [np.stack([first, np.zeros_like(first)], axis=-1), np.stack([mixed, second], axis=-1)]
+    return np.stack(rows, axis=-2)
 
 
 def _nodes() -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -142,3 +142,15 @@ def test_missing_ellipses_are_refused():
     values[2] = np.nan
     with pytest.raises(InputError, match="1 motions without"):
         Hierarchical(values=values, events=EVENTS, frequencies=np.ones(1), damping_ratios=np.full(1, 0.02))
+
+
+@pytest.mark.parametrize("robust", [False, True])
+def test_singular_covariances_have_no_probability_and_spare_the_others(robust):
+    model = model_on(2, 3, robust=robust)
+    theta = model.draw_prior(6, np.random.default_rng(4))
+    sound = model.log_posterior(theta)
+    places = [k for k, each in enumerate(model.parameters) if "Fisher z" in each.name]
+    theta[1, places] = 40.0
+    found = model.log_posterior(theta)
+    assert found[1] == -np.inf
+    np.testing.assert_allclose(np.delete(found, 1), np.delete(sound, 1))
