@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 _BANDS = ((0.0, 0.5), (0.5, 2.0), (2.0, 8.0), (8.0, 45.0))  # Hz
 _SIGNIFICANT = 1e-4
 _LISTED = 4
+_LEAST_PROBABILITY = 1e-300  # smaller ones are not told from zero
 
 
 @dataclass(frozen=True)
@@ -145,7 +146,7 @@ def _finding(problem: Problem, test: int, kind: str, sentence: str) -> _Make:
             kind=kind,
             detail=f"In {block.channel} of the {block.block} {sentence}, most in {block.tests[test].file}.",
             share_of_residual=share,
-            p_value=p_value,
+            p_value=max(p_value, _LEAST_PROBABILITY),
         )
 
     return make
