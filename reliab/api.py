@@ -10,9 +10,11 @@ from typing import Final, TypeVar
 import xarray as xr
 
 from reliab.boundary import Curve, Ellipse
+from reliab.discrepancy.updated_model import read_model
 from reliab.errors import InputError
 from reliab.indices.window import Window
 from reliab.loop.engine import Engine
+from reliab.loop.hybrid_test import HybridTest
 from reliab.motions import MotionSuite
 from reliab.progress import Progress, silent
 from reliab.sweep import (
@@ -29,17 +31,21 @@ from reliab.vocabulary import Metric
 
 _Choice = TypeVar("_Choice")
 _GRIDS: Final[dict[str, Grid]] = {"scaled": ScaledGrid(), "paper": ExplicitGrid()}
+_FREQUENCIES: Final = (1.0,)
+_DAMPING_RATIOS: Final = (0.02,)
+_WHOLLY_EXPERIMENTAL: Final = 1.0
 
 
 def simulate(
     motions: MotionSuite,
     *,
     out: str | Path,
-    f: Sequence[float] = (1.0,),
-    xi: Sequence[float] = (0.02,),
+    f: Sequence[float] | None = None,
+    xi: Sequence[float] | None = None,
     grid: str = "scaled",
     window: Sequence[str] = ("record",),
-    alpha: float = 1.0,
+    alpha: float = _WHOLLY_EXPERIMENTAL,
+    model: str | Path | HybridTest | None = None,
     engine: str = "automatic",
     resume: bool = False,
     workers: int | None = None,
@@ -55,13 +61,16 @@ def simulate(
     out : str or pathlib.Path
         The Zarr store to write.
     f, xi : sequence of float, optional
-        Natural frequencies [Hz] and damping ratios [-].
+        Natural frequencies [Hz] and damping ratios [-]; 1 Hz and 0.02 by default.
     grid : {"scaled", "paper"}, optional
         Actuators that are simulated: scaled to each structure, or those of the paper.
     window : sequence of str, optional
         Where errors are taken, "record", "arias" or seconds; several may be stored.
     alpha : float, optional
         Experimental fraction of the stiffness [-].
+    model : str, pathlib.Path or HybridTest, optional
+        A hybrid test with effects, or the file of one. Its structure takes the place of `f`, `xi` and
+        `alpha`, and gain, delay and the index (A, d) of the results are those of its actuator alone.
     engine : {"automatic", "pole", "delay", "spectral"}, optional
         How the loop is solved.
     resume : bool, optional
@@ -94,13 +103,16 @@ def simulate(
     >>> dict(results.sizes)
     {'motion': 2, 'f': 1, 'xi': 1, 'kp': 41, 'tau': 31}
     """
+    test = _hybrid_test(model, f, xi, alpha)
+    structure = test and test.structure
     request = SweepRequest(
-        frequencies=tuple(sorted(f)),
-        damping_ratios=tuple(sorted(xi)),
+        frequencies=(structure.frequency,) if structure else tuple(sorted(f or _FREQUENCIES)),
+        damping_ratios=(structure.damping_ratio,) if structure else tuple(sorted(xi or _DAMPING_RATIOS)),
         grid=_one_of(grid, _GRIDS, "grid"),
         windows=tuple(Window.parse(text) for text in window),
-        experimental_fraction=alpha,
+        experimental_fraction=structure.experimental_fraction if structure else alpha,
         engine=_one_of(engine, {each.value: each for each in Engine}, "engine"),
+        model=test,
     )
     path = run_sweep(
         motions, request, out, resume=resume, workers=workers, scheduler=scheduler, progress=progress
@@ -111,12 +123,13 @@ def simulate(
 def ellipses(
     source: MotionSuite | xr.Dataset,
     *,
-    f: Sequence[float] = (1.0,),
-    xi: Sequence[float] = (0.02,),
+    f: Sequence[float] | None = None,
+    xi: Sequence[float] | None = None,
     threshold: Sequence[float] = (0.05,),
     metric: Sequence[str] = ("rms",),
     window: str = "record",
-    alpha: float = 1.0,
+    alpha: float = _WHOLLY_EXPERIMENTAL,
+    model: str | Path | HybridTest | None = None,
     curves: Sequence[type[Curve]] = (Ellipse,),
     progress: Progress = silent,
 ) -> xr.Dataset:
@@ -128,7 +141,7 @@ def ellipses(
         Ground motions, which are simulated along the boundary, or stored results, which answer for all
         their structures and in their own window.
     f, xi : sequence of float, optional
-        Natural frequencies [Hz] and damping ratios [-], for ground motions.
+        Natural frequencies [Hz] and damping ratios [-], for ground motions; 1 Hz and 0.02 by default.
     threshold : sequence of float, optional
         Errors on the boundary [-].
     metric : sequence of {"rms", "mte"}, optional
@@ -137,6 +150,9 @@ def ellipses(
         Where errors are taken, for ground motions: "record", "arias" or seconds.
     alpha : float, optional
         Experimental fraction of the stiffness [-], for ground motions.
+    model : str, pathlib.Path or HybridTest, optional
+        A hybrid test with effects, or the file of one, whose structure takes the place of `f`, `xi` and
+        `alpha`, for ground motions.
     curves : sequence of type, optional
         Curves that are fitted; the ellipse by default.
     progress : callable, optional
@@ -164,16 +180,44 @@ def ellipses(
     if isinstance(source, xr.Dataset):
         stored: xr.Dataset = source.reliab.ellipses(tuple(threshold), metrics, curves, progress=progress)
         return stored
+    test = _hybrid_test(model, f, xi, alpha)
+    structure = test and test.structure
     request = EllipseRequest(
-        frequencies=tuple(f),
-        damping_ratios=tuple(xi),
+        frequencies=(structure.frequency,) if structure else tuple(f or _FREQUENCIES),
+        damping_ratios=(structure.damping_ratio,) if structure else tuple(xi or _DAMPING_RATIOS),
         thresholds=tuple(threshold),
         metrics=metrics,
         curves=tuple(curves),
         window=Window.parse(window),
-        experimental_fraction=alpha,
+        experimental_fraction=structure.experimental_fraction if structure else alpha,
+        model=test,
     )
     return trace_ellipses(source, request, progress=progress)
+
+
+def _hybrid_test(
+    model: str | Path | HybridTest | None,
+    f: Sequence[float] | None,
+    xi: Sequence[float] | None,
+    alpha: float,
+) -> HybridTest | None:
+    """Take a model, read it if need be, and see that its structure is the only one."""
+    if model is None:
+        return None
+    if f or xi or alpha != _WHOLLY_EXPERIMENTAL:
+        raise InputError(
+            "A model brings its own structure",
+            value="a model together with f, xi or alpha",
+            remedy="Leave these out, or change the [structure] table of the model",
+        )
+    test = model if isinstance(model, HybridTest) else read_model(model).test
+    if test.structure is None:
+        raise InputError(
+            "The error of a whole test needs a numerical substructure",
+            remedy="Add a [structure] table to the model",
+            where="" if isinstance(model, HybridTest) else str(model),
+        )
+    return test
 
 
 def _one_of(name: str, choices: dict[str, _Choice], what: str) -> _Choice:

@@ -1,13 +1,11 @@
 """`reliab simulate`: fill a results store, once and for all later questions."""
 
 from pathlib import Path
-from typing import Annotated, TypeVar
+from typing import Annotated
 
 import typer
 
 from reliab.cli.options import (
-    ONE_HERTZ,
-    TWO_PERCENT,
     DampingRatios,
     ExperimentalFraction,
     Frequencies,
@@ -17,10 +15,8 @@ from reliab.cli.options import (
     Sets,
 )
 from reliab.cli.output import console, progress_bar, write_json
-from reliab.cli.sources import modelled
-from reliab.errors import InputError
 
-_Choice = TypeVar("_Choice")
+_STATED = ("grid", "windows", "engine", "tolerance", "experimental_fraction", "model", "study_hash")
 
 
 def simulate(
@@ -61,34 +57,32 @@ def simulate(
     With --model the structure and the effects are the model's, and gain, delay and the index (A, d) of the
     results are those of its actuator alone.
     """
-    from reliab.indices.window import Window
-    from reliab.loop.engine import Engine
+    from reliab import api
     from reliab.motions import load_motions
-    from reliab.sweep import ExplicitGrid, ScaledGrid, SweepRequest, run_sweep
 
     suite = load_motions(*(motions or ["synthetic"]), sets=sets)
-    test = modelled(model, f, xi, alpha)
-    structure = None if test is None else test.structure
-    request = SweepRequest(
-        frequencies=(structure.frequency,) if structure else tuple(sorted(f or [ONE_HERTZ])),
-        damping_ratios=(structure.damping_ratio,) if structure else tuple(sorted(xi or [TWO_PERCENT])),
-        grid=_one_of(grid, {"scaled": ScaledGrid(), "paper": ExplicitGrid()}, "grid"),
-        windows=tuple(Window.parse(text) for text in window or ["record"]),
-        experimental_fraction=structure.experimental_fraction if structure else alpha,
-        engine=_one_of(engine, {each.value: each for each in Engine}, "engine"),
-        model=test,
-    )
     with progress_bar("Simulating") as progress:
-        run_sweep(suite, request, out, resume=resume, workers=workers, scheduler=scheduler, progress=progress)
-    done = {"store": str(out), "motions": len(suite), **request.describe(), "study_hash": request.digest()}
-    if not write_json(done, json_target):
-        structures = len(request.structures)
-        console().print(f"{len(suite)} motions × {structures} structures stored in {out}", highlight=False)
-
-
-def _one_of(name: str, choices: dict[str, _Choice], what: str) -> _Choice:
-    if name not in choices:
-        raise InputError(
-            f"The {what} is one of {', '.join(choices)}", value=name, remedy="Choose one of these"
+        results = api.simulate(
+            suite,
+            out=out,
+            f=f,
+            xi=xi,
+            grid=grid,
+            window=window or ["record"],
+            alpha=alpha,
+            model=model,
+            engine=engine,
+            resume=resume,
+            workers=workers,
+            scheduler=scheduler,
+            progress=progress,
         )
-    return choices[name]
+    done = {
+        "store": str(out),
+        "motions": len(suite),
+        **{name: results[name].values.tolist() for name in ("f", "xi", "kp", "tau")},
+        **{name: results.attrs[name] for name in _STATED if name in results.attrs},
+    }
+    if not write_json(done, json_target):
+        structures = results.sizes["f"] * results.sizes["xi"]
+        console().print(f"{len(suite)} motions × {structures} structures stored in {out}", highlight=False)

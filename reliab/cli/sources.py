@@ -10,52 +10,7 @@ from reliab.errors import InputError
 if TYPE_CHECKING:
     import xarray as xr
 
-    from reliab.loop.hybrid_test import HybridTest
     from reliab.vocabulary import Metric
-
-
-def modelled(
-    path: Path | None, f: list[float] | None, xi: list[float] | None, alpha: float
-) -> "HybridTest | None":
-    """Read a model with effects, which brings its own structure.
-
-    Parameters
-    ----------
-    path : pathlib.Path or None
-        The model's file, if one is given.
-    f, xi : list of float or None
-        Natural frequencies and damping ratios that are given as options.
-    alpha : float
-        Experimental fraction that is given as an option.
-
-    Returns
-    -------
-    HybridTest or None
-        The model.
-
-    Raises
-    ------
-    InputError
-        If the model has no structure, or one is given beside it.
-    """
-    if path is None:
-        return None
-    from reliab.discrepancy.updated_model import read_model
-
-    if f or xi or alpha != 1.0:
-        raise InputError(
-            "A model brings its own structure",
-            value="--model together with --f, --xi or --alpha",
-            remedy="Leave these out, or change the [structure] table of the model",
-        )
-    model = read_model(path).test
-    if model.structure is None:
-        raise InputError(
-            "The error of a whole test needs a numerical substructure",
-            remedy="Add a [structure] table to the model",
-            where=path.name,
-        )
-    return model
 
 
 def ellipse_dataset(
@@ -104,6 +59,8 @@ def ellipse_dataset(
     InputError
         If not exactly one source is given, or a model without records.
     """
+    from reliab import api
+    from reliab.motions import load_motions
     from reliab.vocabulary import Metric
 
     given = [source for source in (motions, results, ellipses) if source is not None]
@@ -126,8 +83,19 @@ def ellipse_dataset(
     thresholds = tuple(threshold or (FIVE_PERCENT,))
     if results is not None:
         return _stored(results, f, xi, thresholds, Metric(metric), window)
-    test = modelled(model, f, xi, alpha)
-    return _traced(motions or [], sets, f, xi, thresholds, Metric(metric), window, alpha, test)
+    suite = load_motions(*(motions or []), sets=sets)
+    with progress_bar("Tracing boundaries") as progress:
+        return api.ellipses(
+            suite,
+            f=f,
+            xi=xi,
+            threshold=thresholds,
+            metric=[metric],
+            window=window,
+            alpha=alpha,
+            model=model,
+            progress=progress,
+        )
 
 
 def _read(
@@ -175,32 +143,3 @@ def _among(dataset: "xr.Dataset", f: list[float] | None, xi: list[float] | None)
         if wanted and all(np.isclose(there, value, rtol=1e-9).any() for value in wanted):
             dataset = dataset.sel({name: wanted}, method="nearest")
     return dataset
-
-
-def _traced(
-    motions: list[str],
-    sets: list[str] | None,
-    f: list[float] | None,
-    xi: list[float] | None,
-    thresholds: tuple[float, ...],
-    metric: "Metric",
-    window: str,
-    alpha: float,
-    model: "HybridTest | None",
-) -> "xr.Dataset":
-    from reliab.indices.window import Window
-    from reliab.motions import load_motions
-    from reliab.sweep import EllipseRequest, trace_ellipses
-
-    structure = None if model is None else model.structure
-    request = EllipseRequest(
-        frequencies=(structure.frequency,) if structure else tuple(f or (ONE_HERTZ,)),
-        damping_ratios=(structure.damping_ratio,) if structure else tuple(xi or (TWO_PERCENT,)),
-        thresholds=thresholds,
-        metrics=(metric,),
-        window=Window.parse(window),
-        experimental_fraction=structure.experimental_fraction if structure else alpha,
-        model=model,
-    )
-    with progress_bar("Tracing boundaries") as progress:
-        return trace_ellipses(load_motions(*motions, sets=sets), request, progress=progress)

@@ -128,6 +128,11 @@ class Study(_Table):
         """Return the SHA-256 of everything that the study asks for."""
         return hashlib.sha256(self.model_dump_json().encode()).hexdigest()
 
+    @property
+    def provenance(self) -> dict[str, str]:
+        """What the study's report is known by."""
+        return {"study": self.title, "study, SHA-256": self.digest()}
+
 
 def read_study(path: str | Path) -> Study:
     """Read a study.

@@ -72,7 +72,7 @@ class Material:
         name = self.study.motions.results
         return None if name is None else or_shipped(Path(name), "datasets", "results.nc")
 
-    @property
+    @cached_property
     def checksums(self) -> list[str]:
         """What the ground motions, or the stored results, are known by."""
         if self.stored is not None:

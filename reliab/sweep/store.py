@@ -279,6 +279,7 @@ def _create_array(
 
 def _attributes(request: SweepRequest, window: str) -> dict[str, Any]:
     described = request.describe()
+    model = {"model": json.dumps(described["model"])} if "model" in described else {}
     return {
         "schema_version": SCHEMA_VERSION,
         "study_hash": request.digest(),
@@ -288,6 +289,7 @@ def _attributes(request: SweepRequest, window: str) -> dict[str, Any]:
         "engine": described["engine"],
         "tolerance": described["tolerance"],
         "experimental_fraction": described["experimental_fraction"],
+        **model,
         "versions": json.dumps({name: version(name) for name in _PACKAGES}),
     }
 

@@ -4,8 +4,10 @@ import json
 
 import numpy as np
 import pytest
+import xarray as xr
 from typer.testing import CliRunner
 
+from reliab.api import ellipses
 from reliab.cli import app
 from reliab.discrepancy.updated_model import UpdatedModel, read_model, write_model
 from reliab.errors import InputError
@@ -13,6 +15,8 @@ from reliab.loop.actuator import Actuator
 from reliab.loop.effects import find_effect, library
 from reliab.loop.hybrid_test import HybridTest, Specimen
 from reliab.loop.structure import Structure
+from reliab.motions import load_motions
+from reliab.sweep import open_results
 
 STRUCTURE = Structure(frequency=1.3, damping_ratio=0.03, experimental_fraction=0.7)
 
@@ -118,7 +122,7 @@ def test_commands_take_the_model(motions):
     structure = ("--f", "1.3", "--xi", "0.03", "--alpha", "0.7")
     without = command("criterion", *shared, *structure, "--json", "-")
     found, linear = json.loads(with_lag.stdout), json.loads(without.stdout)
-    assert found["f"], found["xi"] == (1.3, 0.03)
+    assert (found["f"], found["xi"]) == (1.3, 0.03)
     assert 0.0 < found["b"] < 0.9 * linear["b"]
     both = command("criterion", *shared, "--model", model, *structure)
     assert isinstance(both.exception, InputError)
@@ -133,6 +137,7 @@ def test_a_model_is_simulated_and_stored(motions):
         "simulate", "--motions", motions / "motion_0.csv", "--model", model, "--out", store, "--grid", "paper"
     )
     assert done.exit_code == 0
+    assert "first_order_lag" in open_results(store).attrs["model"]
     stored = command("ellipses", "--results", store, "--threshold", "0.02", "--json", "-")
     traced = command(
         "ellipses",
@@ -148,6 +153,20 @@ def test_a_model_is_simulated_and_stored(motions):
     (one,), (other,) = (json.loads(each.stdout)["ellipses"] for each in (stored, traced))
     assert one["b"] == pytest.approx(other["b"], rel=0.01)
     assert one["a"] == pytest.approx(other["a"], rel=0.01)
+
+
+def test_python_simulates_what_the_command_line_does(motions):
+    lag = find_effect("first_order_lag")(time_constant_s=0.0005)
+    test = HybridTest(structure=STRUCTURE, effects=(lag,))
+    write_model(motions / "model.toml", UpdatedModel(name="late", test=test))
+    suite = load_motions(motions / "motion_0.csv")
+    of_file = ellipses(suite, model=motions / "model.toml")
+    xr.testing.assert_identical(of_file, ellipses(suite, model=test))
+    assert of_file["f"].item() == STRUCTURE.frequency
+    with pytest.raises(InputError, match="brings its own structure"):
+        ellipses(suite, f=[1.0], model=test)
+    with pytest.raises(InputError, match="numerical substructure"):
+        ellipses(suite, model=HybridTest(effects=(lag,)))
 
 
 def test_effects_that_leave_no_room_are_said_to(motions):

@@ -48,6 +48,6 @@ class CriterionStudy(Kind):
             ellipses=open_ellipses(folder / ELLIPSES),
             criteria=criteria_of(folder),
             coverage=rates[rates["measure"] == "containment"],
-            provenance={"study": study.title, "study, SHA-256": study.digest()},
+            provenance=study.provenance,
             purpose=study.purpose,
         )

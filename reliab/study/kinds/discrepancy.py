@@ -52,8 +52,7 @@ class DiscrepancyStudy(Kind):
             addition.diagnosis,
             posteriors=addition.posteriors,
             provenance={
-                "study": study.title,
-                "study, SHA-256": study.digest(),
+                **study.provenance,
                 "campaign, SHA-256": digest(campaign),
             },
             notes=(study.purpose,) if study.purpose else (),

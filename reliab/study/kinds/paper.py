@@ -60,7 +60,7 @@ class PaperStudy(Kind):
             ellipses=open_ellipses(folder / ELLIPSES),
             cases=opened(folder / CASES),
             purpose=study.purpose,
-            provenance={"study": study.title, "study, SHA-256": study.digest()},
+            provenance=study.provenance,
         )
 
 

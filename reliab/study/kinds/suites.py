@@ -81,8 +81,7 @@ class SuitesStudy(Kind):
             coverage=rates_table(transfer),
             confidence=study.criterion.confidences[0],
             provenance={
-                "study": study.title,
-                "study, SHA-256": study.digest(),
+                **study.provenance,
                 f"records of {names[0]}, SHA-256": records_checksum(real),
                 f"records of {names[1]}, SHA-256": records_checksum(own),
             },

@@ -53,7 +53,7 @@ class TableAuditStudy(Kind):
             title=study.title,
             rows=pd.read_csv(folder / ROWS),
             numbers=pd.read_csv(folder / NUMBERS),
-            provenance={"study": study.title, "study, SHA-256": study.digest()},
+            provenance=study.provenance,
             notes=(study.purpose,) if study.purpose else (),
         )
 

@@ -63,21 +63,18 @@ class ValidationStudy(Kind):
         from reliab.report.kinds.validation import validation_report
         from reliab.validation.generalisation import tabulate
 
+        judged = {scheme: validation_of(study, folder, scheme) for scheme in study.validation.schemes}
         return validation_report(
             title=study.title,
-            rates={
-                scheme.replace("_", " "): rates_table(validation_of(study, folder, scheme))
-                for scheme in study.validation.schemes
-            },
+            rates={scheme.replace("_", " "): rates_table(found) for scheme, found in judged.items()},
             confidence=study.criterion.confidences[0],
             experimental_fraction=study.structures.experimental_fraction,
             window=study.errors.window,
-            verdicts=tabulate(validation_of(study, folder, study.validation.schemes[0])),
+            verdicts=tabulate(judged[study.validation.schemes[0]]),
             beyond=pd.read_csv(folder / BEYOND),
             cases=opened(folder / CASES) if _held_out(study) else None,
             provenance={
-                "study": study.title,
-                "study, SHA-256": study.digest(),
+                **study.provenance,
                 "records, SHA-256": records_checksum(open_ellipses(folder / ELLIPSES)),
             },
             purpose=study.purpose,
