@@ -37,12 +37,30 @@ class _Motions:
         A law that is fitted is fitted to the geometric means; a printed one states the 5 % quantile, and the
         scatter of these motions leads from there to the median.
         """
-        grid = self.frequencies[:, None], self.damping_ratios[None, :]
         if isinstance(law, Law):
-            stated = np.log(np.stack(law.limits(*grid), axis=-1)) - self.scale
+            stated = self.limits(law, _PRINTED_CONFIDENCE)
             return np.asarray(stated + norm.ppf(_PRINTED_CONFIDENCE) * self.values.std(axis=0))
-        means = np.exp(np.mean(self.values, axis=0) + self.scale)
-        fitted = law.fit(self.frequencies, self.damping_ratios, means[..., 0], means[..., 1])
+        return self._fitted(law, self.values.mean(axis=0))
+
+    def limits(self, law: FittedLaw | Law, confidence: float) -> NDArray[np.float64]:
+        """Limits that a law states, shape (F, X, 2).
+
+        A law that is fitted is fitted, as a criterion is, to the limits of each structure that hold for a
+        and b together (`reliab.criterion.joint`).
+        """
+        if isinstance(law, Law):
+            grid = self.frequencies[:, None], self.damping_ratios[None, :]
+            return np.asarray(np.log(np.stack(law.limits(*grid), axis=-1)) - self.scale)
+        centre, spread = self.values.mean(axis=0), self.values.std(axis=0)
+        worse = ((self.values - centre) / spread).min(axis=-1)
+        depth = np.quantile(worse, 1.0 - confidence, axis=0)
+        return self._fitted(law, centre + spread * depth[..., None])
+
+    def _fitted(self, law: FittedLaw, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Fit a law to ln α and ln β of the grid and evaluate it there, shape (F, X, 2)."""
+        a, b = np.moveaxis(np.exp(values + self.scale), -1, 0)
+        fitted = law.fit(self.frequencies, self.damping_ratios, a, b)
+        grid = self.frequencies[:, None], self.damping_ratios[None, :]
         return np.asarray(np.log(np.stack(fitted.limits(*grid), axis=-1)) - self.scale)
 
     def covariance(self, law: FittedLaw | Law, location: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -64,9 +82,10 @@ def compare_laws(
 
     Each earthquake is held out in turn. The *log score* of its motions is the mean log-density of
     (ln a, ln b) under a bivariate normal distribution about the law. The *region* is the geometric mean over
-    ξ of √(ab)/√(a₀b₀), the area of the accepted ellipse in units of that with α = β = 1, once every law has
-    been scaled so that 95 % of the held-out motions contain its ellipse (in a and b together): by one factor
-    for all structures (`region`, with `coverage` at each f), or by one for each f (`region_at_f`).
+    ξ of √(ab)/√(a₀b₀), the area of the accepted ellipse in units of that with α = β = 1, once the law, fitted
+    to limits that hold for a and b together, or as it is printed, has been scaled so that 95 % of the held-out
+    motions contain its ellipse (in a and b together): by one factor for all structures (`region`, with
+    `coverage` at each f), or by one for each f (`region_at_f`).
 
     Parameters
     ----------
@@ -153,8 +172,7 @@ def _judge(
         score[held_out] = (
             multivariate_normal([0.0, 0.0], covariance).logpdf(residual).reshape(residual.shape[:3])
         )
-        spread = learned.values.std(axis=0) if isinstance(law, Law) else np.sqrt(np.diag(covariance))
-        stated[held_out] = location - norm.ppf(confidence) * spread
+        stated[held_out] = learned.limits(law, confidence)
     room = (values - stated).min(axis=-1)  # by which the limits could grow, in logarithms
     size = stated.mean(axis=-1)  # ln √(ab) of the stated limits
     factor = np.quantile(room, 1.0 - confidence, method="lower")

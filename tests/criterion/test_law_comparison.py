@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from reliab.criterion.law_comparison import compare_laws
-from reliab.criterion.laws import Dimensionless, Exponential, Power, Table
+from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, Dimensionless, Exponential, Power, Table
 from reliab.errors import InputError
+from reliab.shipped import shipped
+from reliab.sweep import open_ellipses
 
 
 def test_the_new_law_beats_the_printed_and_the_exponential_form_at_every_frequency(ellipses):
@@ -13,6 +15,21 @@ def test_the_new_law_beats_the_printed_and_the_exponential_form_at_every_frequen
     for column in ("log_score", "region_at_f"):
         found = table.pivot_table(index="f", columns="law", values=column)
         for other in ("exponential", "guo_2017_18"):
+            assert (found["dimensionless"] > found[other]).all()
+
+
+@pytest.mark.parametrize(
+    ("damping_ratios", "others"),
+    [(slice(None), ("exponential", "guo_2017_18")), ([0.02], ("guo_2017_15", "guo_2017_18"))],
+    ids=["2 % to 10 %", "2 %"],
+)
+def test_on_real_records_the_new_law_beats_the_printed_ones_at_every_frequency(damping_ratios, others):
+    real = open_ellipses(shipped("datasets", "real_suite/ellipses.nc")).sel(xi=damping_ratios)
+    laws = {name: (FITTED | OF_MANY_MOTIONS)[name] for name in ("dimensionless", *others)}
+    table = compare_laws(real, laws=laws)
+    for column in ("log_score", "region_at_f"):
+        found = table.pivot_table(index="f", columns="law", values=column)
+        for other in others:
             assert (found["dimensionless"] > found[other]).all()
 
 
