@@ -84,8 +84,8 @@ def compare_laws(
     (ln a, ln b) under a bivariate normal distribution about the law. The *region* is the geometric mean over
     ξ of √(ab)/√(a₀b₀), the area of the accepted ellipse in units of that with α = β = 1, once the law, fitted
     to limits that hold for a and b together, or as it is printed, has been scaled so that 95 % of the
-    held-out motions contain its ellipse (in a and b together): by one factor for all structures (`region`, with
-    `coverage` at each f), or by one for each f (`region_at_f`).
+    held-out motions contain its ellipse (in a and b together): by one factor for all structures (`region`,
+    with `coverage` at each f), or by one for each f (`region_at_f`).
 
     Parameters
     ----------
