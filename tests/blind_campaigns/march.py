@@ -90,12 +90,13 @@ def _between(samples, sample, part):
 def _controller_step(par, held, rise):
     """Return the change of velocity at the controller's instant, and the acceleration of its next step.
 
-    Forward Euler adds Δ·a₀. Explicit Newmark moved with v + s·a₀ and wants v + Δ·((1 − γ)·a₀ + γ·a₁), where
-    a₁ depends on the velocity through the damping.
+    Forward Euler adds Δ·a₀. Explicit Newmark moved with v + s·a₀ and wants v + Δ·((1 − γ)·a₀ + γ·a₁). In both
+    a₁ depends on the changed velocity through the damping.
     """
-    if par.scheme == FORWARD_EULER:
-        return par.controller_step * held, rise
     damped = 2.0 * par.damping_ratio * par.omega
+    if par.scheme == FORWARD_EULER:
+        change = par.controller_step * held
+        return change, rise - damped * change
     weight = par.newmark_gamma * par.controller_step
     change = weight * (rise - held) / (1.0 + weight * damped)
     return change, rise - damped * change

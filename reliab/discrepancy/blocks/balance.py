@@ -1,12 +1,14 @@
 """The numerical substructure: ground acceleration and command → the force that would balance them.
 
 The command is exact, so that its derivatives are, too: the force that must have come back to the controller
-follows from the equation of motion and is compared with the measured one. An error of the integration shifts
-the acceleration in time.
+follows from the equation of motion and is compared with the measured one. An error of the integration is a
+transfer function from the demanded to the command's acceleration, which is inverted. Above half of the
+controller's rate the command says nothing of what was demanded; there the nominal specimen stands in.
 """
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import fft
 
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign import Campaign, Channel
@@ -16,6 +18,8 @@ from reliab.loop.hybrid_test import HybridTest, Motion3
 from reliab.vocabulary import Block
 
 Array = NDArray[np.float64]
+
+_RETURN = 1.0  # s, within which a record is closed to a period
 
 
 class BalanceBlock(ObservedBlock):
@@ -42,6 +46,9 @@ class BalanceBlock(ObservedBlock):
         roles = (Role.RECORD, Role.INTEGRATION)
         self.candidates = tuple(effect for effect in library().values() if effect.role in roles)
         self.outside = ()
+        nominal = self.nominal
+        self._circular_frequency = nominal.structure.circular_frequency if nominal.structure else 0.0
+        self._spring = nominal.specimen.stiffness / nominal.mass if nominal.specimen else 0.0
         self.motions = tuple(
             Motion3.through(test.channels[Channel.COMMAND], campaign.step) for test in campaign.tests
         )
@@ -53,18 +60,27 @@ class BalanceBlock(ObservedBlock):
             if isinstance(effect, RecordEffect):
                 ground = effect.applied(ground, 1.0 / self.rate)
         displacement, velocity, acceleration = self.motions[test].values
-        shift = _shift(model)
-        if shift:
-            times = np.arange(acceleration.size, dtype=np.float64)
-            acceleration = np.interp(times - shift * self.rate, times, acceleration)
         substructure = model.substructure
-        demanded = acceleration + substructure.damping * velocity + substructure.stiffness * displacement
-        return np.asarray(-model.mass * (ground + demanded))
+        returned = ground + substructure.damping * velocity + substructure.stiffness * displacement
+        for effect in model.acting(Role.INTEGRATION):
+            if isinstance(effect, IntegrationError):
+                returned = returned + substructure.damping * effect.velocity_lead * acceleration
+                likely = -returned - self._spring * displacement
+                acceleration = self._demanded(effect, acceleration, likely)
+        return np.asarray(-model.mass * (returned + acceleration))
+
+    def _demanded(self, effect: IntegrationError, acceleration: Array, likely: Array) -> Array:
+        """Acceleration that the controller demanded, `likely` where its own instants are too far apart."""
+        size = acceleration.size
+        length = fft.next_fast_len(size + int(_RETURN * self.rate), real=True)
+        moved, expected = (fft.rfft(_closed(values, length)) for values in (acceleration, likely))
+        frequency = fft.rfftfreq(length, 1.0 / self.rate)
+        seen = frequency < 0.5 / effect.step_s
+        expected[seen] = moved[seen] / effect.transfer(frequency[seen], self._circular_frequency)
+        return np.asarray(fft.irfft(expected, length)[:size])
 
 
-def _shift(model: HybridTest) -> float:
-    """Time [s] by which the integrated acceleration is ahead, x''(t − s) = u(t)."""
-    if model.structure is None:
-        return 0.0
-    omega = model.structure.circular_frequency
-    return sum(effect.shift(omega) for effect in model.effects if isinstance(effect, IntegrationError))
+def _closed(values: Array, length: int) -> Array:
+    """Values that return to their begin on a straight line, shape (length,)."""
+    way = np.linspace(values[-1], values[0], length - values.size + 1)[1:]
+    return np.concatenate([values, way])

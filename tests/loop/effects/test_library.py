@@ -1,5 +1,7 @@
 """Every effect against its equation, its registry entry, and its own transfer function."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -122,3 +124,31 @@ def test_errors_say_what_to_do():
     with pytest.raises(InputError, match=r"gap_m of gap must be positive; found -0\.1"):
         find_effect("gap")(gap_m=-0.1)
     assert find_effect("gap").role is Role.FORCE
+
+
+def marched(gamma, fine):
+    """Displacement of a coarse controller, `fine` samples to a step, and the acceleration asked for."""
+    asked = np.exp(-(((np.arange(800) - 400) / 6.0) ** 2))
+    x, v, path = 0.0, 0.0, []
+    part = np.arange(fine) / fine
+    for now, later in pairwise(asked):
+        bend = now if gamma is not None else 0.0
+        path.append(x + part * v + 0.5 * part**2 * bend)
+        x, v = x + v + 0.5 * bend, v + (now if gamma is None else (1.0 - gamma) * now + gamma * later)
+    return asked, np.concatenate(path)
+
+
+@pytest.mark.parametrize(("gamma", "shift"), [(0.5, 0.0), (0.8, 0.3), (1.0, 0.5), (None, -1.0)])
+def test_integration_error_has_the_transfer_function_of_its_scheme(gamma, shift):
+    fine, omega, step = 16, 0.05, 1.0
+    asked, path = marched(gamma, fine)
+    effect = find_effect("integration_error")(numerical_damping_ratio=0.5 * omega * shift, step_s=step)
+    frequency = np.array([0.01, 0.03, 0.08])
+    turns = -2j * np.pi * frequency[:, np.newaxis]
+    wanted = np.exp(turns * np.arange(asked.size)) @ asked
+    bent = np.diff(path, 2) * fine**2
+    moved = np.exp(turns * np.arange(1, bent.size + 1) / fine) @ bent / fine
+    moved *= (np.pi * frequency / fine) ** 2 / np.sin(
+        np.pi * frequency / fine
+    ) ** 2  # of the second difference
+    assert np.allclose(moved / wanted, effect.transfer(frequency, omega), atol=2e-4)

@@ -1,0 +1,25 @@
+"""The numerical substructure: a coarse integration is that and nothing else."""
+
+import pytest
+
+from reliab.discrepancy import read_campaign
+from reliab.discrepancy.blocks.balance import BalanceBlock
+from reliab.discrepancy.fit import Problem
+from reliab.discrepancy.scales import motions_of, scales_of
+from reliab.discrepancy.search import Search
+from reliab.discrepancy.segment import cut_segments
+
+
+@pytest.mark.parametrize("seed", [710001, 710010])  # explicit Newmark with γ = 0.84, forward Euler
+def test_coarse_integration_is_named_alone_with_its_step(blind, seed):
+    folder, label = blind(seed, "single", "full", "integration_error", "white", 40.0)
+    campaign = read_campaign(folder)
+    block = BalanceBlock(campaign, scales_of(campaign, motions_of(campaign)))
+    segments = cut_segments(campaign.training, campaign.rate, block.highest)
+    search = Search(Problem(block=block, segments=segments))
+    best = search.whole()
+    assert best.space.names == ("integration_error",)
+    damping, step = best.space.values(best.coordinates)
+    truth = label.effects[0]
+    assert step == pytest.approx(truth["parameters"]["step_s"]["value"], rel=0.1)
+    assert damping == pytest.approx(truth["derived"]["numerical_damping_ratio"], rel=0.02)
