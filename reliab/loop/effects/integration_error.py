@@ -91,14 +91,15 @@ class IntegrationError(Effect):
         gamma = 0.5 + self.shift(circular_frequency) / self.step_s
         turns = np.asarray(frequency) * self.step_s
         change = 1.0 - np.exp(-2j * np.pi * turns)
-        moved = 1.0 - 0.5 * change if self._straight else np.exp(-1j * np.pi * turns) * np.sinc(turns)
+        moved = 1.0 - 0.5 * change if self.moves_straight else np.exp(-1j * np.pi * turns) * np.sinc(turns)
         return np.asarray(moved + gamma * change, dtype=np.complex128)
 
     @property
     def velocity_lead(self) -> float:
         """Time [s] by which the velocity that damps is ahead of the command's."""
-        return 0.5 * self.step_s if self._straight else 0.0
+        return 0.5 * self.step_s if self.moves_straight else 0.0
 
     @property
-    def _straight(self) -> bool:
+    def moves_straight(self) -> bool:
+        """Whether the command moves in straight lines between the controller's instants."""
         return self.numerical_damping_ratio < 0.0

@@ -9,13 +9,15 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import make_interp_spline
 
 from reliab.compiled import compiled
 from reliab.loop.effects import RecordEffect, Role, Setting
 from reliab.loop.effects.integration_error import IntegrationError
 from reliab.loop.effects.kernel import call_kernel, pointer_to
 from reliab.loop.hybrid_test.compensator import Compensator
-from reliab.loop.hybrid_test.integrator import ExactIntegrator, Integrator, LinearSubstructure
+from reliab.loop.hybrid_test.integrator import ExactIntegrator, Integrator
+from reliab.loop.hybrid_test.integrators.coarse import CoarseExplicit
 from reliab.loop.hybrid_test.model import HybridTest
 from reliab.loop.hybrid_test.open_loop import Motion3, read_displacement
 from reliab.loop.hybrid_test.plan import STATES, Plan, plan
@@ -71,7 +73,8 @@ def run_closed_loop(
     parts : int, optional
         Steps of the simulation to each of the samples.
     integrator : Integrator, optional
-        How the numerical substructure is integrated; by default exactly.
+        How the numerical substructure is integrated; by default exactly, or as an integration error among
+        the effects says.
     compensator : Compensator, optional
         What changes the command before the actuator; by default nothing.
 
@@ -98,21 +101,78 @@ def run_closed_loop(
     for effect in test.acting(Role.RECORD):
         if isinstance(effect, RecordEffect):
             applied = effect.applied(applied, step)
+    for effect in test.acting(Role.INTEGRATION):
+        if isinstance(effect, IntegrationError) and integrator is None:
+            return _run_coarsely(test, effect, applied, step, step / parts, compensator)
     if parts > 1:
         fine = np.arange((ground.size - 1) * parts + 1) / parts
         applied = np.interp(fine, np.arange(ground.size), applied)
-    return _run(test, applied, step / parts, parts, integrator or ExactIntegrator(), compensator)
+    histories = _run(test, applied, step / parts, integrator or ExactIntegrator(), compensator)
+    return histories if parts == 1 else _at_each(test, histories, parts)
+
+
+def _run_coarsely(
+    test: HybridTest,
+    effect: IntegrationError,
+    ground: Array,
+    step: float,
+    longest: float,
+    compensator: Compensator | None,
+) -> Histories:
+    """Run with a controller's own step, which steps of the loop divide, and return to the samples."""
+    if test.structure is None:
+        raise AssertionError  # a closed loop has one
+    coarse = max(effect.step_s, longest)
+    steps = int(np.ceil(coarse / longest - 1e-9))
+    gamma = 0.5 + effect.shift(test.structure.circular_frequency) / coarse
+    integrator = CoarseExplicit(gamma=gamma, steps=steps, straight=effect.moves_straight)
+    h = coarse / steps
+    samples = step * np.arange(ground.size, dtype=np.float64)
+    instants = h * np.arange(int(np.ceil(samples[-1] / h)) + 1, dtype=np.float64)
+    found = _run(test, np.interp(instants, samples, ground), h, integrator, compensator)
+    return _resampled(test, found, instants, samples, step)
+
+
+def _resampled(test: HybridTest, found: Histories, instants: Array, samples: Array, step: float) -> Histories:
+    """Histories at other instants, between which the motion is smooth."""
+    if not np.isfinite(found.force).all():
+        broken = np.full((3, samples.size), np.nan)
+        return Histories(
+            command=Motion3(values=broken, step=step),
+            piston=Motion3(values=broken, step=step),
+            measured=broken[0],
+            force=broken[0],
+        )
+    command, piston, force = (
+        make_interp_spline(instants, values, axis=-1)(samples)
+        for values in (found.command.values, found.piston.values, found.force)
+    )
+    moved = Motion3(values=piston, step=step)
+    return Histories(
+        command=Motion3(values=command, step=step),
+        piston=moved,
+        measured=read_displacement(test, moved),
+        force=force,
+    )
+
+
+def _at_each(test: HybridTest, found: Histories, parts: int) -> Histories:
+    piston = found.piston.at_each(parts)
+    return Histories(
+        command=found.command.at_each(parts),
+        piston=piston,
+        measured=read_displacement(test, piston),
+        force=np.ascontiguousarray(found.force[::parts]),
+    )
 
 
 def _run(
     test: HybridTest,
     ground: Array,
     h: float,
-    parts: int,
     integrator: Integrator,
     compensator: Compensator | None,
 ) -> Histories:
-    substructure, ahead, inertia = _integrated(test)
     specimen = test.specimen
     if specimen is None:
         raise AssertionError  # a structure always brings one
@@ -121,9 +181,8 @@ def _run(
         ground,
         h,
         test.mass,
-        (ahead / h, inertia),
         (integrator.kernel.address, integrator.corrections),
-        integrator.coefficients(substructure, h),
+        integrator.coefficients(test.substructure, h),
         _socket(compensator, h),
         (test.actuator.gain, test.actuator.delay),
         plan(test.acting(Role.DELAY), setting),
@@ -133,12 +192,12 @@ def _run(
         plan(test.acting(Role.FORCE_READING), setting),
         STATES,
     )
-    moved = Motion3(values=np.ascontiguousarray(piston[:, ::parts]), step=parts * h)
+    moved = Motion3(values=piston, step=h)
     return Histories(
-        command=Motion3(values=np.ascontiguousarray(command[:, ::parts]), step=parts * h),
+        command=Motion3(values=command, step=h),
         piston=moved,
         measured=read_displacement(test, moved),
-        force=np.ascontiguousarray(force[::parts]),
+        force=force,
     )
 
 
@@ -150,32 +209,11 @@ def _socket(compensator: Compensator | None, step: float) -> Plan:
     )
 
 
-def _integrated(test: HybridTest) -> tuple[LinearSubstructure, float, float]:
-    """Substructure that is integrated, the time s by which its load is ahead and its inertia.
-
-    x''(t) = u(t + s) is, to first order, (1 + sc)x'' + (c + sk)x' + kx = −(a_g + F/m) − s(a_g + F/m)'.
-    """
-    substructure = test.substructure
-    shift = sum(
-        effect.shift(test.structure.circular_frequency)
-        for effect in test.effects
-        if isinstance(effect, IntegrationError) and test.structure is not None
-    )
-    c, k = substructure.damping, substructure.stiffness
-    inertia = 1.0 + shift * c
-    return (
-        LinearSubstructure(damping=(c + shift * k) / inertia, stiffness=k / inertia),
-        float(shift),
-        inertia,
-    )
-
-
 @compiled
-def _march(  # noqa: C901, PLR0915 - one compiled loop; what it calls costs more than it is worth
+def _march(  # noqa: C901 - one compiled loop; what it calls costs more than it is worth
     ground: Array,
     h: float,
     mass: float,
-    shifted: tuple[float, float],
     scheme: tuple[int, int],
     scheme_coefficients: Array,
     socket: Plan,
@@ -188,7 +226,6 @@ def _march(  # noqa: C901, PLR0915 - one compiled loop; what it calls costs more
     width: int,
 ) -> tuple[Array, Array, Array]:
     n = ground.size
-    ahead, inertia = shifted
     integrate, corrections = scheme
     gain, delay = actuator
     command, sent = np.zeros((3, n)), np.zeros((3, n))
@@ -209,15 +246,14 @@ def _march(  # noqa: C901, PLR0915 - one compiled loop; what it calls costs more
         measured_force = 2.0 * force[i - 1] - force[i - 2] if i > 1 else force[0]
         for correction in range(corrections + 1):
             if i > 0:
-                early = -(ground[i - 1] + force[i - 1] / mass) / inertia
-                late = -(ground[i] + measured_force / mass) / inertia
-                lead = ahead * (late - early)
+                early = -(ground[i - 1] + force[i - 1] / mass)
+                late = -(ground[i] + measured_force / mass)
                 motion[0], motion[1], motion[2] = command[0, i - 1], command[1, i - 1], command[2, i - 1]
                 call_kernel(
                     integrate,
                     pointer_to(motion, 0),
-                    early + lead,
-                    late + lead,
+                    early,
+                    late,
                     pointer_to(scheme_coefficients, 0),
                     pointer_to(scratch, 0),
                 )

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from reliab.loop import spectral
+from reliab.loop.effects import find_effect
 from reliab.loop.excitation import Excitation
 from reliab.loop.hybrid_test.closed_loop import run_closed_loop
 from reliab.loop.hybrid_test.integrators import CentralDifference, ChenRicles, OperatorSplitting
@@ -57,3 +58,35 @@ def test_schemes_agree_at_the_rate_of_a_laboratory():
     cr, cd, splitting = (response(name, structure, 1.0 / 1024.0) for name in ("cr", "cd", "os"))
     assert np.abs(cr - cd).max() < 1e-4 * np.abs(cr).max()
     assert np.abs(cr - splitting).max() < 1e-4 * np.abs(cr).max()
+
+
+def stepped(structure, ground, step, gamma):
+    """Displacement at the controller's instants, the whole spring being in the rig; Euler without a γ."""
+    omega = structure.circular_frequency
+    damping, x, v, path = 2.0 * structure.damping_ratio * omega, 0.0, 0.0, [0.0]
+    acceleration = -ground[0]
+    for shaken in ground[1:]:
+        if gamma is None:
+            x, v = x + step * v, v + step * acceleration
+            acceleration = -shaken - damping * v - omega**2 * x
+        else:
+            x += step * v + 0.5 * step**2 * acceleration
+            rest = -shaken - omega**2 * x - damping * (v + step * (1.0 - gamma) * acceleration)
+            later = rest / (1.0 + step * gamma * damping)
+            v += step * ((1.0 - gamma) * acceleration + gamma * later)
+            acceleration = later
+        path.append(x)
+    return np.array(path)
+
+
+@pytest.mark.parametrize(("gamma", "shift"), [(0.5, 0.0), (0.9, 0.4), (None, -1.0)])
+@pytest.mark.parametrize("fine", [1, 4])
+def test_integration_error_is_its_scheme_at_the_controllers_instants(gamma, shift, fine):
+    structure, coarse = Structure(frequency=1.0, damping_ratio=0.05), 0.016
+    ground, step = record(coarse), coarse / fine
+    damping = 0.5 * structure.circular_frequency * shift * coarse
+    effect = find_effect("integration_error")(numerical_damping_ratio=damping, step_s=coarse)
+    played = np.interp(np.arange((ground.size - 1) * fine + 1) / fine, np.arange(ground.size), ground)
+    found = run_closed_loop(HybridTest(structure=structure, effects=(effect,)), played, step)
+    wanted = stepped(structure, ground, coarse, gamma)
+    assert np.allclose(found.command.values[0, ::fine], wanted, atol=1e-9 * np.abs(wanted).max())
