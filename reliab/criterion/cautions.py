@@ -28,17 +28,23 @@ def cautions_of(samples: Sequence[Sequence[EllipseSample]], offered: int, method
     """
     cells = [sample for row in samples for sample in row]
     fewest = min(sample.n_events for sample in cells)
-    found = (_left_out(cells, offered), few_events(fewest), *_not_lognormal(cells, method))
+    found = (_left_out(cells, offered, method), few_events(fewest), *_not_lognormal(cells, method))
     return tuple(sentence for sentence in found if sentence)
 
 
-def _left_out(cells: Sequence[EllipseSample], offered: int) -> str:
+def _left_out(cells: Sequence[EllipseSample], offered: int, method: Method) -> str:
     fewest = min(sample.n_motions for sample in cells)
     if fewest == offered:
         return ""
+    consequence = (
+        "which narrows the fitted distribution, so that its lower quantile may lie a little too high; "
+        "dirichlet, order_statistic and conformal stay on the safe side"
+        if method.assumes_lognormality
+        else "so that this is on the safe side"
+    )
     return (
         f"Up to {offered - fewest} of {offered} motions have no ellipse at some structure and were left out "
-        "there: their boundaries reach beyond half or twice the amplitude, so that this is on the safe side."
+        f"there: their boundaries reach beyond five damping ratios of amplitude error, {consequence}."
     )
 
 

@@ -1,26 +1,34 @@
 """From a dataset of ellipses to a criterion."""
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from reliab.criterion.bayes.posterior_criterion import fit_hierarchical
 from reliab.criterion.cautions import cautions_of
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.ellipse_sample import EllipseSample, position, sample_of
 from reliab.criterion.joint import limits
 from reliab.criterion.laws import FITTED, FittedLaw, Law, Table, known
-from reliab.criterion.methods import RECOMMENDED, Method, method_of
+from reliab.criterion.methods import HIERARCHICAL, RECOMMENDED, HierarchicalPosterior, Method, any_method_of
 from reliab.criterion.population import Population
 from reliab.criterion.provenance import Provenance, records_checksum
+from reliab.errors import InputError
+from reliab.progress import Progress, silent
 from reliab.vocabulary import Metric
 
 
 def derive_criterion(
     ellipses: xr.Dataset,
     *,
-    method: Method | str = RECOMMENDED,
+    method: Method | HierarchicalPosterior | str = RECOMMENDED,
+    assurance: float | None = None,
+    distribution: str | None = None,
+    steps: int | None = None,
+    chains: str | Path | None = None,
     frequency: float | None = None,
     damping_ratio: float | None = None,
     joint: bool = True,
@@ -29,6 +37,7 @@ def derive_criterion(
     metric: str = Metric.RMS,
     confidence: float = 0.95,
     source: str = "ellipses of ground motions",
+    progress: Progress = silent,
 ) -> Criterion:
     """Derive a criterion from the ellipses of many ground motions.
 
@@ -40,8 +49,13 @@ def derive_criterion(
     ----------
     ellipses : xarray.Dataset
         As `reliab.sweep.trace_ellipses` or `reliab.criterion.read_ellipses` make it.
-    method : Method or str, optional
+    method : Method or HierarchicalPosterior or str, optional
         What the confidence means, or its name; the recommended one by default.
+    assurance, distribution, steps : optional
+        Settings of a method that is given by its name, where it has them.
+    chains : str or pathlib.Path, optional
+        For the hierarchical methods, the HDF5 file of the chains; a run that stopped, or was too short, goes
+        on where it ended.
     frequency, damping_ratio : float, optional
         The only structure to derive it for [Hz, -], one of the dataset's; all of them by default.
     joint : bool, optional
@@ -56,17 +70,24 @@ def derive_criterion(
         Share of ground motions, in (0, 1).
     source : str, optional
         Where the ellipses came from, in words.
+    progress : callable, optional
+        Called with finished and all steps of the hierarchical methods.
 
     Returns
     -------
     Criterion
         Valid for the structures of the dataset and between them.
 
+    Warns
+    -----
+    ConvergenceWarning
+        If the posterior of a hierarchical method has not converged.
+
     Raises
     ------
     InputError
-        If the dataset has no such threshold or metric, or too few motions, or the method can promise
-        nothing with so few that a law could be fitted to.
+        If the dataset has no such threshold or metric, or too few motions, the method has no such
+        setting, or can promise nothing with so few that a law could be fitted to.
 
     Examples
     --------
@@ -80,9 +101,23 @@ def derive_criterion(
     >>> print(f"{a:.2e} {b:.3f}")
     5.29e-05 1.048
     """
-    method = method_of(method) if isinstance(method, str) else method
+    settings = {"assurance": assurance, "distribution": distribution, "steps": steps}
+    method = any_method_of(method, **settings) if isinstance(method, str) else method
     law = known(FITTED, law) if isinstance(law, str) else law
     ordered = _only(ellipses, "f", frequency).pipe(_only, "xi", damping_ratio)
+    if isinstance(method, HierarchicalPosterior):
+        fit = fit_hierarchical(
+            ordered,
+            method,
+            threshold=threshold,
+            metric=str(metric),
+            law=law,
+            chains=chains,
+            progress=progress,
+        )
+        fit.posterior.warn_unless_converged()
+        return fit.criterion(confidence, joint=joint, source=source)
+    require_no_chains(chains, method.name)
     samples = _samples(ordered, threshold, str(metric))
     found = np.array([[limits(each, method, confidence, joint=joint) for each in row] for row in samples])
     fitted: Law = law.fit(ordered["f"].values, ordered["xi"].values, found[..., 0], found[..., 1])
@@ -106,6 +141,16 @@ def derive_criterion(
             warnings=cautions_of(samples, ellipses.sizes["motion"], method),
         ),
     )
+
+
+def require_no_chains(chains: str | Path | None, method: str) -> None:
+    """Refuse a file of chains for a method that samples none."""
+    if chains is not None:
+        raise InputError(
+            "Only the hierarchical methods sample chains",
+            value=f"chains for {method}",
+            remedy=f"Leave them out, or choose {' or '.join(HIERARCHICAL)}",
+        )
 
 
 def _only(ellipses: xr.Dataset, name: str, value: float | None) -> xr.Dataset:

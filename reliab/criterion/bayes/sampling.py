@@ -57,7 +57,12 @@ class Ensembles:
 
 
 def sample(
-    model: Model, ensembles: Ensembles, *, file: Path | None = None, progress: Progress = silent
+    model: Model,
+    ensembles: Ensembles,
+    *,
+    file: Path | None = None,
+    group: str = "",
+    progress: Progress = silent,
 ) -> PosteriorSample:
     """Sample the posterior of a model.
 
@@ -75,6 +80,8 @@ def sample(
     file : Path, optional
         HDF5 file; a run that stopped, or that was too short, goes on where it ended and ends up as if
         it had never stopped.
+    group : str, optional
+        Folder of the run inside the file, which may hold several.
     progress : callable, optional
         Called with finished and all steps.
 
@@ -101,19 +108,24 @@ def sample(
     >>> posterior.converged, bool(abs(posterior.flat[:, 0].mean() - model.values.mean()) < 0.01)
     (True, True)
     """
-    found = draw(model, ensembles, file=file, progress=progress)
+    found = draw(model, ensembles, file=file, group=group, progress=progress)
     found.warn_unless_converged()
     return found
 
 
 def draw(
-    model: Model, ensembles: Ensembles, *, file: Path | None = None, progress: Progress = silent
+    model: Model,
+    ensembles: Ensembles,
+    *,
+    file: Path | None = None,
+    group: str = "",
+    progress: Progress = silent,
 ) -> PosteriorSample:
     """Draw as :func:`sample` does, without asking whether the run has converged.
 
     Parameters
     ----------
-    model, ensembles, file, progress
+    model, ensembles, file, group, progress
         As for :func:`sample`.
 
     Returns
@@ -121,11 +133,11 @@ def draw(
     PosteriorSample
         The draws.
     """
-    width = ensembles.walkers or max(32, 2 * (4 * len(model.parameters) // 3))
+    width = ensembles.walkers or width_of(model)
     laplace = Laplace.of(model)
     chains, accepted = [], []
     for number in range(ensembles.count):
-        with _backend(file, number, model, ensembles, width) as backend:
+        with _backend(file, f"{group}/ensemble_{number}", model, ensembles, width) as backend:
             sampler = _sampler(model, laplace, width, backend)
             _run(sampler, _start(laplace, width, (ensembles.seed, number)), ensembles, number, progress)
             kept = ensembles.steps // ensembles.thin // 2
@@ -137,6 +149,11 @@ def draw(
         thin=ensembles.thin,
         accepted=float(np.mean(accepted)),
     )
+
+
+def width_of(model: Model) -> int:
+    """Walkers of an ensemble: nearly three times as many as parameters, and at least 32."""
+    return max(32, 2 * (4 * len(model.parameters) // 3))
 
 
 def _sampler(
@@ -173,20 +190,28 @@ def _start(laplace: Laplace, width: int, seed: tuple[int, int]) -> emcee.State:
 
 @contextmanager
 def _backend(
-    file: Path | None, number: int, model: Model, ensembles: Ensembles, width: int
+    file: Path | None, name: str, model: Model, ensembles: Ensembles, width: int
 ) -> Iterator[emcee.backends.Backend]:
     """Memory, or a group of an HDF5 file that belongs to this very run."""
     if file is None:
         yield emcee.backends.Backend()
         return
-    backend = emcee.backends.HDFBackend(str(file), name=f"ensemble_{number}")
+    backend = emcee.backends.HDFBackend(str(file), name=name)
     signature = _signature(model, ensembles, width)
-    if not backend.initialized:
-        backend.reset(width, len(model.parameters))
-        with backend.open("a") as opened:
-            opened[backend.name].attrs["signature"] = signature
-    with backend.open() as opened:
-        stored = opened[backend.name].attrs.get("signature", "")
+    try:
+        if not backend.initialized:
+            backend.reset(width, len(model.parameters))
+            with backend.open("a") as opened:
+                opened[name].attrs["signature"] = signature
+        with backend.open() as opened:
+            stored = opened[name].attrs.get("signature", "")
+    except OSError as error:
+        raise InputError(
+            "The file of the chains must be an HDF5 file that can be read and written",
+            value=str(error).splitlines()[0],
+            remedy="Name another file, or delete it to begin anew",
+            where=str(file),
+        ) from error
     if stored != signature:
         raise InputError(
             "A run is resumed with the model, data and settings that it began with",

@@ -1,51 +1,139 @@
 """The hierarchical posterior as a criterion."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from reliab.criterion import Criterion, derive_criterion
-from reliab.criterion.bayes import Ensembles, sample
-from reliab.criterion.bayes.posterior_criterion import hierarchical_model, posterior_criterion
-from reliab.criterion.methods import Predictive
+from reliab.criterion.bayes import ConvergenceWarning
+from reliab.criterion.bayes.laplace import Laplace
+from reliab.criterion.bayes.posterior_criterion import fit_hierarchical, hierarchical_model
+from reliab.criterion.laws import Dimensionless, Exponential, Power
+from reliab.criterion.methods import HierarchicalPosterior, Predictive, any_method_of
+from reliab.errors import InputError
 
-pytestmark = pytest.mark.filterwarnings("ignore::reliab.criterion.bayes.ConvergenceWarning")
 ERROR = {"threshold": 0.05, "metric": "rms"}
+GRID = np.array([0.5, 1.0, 2.0])[:, None], np.array([0.02, 0.05])
 
 
 @pytest.fixture(scope="module")
-def fitted(ellipses):
-    model = hierarchical_model(ellipses, **ERROR, curved=False)
-    return model, sample(model, Ensembles(steps=300, walkers=48))
+def fit(ellipses):
+    return fit_hierarchical(ellipses, HierarchicalPosterior(steps=300), **ERROR, law=Power)
 
 
-def test_limits_are_near_those_of_each_structure_alone(ellipses, fitted):
-    model, posterior = fitted
-    found = posterior_criterion(ellipses, posterior, model, **ERROR, joint=False)
-    alone = derive_criterion(ellipses, method=Predictive(), **ERROR)
-    f, xi = np.array([0.5, 1.0, 2.0])[:, None], np.array([0.02, 0.05])
-    for one, other in zip(found.limits(f, xi), alone.limits(f, xi), strict=True):
-        np.testing.assert_allclose(np.log(one), np.log(other), atol=0.35)
+def sizes(criterion):
+    return np.log(np.stack(criterion.limits(*GRID)))
 
 
-def test_joint_limits_are_smaller(ellipses, fitted):
-    model, posterior = fitted
-    each, both = (
-        posterior_criterion(ellipses, posterior, model, **ERROR, joint=joint) for joint in (False, True)
-    )
-    for one, other in zip(both.limits(1.0, 0.02), each.limits(1.0, 0.02), strict=True):
-        assert one < other
+def test_limits_are_near_those_of_each_structure_alone(ellipses, fit):
+    found = fit.criterion(0.95, joint=False)
+    alone = derive_criterion(ellipses, method=Predictive(), joint=False, **ERROR)
+    np.testing.assert_allclose(sizes(found), sizes(alone), atol=0.35)
 
 
-def test_a_short_run_is_confessed_in_the_provenance(ellipses, fitted):
-    model, _ = fitted
-    short = sample(model, Ensembles(steps=20, walkers=48))
-    found = posterior_criterion(ellipses, short, model, **ERROR)
-    assert not found.provenance.settings["converged"]
-    assert any("effective draws" in sentence for sentence in found.provenance.warnings)
+def test_joint_limits_are_smaller(fit):
+    assert (sizes(fit.criterion(0.95)) < sizes(fit.criterion(0.95, joint=False))).all()
+
+
+def test_an_assurance_makes_limits_smaller_and_more_of_it_smaller_still(fit):
+    def assured(assurance):
+        method = None if assurance is None else HierarchicalPosterior(assurance=assurance)
+        return sizes((fit if method is None else replace(fit, method=method)).criterion(0.95))
+
+    predictive, weak, strong = assured(None), assured(0.5), assured(0.95)
+    assert (strong < weak - 0.05).all()
+    assert (strong < predictive).all()
+
+
+def test_the_assured_bound_is_the_quantile_over_draws_of_the_populations_own_quantile(fit):
+    """At one structure and for a alone each draw's quantile is known in closed form."""
+    theta = fit.posterior.spread_out(4000)
+    covariance = fit.model.covariances(theta)
+    eta = fit.model.grid.eta[0]
+    at = dict(zip(fit.model.grid.effects, np.moveaxis(covariance[..., 0], 1, 0), strict=True))
+    variance = sum(
+        each * (eta**2 if "slope" in name else 1.0) for name, each in at.items()
+    )  # of ln α over motions
+    centre = np.einsum("wt,t->w", fit.model.coefficients(theta)[..., 0], fit.model.terms[0, 0])
+    quantiles = centre - 1.6449 * np.sqrt(variance)
+    method = HierarchicalPosterior(assurance=0.9)
+    a, _ = replace(fit, method=method).criterion(0.95, joint=False).limits(0.5, 0.02)
+    assert np.log(a / 0.02**2) == pytest.approx(np.quantile(quantiles, 0.1), abs=0.03)
+
+
+def test_a_short_run_is_confessed_in_words_settings_and_by_a_warning(ellipses):
+    with pytest.warns(ConvergenceWarning, match="NOT CONVERGED"):
+        found = derive_criterion(ellipses, method="hierarchical", steps=20, **ERROR)
+    assert found.provenance.settings["converged"] is False
+    assert "NOT CONVERGED" in found.provenance.warnings[0]
+    assert any("R-hat" in sentence for sentence in found.provenance.warnings)
     assert Criterion.from_json(found.to_json()) == found
 
 
-def test_motions_without_an_ellipse_are_left_out(ellipses):
+def test_chains_in_a_file_serve_a_further_confidence_and_one_file_serves_all_errors(ellipses, tmp_path):
+    method = HierarchicalPosterior(steps=40)
+    file = tmp_path / "chains.h5"
+    ellipses = ellipses.sel(f=[1.0], xi=[0.02])
+    first = fit_hierarchical(ellipses, method, **ERROR, chains=file)
+    other = ellipses.assign_coords(threshold=[0.1])
+    fit_hierarchical(other, method, threshold=0.1, metric="rms", chains=file)
+    asked = []
+    again = fit_hierarchical(
+        ellipses, method, **ERROR, chains=file, progress=lambda *done: asked.append(done)
+    )
+    np.testing.assert_array_equal(again.posterior.draws, first.posterior.draws)
+    assert not asked
+
+
+def test_the_law_inside_is_the_one_that_is_asked_for(ellipses, fit):
+    assert fit.criterion(0.95).law.name == "power"
+    assert not fit.model.curved
+    quick = HierarchicalPosterior(steps=20)
+    assert fit_hierarchical(ellipses, quick, **ERROR, law=Dimensionless).model.curved
+    with pytest.raises(InputError, match="law inside"):
+        fit_hierarchical(ellipses, quick, **ERROR, law=Exponential)
+
+
+def test_diagnostics_name_every_parameter(fit):
+    found = fit.diagnostics
+    assert [each["parameter"] for each in found["parameters"]] == list(fit.posterior.names)
+    assert {"r_hat", "bulk_size", "tail_size", "autocorrelation_time"} <= set(found["parameters"][0])
+    assert (found["ensembles"], found["steps"], found["converged"]) == (4, 300, False)
+
+
+def test_missing_ellipses_are_drawn_and_leave_the_spread_as_it_is(ellipses):
+    """The greatest tenth at the most damped structures is lost, as it is for real motions."""
+    whole = hierarchical_model(ellipses, **ERROR)
     lacking = ellipses.copy(deep=True)
-    lacking["a"][3, 0, 0] = np.nan
-    assert len(hierarchical_model(lacking, **ERROR).values) == ellipses.sizes["motion"] - 1
+    for k in range(3):
+        a = lacking["a"].values[:, k, 1]
+        a[a >= np.quantile(a, 0.9)] = np.nan
+    assert 6 <= np.isnan(lacking["a"].values).any(axis=(1, 2)).sum() <= 18
+    model = hierarchical_model(lacking, **ERROR)
+    assert model.values.shape == whole.values.shape
+
+    complete = lacking.isel(motion=~np.isnan(lacking["a"].values).any(axis=(1, 2)).ravel())
+    narrow = hierarchical_model(complete, **ERROR)
+
+    def quantile(model):
+        theta = Laplace.of(model).mode[None]
+        drawn = model.draw_motions(theta, np.arange(20_000), np.random.default_rng(1))[0]
+        return np.quantile(drawn[:, 1, 1, 0], 0.05)
+
+    assert abs(quantile(model) - quantile(whole)) < abs(quantile(narrow) - quantile(whole))
+    assert quantile(model) == pytest.approx(quantile(whole), abs=0.1)
+
+
+def test_settings_that_a_method_lacks_are_refused():
+    with pytest.raises(InputError, match="quantile has no assurance"):
+        any_method_of("quantile", assurance=0.9)
+    with pytest.raises(InputError, match="tolerance has no steps"):
+        any_method_of("tolerance", steps=100)
+    with pytest.raises(InputError, match="hierarchical_robust"):
+        any_method_of("magic")
+
+
+def test_chains_without_a_posterior_are_refused(ellipses):
+    with pytest.raises(InputError, match="sample chains"):
+        derive_criterion(ellipses, chains="chains.h5", **ERROR)
