@@ -12,7 +12,6 @@ from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.noise import NoiseModel, Periodogram, fit_noise
 from reliab.discrepancy.quantisation import converter_step, expected_error
 from reliab.discrepancy.segment import Segment
-from reliab.discrepancy.smoothing import highest_frequency
 from reliab.discrepancy.space import ModelSpace
 
 Array = NDArray[np.float64]
@@ -129,7 +128,7 @@ class Problem:
     def _beyond(self) -> list[Periodogram]:
         """Power of the measured channel at frequencies too high for any signal."""
         found = []
-        limit = highest_frequency(self.block.rate)
+        limit = self.block.highest_signal
         for segment in self.segments:
             whole = segment.periodogram(self.measured(segment.test))
             above = whole.frequency > limit

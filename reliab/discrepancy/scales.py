@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.discrepancy.campaign import Campaign, Channel, MeasuredTest
-from reliab.discrepancy.smoothing import smoothed_motion
+from reliab.discrepancy.smoothing import highest_frequency, smoothed_motion
 from reliab.errors import InputError
 from reliab.loop.effects import Scales
 from reliab.loop.hybrid_test import Motion3
@@ -27,13 +27,14 @@ def motions_of(campaign: Campaign) -> tuple[Motion3, ...]:
     tuple of Motion3
         One motion a test, at the campaign's rate.
     """
-    return tuple(_motion(test, campaign.step) for test in campaign.tests)
+    highest = highest_frequency(campaign.rate, campaign.structure)
+    return tuple(_motion(test, campaign.step, highest) for test in campaign.tests)
 
 
-def _motion(test: MeasuredTest, step: float) -> Motion3:
+def _motion(test: MeasuredTest, step: float, highest: float) -> Motion3:
     if Channel.COMMAND in test.channels:
         return Motion3.through(test.channels[Channel.COMMAND], step)
-    return smoothed_motion(test.channels[Channel.MEASURED], step)
+    return smoothed_motion(test.channels[Channel.MEASURED], step, highest)
 
 
 def scales_of(campaign: Campaign, motions: Sequence[Motion3]) -> Scales:

@@ -13,24 +13,47 @@ from scipy import fft, ndimage
 
 from reliab.discrepancy.noise import Periodogram, fit_noise
 from reliab.loop.hybrid_test import Motion3
+from reliab.loop.structure import Structure
 
 Array = NDArray[np.float64]
 
 HIGHEST_SIGNAL = 45.0
-"""Highest frequency [Hz] at which a test may hold a signal; above it is noise."""
+"""Highest frequency [Hz] at which the test of a structure of some hertz may hold a signal."""
 
+_HARMONICS = 5.0  # of a structure, at which a stiffness that grows with the square still answers
 _LARGEST_SHARE = 0.4  # of the sampling rate
 _SMOOTHED_OVER = 0.4  # Hz
 _CLEAR = 50.0  # of the noise's power
 _LEAST_RELIABLE = 1.0  # Hz
 
 
-def highest_frequency(rate: float) -> float:
-    """Highest frequency [Hz] at which models are judged, for a sampling rate [Hz]."""
-    return min(HIGHEST_SIGNAL, _LARGEST_SHARE * rate)
+def highest_frequency(rate: float, structure: Structure | None = None) -> float:
+    """Highest frequency [Hz] at which a test may hold a signal; above it is noise.
+
+    Parameters
+    ----------
+    rate : float
+        Sampling rate [Hz].
+    structure : Structure, optional
+        The structure under test, where there is one.
+
+    Returns
+    -------
+    float
+        45 Hz, or five times the natural frequency, but no more than the sampling rate allows.
+
+    Examples
+    --------
+    >>> highest_frequency(1024.0)
+    45.0
+    >>> highest_frequency(1024.0, Structure(frequency=20.0, damping_ratio=0.02))
+    100.0
+    """
+    natural = 0.0 if structure is None else structure.frequency
+    return min(max(HIGHEST_SIGNAL, _HARMONICS * natural), _LARGEST_SHARE * rate)
 
 
-def reliable_frequency(displacements: Sequence[Array], step: float) -> float:
+def reliable_frequency(displacements: Sequence[Array], step: float, highest: float) -> float:
     """Highest frequency [Hz] up to which noisy displacements are nearly all signal.
 
     Parameters
@@ -39,6 +62,8 @@ def reliable_frequency(displacements: Sequence[Array], step: float) -> float:
         Readings of several tests [m].
     step : float
         Step between samples [s].
+    highest : float
+        Highest frequency at which there may be a signal [Hz].
 
     Returns
     -------
@@ -47,13 +72,13 @@ def reliable_frequency(displacements: Sequence[Array], step: float) -> float:
     """
     clear = []
     for displacement in displacements:
-        _, frequency, whole, floor = _spectra(displacement, step)
-        above = frequency[(whole > _CLEAR * floor) & (frequency <= highest_frequency(1.0 / step))]
+        _, frequency, whole, floor = _spectra(displacement, step, highest)
+        above = frequency[(whole > _CLEAR * floor) & (frequency <= highest)]
         clear.append(float(above[-1]) if above.size else 0.0)
     return max(float(np.median(clear)), _LEAST_RELIABLE)
 
 
-def _spectra(displacement: Array, step: float) -> tuple[Array, Array, Array, Array]:
+def _spectra(displacement: Array, step: float, highest: float) -> tuple[Array, Array, Array, Array]:
     """Spectrum of a displacement made antisymmetric, frequencies, its smooth power, the noise's."""
     n = displacement.size
     swing = displacement - np.linspace(displacement[0], displacement[-1], n)
@@ -61,14 +86,14 @@ def _spectra(displacement: Array, step: float) -> tuple[Array, Array, Array, Arr
     spectrum = fft.rfft(padded)
     frequency = fft.rfftfreq(padded.size, step)
     power = np.abs(spectrum) ** 2 / padded.size
-    beyond = frequency > highest_frequency(1.0 / step)
+    beyond = frequency > highest
     noise = fit_noise([Periodogram(frequency=frequency[beyond], power=power[beyond])], 1.0 / step)
     width = max(int(_SMOOTHED_OVER / frequency[1]), 5)
     whole = ndimage.uniform_filter1d(power, width, mode="nearest")
     return spectrum, frequency, whole, noise.density(frequency)
 
 
-def smoothed_motion(displacement: Array, step: float) -> Motion3:
+def smoothed_motion(displacement: Array, step: float, highest: float) -> Motion3:
     """Motion behind a noisy displacement.
 
     Parameters
@@ -77,6 +102,8 @@ def smoothed_motion(displacement: Array, step: float) -> Motion3:
         Reading [m], shape (n,).
     step : float
         Step between samples [s].
+    highest : float
+        Highest frequency at which there may be a signal [Hz].
 
     Returns
     -------
@@ -88,13 +115,13 @@ def smoothed_motion(displacement: Array, step: float) -> Motion3:
     >>> time = np.arange(0.0, 20.0, 0.002)
     >>> truth = np.sin(2.0 * np.pi * time) * np.sin(np.pi * time / 20.0)
     >>> noise = 0.1 * np.random.default_rng(1).normal(size=time.size)
-    >>> found = smoothed_motion(truth + noise, 0.002).values[0]
+    >>> found = smoothed_motion(truth + noise, 0.002, 45.0).values[0]
     >>> bool(np.std(found - truth) < 0.02)
     True
     """
     n = displacement.size
-    spectrum, frequency, whole, floor = _spectra(displacement, step)
+    spectrum, frequency, whole, floor = _spectra(displacement, step, highest)
     share = np.clip((whole - floor) / np.maximum(whole, 1e-300), 0.0, 1.0)
-    share[frequency > highest_frequency(1.0 / step)] = 0.0
+    share[frequency > highest] = 0.0
     swing = fft.irfft(share * spectrum, 2 * n - 2)[:n]
     return Motion3.through(swing + np.linspace(displacement[0], displacement[-1], n), step)

@@ -44,6 +44,8 @@ def _joined(test: HybridTest, one: BlockDiagnosis) -> HybridTest:
         test = replace(test, actuator=found.actuator)
     if any(name.startswith("stiffness") for name in names):
         test = replace(test, specimen=found.specimen)
+    if "damping" in names:
+        test = replace(test, structure=found.structure)
     return test
 
 

@@ -62,9 +62,9 @@ def test_smoothing_leaves_forces_unattenuated():
     time = np.arange(int(40 * RATE)) / RATE
     truth = signal.lfilter(*signal.butter(2, [0.3, 2.0], "bandpass", fs=RATE), random.normal(size=time.size))
     noise = 0.05 * truth.std() * random.normal(size=time.size)
-    found = smoothed_motion(truth + noise, 1.0 / RATE).values[0]
+    found = smoothed_motion(truth + noise, 1.0 / RATE, 45.0).values[0]
     slope = (found @ truth) / (found @ found)
     assert slope == pytest.approx(1.0, abs=2e-3)
     inner = slice(1024, -1024)
     assert np.std((found - truth)[inner]) < 0.3 * np.std(noise)
-    assert 1.5 < reliable_frequency([truth + noise], 1.0 / RATE) < 20.0
+    assert 1.5 < reliable_frequency([truth + noise], 1.0 / RATE, 45.0) < 20.0

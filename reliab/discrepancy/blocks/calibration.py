@@ -46,6 +46,13 @@ def _with_stiffness(model: HybridTest, stiffness: float) -> HybridTest:
     return replace(model, specimen=replace(model.specimen, stiffness=max(stiffness, 0.0)))
 
 
+def _with_damping(model: HybridTest, factor: float) -> HybridTest:
+    if model.structure is None:
+        return model
+    ratio = factor * model.structure.damping_ratio
+    return replace(model, structure=replace(model.structure, damping_ratio=ratio))
+
+
 def _with_scale(model: HybridTest, scale: float) -> HybridTest:
     return model.adding(ExcitationScale(scale=scale))
 
@@ -99,13 +106,29 @@ def unknown_stiffness() -> Calibration:
     return Calibration(parameter=parameter, nominal=_stiffness, apply=_with_stiffness)
 
 
-def scale_of_excitation(spread: float = 0.1) -> Calibration:
-    """Scale of the ground motion, where there is no rig that states it."""
+def damping(spread: float = 0.05, reach: float = 0.1) -> Calibration:
+    """Damping of an oscillator without a rig, in units of its nominal value; a calibration within 10 %.
+
+    A nominal damping ratio leaves open by which of its natural frequencies, the nominal one or the
+    calibrated one, it is to be multiplied.
+    """
     return Calibration(
         parameter=Parameter(
-            name="excitation_scale", units="-", meaning="factor on the ground acceleration", signed=True,
-            neutral=1.0, typical=spread, lower=0.2, upper=5.0, starts=(1.0,),
+            name="damping", units="-", meaning="damping over its nominal value", signed=True,
+            neutral=1.0, typical=spread, lower=1.0 - reach, upper=1.0 + reach, starts=(1.0,),
         ),
         nominal=lambda _model: 1.0,
-        apply=_with_scale,
+        apply=_with_damping,
+    )  # fmt: skip
+
+
+def scale_of_excitation(expected: float, spread: float = 0.2) -> Calibration:
+    """Scale of the ground motion over what is expected of it, where there is no rig that states it."""
+    return Calibration(
+        parameter=Parameter(
+            name="excitation_scale", units="-", meaning="factor on the ground acceleration over what is expected", signed=True,
+            neutral=1.0, typical=spread, lower=0.2, upper=5.0, starts=(1.0,),
+        ),
+        nominal=lambda _model: 1.0 / expected,
+        apply=lambda model, value: _with_scale(model, value * expected),
     )  # fmt: skip

@@ -1,10 +1,12 @@
 """The whole loop, where only ground acceleration and one displacement were recorded."""
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
-from reliab.discrepancy.blocks.calibration import delay, gain, scale_of_excitation, stiffness
+from reliab.discrepancy.blocks.calibration import damping, delay, gain, scale_of_excitation, stiffness
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign import Campaign, Channel
 from reliab.discrepancy.outside import outside_terms
@@ -18,6 +20,9 @@ from reliab.vocabulary import Block
 Array = NDArray[np.float64]
 
 _COARSEST_RATE = 500.0  # Hz; at half of this the error of the integration passes for an added mass at 50 dB
+_FEWEST_STEPS = 60.0  # of the integration in a natural period; what they miss is 70 dB below the signal
+_ROUNDING = 0.05
+_SPRINGS = 9
 _OF_THE_RIG = (Role.DELAY, Role.PISTON, Role.INTEGRATION)
 
 
@@ -43,25 +48,50 @@ class LoopBlock(ObservedBlock):
     def __init__(self, campaign: Campaign, scales: Scales, motions: tuple[Motion3, ...]) -> None:
         self.tests = campaign.tests
         self.rate = campaign.rate
-        self.every = max(1, int(campaign.rate // _COARSEST_RATE))
+        wanted = _rate_of_integration(campaign)
+        self.every = max(1, int(campaign.rate // wanted))
+        self.parts = max(1, math.ceil(wanted / campaign.rate - _ROUNDING))
         self.scales = scales
         self.nominal = campaign.nominal
         self.motions = motions
         rig = campaign.actuator is not None
-        if rig:
-            self.calibrations = (gain(self.nominal), delay(self.nominal), stiffness(self.nominal))
-        else:
-            self.calibrations = (stiffness(self.nominal), scale_of_excitation())
         self.offsets = (SensorBias,)
         self.candidates = tuple(effect for effect in library().values() if _possible(effect, rig=rig))
         acting = (*_OF_THE_RIG, Role.FORCE) if rig else (Role.FORCE,)
         terms = (*outside_terms(Block.ACTUATOR), *outside_terms(Block.SPECIMEN))
         self.outside = tuple(term for term in terms if term.role in acting)
-        self._grounds = [_thinned(test.channels[Channel.GROUND], self.every) for test in self.tests]
+        self._grounds = [
+            _resampled(test.channels[Channel.GROUND], self.parts, self.every) for test in self.tests
+        ]
+        if rig:
+            self.calibrations = (gain(self.nominal), delay(self.nominal), stiffness(self.nominal))
+        else:
+            scale = scale_of_excitation(self._scale())
+            self.calibrations = (stiffness(self.nominal), damping(), scale)
 
     def predict(self, model: HybridTest, test: int) -> Array:
         """Displacement that the sensor reads [m], shape (⌈n / every⌉,)."""
-        return run_closed_loop(model, self._grounds[test], self.every / self.rate).measured
+        step = self.every / self.rate / self.parts
+        return run_closed_loop(model, self._grounds[test], step).measured[:: self.parts]
+
+    def _scale(self) -> float:
+        """Scale at which the excitation explains most of a test, of springs within the calibration."""
+        test = next(k for k, one in enumerate(self.tests) if not one.held_out)
+        seen = signal.detrend(self.measured(test)[:: self.every], type="constant")
+        share, scale = 0.0, 1.0
+        spring = stiffness(self.nominal)
+        for factor in np.linspace(spring.parameter.lower, spring.parameter.upper, _SPRINGS):
+            moved = signal.detrend(self.predict(spring.apply(self.nominal, factor), test), type="constant")
+            energy, along = float(moved @ moved), float(moved @ seen)
+            if along**2 > share * energy:
+                share, scale = along**2 / energy, along / energy
+        return scale
+
+
+def _rate_of_integration(campaign: Campaign) -> float:
+    """Least rate at which the loop is integrated [Hz]."""
+    natural = 0.0 if campaign.structure is None else campaign.structure.frequency
+    return max(_COARSEST_RATE, _FEWEST_STEPS * natural)
 
 
 def _possible(effect: type[Effect], *, rig: bool) -> bool:
@@ -70,8 +100,14 @@ def _possible(effect: type[Effect], *, rig: bool) -> bool:
     return rig or effect.role not in _OF_THE_RIG
 
 
-def _thinned(ground: Array, every: int) -> Array:
-    """Each `every`-th sample, after a filter without delay that lets the signal pass."""
+def _resampled(ground: Array, parts: int, every: int) -> Array:
+    """Ground motion at `parts` times the rate, or each `every`-th sample; what was recorded is band-limited.
+
+    The last sample is the last one that was recorded.
+    """
+    if parts > 1:
+        fine: Array = signal.resample_poly(ground, parts, 1, padtype="line")
+        return fine[: (ground.size - 1) * parts + 1]
     if every == 1:
         return ground
     weights = signal.firwin(16 * every + 1, 0.8 / every)

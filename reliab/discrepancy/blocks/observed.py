@@ -63,9 +63,14 @@ class ObservedBlock(ABC):
     motions: tuple[Motion3, ...]
 
     @property
+    def highest_signal(self) -> float:
+        """Highest frequency at which there may be a signal [Hz]."""
+        return highest_frequency(self.rate, self.nominal.structure)
+
+    @property
     def highest(self) -> float:
         """Highest frequency at which models are judged [Hz]."""
-        return highest_frequency(self.rate)
+        return self.highest_signal
 
     @abstractmethod
     def predict(self, model: HybridTest, test: int) -> Array:

@@ -62,7 +62,7 @@ class SpecimenBlock(ObservedBlock):
         if not self.smoothed:
             return super().highest
         readings = [test.channels[Channel.MEASURED] for test in self.tests]
-        return reliable_frequency(readings, 1.0 / self.rate)
+        return reliable_frequency(readings, 1.0 / self.rate, self.highest_signal)
 
     def predict(self, model: HybridTest, test: int) -> Array:
         """Force that the load cell reads [N], shape (n,)."""

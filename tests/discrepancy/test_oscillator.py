@@ -1,0 +1,91 @@
+"""An oscillator without a rig, of any frequency, shaken by an excitation of unknown scale and sign."""
+
+import numpy as np
+import pytest
+from scipy import fft
+
+from reliab.discrepancy import diagnose, read_campaign
+
+RATE = 610.0
+FREQUENCY, DAMPING_RATIO = 68.0, 0.047
+SAMPLES, TESTS, FINER = 2048, 4, 16
+SCALE = -1.8e5  # of volts to m/s²
+CUBIC = 0.3  # of the linear stiffness, at three standard deviations of the displacement
+SAY = """
+name = "oscillator"
+[structure]
+frequency_hz = 66.0
+damping_ratio = 0.045
+[sampling]
+rate_hz = 610
+"""
+
+
+def multisines(rng):
+    """Band-limited excitations of unit variance at the fine rate, shape (tests, n)."""
+    n = SAMPLES * FINER
+    spectrum = np.zeros((TESTS, n // 2 + 1), dtype=complex)
+    band = fft.rfftfreq(n, 1.0 / (RATE * FINER))
+    inside = (band > 1.0) & (band < 200.0)
+    spectrum[:, inside] = np.exp(2j * np.pi * rng.random((TESTS, int(inside.sum()))))
+    excitations = fft.irfft(spectrum, n)
+    return excitations / excitations.std()
+
+
+def responses(excitations, cubic):
+    """Displacements by the classical Runge–Kutta method, shape (tests, samples)."""
+    w0, step = 2.0 * np.pi * FREQUENCY, 1.0 / (RATE * FINER)
+
+    def rates(x, v, u):
+        return v, -2.0 * DAMPING_RATIO * w0 * v - w0**2 * (x + cubic * x**3) - SCALE * u
+
+    x, v, found = np.zeros(TESTS), np.zeros(TESTS), []
+    for i in range(SAMPLES * FINER):
+        found.append(x)
+        u, u_next = excitations[:, i], excitations[:, (i + 1) % excitations.shape[1]]
+        middle = 0.5 * (u + u_next)
+        a = rates(x, v, u)
+        b = rates(x + 0.5 * step * a[0], v + 0.5 * step * a[1], middle)
+        c = rates(x + 0.5 * step * b[0], v + 0.5 * step * b[1], middle)
+        d = rates(x + step * c[0], v + step * c[1], u_next)
+        x = x + step / 6.0 * (a[0] + 2.0 * b[0] + 2.0 * c[0] + d[0])
+        v = v + step / 6.0 * (a[1] + 2.0 * b[1] + 2.0 * c[1] + d[1])
+    return np.stack(found[::FINER], axis=1)
+
+
+@pytest.fixture
+def campaign(tmp_path):
+    def written(cubic_share):
+        rng = np.random.default_rng(4)
+        volts = multisines(rng)
+        size = responses(volts, 0.0).std()
+        volts *= 0.05 / size
+        cubic = cubic_share / (3.0 * 0.05) ** 2
+        moved = responses(volts, cubic)
+        moved += 2e-4 * rng.standard_normal(moved.shape)
+        time = np.arange(SAMPLES) / RATE
+        say = SAY
+        for k in range(TESTS):
+            columns = np.column_stack([time, volts[k, ::FINER], moved[k]])
+            header = "time_s,ground_acceleration_mps2,measured_m"
+            np.savetxt(tmp_path / f"{k}.csv", columns, delimiter=",", header=header, comments="")
+            say += f'[[tests]]\nfile = "{k}.csv"\nmotion = "multisine {k}"\n'
+        (tmp_path / "campaign.toml").write_text(say)
+        return read_campaign(tmp_path), cubic * (2.0 * np.pi * FREQUENCY) ** 2
+
+    return written
+
+
+def test_a_linear_oscillator_is_calibrated(campaign):
+    measured, _ = campaign(0.0)
+    found = diagnose(measured).as_dict()
+    assert found["verdict"] == "no_missing_effect"
+    assert found["gap"]["nrmse_after"] < 0.006
+
+
+def test_a_hardening_oscillator_is_named(campaign):
+    measured, stiffness = campaign(CUBIC)
+    found = diagnose(measured).as_dict()
+    assert [effect["name"] for effect in found["effects"]] == ["cubic_stiffness"]
+    assert found["effects"][0]["parameters"]["cubic_n_per_m3"]["value"] == pytest.approx(stiffness, rel=0.02)
+    assert found["gap"]["nrmse_after"] < 0.006
