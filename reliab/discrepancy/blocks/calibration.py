@@ -126,7 +126,7 @@ def scale_of_excitation(expected: float, spread: float = 0.2) -> Calibration:
     """Scale of the ground motion over what is expected of it, where there is no rig that states it."""
     return Calibration(
         parameter=Parameter(
-            name="excitation_scale", units="-", meaning="factor on the ground acceleration over the expected one",
+            name="excitation_scale", units="-", meaning="factor on the ground acceleration over what is due",
             signed=True, neutral=1.0, typical=spread, lower=0.2, upper=5.0, starts=(1.0,),
         ),
         nominal=lambda _model: 1.0 / expected,
