@@ -1,10 +1,12 @@
 """`reliab criterion`: how much amplitude error and delay a test may have."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from reliab.cli.criterion_answer import check_one, row, show, write
 from reliab.cli.options import (
     FIVE_PERCENT,
     ONE_HERTZ,
@@ -21,17 +23,20 @@ from reliab.cli.options import (
     Thresholds,
     WindowName,
 )
-from reliab.cli.output import console, table, write_json
+from reliab.cli.output import progress_bar, write_json
 from reliab.cli.sources import ellipse_dataset
-from reliab.errors import InputError
+from reliab.errors import IncompleteError, InputError
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from reliab.criterion import Criterion
+    from reliab.criterion.bayes.posterior_criterion import HierarchicalFit
+    from reliab.criterion.laws import FittedLaw
+    from reliab.criterion.methods import HierarchicalPosterior
 
-
-_HEADINGS = ("f [Hz]", "ξ [-]", "error [-]", "confidence [-]", "a [-]", "b [ms²]", "|A − 1| ≤", "d ≤ [ms]")
+_NINETY_FIVE = 0.95
+_PAPERS_METHOD = "quantile"
 
 Ellipses = Annotated[
     Path | None,
@@ -50,13 +55,37 @@ MethodName = Annotated[
         "--method",
         metavar="NAME",
         help="What the confidence means: quantile (the paper's), tolerance, posterior, predictive, "
-        "order_statistic, conformal, bootstrap, dirichlet; recommended is dirichlet --joint.",
+        "order_statistic, conformal, bootstrap, dirichlet, each structure for itself; hierarchical, "
+        "hierarchical_robust, all structures at once by MCMC; recommended is dirichlet --joint.",
     ),
 ]
 Assurance = Annotated[
     float | None,
     typer.Option(
-        "--assurance", metavar="SHARE", help="Share of suites that keep the promise (tolerance ...)."
+        "--assurance",
+        metavar="SHARE",
+        help="Share of suites that keep the promise (tolerance, posterior, order_statistic, bootstrap), "
+        "or its posterior probability (hierarchical).",
+    ),
+]
+Steps = Annotated[
+    int | None,
+    typer.Option("--steps", metavar="N", help="Steps of the hierarchical methods' chains, a multiple of 4."),
+]
+Chains = Annotated[
+    Path | None,
+    typer.Option(
+        "--chains",
+        metavar="FILE.h5",
+        help="Keep the chains of the hierarchical methods; a run that was killed or too short goes on there.",
+    ),
+]
+Figures = Annotated[
+    Path | None,
+    typer.Option(
+        "--figures",
+        metavar="FOLDER",
+        help="Draw criteria over the motions' own ellipses, and traces, ranks and pairs of a posterior.",
     ),
 ]
 DistributionName = Annotated[
@@ -93,25 +122,41 @@ def criterion(
     window: WindowName = "record",
     alpha: ExperimentalFraction = 1.0,
     model: ModelFile = None,
-    method: MethodName = "quantile",
+    method: MethodName = _PAPERS_METHOD,
     assurance: Assurance = None,
     distribution: DistributionName = None,
     joint: Joint = False,
     law: LawName = "table",
+    steps: Steps = None,
+    chains: Chains = None,
+    figures: Figures = None,
     out: Out = None,
     json_target: JsonTarget = None,
 ) -> None:
     """Derive how much amplitude error and delay a test may have."""
-    from reliab.criterion import derive_criterion, published_criterion
+    from reliab.criterion import derive_criterion
+    from reliab.criterion.derivation import require_no_chains
     from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, known
-    from reliab.criterion.methods import method_of
+    from reliab.criterion.methods import HierarchicalPosterior, any_method_of
 
-    if law in OF_MANY_MOTIONS:
-        found = [published_criterion(law)]
-        structures = [(each_f, each_xi) for each_f in f or [ONE_HERTZ] for each_xi in xi or [TWO_PERCENT]]
-        rows = [_row(found[0], None, *structure) for structure in structures]
-    else:
-        chosen, fitted = method_of(method, assurance=assurance, distribution=distribution), known(FITTED, law)
+    chosen = any_method_of(method, assurance=assurance, distribution=distribution, steps=steps)
+    printed, given = law in OF_MANY_MOTIONS, any((motions, results, ellipses))
+    fitted = None if printed else known(FITTED, law)
+    if not isinstance(chosen, HierarchicalPosterior):
+        require_no_chains(chains, method)
+    if figures is not None and figures.exists() and not figures.is_dir():
+        raise InputError("Figures go into a folder", value=figures, remedy="Name another folder")
+    found: list[Criterion] = []
+    if printed:
+        found = [_printed(law, threshold, confidence, metric, method, joint=joint)]
+        if given and figures is None:
+            raise InputError(
+                "A printed law needs no motions",
+                value=f"{law} with a source of ellipses",
+                remedy="Leave the source out, or draw the law over the ellipses by --figures",
+            )
+    dataset = None
+    if given or not printed:
         dataset = ellipse_dataset(
             motions=motions,
             sets=sets,
@@ -126,29 +171,134 @@ def criterion(
             model=model,
         )
         _check_room(dataset)
-        found = [
-            derive_criterion(
-                dataset,
-                threshold=each_threshold,
-                metric=metric,
-                confidence=each_confidence,
-                method=chosen,
-                joint=joint,
-                law=fitted,
-            )
-            for each_threshold in threshold or _default_thresholds(dataset)
-            for each_confidence in confidence or [0.95]
-        ]
-        rows = [
-            _row(each, dataset, each_f, each_xi)
-            for each_f in f or dataset["f"].values.tolist()
-            for each_xi in xi or dataset["xi"].values.tolist()
-            for each in found
-        ]
-    _write(found, out)
+    fits: list[HierarchicalFit] = []
+    if dataset is not None and fitted is not None:
+        thresholds = threshold or _default_thresholds(dataset)
+        confidences = confidence or [_NINETY_FIVE]
+        check_one(len(thresholds) * len(confidences), out)
+        if isinstance(chosen, HierarchicalPosterior):
+            fits = _fits(dataset, chosen, thresholds, metric, fitted, chains)
+            found = [fit.criterion(each, joint=joint) for fit in fits for each in confidences]
+        else:
+            found = [
+                derive_criterion(
+                    dataset,
+                    threshold=each_threshold,
+                    metric=metric,
+                    confidence=each_confidence,
+                    method=chosen,
+                    joint=joint,
+                    law=fitted,
+                )
+                for each_threshold in thresholds
+                for each_confidence in confidences
+            ]
+    structures = _structures(dataset, f, xi)
+    rows = [row(each, None if printed else dataset, *structure) for structure in structures for each in found]
+    write(found[0], out)
+    posteriors = [fit.diagnostics for fit in fits]
+    drawn = []
+    if figures is not None:
+        drawn = _draw(figures, dataset, found, structures, fits)
     content: dict[str, Any] = {"criteria": rows, **(rows[0] if len(rows) == 1 else {})}
+    content |= {"posteriors": posteriors} if posteriors else {}
+    content |= {"figures": drawn} if drawn else {}
     if not write_json(content, json_target):
-        _show(rows)
+        show(rows, posteriors)
+    _confess(posteriors, chains)
+
+
+def _structures(
+    dataset: "xr.Dataset | None", f: list[float] | None, xi: list[float] | None
+) -> list[tuple[float, float]]:
+    """Take the structures that are asked for, or all that are there."""
+    all_f = [ONE_HERTZ] if dataset is None else dataset["f"].values.tolist()
+    all_xi = [TWO_PERCENT] if dataset is None else dataset["xi"].values.tolist()
+    return [(each_f, each_xi) for each_f in f or all_f for each_xi in xi or all_xi]
+
+
+def _printed(
+    law: str,
+    threshold: list[float] | None,
+    confidence: list[float] | None,
+    metric: str,
+    method: str,
+    *,
+    joint: bool,
+) -> "Criterion":
+    """Take a printed law, which promises one thing only."""
+    from reliab.criterion import published_criterion
+
+    found = published_criterion(law)
+    for each in threshold or [found.threshold]:
+        found.law.validity.require_error(each, metric)
+    others = [each for each in confidence or [] if each != found.confidence]
+    if others or method != found.method or joint:
+        raise InputError(
+            f"A printed law states {found.confidence:.0%} by the quantile of each limit, and nothing else",
+            value=f"confidence {others[0]:g}" if others else "--joint" if joint else f"method {method}",
+            remedy="Leave these out, or derive a criterion from ellipses",
+        )
+    return found
+
+
+def _fits(
+    dataset: "xr.Dataset",
+    method: "HierarchicalPosterior",
+    thresholds: Sequence[float],
+    metric: str,
+    law: "FittedLaw",
+    chains: Path | None,
+) -> "list[HierarchicalFit]":
+    """Sample one posterior for each error, which serves all confidences."""
+    from reliab.criterion.bayes.posterior_criterion import fit_hierarchical
+
+    found = []
+    for each in thresholds:
+        with progress_bar(f"Sampling the posterior at {each:g}") as progress:
+            found.append(
+                fit_hierarchical(
+                    dataset,
+                    method,
+                    threshold=each,
+                    metric=metric,
+                    law=law,
+                    chains=chains,
+                    progress=progress,
+                )
+            )
+    return found
+
+
+def _draw(
+    folder: Path,
+    dataset: "xr.Dataset | None",
+    found: "Sequence[Criterion]",
+    structures: Sequence[tuple[float, float]],
+    fits: "Sequence[HierarchicalFit]",
+) -> list[str]:
+    from reliab.cli.criterion_figures import draw_all
+
+    if dataset is None:
+        raise InputError(
+            "A criterion is drawn over ellipses of motions",
+            value="--figures without a source of ellipses",
+            remedy="Give --motions, --results or --ellipses too, real_suite for example",
+        )
+    return draw_all(folder, dataset, found, structures, fits)
+
+
+def _confess(posteriors: Sequence[dict[str, Any]], chains: Path | None) -> None:
+    """End with an error where a posterior cannot be relied on; what was found is written all the same."""
+    failed = [each for each in posteriors if not each["converged"]]
+    if failed:
+        complaints = " ".join(sentence for each in failed for sentence in each["complaints"])
+        again = f"{2 * failed[0]['steps']}"
+        where = f"Go on with --chains {chains} --steps {again}" if chains else f"Give --steps {again}"
+        message = (
+            f"THE POSTERIOR HAS NOT CONVERGED, and no limit above may be relied on. {complaints} {where}."
+        )
+        raise IncompleteError(message)
 
 
 def _check_room(dataset: "xr.Dataset") -> None:
@@ -167,54 +317,3 @@ def _default_thresholds(dataset: "xr.Dataset") -> list[float]:
     """Take 5 % where it is there, or all that is."""
     there: list[float] = dataset["threshold"].values.tolist()
     return [FIVE_PERCENT] if FIVE_PERCENT in there else there
-
-
-def _row(
-    criterion: "Criterion", dataset: "xr.Dataset | None", frequency: float, damping_ratio: float
-) -> dict[str, Any]:
-    from reliab.criterion.summary import describe_sample, summarise
-
-    row = summarise(criterion, frequency, damping_ratio)
-    if dataset is not None and frequency in dataset["f"] and damping_ratio in dataset["xi"]:
-        row.update(describe_sample(dataset, criterion, frequency, damping_ratio))
-    return row
-
-
-def _write(found: "list[Criterion]", out: Path | None) -> None:
-    if out is None:
-        return
-    if len(found) > 1:
-        raise InputError(
-            "One criterion fits into a file",
-            value=f"{len(found)} of them",
-            remedy="Give one threshold and one confidence",
-            where=str(out),
-        )
-    try:
-        out.write_text(found[0].to_json(), encoding="utf-8")
-    except OSError as error:
-        raise InputError(
-            "The criterion's file must be writable",
-            value=error.strerror,
-            remedy="Name another file",
-            where=str(out),
-        ) from error
-
-
-def _show(rows: list[dict[str, Any]]) -> None:
-    first = rows[0]
-    shown = table(
-        f"(A − 1)²/a + d²/b ≤ 1 from {first['n_motions']} motions of {first['n_events']} earthquakes",
-        dict.fromkeys(_HEADINGS, "right"),
-    )
-    for row in rows:
-        shown.add_row(
-            *(f"{row[key]:g}" for key in ("f", "xi", "threshold", "confidence")),
-            *(f"{row[key]:.3g}" for key in ("a", "b", "amplitude_limit", "delay_limit_ms")),
-        )
-    terminal = console()
-    terminal.print(shown)
-    together = "a and b together" if first["joint"] else "a and b each for itself"
-    terminal.print(f"Method: {first['method']}, {together}. Law: {first['law']}.", highlight=False)
-    for warning in dict.fromkeys(warning for row in rows for warning in row["warnings"]):
-        terminal.print(f"Note: {warning}", markup=False, highlight=False)

@@ -26,8 +26,9 @@ from reliab.errors import InputError
 from reliab.progress import Progress, silent
 
 _THIN = 2
-_DRAWS = 96_000  # steps of all walkers of an ensemble: 1,000 effective draws of each parameter and to spare
+_DRAWS = 112_000  # steps of all walkers of an ensemble, for 1,000 effective draws of each parameter
 _FEWEST_STEPS = 800
+_LONGEST = 4  # times as many steps where these were too few
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -201,7 +202,8 @@ def fit_hierarchical(
     model = hierarchical_model(
         ellipses, threshold=threshold, metric=metric, curved=curved_of(law.name), robust=method.robust
     )
-    ensembles = Ensembles(steps=method.steps or _steps_for(model), thin=_THIN)
+    steps = method.steps or _steps_for(model)
+    ensembles = Ensembles(steps=steps, thin=_THIN, longest=0 if method.steps else _LONGEST * steps)
     posterior = draw(
         model,
         ensembles,

@@ -3,12 +3,13 @@
 import warnings
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from reliab.criterion.bayes.diagnostics import ConvergenceWarning, Diagnostics, diagnose
+from reliab.criterion.bayes.diagnostics import ConvergenceWarning, Diagnostics, diagnose, inference_data
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -68,6 +69,10 @@ class PosteriorSample:
             "autocorrelation_time": found.autocorrelation_time,
         }
         return pd.DataFrame(columns, index=pd.Index(self.names, name="parameter"))
+
+    def write_netcdf(self, path: Path) -> None:
+        """Write the draws as ArviZ reads them (`arviz.from_netcdf`), one chain for each ensemble."""
+        inference_data(self.draws, self.names).to_netcdf(str(path), engine="h5netcdf")
 
     def warn_unless_converged(self) -> None:
         """Issue a :class:`ConvergenceWarning` with every complaint."""

@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -36,6 +36,8 @@ class Ensembles:
         Walkers of an ensemble; by default three times as many as parameters, and at least 32.
     seed : int, optional
         Seed; each ensemble has its own stream.
+    longest : int, optional
+        While a run has not converged its steps are doubled, but not beyond this; by default never.
     """
 
     steps: int
@@ -43,6 +45,7 @@ class Ensembles:
     count: int = FEWEST_ENSEMBLES
     walkers: int = 0
     seed: int = 2017
+    longest: int = 0
 
     def __post_init__(self) -> None:
         least = 2 * self.thin
@@ -135,19 +138,31 @@ def draw(
     """
     width = ensembles.walkers or width_of(model)
     laplace = Laplace.of(model)
-    chains, accepted = [], []
-    for number in range(ensembles.count):
-        with _backend(file, f"{group}/ensemble_{number}", model, ensembles, width) as backend:
-            sampler = _sampler(model, laplace, width, backend)
-            _run(sampler, _start(laplace, width, (ensembles.seed, number)), ensembles, number, progress)
-            kept = ensembles.steps // ensembles.thin // 2
-            chains.append(sampler.get_chain(discard=kept)[:kept])
-            accepted.append(float(np.mean(sampler.acceptance_fraction)))
+    with ExitStack() as files:
+        samplers = [
+            _sampler(model, laplace, width, files.enter_context(backend))
+            for backend in (
+                _backend(file, f"{group}/ensemble_{number}", model, ensembles, width)
+                for number in range(ensembles.count)
+            )
+        ]
+        starts = [_start(laplace, width, (ensembles.seed, number)) for number in range(ensembles.count)]
+        steps = ensembles.steps
+        while True:
+            _run(samplers, starts, steps // ensembles.thin, ensembles.thin, progress)
+            found = _found(model, samplers, steps // ensembles.thin // 2, ensembles.thin)
+            if found.converged or 2 * steps > ensembles.longest:
+                return found
+            steps *= 2
+
+
+def _found(model: Model, samplers: list[emcee.EnsembleSampler], kept: int, thin: int) -> PosteriorSample:
+    """Take as many draws as are left out before them."""
     return PosteriorSample(
         names=tuple(each.name for each in model.parameters),
-        draws=np.stack(chains),
-        thin=ensembles.thin,
-        accepted=float(np.mean(accepted)),
+        draws=np.stack([each.get_chain(discard=kept)[:kept] for each in samplers]),
+        thin=thin,
+        accepted=float(np.mean([each.acceptance_fraction for each in samplers])),
     )
 
 
@@ -170,15 +185,19 @@ def _sampler(
 
 
 def _run(
-    sampler: emcee.EnsembleSampler, start: emcee.State, ensembles: Ensembles, number: int, progress: Progress
+    samplers: list[emcee.EnsembleSampler],
+    starts: list[emcee.State],
+    draws: int,
+    thin: int,
+    progress: Progress,
 ) -> None:
-    """Step on from where the backend ends, in blocks."""
-    draws = ensembles.steps // ensembles.thin
+    """Step on from where the backends end, in blocks."""
     block = max(1, draws // _BLOCKS)
-    while (done := sampler.backend.iteration) < draws:
-        sampler.run_mcmc(start if done == 0 else None, min(block, draws - done), thin_by=ensembles.thin)
-        finished = number * ensembles.steps + sampler.backend.iteration * ensembles.thin
-        progress(finished, ensembles.count * ensembles.steps)
+    for sampler, start in zip(samplers, starts, strict=True):
+        while (done := sampler.backend.iteration) < draws:
+            sampler.run_mcmc(start if done == 0 else None, min(block, draws - done), thin_by=thin)
+            finished = sum(min(each.backend.iteration, draws) for each in samplers)
+            progress(thin * finished, thin * draws * len(samplers))
 
 
 def _start(laplace: Laplace, width: int, seed: tuple[int, int]) -> emcee.State:

@@ -35,7 +35,8 @@ class HierarchicalPosterior:
     assurance : float, optional
         Posterior probability of the promise, in (0, 1); predictive limits by default.
     steps : int, optional
-        Steps of every walker, a multiple of 4; by default as many as a suite of 100 motions needed.
+        Steps of every walker, a multiple of 4; by default as many as a suite of 100 motions needs, doubled
+        up to twice while the run has not converged.
 
     Examples
     --------

@@ -116,10 +116,15 @@ def pairs(posterior: PosteriorSample, parameters: Sequence[str]) -> Figure:
             place.set_yticks([])
         else:
             place.plot(x, points[:, chosen[row][1]], ".", color=BLUE, markersize=1.0, alpha=0.4)
-        across = f"{plain(chosen[column][0])} [-]" if row == count - 1 else ""
-        up = f"{plain(chosen[row][0])} [-]" if column == 0 and row > 0 else ""
+        across = _in_two_lines(chosen[column][0]) if row == count - 1 else ""
+        up = _in_two_lines(chosen[row][0]) if column == 0 and row > 0 else ""
         name_axes(place, across, up)
     return figure
+
+
+def _in_two_lines(name: str) -> str:
+    """Break a name after the effect that it belongs to."""
+    return f"{plain(name)} [-]".replace(": ", ":\n", 1)
 
 
 def _places(posterior: PosteriorSample, parameters: Sequence[str]) -> list[tuple[str, int]]:

@@ -30,6 +30,11 @@ _MOST_ROWS = 12
 
 _FINE = 41
 
+_UNCONVERGED = (
+    "THE POSTERIOR HAS NOT CONVERGED. The limits of this report must not be relied on; sample longer and derive "
+    "them again."
+)
+
 
 def result_section(told: Told) -> Section:
     """State the criterion at one structure, then over all."""
@@ -61,6 +66,8 @@ def result_section(told: Told) -> Section:
     zero = _without_promise(told)
     if zero:
         blocks.insert(1, Remark(text=zero))
+    if any(each.provenance.settings.get("converged") is False for each in told.criteria):
+        blocks.insert(0, Remark(text=_UNCONVERGED))
     title = f"Criterion for {percent(chosen.confidence)} of ground motions"
     return Section(title=title, blocks=tuple(blocks), label="sec:result")
 

@@ -36,6 +36,14 @@ METHODS: Final = {
     "order_statistic": "a bound by order statistics, free of any distribution",
     "conformal": "the predictive probability for a motion of a further earthquake, free of any distribution",
     "bootstrap": "a bound from resampling whole earthquakes",
+    "hierarchical": (
+        "the posterior of a hierarchical model of earthquakes, motions and structures together: predictive, or "
+        "with the stated assurance"
+    ),
+    "hierarchical_robust": (
+        "the posterior of a hierarchical model of earthquakes, motions and structures together, in which "
+        "outlying motions count less: predictive, or with the stated assurance"
+    ),
 }
 """What a stated confidence means, by the name of the method."""
 

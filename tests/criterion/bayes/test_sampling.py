@@ -35,6 +35,15 @@ def test_a_finished_run_is_read_and_not_run_again(tmp_path):
     assert not steps
 
 
+def test_a_run_goes_on_until_it_has_converged_and_no_further():
+    begun = Ensembles(steps=40, walkers=16, longest=4000)
+    found = sample(MODEL, begun)
+    assert found.converged
+    assert 40 < 2 * found.draws.shape[1] <= 4000
+    with pytest.warns(ConvergenceWarning):  # half as long was not enough
+        sample(MODEL, Ensembles(steps=found.draws.shape[1], walkers=16))
+
+
 @SHORT
 def test_a_file_of_other_data_is_refused(tmp_path):
     sample(MODEL, QUICK, file=tmp_path / "run.h5")

@@ -1,0 +1,158 @@
+"""What `reliab criterion` answers: rows, tables on the terminal, and the criterion's file."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from reliab.cli.output import console, table
+from reliab.errors import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from reliab.criterion import Criterion
+
+_HEADINGS = ("f [Hz]", "ξ [-]", "error [-]", "confidence [-]", "a [-]", "b [ms²]", "|A − 1| ≤", "d ≤ [ms]")
+_DIAGNOSTICS = {
+    "parameter": "left",
+    "mean": "right",
+    "spread": "right",
+    "R-hat": "right",
+    "bulk size": "right",
+    "tail size": "right",
+    "autocorrelation time": "right",
+}
+_KEYS = ("mean", "spread", "r_hat", "bulk_size", "tail_size", "autocorrelation_time")
+_FORMATS = (".3f", ".3f", ".4f", ".0f", ".0f", ".1f")
+
+
+def row(
+    criterion: "Criterion", dataset: "xr.Dataset | None", frequency: float, damping_ratio: float
+) -> dict[str, Any]:
+    """Summarise a criterion at one structure, with its motions where the dataset has it.
+
+    Parameters
+    ----------
+    criterion : Criterion
+        The criterion.
+    dataset : xarray.Dataset or None
+        The ellipses behind it.
+    frequency, damping_ratio : float
+        The structure [Hz, -].
+
+    Returns
+    -------
+    dict
+        Ready for JSON.
+    """
+    from reliab.criterion.summary import describe_sample, summarise
+
+    found = summarise(criterion, frequency, damping_ratio)
+    if dataset is not None and frequency in dataset["f"] and damping_ratio in dataset["xi"]:
+        found.update(describe_sample(dataset, criterion, frequency, damping_ratio))
+    return found
+
+
+def check_one(count: int, out: Path | None) -> None:
+    """Refuse a file for several criteria, before any of them is derived.
+
+    Parameters
+    ----------
+    count : int
+        How many are asked for.
+    out : pathlib.Path or None
+        The file, if one is wanted.
+
+    Raises
+    ------
+    InputError
+        If they do not fit.
+    """
+    if out is not None and count > 1:
+        raise InputError(
+            "One criterion fits into a file",
+            value=f"{count} of them",
+            remedy="Give one threshold and one confidence",
+            where=str(out),
+        )
+
+
+def write(criterion: "Criterion", out: Path | None) -> None:
+    """Write a criterion for later use.
+
+    Parameters
+    ----------
+    criterion : Criterion
+        What was derived.
+    out : pathlib.Path or None
+        The file, if one is wanted.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    if out is None:
+        return
+    try:
+        out.write_text(criterion.to_json(), encoding="utf-8")
+    except OSError as error:
+        raise InputError(
+            "The criterion's file must be writable",
+            value=error.strerror,
+            remedy="Name another file",
+            where=str(out),
+        ) from error
+
+
+def show(rows: Sequence[Mapping[str, Any]], posteriors: Sequence[Mapping[str, Any]]) -> None:
+    """Print criteria, the diagnostics of their posteriors, and what should be known of both.
+
+    Parameters
+    ----------
+    rows : sequence of mapping
+        As :func:`row` makes them.
+    posteriors : sequence of mapping
+        Diagnostics of sampled posteriors, one for each error.
+    """
+    first = rows[0]
+    shown = table(
+        f"(A − 1)²/a + d²/b ≤ 1 from {first['n_motions']} motions of {first['n_events']} earthquakes",
+        dict.fromkeys(_HEADINGS, "right"),
+    )
+    for each in rows:
+        shown.add_row(
+            *(f"{each[key]:g}" for key in ("f", "xi", "threshold", "confidence")),
+            *(f"{each[key]:.3g}" for key in ("a", "b", "amplitude_limit", "delay_limit_ms")),
+        )
+    terminal = console()
+    for each in posteriors:
+        _show_posterior(each)
+    terminal.print(shown)
+    together = "a and b together" if first["joint"] else "a and b each for itself"
+    terminal.print(f"Method: {first['method']}, {together}. Law: {first['law']}.", highlight=False)
+    for warning in dict.fromkeys(warning for each in rows for warning in each["warnings"]):
+        terminal.print(f"Note: {warning}", markup=False, highlight=False)
+
+
+def _show_posterior(posterior: Mapping[str, Any]) -> None:
+    shown = table(
+        f"Posterior at {posterior['threshold']:g} of {posterior['metric']}: "
+        f"{posterior['ensembles']} ensembles of {posterior['walkers']} walkers, {posterior['steps']} steps, "
+        f"{posterior['accepted']:.0%} of the moves taken",
+        _DIAGNOSTICS,
+    )
+    for each in posterior["parameters"]:
+        numbers = zip(_KEYS, _FORMATS, strict=True)
+        shown.add_row(
+            each["parameter"],
+            *("-" if each[key] is None else format(each[key], digits) for key, digits in numbers),
+        )
+    terminal = console()
+    terminal.print(shown)
+    if posterior["converged"]:
+        terminal.print("Converged: R-hat < 1.01 and effective sizes > 1,000 for every parameter.")
+        return
+    terminal.print("THIS POSTERIOR HAS NOT CONVERGED.", style="bold red")
+    for complaint in posterior["complaints"]:
+        terminal.print(complaint, style="red", highlight=False)

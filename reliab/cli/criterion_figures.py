@@ -1,0 +1,128 @@
+"""`reliab criterion --figures`: criteria over the motions' own ellipses, and posteriors."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from reliab.cli.output import progress_bar
+from reliab.errors import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from reliab.criterion import Criterion
+    from reliab.criterion.bayes.posterior_criterion import HierarchicalFit
+
+
+def draw_all(
+    folder: Path,
+    dataset: "xr.Dataset",
+    found: "Sequence[Criterion]",
+    structures: Sequence[tuple[float, float]],
+    fits: "Sequence[HierarchicalFit]",
+) -> list[str]:
+    """Draw every structure and posterior into a folder, as SVG; keep posteriors for ArviZ's own plots.
+
+    Parameters
+    ----------
+    folder : pathlib.Path
+        Where the figures go; made if need be.
+    dataset : xarray.Dataset
+        Ellipses of the motions.
+    found : sequence of Criterion
+        The criteria.
+    structures : sequence of (float, float)
+        Natural frequencies [Hz] and damping ratios [-].
+    fits : sequence of HierarchicalFit
+        Sampled posteriors, one for each error.
+
+    Returns
+    -------
+    list of str
+        Names of the files that were written.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be written to, or motions have ellipses at none of the structures.
+    """
+    there = [(f, xi) for f, xi in structures if f in dataset["f"] and xi in dataset["xi"]]
+    if not there:
+        raise InputError(
+            "A criterion is drawn over ellipses of motions at the same structure",
+            value="none of those that are asked for",
+            remedy=f"Choose f among {_listed(dataset, 'f')} and ξ among {_listed(dataset, 'xi')}",
+        )
+    errors = list(dict.fromkeys((each.threshold, str(each.metric)) for each in found))
+    jobs = [(*structure, *error) for structure in there for error in errors]
+    names = []
+    with progress_bar("Drawing") as progress:
+        for done, (f, xi, threshold, metric) in enumerate(jobs, start=1):
+            alike = [each for each in found if (each.threshold, str(each.metric)) == (threshold, metric)]
+            drawn = _plane(dataset, alike, f, xi)
+            names.append(_write(folder, f"criterion_f{f:g}_xi{xi:g}_{metric}{threshold:g}.svg", drawn))
+            progress(done, len(jobs))
+    for fit in fits:
+        error = f"{fit.metric}{fit.threshold:g}"
+        for name, drawn in _posterior_figures(fit).items():
+            names.append(_write(folder, f"{name}_{error}.svg", drawn))
+        names.append(f"posterior_{error}.nc")
+        fit.posterior.write_netcdf(folder / names[-1])
+    return names
+
+
+def _listed(dataset: "xr.Dataset", name: str) -> str:
+    return ", ".join(f"{value:g}" for value in dataset[name].values)
+
+
+def _plane(dataset: "xr.Dataset", alike: "Sequence[Criterion]", f: float, xi: float) -> "Figure":
+    from reliab.criterion import sample_of
+    from reliab.report.figures.ellipses_and_criterion import ellipses_and_criterion
+    from reliab.report.kinds.wording import percent
+    from reliab.report.style import VERMILION
+
+    first = alike[0]
+    sample = sample_of(
+        dataset, frequency=f, damping_ratio=xi, threshold=first.threshold, metric=str(first.metric)
+    )
+    named = {}
+    for each in alike:
+        a, b = (float(limit) for limit in each.limits(f, xi))
+        if a > 0.0 and b > 0.0:
+            named[f"{percent(each.confidence)} of motions"] = (a, b)
+    drawn = ellipses_and_criterion(sample, named)
+    if not first.provenance.settings.get("converged", True):
+        drawn.axes[0].set_title("POSTERIOR NOT CONVERGED: not to be relied on", color=VERMILION)
+    return drawn
+
+
+def _posterior_figures(fit: "HierarchicalFit") -> Mapping[str, "Figure"]:
+    from reliab.report.figures.posterior_diagnostics import pairs, ranks, traces
+
+    chief = [
+        *("a: constant", "b: constant", "event: log spread of a", "motion: log spread of a"),
+        "log degrees of freedom",
+    ]
+    present = [name for name in chief if name in fit.posterior.names]
+    return {
+        "traces": traces(fit.posterior),
+        "ranks": ranks(fit.posterior),
+        "pairs": pairs(fit.posterior, present),
+    }
+
+
+def _write(folder: Path, name: str, drawn: Any) -> str:  # noqa: ANN401 - matplotlib's figure
+    from reliab.report.style import svg
+
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(svg(drawn))
+    except OSError as error:
+        raise InputError(
+            "The folder of the figures must be writable",
+            value=error.strerror,
+            remedy="Name another folder",
+            where=str(folder),
+        ) from error
+    return name
