@@ -11,21 +11,13 @@ from numpy.typing import NDArray
 from reliab.criterion.bayes import Ensembles, PosteriorSample, sample
 from reliab.discrepancy.fit import Fit, Problem
 from reliab.discrepancy.likelihood_surface import LikelihoodSurface, log_density, simulated
-from reliab.discrepancy.space import ModelSpace
+from reliab.discrepancy.space import MODEL_ERROR, ModelSpace
 from reliab.progress import Progress, silent
 
 Array = NDArray[np.float64]
 
 SMALLEST_AGREEMENT = 0.7
 """Share of simulated draws that importance weights leave in effect, from which the surface is trusted."""
-
-MODEL_ERROR = 5e-4
-"""Relative standard deviation that is added to every parameter, because simulation and machine differ too.
-
-Long records determine parameters to a few parts in a million if the simulation were exact. Independent
-simulators of the same equations differ by some parts in ten thousand, from how the motion runs between
-samples.
-"""
 
 _THIN = 8  # steps to a kept draw, of which a file takes milliseconds each
 _CHECKED = 48  # draws at which the surface is compared with simulations

@@ -13,6 +13,14 @@ from reliab.loop.hybrid_test import HybridTest
 
 Array = NDArray[np.float64]
 
+MODEL_ERROR = 5e-4
+"""Relative standard deviation that is added to every parameter, because simulation and machine differ too.
+
+Long records determine parameters to a few parts in a million if the simulation were exact. Independent
+simulators of the same equations differ by some parts in ten thousand, from how the motion runs between
+samples.
+"""
+
 _SLOW = 1e-3  # rad/s, at which the phase of a transfer function is a delay
 
 
@@ -73,11 +81,15 @@ class ModelSpace:
         )
 
     def standard_deviations(self, coordinates: Array, covariance: Array) -> Array:
-        """Propagate a covariance to standard deviations of the SI values, to first order, shape (size,)."""
+        """Propagate a covariance to standard deviations of the SI values, to first order, shape (size,).
+
+        The error of the model is added.
+        """
         mean, spread = self._prior
         own = (mean + spread * coordinates).tolist()
         slopes = [p.derivative(c, self.block.scales) for p, c in zip(self.parameters, own, strict=True)]
-        return np.asarray(np.abs(np.array(slopes)) * spread * np.sqrt(np.diag(covariance)))
+        of_data = np.abs(np.array(slopes)) * spread * np.sqrt(np.diag(covariance))
+        return np.asarray(np.hypot(of_data, MODEL_ERROR * self.values(coordinates)))
 
     def coordinates(self, values: Array) -> Array:
         """Coordinates of SI values, shape (size,)."""

@@ -12,13 +12,15 @@ from reliab.loop.effects.parameter import Parameter
 from reliab.vocabulary import Block, EffectName
 
 
-def _move(motion: Numbers, _time: float, _step: float, coefficients: Numbers, state: Numbers) -> float:
-    # The input is linear within a step: y₁ = E·y₀ + w₀·u₀ + w₁·u₁. State: started, u, y.
+def _move(motion: Numbers, _time: float, step: float, coefficients: Numbers, state: Numbers) -> float:
+    # Within a step the input counts as the straight line p through u − h²u''/12, which has the same mean:
+    # y₁ = E·y₀ + w₀·p₀ + w₁·p₁. State: started, p, y.
     time_constant, decay, early, late = coefficients[0], coefficients[1], coefficients[2], coefficients[3]
     u, u_rate = motion[0], motion[1]
-    y = u if state[0] == 0.0 else decay * state[2] + early * state[1] + late * u
+    line = u - step * step * motion[2] / 12.0
+    y = u if state[0] == 0.0 else decay * state[2] + early * state[1] + late * line
     rate = (u - y) / time_constant
-    state[0], state[1], state[2] = 1.0, u, y
+    state[0], state[1], state[2] = 1.0, line, y
     motion[0], motion[1], motion[2] = y, rate, (u_rate - rate) / time_constant
     return 0.0
 

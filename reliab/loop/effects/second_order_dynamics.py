@@ -13,18 +13,19 @@ from reliab.loop.effects.parameter import Parameter
 from reliab.vocabulary import Block, EffectName
 
 
-def _move(motion: Numbers, _time: float, _step: float, coefficients: Numbers, state: Numbers) -> float:
-    # The input is linear within a step; rows of the transition: from y, y', u before and u after.
-    # State: started, u, y, y'.
+def _move(motion: Numbers, _time: float, step: float, coefficients: Numbers, state: Numbers) -> float:
+    # Within a step the input counts as the straight line p through u − h²u''/12, which has the same mean;
+    # rows of the transition: from y, y', p before and p after. State: started, p, y, y'.
     u = motion[0]
+    line = u - step * step * motion[2] / 12.0
     if state[0] == 0.0:
         y, rate = u, 0.0
     else:
         y = coefficients[2] * state[2] + coefficients[3] * state[3]
-        y += coefficients[4] * state[1] + coefficients[5] * u
+        y += coefficients[4] * state[1] + coefficients[5] * line
         rate = coefficients[6] * state[2] + coefficients[7] * state[3]
-        rate += coefficients[8] * state[1] + coefficients[9] * u
-    state[0], state[1], state[2], state[3] = 1.0, u, y, rate
+        rate += coefficients[8] * state[1] + coefficients[9] * line
+    state[0], state[1], state[2], state[3] = 1.0, line, y, rate
     motion[0], motion[1] = y, rate
     motion[2] = coefficients[0] * (u - y) - coefficients[1] * rate
     return 0.0
