@@ -24,6 +24,7 @@ from reliab.sweep import (
     ScaledGrid,
     SweepRequest,
     open_results,
+    predict_ellipses,
     run_sweep,
     trace_ellipses,
 )
@@ -131,6 +132,7 @@ def ellipses(
     alpha: float = _WHOLLY_EXPERIMENTAL,
     model: str | Path | HybridTest | None = None,
     curves: Sequence[type[Curve]] = (Ellipse,),
+    first_order: bool = False,
     progress: Progress = silent,
 ) -> xr.Dataset:
     """Trace the boundary of equal error of each motion and fit an ellipse to it.
@@ -155,6 +157,9 @@ def ellipses(
         `alpha`, for ground motions.
     curves : sequence of type, optional
         Curves that are fitted; the ellipse by default.
+    first_order : bool, optional
+        Whether ellipses of ground motions are predicted from their spectra in closed form instead of traced;
+        exact for small errors, but at 5 % RMS^R the traced a is 5 % smaller and b 16 to 44 % smaller.
     progress : callable, optional
         Called after each motion, or structure of stored results.
 
@@ -178,6 +183,12 @@ def ellipses(
     """
     metrics = tuple(_one_of(name, {str(each): each for each in Metric}, "metric") for name in metric)
     if isinstance(source, xr.Dataset):
+        if first_order:
+            raise InputError(
+                "Only the records themselves have spectra to predict from",
+                value="stored results",
+                remedy="Give the ground motions, or leave the prediction out",
+            )
         stored: xr.Dataset = source.reliab.ellipses(tuple(threshold), metrics, curves, progress=progress)
         return stored
     test = _hybrid_test(model, f, xi, alpha)
@@ -192,7 +203,8 @@ def ellipses(
         experimental_fraction=structure.experimental_fraction if structure else alpha,
         model=test,
     )
-    return trace_ellipses(source, request, progress=progress)
+    found = predict_ellipses if first_order else trace_ellipses
+    return found(source, request, progress=progress)
 
 
 def _hybrid_test(

@@ -8,6 +8,7 @@ import typer
 from reliab.cli.options import (
     DampingRatios,
     ExperimentalFraction,
+    FirstOrder,
     Frequencies,
     JsonTarget,
     MetricName,
@@ -54,6 +55,7 @@ def ellipses(
     window: WindowName = "record",
     alpha: ExperimentalFraction = 1.0,
     model: ModelFile = None,
+    first_order: FirstOrder = False,
     out: Out = None,
     json_target: JsonTarget = None,
 ) -> None:
@@ -69,18 +71,23 @@ def ellipses(
         window=window,
         alpha=alpha,
         model=model,
+        first_order=first_order,
     )
     if out is not None:
         from reliab.sweep import write_ellipses
 
         write_ellipses(dataset, out)
     rows = _rows(dataset)
-    if write_json({"ellipses": rows}, json_target):
+    caution = dataset.attrs.get("caution")
+    content = {"ellipses": rows, **({"warnings": [caution]} if caution else {})}
+    if write_json(content, json_target):
         return
     shown = table(f"{len(rows)} boundaries of {metric.upper()}^R", _HEADINGS)
     for row in rows:
         shown.add_row(*_cells(row))
     console().print(shown)
+    if caution:
+        console().print(f"Note: {caution}", markup=False, highlight=False)
 
 
 def _rows(dataset: "xr.Dataset") -> list[dict[str, Any]]:
@@ -100,4 +107,5 @@ def _cells(row: dict[str, Any]) -> list[str]:
         return [*where, *["outside the grid"] * 2, "", "", "", "0"]
     a, b = row["a"], row["b"]
     root = f"{a**0.5:.4f}" if a > 0 else "-"
-    return [*where, f"{a:.3e}", f"{b:.4g}", root, f"{b**0.5:.3f}", f"{row['sse']:.3g}", str(row["n"])]
+    misfit = "-" if row["sse"] is None else f"{row['sse']:.3g}"
+    return [*where, f"{a:.3e}", f"{b:.4g}", root, f"{b**0.5:.3f}", misfit, str(row["n"])]

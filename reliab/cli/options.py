@@ -45,6 +45,13 @@ ModelFile = Annotated[
         help="Structure and effects of an updated model, as `reliab diagnose --out` writes it.",
     ),
 ]
+FirstOrder = Annotated[
+    bool,
+    typer.Option(
+        "--first-order",
+        help="Predict ellipses from the records' spectra instead of simulating; generous, by far at 5 %.",
+    ),
+]
 JsonTarget = Annotated[
     str | None, typer.Option("--json", metavar="FILE|-", help="Write JSON to a file, or - for nothing else.")
 ]

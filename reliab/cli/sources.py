@@ -26,6 +26,7 @@ def ellipse_dataset(
     window: str,
     alpha: float,
     model: Path | None = None,
+    first_order: bool = False,
 ) -> "xr.Dataset":
     """Trace or look up the ellipses that a command is about.
 
@@ -48,6 +49,8 @@ def ellipse_dataset(
         Experimental fraction [-], for records.
     model : pathlib.Path or None
         Model with effects instead of structures, for records.
+    first_order : bool
+        Whether ellipses are predicted from the spectra of records instead of traced.
 
     Returns
     -------
@@ -76,6 +79,12 @@ def ellipse_dataset(
             value="--model without --motions",
             remedy="Give --motions; a store knows with which model it was simulated",
         )
+    if first_order and motions is None:
+        raise InputError(
+            "Only the records themselves have spectra to predict from",
+            value="--first-order without --motions",
+            remedy="Give --motions, or leave --first-order out",
+        )
     if metric not in list(Metric):
         raise InputError("The metric is rms or mte", value=metric, remedy="Choose one of these")
     if ellipses is not None:
@@ -84,7 +93,7 @@ def ellipse_dataset(
     if results is not None:
         return _stored(results, f, xi, thresholds, Metric(metric), window)
     suite = load_motions(*(motions or []), sets=sets)
-    with progress_bar("Tracing boundaries") as progress:
+    with progress_bar("Reading spectra" if first_order else "Tracing boundaries") as progress:
         return api.ellipses(
             suite,
             f=f,
@@ -94,6 +103,7 @@ def ellipse_dataset(
             window=window,
             alpha=alpha,
             model=model,
+            first_order=first_order,
             progress=progress,
         )
 

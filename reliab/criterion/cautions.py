@@ -2,11 +2,18 @@
 
 from collections.abc import Sequence
 
+import xarray as xr
+
 from reliab.criterion.ellipse_sample import EllipseSample
 from reliab.criterion.goodness_of_fit import objection
 from reliab.criterion.methods import Method
 
 _FEW_EVENTS = 30
+
+
+def caution_of(ellipses: xr.Dataset) -> tuple[str, ...]:
+    """Take what a dataset of ellipses says against itself, in its attribute `caution`; nothing by default."""
+    return (str(ellipses.attrs["caution"]),) if "caution" in ellipses.attrs else ()
 
 
 def cautions_of(samples: Sequence[Sequence[EllipseSample]], offered: int, method: Method) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from reliab.criterion.bayes.posterior_criterion import fit_hierarchical
-from reliab.criterion.cautions import cautions_of
+from reliab.criterion.cautions import caution_of, cautions_of
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.ellipse_sample import EllipseSample, position, sample_of
 from reliab.criterion.joint import limits
@@ -138,7 +138,7 @@ def derive_criterion(
             records_checksum=records_checksum(ellipses),
             window=str(ellipses.attrs.get("window", "unknown")),
             settings=method.settings,
-            warnings=cautions_of(samples, ellipses.sizes["motion"], method),
+            warnings=(*caution_of(ellipses), *cautions_of(samples, ellipses.sizes["motion"], method)),
         ),
     )
 

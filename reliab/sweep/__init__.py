@@ -3,6 +3,7 @@
 from reliab.sweep.compact import write_compact
 from reliab.sweep.ellipse_file import open_ellipses, write_ellipses
 from reliab.sweep.ellipse_table import EllipseRequest, trace_ellipses
+from reliab.sweep.first_order_table import predict_ellipses
 from reliab.sweep.grid import ExplicitGrid, Grid, ScaledGrid
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.results import open_results
@@ -16,6 +17,7 @@ __all__ = [
     "SweepRequest",
     "open_ellipses",
     "open_results",
+    "predict_ellipses",
     "run_sweep",
     "trace_ellipses",
     "write_compact",

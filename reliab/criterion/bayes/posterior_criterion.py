@@ -14,7 +14,7 @@ from reliab.criterion.bayes.missing import filled
 from reliab.criterion.bayes.posterior_limits import posterior_limits
 from reliab.criterion.bayes.posterior_sample import PosteriorSample
 from reliab.criterion.bayes.sampling import Ensembles, draw, width_of
-from reliab.criterion.cautions import few_events
+from reliab.criterion.cautions import caution_of, few_events
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.ellipse_sample import FEWEST_MOTIONS
 from reliab.criterion.laws import FittedLaw, Law, Table
@@ -145,7 +145,8 @@ class HierarchicalFit:
     def _warnings(self) -> tuple[str, ...]:
         complaints = self.posterior.diagnostics.complaints
         unreliable = "THIS POSTERIOR HAS NOT CONVERGED and must not be relied on." if complaints else ""
-        found = (unreliable, *complaints, self._imputed, few_events(np.unique(self.model.events).size))
+        own = caution_of(self.ellipses)
+        found = (unreliable, *complaints, *own, self._imputed, few_events(np.unique(self.model.events).size))
         return tuple(sentence for sentence in found if sentence)
 
     @property

@@ -31,8 +31,8 @@ _MOST_ROWS = 12
 _FINE = 41
 
 _UNCONVERGED = (
-    "THE POSTERIOR HAS NOT CONVERGED. The limits of this report must not be relied on; sample longer and derive "
-    "them again."
+    "THE POSTERIOR HAS NOT CONVERGED. The limits of this report must not be relied on; sample longer and "
+    "derive them again."
 )
 
 

@@ -37,8 +37,8 @@ METHODS: Final = {
     "conformal": "the predictive probability for a motion of a further earthquake, free of any distribution",
     "bootstrap": "a bound from resampling whole earthquakes",
     "hierarchical": (
-        "the posterior of a hierarchical model of earthquakes, motions and structures together: predictive, or "
-        "with the stated assurance"
+        "the posterior of a hierarchical model of earthquakes, motions and structures together: predictive, "
+        "or with the stated assurance"
     ),
     "hierarchical_robust": (
         "the posterior of a hierarchical model of earthquakes, motions and structures together, in which "

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from reliab.criterion import derive_criterion
+from reliab.criterion.bayes import ConvergenceWarning
 from reliab.criterion.methods import method_of
+from reliab.report.document import Remark
 from reliab.report.kinds.criterion import criterion_report
 
 
@@ -50,6 +52,16 @@ def test_the_verdict_states_the_limits_of_the_first_criterion(ellipses_of):
 def test_any_number_of_motions_and_earthquakes(ellipses_of, set_without_warnings, motions, events):
     document, _ = report(ellipses_of((1.0,), (0.02,), motions=motions, events=events))
     set_without_warnings(document)
+
+
+def test_a_posterior_that_has_not_converged_is_confessed_before_any_limit(ellipses_of):
+    ellipses = ellipses_of((1.0,), (0.02,))
+    with pytest.warns(ConvergenceWarning):
+        criterion = derive_criterion(ellipses, method="hierarchical", steps=20)
+    document = criterion_report(title="A criterion", ellipses=ellipses, criteria=[criterion], provenance={})
+    first = document.blocks[0].blocks[0]
+    assert isinstance(first, Remark)
+    assert "NOT CONVERGED" in words(first.text)
 
 
 def test_too_few_motions_for_the_promise_are_told(ellipses_of, set_without_warnings):

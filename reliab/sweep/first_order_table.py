@@ -1,0 +1,83 @@
+"""Ellipses of many ground motions predicted from their spectra, without simulating a test."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from reliab.boundary.first_order import first_order_ellipse
+from reliab.errors import InputError
+from reliab.loop.excitation import Excitation
+from reliab.motions import Motion
+from reliab.progress import Progress, silent
+from reliab.sweep.ellipse_table import EllipseRequest, ellipse_dataset
+from reliab.sweep.records import motion_coordinates
+from reliab.vocabulary import Metric
+
+CAUTION = (
+    "These ellipses are predicted to first order from the records' spectra and are too generous: of 100 real "
+    "records at an error of 5 %, the simulated a is 5 % smaller and the simulated b 16 to 44 % smaller."
+)
+"""What such a dataset says of itself in the attribute `caution`, and a criterion derived from it repeats."""
+
+
+def predict_ellipses(
+    motions: Sequence[Motion], request: EllipseRequest, *, progress: Progress = silent
+) -> xr.Dataset:
+    """Predict the ellipses of many ground motions in closed form.
+
+    Exact for small errors only. Over 100 real records at 5 % RMS^R, f of 0.25 to 2 Hz and ξ of 0.02 and 0.10,
+    the true a is 5 % smaller and the true b 16 to 44 % smaller, because a delay also takes damping away.
+
+    Parameters
+    ----------
+    motions : sequence of Motion
+        The ground motions; read one at a time.
+    request : EllipseRequest
+        Structures, thresholds and window; of RMS^R and ellipses only, without a model.
+    progress : callable, optional
+        Called after each motion.
+
+    Returns
+    -------
+    xarray.Dataset
+        As `trace_ellipses` gives it, with `sse` NaN and `n` zero, since there are no points, and with the
+        attribute `caution`.
+
+    Raises
+    ------
+    InputError
+        If another metric, curve or a model is asked for.
+
+    Examples
+    --------
+    >>> from reliab.motions import load_motions
+    >>> request = EllipseRequest(frequencies=(1.0,), damping_ratios=(0.02,), thresholds=(0.01, 0.02))
+    >>> found = predict_ellipses(load_motions("synthetic")[:2], request)
+    >>> (found["a"].sel(threshold=0.02) / found["a"].sel(threshold=0.01)).values.round(6).ravel()
+    array([4., 4.])
+    """
+    _check(request)
+    tables, headers = [], []
+    for done, motion in enumerate(motions, start=1):
+        bounds = request.window.bounds(motion.acceleration, motion.time_step)
+        excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step, window=bounds)
+        fits = [first_order_ellipse(excitation, structure) for structure in request.structures]
+        rows = [[(*fit.parameters(each), np.nan, 0.0) for each in request.thresholds] for fit in fits]
+        shape = (len(request.frequencies), len(request.damping_ratios), len(request.thresholds), 1, 1, 4)
+        tables.append(np.reshape(rows, shape))
+        headers.append(motion_coordinates([motion]))
+        progress(done, len(motions))
+    return ellipse_dataset(np.stack(tables), headers, request).assign_attrs(caution=CAUTION)
+
+
+def _check(request: EllipseRequest) -> None:
+    wrong = [str(each) for each in request.metrics if each != Metric.RMS]
+    wrong += [each.name for each in request.curves if each.name != "ellipse"]
+    wrong += ["a model with effects"] if request.model is not None else []
+    if wrong:
+        raise InputError(
+            "The closed form gives the ellipse of RMS^R for an actuator with gain and delay alone",
+            value=", ".join(wrong),
+            remedy="Leave it out, or trace the boundaries by simulation",
+        )

@@ -1,0 +1,45 @@
+"""Ellipses predicted from spectra are those of simulation where errors are small, and say so where not."""
+
+import numpy as np
+import pytest
+
+import reliab
+from reliab.boundary import Cosine
+from reliab.errors import InputError
+
+
+@pytest.fixture(scope="module")
+def motions():
+    return reliab.load_motions("synthetic")[:4]
+
+
+def test_small_errors_have_the_traced_ellipse_and_large_ones_a_larger_one(motions):
+    request = {"f": [1.0], "xi": [0.05], "threshold": [0.001, 0.05]}
+    traced, predicted = reliab.ellipses(motions, **request), reliab.ellipses(
+        motions, **request, first_order=True
+    )  # fmt: skip
+    for name in ("a", "b"):
+        ratio = (traced[name] / predicted[name]).squeeze()
+        np.testing.assert_allclose(ratio.sel(threshold=0.001), 1.0, atol=0.03)
+        assert (ratio.sel(threshold=0.05) < 1.0).all()
+    assert set(predicted.dims) == set(traced.dims)
+
+
+def test_a_criterion_from_predicted_ellipses_repeats_their_caution(motions, tmp_path):
+    from reliab.sweep import open_ellipses, write_ellipses
+
+    write_ellipses(reliab.ellipses(motions, first_order=True), tmp_path / "predicted.nc")
+    found = reliab.derive_criterion(open_ellipses(tmp_path / "predicted.nc"))
+    assert "too generous" in found.provenance.warnings[0]
+
+
+@pytest.mark.parametrize("wrong", [{"metric": ["mte"]}, {"curves": [Cosine]}])
+def test_what_the_closed_form_does_not_know_is_refused(motions, wrong):
+    with pytest.raises(InputError, match="closed form"):
+        reliab.ellipses(motions, first_order=True, **wrong)
+
+
+def test_stored_results_have_no_spectra(motions, tmp_path):
+    results = reliab.simulate(motions[:1], out=tmp_path / "results.zarr")
+    with pytest.raises(InputError, match="spectra"):
+        reliab.ellipses(results, first_order=True)
