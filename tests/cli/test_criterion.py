@@ -8,7 +8,7 @@ from typer.testing import CliRunner, Result
 
 from reliab.cli.criterion import criterion
 from reliab.criterion import Criterion
-from reliab.errors import InputError
+from reliab.errors import IncompleteError, InputError
 from reliab.shipped import shipped
 
 app = typer.Typer()
@@ -116,6 +116,20 @@ def test_rejected_lognormality_is_said():
         ("--ellipses", TABLE2, "--confidence", 0.9, "--confidence", 0.95, "--out", "criterion.json"),
         ("--ellipses", TABLE2, "--method", "tolerance", "--assurance", 2),
         ("--ellipses", TABLE2, "--distribution", "magic"),
+        ("--ellipses", TABLE2, "--assurance", 0.9),
+        ("--ellipses", TABLE2, "--chains", "chains.h5"),
+        ("--ellipses", TABLE2, "--steps", 400),
+        ("--ellipses", TABLE2, "--method", "hierarchical", "--steps", 402),
+        ("--ellipses", TABLE2, "--method", "hierarchical", "--law", "exponential"),
+        ("--ellipses", TABLE2, "--method", "hierarchical", "--distribution", "weibull"),
+        ("--ellipses", TABLE2, "--method", "hierarchical", "--chains", TABLE2, "--steps", 40),
+        ("--ellipses", TABLE2, "--figures", TABLE2),
+        ("--ellipses", TABLE2, "--law", "guo_2017_12"),
+        ("--law", "guo_2017_12", "--figures", "figures"),
+        ("--law", "guo_2017_18", "--threshold", 0.02),
+        ("--law", "guo_2017_18", "--confidence", 0.99),
+        ("--law", "guo_2017_18", "--method", "dirichlet"),
+        ("--law", "guo_2017_18", "--metric", "mte"),
         ("--ellipses", TABLE2, "--motions", "synthetic"),
         ("--ellipses", TABLE2, "--confidence", 95),
         ("--ellipses", TABLE2, "--method", "magic"),
@@ -145,3 +159,81 @@ def test_stored_results_answer_for_any_threshold(tmp_path):
     found = answer("--results", store, "--threshold", 0.1, "--threshold", 0.05)
     assert [each["threshold"] for each in found["criteria"]] == [0.1, 0.05]
     assert found["criteria"][0]["a"] > found["criteria"][1]["a"]
+
+
+def unconverged(*arguments: object) -> Result:
+    result = run("--ellipses", TABLE2, "--method", "hierarchical", "--steps", 40, *arguments)
+    assert isinstance(result.exception, IncompleteError)
+    assert "HAS NOT CONVERGED" in str(result.exception)
+    return result
+
+
+def test_a_posterior_that_has_not_converged_ends_unfinished_and_says_so_everywhere(tmp_path):
+    out, figures = tmp_path / "criterion.json", tmp_path / "figures"
+    found = json.loads(unconverged("--out", out, "--figures", figures, "--json", "-").stdout)
+    assert found["converged"] is False
+    assert "NOT CONVERGED" in found["warnings"][0]
+    (posterior,) = found["posteriors"]
+    assert not posterior["converged"]
+    assert posterior["complaints"]
+    assert {"r_hat", "bulk_size", "tail_size", "autocorrelation_time"} <= set(posterior["parameters"][0])
+    assert "NOT CONVERGED" in Criterion.from_json(out.read_text(encoding="utf-8")).provenance.warnings[0]
+    drawn = {path.name for path in figures.iterdir()}
+    assert drawn == set(found["figures"])
+    assert {"traces_rms0.05.svg", "ranks_rms0.05.svg", "pairs_rms0.05.svg", "posterior_rms0.05.nc"} <= drawn
+    shown = unconverged().stdout
+    assert "THIS POSTERIOR HAS NOT CONVERGED" in shown
+    assert "autocorrelation time" in shown
+
+
+def test_bad_convergence_has_its_own_exit_code(capfd):
+    from reliab.cli import run as main
+
+    arguments = ["criterion", "--ellipses", str(TABLE2), "--method", "hierarchical", "--steps", "40"]
+    assert main(arguments) == 3
+    assert "NOT CONVERGED" in capfd.readouterr().err
+
+
+def test_chains_go_on_where_they_ended(tmp_path):
+    chains = tmp_path / "chains.h5"
+    whole = json.loads(unconverged("--json", "-").stdout)
+    run("--ellipses", TABLE2, "--method", "hierarchical", "--steps", 20, "--chains", chains)
+    resumed = json.loads(unconverged("--chains", chains, "--json", "-").stdout)
+    assert (resumed["a"], resumed["b"]) == (whole["a"], whole["b"])
+
+
+def test_a_converged_posterior_is_a_finished_answer(tmp_path):
+    from reliab.motions.synthetic import synthetic_suite
+    from reliab.sweep import EllipseRequest, trace_ellipses, write_ellipses
+
+    request = EllipseRequest(frequencies=(1.0,), damping_ratios=(0.05,))
+    write_ellipses(trace_ellipses(synthetic_suite(count=12), request), tmp_path / "ellipses.nc")
+    result = run("--ellipses", tmp_path / "ellipses.nc", "--method", "hierarchical", "--json", "-")
+    assert result.exit_code == 0
+    found = json.loads(result.stdout)
+    assert found["converged"] is True
+    assert found["largest_r_hat"] < 1.01
+    assert found["least_effective_size"] > 1000.0
+
+
+def test_criteria_are_drawn_over_the_motions_own_ellipses(tmp_path):
+    found = answer(
+        *(
+            "--ellipses",
+            TABLE2,
+            "--confidence",
+            0.9,
+            "--confidence",
+            0.95,
+            "--figures",
+            tmp_path / "new" / "one",
+        )
+    )
+    assert found["figures"] == ["criterion_f1_xi0.02_rms0.05.svg"]
+    assert (tmp_path / "new" / "one" / found["figures"][0]).read_bytes().startswith(b"<?xml")
+
+
+def test_a_printed_law_can_be_drawn_over_ellipses(tmp_path):
+    found = answer("--ellipses", TABLE2, "--law", "guo_2017_18", "--figures", tmp_path)
+    assert found["law"] == "guo_2017_18"
+    assert len(found["figures"]) == 1
