@@ -1,4 +1,4 @@
-"""Bouc–Wen hysteresis beside the linear spring (Wen 1976)."""
+"""Bouc–Wen hysteresis beside the linear spring, or in place of a part of it (Wen 1976)."""
 
 from dataclasses import dataclass
 
@@ -23,12 +23,16 @@ def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, s
         direction = beta if sign * middle >= 0.0 else -beta
         z += part * (1.0 - abs(middle) ** exponent * (direction + 1.0 - beta))
     state[0], state[1] = motion[0], z
-    return force * z
+    return force * (z - coefficients[4] * motion[0] / displacement)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Hysteresis(SteppedEffect):
-    """A force f·z, z' = (v/d)·(1 − |z|ⁿ(β·sgn(vz) + 1 − β)), in parallel with the linear spring.
+    """A force f·(z − s·x/d), z' = (v/d)·(1 − |z|ⁿ(β·sgn(vz) + 1 − β)), beside the linear spring.
+
+    With s = 0 the hysteretic part is in parallel with the whole spring; with s = 1 the spring has lost the
+    stiffness f/d that the part brings, so that the stiffness of small motions stays what it was:
+    kx + f·(z − x/d) is the αkx + (1 − α)kd·z of textbooks.
 
     Parameters
     ----------
@@ -40,6 +44,8 @@ class Hysteresis(SteppedEffect):
         Shape β [-] of loading against unloading, in (0, 1].
     exponent : float
         Sharpness n [-] of yielding.
+    lost_share : float
+        Share s [-] of the part's elastic stiffness f/d that the linear spring has lost, from 0 to 1.
     """
 
     name = EffectName.HYSTERESIS
@@ -89,6 +95,16 @@ class Hysteresis(SteppedEffect):
             upper=8.0,
             starts=(1.7, 1.7, 1.7),
         ),
+        Parameter(
+            name="lost_share",
+            units="-",
+            meaning="share of the hysteretic part's elastic stiffness that the linear spring has lost",
+            signed=True,
+            typical=1.0,
+            lower=-1e-9,
+            upper=1.0,
+            starts=(0.5, 0.5, 0.5, 0.5),
+        ),
     )
     kernel = Kernel(function=_force, states=2)
 
@@ -96,3 +112,4 @@ class Hysteresis(SteppedEffect):
     displacement_m: float
     beta: float = 0.5
     exponent: float = 2.0
+    lost_share: float = 0.0

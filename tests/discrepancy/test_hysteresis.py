@@ -1,0 +1,70 @@
+"""A yielding specimen is named whether its hysteresis stands beside the nominal spring or replaces a part."""
+
+import numpy as np
+import pytest
+from scipy import signal
+
+from reliab.discrepancy import diagnose, read_campaign
+
+RATE, DURATION, TESTS = 512.0, 12.0, 4
+STIFFNESS = 4.0e4
+YIELD = 0.4  # of the largest displacement
+BETA, EXPONENT = 0.5, 2.0
+LARGEST = 0.02
+PARTS = 20
+
+
+def motion(rng):
+    time = np.arange(0.0, DURATION, 1.0 / RATE)
+    band = signal.butter(2, [0.4, 2.5], "band", fs=RATE, output="sos")
+    moved = signal.sosfiltfilt(band, rng.standard_normal(time.size))
+    moved *= np.exp(-(((time - 5.0) / 3.0) ** 2)) * np.clip(time, 0.0, 1.0) ** 2
+    return LARGEST * moved / np.abs(moved).max()
+
+
+def hysteretic(moved):
+    """Dimensionless hysteretic variable z along a displacement, by small steps of Euler's method."""
+    z, found = 0.0, np.zeros_like(moved)
+    for i in range(1, moved.size):
+        part = (moved[i] - moved[i - 1]) / PARTS / (YIELD * LARGEST)
+        for _ in range(PARTS):
+            z += part * (1.0 - abs(z) ** EXPONENT * (BETA * np.sign(part * z) + 1.0 - BETA))
+        found[i] = z
+    return found
+
+
+def textbook(moved, after):
+    """Force αkx + (1 − α)k·d·z, whose stiffness of small motions is the nominal one."""
+    return STIFFNESS * (after * moved + (1.0 - after) * YIELD * LARGEST * hysteretic(moved))
+
+
+def beside(moved, share):
+    """Force kx + share·k·d·z."""
+    return STIFFNESS * (moved + share * YIELD * LARGEST * hysteretic(moved))
+
+
+@pytest.mark.parametrize(("force", "value"), [(textbook, 0.5), (beside, 0.3)])
+def test_a_yielding_specimen_is_named(tmp_path, force, value):
+    rng = np.random.default_rng(11)
+    say = f"[specimen]\nstiffness_n_per_m = {STIFFNESS}\n[sampling]\nrate_hz = {RATE}\n"
+    for k in range(TESTS):
+        moved = motion(rng)
+        acting = force(moved, value)
+        columns = np.column_stack(
+            [
+                np.arange(moved.size) / RATE,
+                moved + 0.005 * moved.std() * rng.standard_normal(moved.size),
+                acting + 0.005 * acting.std() * rng.standard_normal(moved.size),
+            ]
+        )
+        np.savetxt(
+            tmp_path / f"{k}.csv", columns, delimiter=",", header="time_s,measured_m,force_n", comments=""
+        )
+        say += f'[[tests]]\nfile = "{k}.csv"\nmotion = "record {k}"\n'
+    (tmp_path / "campaign.toml").write_text(f'name = "yielding"\n{say}')
+    found = diagnose(read_campaign(tmp_path)).as_dict()
+    assert [effect["name"] for effect in found["effects"]] == ["hysteresis"]
+    assert found["verdict"] == "named"
+    assert found["gap"]["closed_fraction"] > 0.99
+    sizes = found["effects"][0]["parameters"]
+    assert sizes["displacement_m"]["value"] == pytest.approx(YIELD * LARGEST, rel=0.1)
