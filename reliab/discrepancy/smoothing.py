@@ -2,14 +2,15 @@
 
 The spectrum of the noise is extrapolated from frequencies that are too high for a signal. The smoothed
 displacement p̂ is the mean of the true one given the reading, so that what it misses is independent of p̂
-itself (Berkson's error): forces regressed on p̂ are not attenuated.
+itself (Berkson's error): forces regressed on p̂ are not attenuated. A force that is bent in the velocity is
+expected where the velocity spreads about that of p̂.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft, ndimage
+from scipy import fft
 
 from reliab.discrepancy.noise import Periodogram, fit_noise
 from reliab.loop.hybrid_test import Motion3
@@ -22,7 +23,9 @@ HIGHEST_SIGNAL = 45.0
 
 _HARMONICS = 5.0  # of a structure, at which a stiffness that grows with the square still answers
 _LARGEST_SHARE = 0.4  # of the sampling rate
-_SMOOTHED_OVER = 0.4  # Hz
+_NARROW, _WIDENING = 0.2, 0.1  # Hz, and of the frequency: to either side power is averaged so far
+_FEWEST = 3  # frequencies to either side
+_BY_CHANCE = 0.3  # share of a signal that noise alone may seem to hold
 _CLEAR = 50.0  # of the noise's power
 _LEAST_RELIABLE = 1.0  # Hz
 
@@ -88,9 +91,16 @@ def _spectra(displacement: Array, step: float, highest: float) -> tuple[Array, A
     power = np.abs(spectrum) ** 2 / padded.size
     beyond = frequency > highest
     noise = fit_noise([Periodogram(frequency=frequency[beyond], power=power[beyond])], 1.0 / step)
-    width = max(int(_SMOOTHED_OVER / frequency[1]), 5)
-    whole = ndimage.uniform_filter1d(power, width, mode="nearest")
-    return spectrum, frequency, whole, noise.density(frequency)
+    return spectrum, frequency, _averaged(frequency, power), noise.density(frequency)
+
+
+def _averaged(frequency: Array, power: Array) -> Array:
+    """Mean power over a band that widens with the frequency."""
+    reach = np.maximum((_NARROW + _WIDENING * frequency) / frequency[1], _FEWEST).astype(int)
+    places = np.arange(frequency.size)
+    first, last = np.maximum(places - reach, 0), np.minimum(places + reach + 1, frequency.size)
+    sums = np.concatenate([[0.0], np.cumsum(power)])
+    return np.asarray((sums[last] - sums[first]) / (last - first))
 
 
 def smoothed_motion(displacement: Array, step: float, highest: float) -> Motion3:
@@ -121,7 +131,20 @@ def smoothed_motion(displacement: Array, step: float, highest: float) -> Motion3
     """
     n = displacement.size
     spectrum, frequency, whole, floor = _spectra(displacement, step, highest)
-    share = np.clip((whole - floor) / np.maximum(whole, 1e-300), 0.0, 1.0)
-    share[frequency > highest] = 0.0
+    share = _share(frequency, whole, floor, highest)
     swing = fft.irfft(share * spectrum, 2 * n - 2)[:n]
     return Motion3.through(swing + np.linspace(displacement[0], displacement[-1], n), step)
+
+
+def velocity_spread(displacement: Array, step: float, highest: float) -> float:
+    """Return how far the velocity spreads about that of the smoothed motion, its standard deviation [m/s]."""
+    _, frequency, whole, floor = _spectra(displacement, step, highest)
+    missed = _share(frequency, whole, floor, highest) * floor * (2.0 * np.pi * frequency) ** 2
+    return float(np.sqrt(missed.sum() / displacement.size))
+
+
+def _share(frequency: Array, whole: Array, floor: Array, highest: float) -> Array:
+    """Share of the signal in the power, by which the spectrum is multiplied."""
+    share = np.clip((whole - floor) / np.maximum(whole, 1e-300), 0.0, 1.0)
+    share[(frequency > highest) | (share < _BY_CHANCE)] = 0.0
+    return np.asarray(share)

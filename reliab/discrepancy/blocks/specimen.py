@@ -9,14 +9,18 @@ from reliab.discrepancy.blocks.calibration import Calibration, stiffness, unknow
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign import Campaign, Channel
 from reliab.discrepancy.outside import outside_terms
-from reliab.discrepancy.smoothing import reliable_frequency
+from reliab.discrepancy.smoothing import reliable_frequency, velocity_spread
 from reliab.loop.effects import Effect, Role, Scales, library
 from reliab.loop.effects.force_bias import ForceBias
+from reliab.loop.effects.quadratic_damping import QuadraticDamping
 from reliab.loop.effects.sensor_drift import SensorDrift
 from reliab.loop.hybrid_test import HybridTest, Motion3, Specimen, load, read_displacement, read_force
 from reliab.vocabulary import Block
 
 Array = NDArray[np.float64]
+
+_NODES = np.sqrt(3.0) * np.array([-1.0, 0.0, 1.0])  # of Gauss and Hermite
+_WEIGHTS = np.array([1.0, 4.0, 1.0]) / 6.0
 
 
 class SpecimenBlock(ObservedBlock):
@@ -55,6 +59,11 @@ class SpecimenBlock(ObservedBlock):
         self.outside = outside_terms(self.block)
         self.motions = tuple(pistons)
         self.smoothed = smoothed
+        self._spreads = self._velocity_spreads() if smoothed else []
+
+    def _velocity_spreads(self) -> list[float]:
+        readings = [test.channels[Channel.MEASURED] for test in self.tests]
+        return [velocity_spread(one, 1.0 / self.rate, self.highest_signal) for one in readings]
 
     @property
     def highest(self) -> float:
@@ -69,7 +78,18 @@ class SpecimenBlock(ObservedBlock):
         piston = self.motions[test]
         if self.smoothed and model.acting(Role.DISPLACEMENT_READING):
             piston = _without_reading(model, piston)
+        if self.smoothed and any(isinstance(effect, QuadraticDamping) for effect in model.effects):
+            return read_force(model, piston, self._expected_load(model, piston, test))
         return read_force(model, piston, load(model, piston))
+
+    def _expected_load(self, model: HybridTest, piston: Motion3, test: int) -> Array:
+        """Mean of the force where the velocity is known up to its spread only."""
+        found = np.zeros(piston.values.shape[1])
+        for node, weight in zip(_NODES.tolist(), _WEIGHTS.tolist(), strict=True):
+            values = piston.values.copy()
+            values[1] += node * self._spreads[test]
+            found += weight * load(model, Motion3(values=values, step=piston.step))
+        return found
 
 
 def _without_reading(model: HybridTest, seen: Motion3) -> Motion3:

@@ -1,0 +1,28 @@
+"""The motion behind a noisy displacement."""
+
+import numpy as np
+import pytest
+from scipy import signal
+
+from reliab.discrepancy.smoothing import smoothed_motion, velocity_spread
+
+RATE = 1024.0
+TIME = np.arange(46080) / RATE
+
+
+def reading(colour):
+    """A displacement with noise 30 dB below it, and its velocity."""
+    random = np.random.default_rng(11)
+    swing = signal.lfilter([1.0], [1.0, -1.9, 0.95], random.normal(size=800))
+    slow = np.interp(TIME, np.linspace(0.0, TIME[-1], 800), swing)
+    truth = signal.sosfiltfilt(signal.butter(4, 6.0, fs=RATE, output="sos"), slow)
+    noise = signal.lfilter([1.0], [1.0, -colour], random.normal(size=TIME.size))
+    return truth + 10.0**-1.5 * truth.std() * noise / noise.std(), np.gradient(truth, 1.0 / RATE)
+
+
+@pytest.mark.parametrize(("colour", "most"), [(0.0, 0.035), (0.95, 0.11)])
+def test_velocity_is_not_made_of_noise_and_its_spread_is_known(colour, most):
+    displacement, velocity = reading(colour)
+    left = smoothed_motion(displacement, 1.0 / RATE, 45.0).values[1] - velocity
+    assert left.std() < most * velocity.std()
+    assert velocity_spread(displacement, 1.0 / RATE, 45.0) == pytest.approx(left.std(), rel=0.25)
