@@ -4,6 +4,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from threadpoolctl import threadpool_limits
+
 from reliab.discrepancy.criterion_shift import criterion_shift, shaking_of
 from reliab.discrepancy.posterior import Posterior, sample_posterior
 from reliab.discrepancy.result import BlockDiagnosis, Diagnosis
@@ -63,7 +65,8 @@ def add(diagnosis: Diagnosis, *, out: Path | None = None, progress: Progress = s
     for done, one in enumerate(acting, start=1):
         name = str(one.block.block)
         chains = None if out is None else out / f"posterior_{name.replace(' ', '_')}.h5"
-        posteriors[name] = sample_posterior(one.problem, one.best, out=chains)
+        with threadpool_limits(limits=1, user_api="blas"):
+            posteriors[name] = sample_posterior(one.problem, one.best, out=chains)
         progress(done, len(acting))
     model = updated_model(diagnosis)
     if out is not None:

@@ -1,6 +1,9 @@
 """The whole workflow: observe the blocks of a campaign, search each for what is missing, prove it."""
 
+import math
 from collections.abc import Sequence
+
+from threadpoolctl import threadpool_limits
 
 from reliab.discrepancy.blocks.actuator import ActuatorBlock
 from reliab.discrepancy.blocks.balance import BalanceBlock
@@ -49,10 +52,12 @@ def diagnose(campaign: Campaign, *, progress: Progress = silent) -> Diagnosis:
     motions = motions_of(campaign)
     scales = scales_of(campaign, motions)
     found: list[BlockDiagnosis] = []
-    for done, kind in enumerate(kinds):
-        progress(done, len(kinds))
-        block = _block(kind, campaign, scales, motions, found)
-        found.append(_examined(block, campaign))
+    # Products are small and fits run side by side: threads of their own would only wait for each other.
+    with threadpool_limits(limits=1, user_api="blas"):
+        for done, kind in enumerate(kinds):
+            progress(done, len(kinds))
+            block = _block(kind, campaign, scales, motions, found)
+            found.append(_examined(block, campaign))
     progress(len(kinds), len(kinds))
     return Diagnosis(campaign=campaign, blocks=tuple(found))
 
@@ -108,9 +113,9 @@ def _pistons(actuator: BlockDiagnosis) -> list[Motion3]:
 
 
 def _examined(block: ObservedBlock, campaign: Campaign) -> BlockDiagnosis:
-    highest = block.highest
+    highest, every = block.highest, math.lcm(block.every, block.sketch.every)
     training, proof = (
-        Problem(block=block, segments=cut_segments(stretches, campaign.rate, highest, block.every))
+        Problem(block=block, segments=cut_segments(stretches, campaign.rate, highest, every))
         for stretches in (campaign.training, campaign.proof)
     )
     search = Search(training)

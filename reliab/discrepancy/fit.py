@@ -1,7 +1,7 @@
 """Fitting a candidate model to a block by free-run simulation, with everything else refitted."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 
 _STEP = 1e-3  # of a prior's standard deviation, for derivatives
 _NEGLIGIBLE = 0.02  # nats
+_SMALL = 1.0  # nats
 _FIRST_DAMPING, _MOST_DAMPING = 1e-3, 1e6
 _MOST_STEPS = 12
 _MOST_ROUNDS = 10
@@ -78,6 +79,12 @@ class Problem:
         )
 
     @cached_property
+    def sketch(self) -> "Problem":
+        """The same problem predicted at fewer instants, for derivatives."""
+        block = self.block.sketch
+        return self if block is self.block else Problem(block=block, segments=self.segments)
+
+    @cached_property
     def _spectra(self) -> list[NDArray[np.complex128]]:
         return [segment.spectrum(self.measured(segment.test)) for segment in self.segments]
 
@@ -116,13 +123,29 @@ class Problem:
 
     def noise_of(self, space: ModelSpace, coordinates: Array) -> NoiseModel:
         """Fit the noise to what a model leaves."""
-        predicted = self.predictions(space, coordinates)
-        periodograms = []
-        for segment, measured, beyond in zip(self.segments, self._spectra, self._beyond, strict=True):
-            left = measured - segment.coarse_spectrum(predicted[segment.test], self.block.every)
-            inside = Periodogram(frequency=segment.frequency[1:], power=np.abs(left[1:]) ** 2)
+        unit = NoiseModel.white(self.block.rate, 1.0)
+        return self.noise_left(self.whitened(space, coordinates, unit), unit)
+
+    def noise_left(self, rows: Array, noise: NoiseModel) -> NoiseModel:
+        """Fit the noise to residuals that are whitened by another one, shape (rows,)."""
+        powers = rows**2 * self._densities(noise)
+        periodograms, begin = [], 0
+        for segment, beyond in zip(self.segments, self._beyond, strict=True):
+            real = powers[begin + 1 : begin + segment.bins]
+            imaginary = powers[begin + segment.bins : begin + 2 * segment.bins - 1]
+            inside = Periodogram(frequency=segment.frequency[1:], power=0.5 * (real + imaginary))
             periodograms += [inside, beyond]
+            begin += 2 * segment.bins - 1
         return fit_noise(periodograms, self.block.rate, least=self.least_noise)
+
+    def _densities(self, noise: NoiseModel) -> Array:
+        """Return the expected power of each residual, shape (rows,)."""
+        parts = [segment.density(noise) for segment in self.segments]
+        return np.concatenate([np.concatenate([one, one[1:]]) for one in parts])
+
+    def reweighting(self, old: NoiseModel, new: NoiseModel) -> Array:
+        """Factors that turn residuals whitened by one noise into those whitened by another, shape (rows,)."""
+        return np.asarray(np.sqrt(self._densities(old) / self._densities(new)))
 
     @cached_property
     def _beyond(self) -> list[Periodogram]:
@@ -223,8 +246,7 @@ def fit(problem: Problem, space: ModelSpace, starts: Sequence[Array], noise: Noi
 def refined(problem: Problem, fitted: Fit) -> Fit:
     """Fit noise and model in turn, until the evidence settles."""
     for _ in range(_MOST_ROUNDS):
-        noise = problem.noise_of(fitted.space, fitted.coordinates)
-        again = _fit_from(problem, fitted.space, fitted.coordinates, noise)
+        again = _improved(problem, reweighted(problem, fitted))
         settled = abs(again.log_evidence - fitted.log_evidence) < _SETTLED
         fitted = again
         if settled:
@@ -232,18 +254,55 @@ def refined(problem: Problem, fitted: Fit) -> Fit:
     return fitted
 
 
+def transferred(problem: Problem, fitted: Fit) -> Fit:
+    """Return a model of the same block at the same place, judged by other data."""
+    return replace(fitted, residual=problem.whitened(fitted.space, fitted.coordinates, fitted.noise))
+
+
+def reweighted(problem: Problem, fitted: Fit) -> Fit:
+    """Return the same model judged by the noise that it leaves, without simulating it again."""
+    noise = problem.noise_left(fitted.residual, fitted.noise)
+    factors = problem.reweighting(fitted.noise, noise)
+    return replace(
+        fitted,
+        residual=factors * fitted.residual,
+        jacobian=factors[:, np.newaxis] * fitted.jacobian,
+        noise=noise,
+        log_volume=problem.log_volume(noise),
+    )
+
+
 def _fit_from(problem: Problem, space: ModelSpace, start: Array, noise: NoiseModel) -> Fit:
-    """Levenberg–Marquardt with bounds and the prior; ends when a step promises less than 0.02."""
-    lower, upper = space.bounds
-    x = np.clip(start, lower, upper)
+    x = np.clip(start, *space.bounds)
     residual = problem.whitened(space, x, noise)
+    return _improved(
+        problem,
+        Fit(
+            space=space,
+            coordinates=x,
+            residual=residual,
+            jacobian=jacobian(problem, space, x, noise),
+            noise=noise,
+            log_volume=problem.log_volume(noise),
+        ),
+    )
+
+
+def _improved(problem: Problem, fitted: Fit) -> Fit:
+    """Levenberg–Marquardt with bounds and the prior; ends when a step promises less than 0.02.
+
+    It ends, too, after a small step that reached what the quadratic model promised: derivatives have not
+    changed, and the next step would be smaller still.
+    """
+    space, noise = fitted.space, fitted.noise
+    lower, upper = space.bounds
+    x, residual, derivatives = fitted.coordinates, fitted.residual, fitted.jacobian
     value = _objective(residual, x)
     damping = _FIRST_DAMPING
-    derivatives = jacobian(problem, space, x, noise, residual)
     for _ in range(_MOST_STEPS):
         curvature = derivatives.T @ derivatives + np.eye(x.size)
         slope = derivatives.T @ residual + x
-        accepted = False
+        accepted = foreseen = False
         while damping < _MOST_DAMPING:
             step = _bounded_step(curvature, slope, lower - x, upper - x, damping)
             moved = np.clip(x + step, lower, upper)
@@ -251,23 +310,18 @@ def _fit_from(problem: Problem, space: ModelSpace, start: Array, noise: NoiseMod
             if promise < _NEGLIGIBLE:
                 break
             there = problem.whitened(space, moved, noise)
-            if _objective(there, moved) < value:
+            gained = value - _objective(there, moved)
+            if gained > 0.0:
                 x, residual, accepted = moved, there, True
-                value = _objective(there, moved)
+                foreseen = bool(promise < _SMALL and abs(gained - promise) < _NEGLIGIBLE)
+                value -= gained
                 damping = max(0.1 * damping, 1e-7)
                 break
             damping *= 8.0
-        if not accepted:
+        if not accepted or foreseen:
             break
-        derivatives = jacobian(problem, space, x, noise, residual)
-    return Fit(
-        space=space,
-        coordinates=x,
-        residual=residual,
-        jacobian=derivatives,
-        noise=noise,
-        log_volume=problem.log_volume(noise),
-    )
+        derivatives = jacobian(problem, space, x, noise)
+    return replace(fitted, coordinates=x, residual=residual, jacobian=derivatives)
 
 
 def _bounded_step(curvature: Array, slope: Array, least: Array, most: Array, damping: float) -> Array:
@@ -286,15 +340,15 @@ def _objective(residual: Array, coordinates: Array) -> float:
     return 0.5 * float(residual @ residual + coordinates @ coordinates)
 
 
-def jacobian(
-    problem: Problem, space: ModelSpace, coordinates: Array, noise: NoiseModel, centre: Array
-) -> Array:
-    """Differentiate the whitened residual, shape (rows, size), given it at the coordinates."""
+def jacobian(problem: Problem, space: ModelSpace, coordinates: Array, noise: NoiseModel) -> Array:
+    """Differentiate the whitened residual, shape (rows, size)."""
     _, upper = space.bounds
+    sketch = problem.sketch
+    centre = sketch.whitened(space, coordinates, noise)
     columns = np.empty((centre.size, space.size))
     for place in range(space.size):
         step = _STEP if coordinates[place] + _STEP < upper[place] else -_STEP
         moved = coordinates.copy()
         moved[place] += step
-        columns[:, place] = (problem.whitened(space, moved, noise) - centre) / step
+        columns[:, place] = (sketch.whitened(space, moved, noise) - centre) / step
     return columns

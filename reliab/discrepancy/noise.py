@@ -13,6 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.compiled import compiled
+
 Array = NDArray[np.float64]
 
 CORNERS = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
@@ -114,11 +116,30 @@ def fit_noise(periodograms: Sequence[Periodogram], rate: float, *, least: float 
     shapes = spectral_shapes(centre, rate)
     floor = 1e-12 * float(mean.max()) + 1e-300 + least
     weights = np.full(shapes.shape[0], max(float(np.average(mean, weights=count)), floor) / shapes.shape[0])
-    for _ in range(_ITERATIONS):
-        density = weights @ shapes + floor
-        weights *= (shapes @ (count * mean / density**2)) / (shapes @ (count / density))
+    _iterate(np.ascontiguousarray(shapes.T), mean, count, floor, weights)
     weights[0] += floor
     return NoiseModel(rate=rate, weights=weights)
+
+
+@compiled
+def _iterate(shapes: Array, mean: Array, count: Array, floor: float, weights: Array) -> None:
+    """Improve the coefficients in place; shapes are of the bins, shape (bins, parts)."""
+    parts = weights.size
+    rises, falls = np.empty(parts), np.empty(parts)
+    for _ in range(_ITERATIONS):
+        rises[:] = 0.0
+        falls[:] = 0.0
+        for i in range(mean.size):
+            density = floor
+            for k in range(parts):
+                density += weights[k] * shapes[i, k]
+            fall = count[i] / density
+            rise = fall * mean[i] / density
+            for k in range(parts):
+                rises[k] += rise * shapes[i, k]
+                falls[k] += fall * shapes[i, k]
+        for k in range(parts):
+            weights[k] *= rises[k] / falls[k]
 
 
 def _binned(frequency: Array, power: Array) -> tuple[Array, Array, Array]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.discrepancy.fit import Fit, Problem, fit, refined
+from reliab.discrepancy.fit import Fit, Problem, fit, refined, reweighted, transferred
 from reliab.discrepancy.lines import line_terms
 from reliab.discrepancy.noise import NoiseModel
 from reliab.discrepancy.space import ModelSpace
@@ -32,6 +32,7 @@ _WORKERS = 2
 _BEAM = 2
 _DEEPEST_OUTSIDE = 2
 _TRIED = 5
+_CLOSE = 100.0  # nats
 
 
 def cost(kinds: Iterable[type[Effect]]) -> float:
@@ -110,16 +111,17 @@ class Search:
         """Rank effects by what they promise to explain beside a model."""
         fresh = [kind for kind in kinds if kind not in parent.space.effects]
         basis = np.linalg.qr(parent.jacobian)[0]
+        sketched = self.problem.sketch.whitened(parent.space, parent.coordinates, parent.noise)
         with ThreadPoolExecutor(_WORKERS) as pool:
-            screened = pool.map(lambda kind: self._screen_one(parent, basis, kind), fresh)
+            screened = pool.map(lambda kind: self._screen_one(parent, sketched, basis, kind), fresh)
         return sorted(screened, key=lambda one: -one.gain)
 
-    def _screen_one(self, parent: Fit, basis: Array, kind: type[Effect]) -> Screened:
+    def _screen_one(self, parent: Fit, sketched: Array, basis: Array, kind: type[Effect]) -> Screened:
         space = ModelSpace(parent.space.block, (*parent.space.effects, kind))
         best = Screened(kind=kind, gain=0.0, start=np.zeros(0))
         for begin in space.starts(parent.space, parent.coordinates):
             start = begin
-            change = self.problem.whitened(space, start, parent.noise) - parent.residual
+            change = self.problem.sketch.whitened(space, start, parent.noise) - sketched
             change -= basis @ (basis.T @ change)
             size = float(change @ change)
             along = -float(parent.residual @ change)
@@ -141,10 +143,14 @@ class Search:
 
         def extended(one: Screened) -> Fit:
             space = ModelSpace(parent.space.block, (*parent.space.effects, one.kind))
-            return refined(self.problem, fit(self.problem, space, [one.start], parent.noise))
+            return reweighted(self.problem, fit(self.problem, space, [one.start], parent.noise))
 
         with ThreadPoolExecutor(_WORKERS) as pool:
-            found = list(pool.map(extended, fresh))
+            rough = list(pool.map(extended, fresh))
+            first = max(map(score, rough), default=0.0)
+            least = min(0.5 * (first + score(parent)), first - _CLOSE)
+            near = pool.map(lambda one: refined(self.problem, one) if score(one) > least else one, rough)
+            found = list(near)
         return [self._keep(one) for one in found if self._matters(one, parent)]
 
     def _matters(self, one: Fit, smaller: Fit) -> bool:
@@ -181,10 +187,10 @@ class Search:
         """Whether a model is so close to the best one that a further effect might change the order."""
         return score(one) > 0.5 * (score(first) + score(self.null))
 
-    def whole(self) -> Fit:
+    def whole(self, begin: Fit | None = None) -> Fit:
         """Search the library, and beyond it where something is left that a term outside would explain."""
         block = self.problem.block
-        inside = self.forward(self.null, block.candidates)
+        inside = self.forward(begin or self.null, block.candidates)
         outside = (*block.outside, *line_terms(self.problem, inside)) if block.outside else ()
         left = self.screen(inside, outside)
         if not left or left[0].gain < self.noticeable(inside):
@@ -194,13 +200,20 @@ class Search:
         return best if best is not inside else self.forward(inside, every, deepest=1)
 
     def again(self) -> "Search":
-        """Search again with the converter's error that the best model expects; itself if there is none."""
+        """Search again with the converter's error that the best model expects; itself if there is none.
+
+        Models that were near the best are fitted anew from where they stood; the search goes on from there.
+        """
         best = self.best
         corrected = self.problem.corrected(best.space, best.coordinates)
         if corrected is self.problem or best is self.null:
             return self
         search = Search(corrected)
-        search.whole()
+        near = [one for one in self.fitted.values() if one is not self.null and self._within_reach(one, best)]
+        with ThreadPoolExecutor(_WORKERS) as pool:
+            for one in pool.map(lambda one: refined(corrected, transferred(corrected, one)), near):
+                search._keep(one)
+        search.whole(search.best)
         return search
 
     def noticeable(self, one: Fit) -> float:

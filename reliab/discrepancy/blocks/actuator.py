@@ -1,6 +1,8 @@
 """The actuator with the displacement sensor: command → measured displacement."""
 
-from functools import lru_cache
+from collections.abc import Sequence
+from copy import copy
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +19,7 @@ from reliab.vocabulary import Block
 Array = NDArray[np.float64]
 
 _ON_THE_WAY = (Role.DELAY, Role.PISTON)
+_SKETCHED_RATE = 500.0  # Hz
 _FINEST_RATE = 2000.0  # Hz, so that an input that is taken as linear within a step is
 
 
@@ -45,12 +48,16 @@ class ActuatorBlock(ObservedBlock):
         known = library().values()
         self.candidates = tuple(e for e in known if e.role in roles and e is not SensorBias)
         self.outside = outside_terms(self.block)
-        self._parts = max(1, int(np.ceil(_FINEST_RATE / campaign.rate - 0.05)))
-        self._commands = [
-            Motion3.through(test.channels[Channel.COMMAND], campaign.step, parts=self._parts)
-            for test in self.tests
+        parts = max(1, int(np.ceil(_FINEST_RATE / campaign.rate - 0.05)))
+        commands = [
+            Motion3.through(test.channels[Channel.COMMAND], campaign.step, parts=parts) for test in self.tests
         ]
-        self.motions = tuple(command.at_each(self._parts) for command in self._commands)
+        self.command(commands, parts)
+        self.motions = tuple(command.at_each(parts) for command in commands)
+
+    def command(self, motions: Sequence[Motion3], parts: int) -> None:
+        """Let the command move in every test, so many steps to each prediction."""
+        self._commands, self._parts = tuple(motions), parts
         self._driven = lru_cache(maxsize=6 * len(self.tests))(self._drive)
 
     def piston(self, model: HybridTest, test: int) -> Motion3:
@@ -60,6 +67,17 @@ class ActuatorBlock(ObservedBlock):
 
     def _drive(self, model: HybridTest, test: int) -> Motion3:
         return drive(model, self._commands[test]).at_each(self._parts)
+
+    @cached_property
+    def sketch(self) -> ObservedBlock:
+        """The same, driven at a longer step."""
+        factor = self.thinning(_SKETCHED_RATE)
+        if factor * self._parts == 1:
+            return self
+        thinned = copy(self)
+        thinned.every = factor
+        thinned.command([command.at_each(self._parts * factor) for command in self._commands], 1)
+        return thinned
 
     def predict(self, model: HybridTest, test: int) -> Array:
         """Displacement that the sensor reads [m], shape (n,)."""

@@ -1,6 +1,9 @@
 """The whole loop, where only ground acceleration and one displacement were recorded."""
 
 import math
+from copy import copy
+from dataclasses import replace
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +17,7 @@ from reliab.loop.effects import Effect, Role, Scales, library
 from reliab.loop.effects.excitation_scale import ExcitationScale
 from reliab.loop.effects.force_bias import ForceBias
 from reliab.loop.effects.sensor_bias import SensorBias
-from reliab.loop.hybrid_test import HybridTest, Motion3, run_closed_loop
+from reliab.loop.hybrid_test import HybridTest, Motion3, read_displacement, run_closed_loop
 from reliab.vocabulary import Block
 
 Array = NDArray[np.float64]
@@ -23,6 +26,7 @@ _COARSEST_RATE = 500.0  # Hz; at half of this the error of the integration passe
 _FEWEST_STEPS = 60.0  # of the integration in a natural period; what they miss is 70 dB below the signal
 _ROUNDING = 0.05
 _SPRINGS = 9
+_SKETCHED = 0.5  # of the rate of integration, for derivatives
 _OF_THE_RIG = (Role.DELAY, Role.PISTON, Role.INTEGRATION)
 
 
@@ -48,9 +52,6 @@ class LoopBlock(ObservedBlock):
     def __init__(self, campaign: Campaign, scales: Scales, motions: tuple[Motion3, ...]) -> None:
         self.tests = campaign.tests
         self.rate = campaign.rate
-        wanted = _rate_of_integration(campaign)
-        self.every = max(1, int(campaign.rate // wanted))
-        self.parts = max(1, math.ceil(wanted / campaign.rate - _ROUNDING))
         self.scales = scales
         self.nominal = campaign.nominal
         self.motions = motions
@@ -60,19 +61,39 @@ class LoopBlock(ObservedBlock):
         acting = (*_OF_THE_RIG, Role.FORCE) if rig else (Role.FORCE,)
         terms = (*outside_terms(Block.ACTUATOR), *outside_terms(Block.SPECIMEN))
         self.outside = tuple(term for term in terms if term.role in acting)
-        self._grounds = [
-            _resampled(test.channels[Channel.GROUND], self.parts, self.every) for test in self.tests
-        ]
+        self.integrate_at(_rate_of_integration(campaign))
         if rig:
             self.calibrations = (gain(self.nominal), delay(self.nominal), stiffness(self.nominal))
         else:
             scale = scale_of_excitation(self._scale())
             self.calibrations = (stiffness(self.nominal), damping(), scale)
 
+    def integrate_at(self, wanted: float) -> None:
+        """Integrate at a rate near a wanted one [Hz]."""
+        self._wanted = wanted
+        self.every = max(1, int(self.rate // wanted))
+        self.parts = max(1, math.ceil(wanted / self.rate - _ROUNDING))
+        self._grounds = [
+            _resampled(test.channels[Channel.GROUND], self.parts, self.every) for test in self.tests
+        ]
+        self._moved = lru_cache(maxsize=2 * len(self.tests))(self._move)
+
+    @cached_property
+    def sketch(self) -> ObservedBlock:
+        """The same, integrated at a longer step."""
+        thinned = copy(self)
+        thinned.integrate_at(_SKETCHED * self._wanted)
+        return thinned
+
     def predict(self, model: HybridTest, test: int) -> Array:
         """Displacement that the sensor reads [m], shape (⌈n / every⌉,)."""
+        readings = model.acting(Role.DISPLACEMENT_READING)
+        others = tuple(effect for effect in model.effects if effect not in readings)
+        return read_displacement(model, self._moved(replace(model, effects=others), test))
+
+    def _move(self, model: HybridTest, test: int) -> Motion3:
         step = self.every / self.rate / self.parts
-        return run_closed_loop(model, self._grounds[test], step).measured[:: self.parts]
+        return run_closed_loop(model, self._grounds[test], step).piston.at_each(self.parts)
 
     def _scale(self) -> float:
         """Scale at which the excitation explains most of a test, of springs within the calibration."""

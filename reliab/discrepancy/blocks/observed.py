@@ -72,6 +72,15 @@ class ObservedBlock(ABC):
         """Highest frequency at which models are judged [Hz]."""
         return self.highest_signal
 
+    @property
+    def sketch(self) -> "ObservedBlock":
+        """The same block predicted at fewer instants, for derivatives; itself where it is fast anyway."""
+        return self
+
+    def thinning(self, rate: float) -> int:
+        """Factor by which predictions can be thinned down to a least rate [Hz]."""
+        return max(1, int(self.rate / self.every / rate))
+
     @abstractmethod
     def predict(self, model: HybridTest, test: int) -> Array:
         """Predict the channel in a test, shape (⌈n / every⌉,)."""

@@ -1,6 +1,9 @@
 """The specimen with the load cell: motion of the piston → force."""
 
 from collections.abc import Sequence
+from copy import copy
+from dataclasses import replace
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,17 +13,19 @@ from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign import Campaign, Channel
 from reliab.discrepancy.outside import outside_terms
 from reliab.discrepancy.smoothing import reliable_frequency, velocity_spread
-from reliab.loop.effects import Effect, Role, Scales, library
+from reliab.loop.effects import Effect, Kernel, Role, Scales, Setting, SteppedEffect, library
 from reliab.loop.effects.force_bias import ForceBias
 from reliab.loop.effects.quadratic_damping import QuadraticDamping
 from reliab.loop.effects.sensor_drift import SensorDrift
-from reliab.loop.hybrid_test import HybridTest, Motion3, Specimen, load, read_displacement, read_force
+from reliab.loop.hybrid_test import HybridTest, Motion3, Specimen, follow, load, read_displacement, read_force
 from reliab.vocabulary import Block
 
 Array = NDArray[np.float64]
 
 _NODES = np.sqrt(3.0) * np.array([-1.0, 0.0, 1.0])  # of Gauss and Hermite
 _WEIGHTS = np.array([1.0, 4.0, 1.0]) / 6.0
+_SKETCHED_RATE = 250.0  # Hz
+_KEPT = 12  # forces of effects that are remembered for each test
 
 
 class SpecimenBlock(ObservedBlock):
@@ -57,9 +62,14 @@ class SpecimenBlock(ObservedBlock):
         of_sensor: tuple[type[Effect], ...] = (SensorDrift,) if smoothed else ()
         self.candidates = (*in_force, *of_sensor)
         self.outside = outside_terms(self.block)
-        self.motions = tuple(pistons)
         self.smoothed = smoothed
         self._spreads = self._velocity_spreads() if smoothed else []
+        self.move(pistons)
+
+    def move(self, pistons: Sequence[Motion3]) -> None:
+        """Let the piston move in every test."""
+        self.motions = tuple(pistons)
+        self._followed = lru_cache(maxsize=_KEPT * len(self.tests))(self._follow_one)
 
     def _velocity_spreads(self) -> list[float]:
         readings = [test.channels[Channel.MEASURED] for test in self.tests]
@@ -73,6 +83,17 @@ class SpecimenBlock(ObservedBlock):
         readings = [test.channels[Channel.MEASURED] for test in self.tests]
         return reliable_frequency(readings, 1.0 / self.rate, self.highest_signal)
 
+    @cached_property
+    def sketch(self) -> ObservedBlock:
+        """The same under a motion of fewer samples."""
+        factor = self.thinning(_SKETCHED_RATE)
+        if factor == 1:
+            return self
+        thinned = copy(self)
+        thinned.every = factor
+        thinned.move([motion.at_each(factor) for motion in self.motions])
+        return thinned
+
     def predict(self, model: HybridTest, test: int) -> Array:
         """Force that the load cell reads [N], shape (n,)."""
         piston = self.motions[test]
@@ -80,7 +101,20 @@ class SpecimenBlock(ObservedBlock):
             piston = _without_reading(model, piston)
         if self.smoothed and any(isinstance(effect, QuadraticDamping) for effect in model.effects):
             return read_force(model, piston, self._expected_load(model, piston, test))
-        return read_force(model, piston, load(model, piston))
+        if piston is not self.motions[test]:
+            return read_force(model, piston, load(model, piston))
+        stiffness = 0.0 if model.specimen is None else model.specimen.stiffness
+        setting = Setting(step=piston.step, stiffness=stiffness)
+        force = load(replace(model, effects=()), piston)
+        for effect in model.acting(Role.FORCE, Role.FORCE_READING):
+            if isinstance(effect, SteppedEffect):
+                numbers = tuple(effect.coefficients(setting).tolist())
+                force += self._followed(effect.kernel, numbers, test)
+        return force
+
+    def _follow_one(self, kernel: Kernel, numbers: tuple[float, ...], test: int) -> Array:
+        """Force that one effect adds [N]; under a given motion effects do not know of each other."""
+        return follow(kernel, numbers, self.motions[test])
 
     def _expected_load(self, model: HybridTest, piston: Motion3, test: int) -> Array:
         """Mean of the force where the velocity is known up to its spread only."""

@@ -4,7 +4,7 @@ from reliab.loop.hybrid_test.closed_loop import Histories, run_closed_loop
 from reliab.loop.hybrid_test.compensator import Compensator
 from reliab.loop.hybrid_test.integrator import ExactIntegrator, Integrator, LinearSubstructure
 from reliab.loop.hybrid_test.model import HybridTest
-from reliab.loop.hybrid_test.open_loop import Motion3, drive, load, read_displacement, read_force
+from reliab.loop.hybrid_test.open_loop import Motion3, drive, follow, load, read_displacement, read_force
 from reliab.loop.hybrid_test.specimen import Specimen
 
 __all__ = [
@@ -17,6 +17,7 @@ __all__ = [
     "Motion3",
     "Specimen",
     "drive",
+    "follow",
     "load",
     "read_displacement",
     "read_force",

@@ -239,10 +239,13 @@ def _march(  # noqa: C901 - one compiled loop; what it calls costs more than it 
     states = np.zeros((at_end + 1, width))
     kept = np.zeros_like(states)
     motion, scratch = np.zeros(3), np.zeros(width)
+    # After a step or more the command at its end has not reached the piston: the first answer is final.
+    late = delay >= h and at_elements == 0
     for i in range(n):
-        for row in range(at_end):
-            for column in range(width):
-                kept[row, column] = states[row, column]
+        if not late:
+            for row in range(at_end):
+                for column in range(width):
+                    kept[row, column] = states[row, column]
         measured_force = 2.0 * force[i - 1] - force[i - 2] if i > 1 else force[0]
         for correction in range(corrections + 1):
             if i > 0:
@@ -260,6 +263,9 @@ def _march(  # noqa: C901 - one compiled loop; what it calls costs more than it 
             else:
                 motion[:] = 0.0
             command[0, i], command[1, i], command[2, i] = motion[0], motion[1], motion[2]
+            if correction > 0 and late:
+                sent[0, i], sent[1, i], sent[2, i] = motion[0], motion[1] * h, motion[2] * h * h
+                break
             if correction > 0:
                 for row in range(at_end):
                     for column in range(width):

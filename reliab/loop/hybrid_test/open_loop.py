@@ -8,7 +8,7 @@ from scipy.interpolate import CubicSpline
 
 from reliab.compiled import compiled
 from reliab.errors import InputError
-from reliab.loop.effects import Role, Setting
+from reliab.loop.effects import Kernel, Role, Setting
 from reliab.loop.hybrid_test.model import HybridTest
 from reliab.loop.hybrid_test.plan import STATES, plan
 from reliab.loop.hybrid_test.stepping import call_all, read_delayed
@@ -165,6 +165,28 @@ def read_displacement(test: HybridTest, piston: Motion3) -> Array:
 def read_force(test: HybridTest, piston: Motion3, force: Array) -> Array:
     """Force as the load cell reads it [N], shape (n,), from the true one."""
     return force + _sum(piston, test, Role.FORCE_READING, _setting(test, piston.step))
+
+
+def follow(kernel: Kernel, coefficients: tuple[float, ...], piston: Motion3) -> Array:
+    """Follow a motion with one kernel.
+
+    Parameters
+    ----------
+    kernel : Kernel
+        Of an effect on the force or on a reading.
+    coefficients : tuple of float
+        What it reads.
+    piston : Motion3
+        Motion of the piston.
+
+    Returns
+    -------
+    numpy.ndarray
+        What the effect adds, shape (n,).
+    """
+    addresses = np.array([kernel.address], dtype=np.int64)
+    values = np.ascontiguousarray(piston.values)
+    return np.asarray(_follow(values, piston.step, addresses, np.array([coefficients]), STATES))
 
 
 def _setting(test: HybridTest, step: float) -> Setting:

@@ -1,6 +1,6 @@
 """Effects as the compiled loops see them: addresses and coefficients."""
 
-from collections.abc import Iterable
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -28,12 +28,13 @@ class Plan(NamedTuple):
     coefficients: NDArray[np.float64]
 
 
-def plan(effects: Iterable[Effect], setting: Setting) -> Plan:
-    """Prepare effects for a compiled loop.
+@lru_cache(maxsize=512)
+def plan(effects: tuple[Effect, ...], setting: Setting) -> Plan:
+    """Prepare effects for a compiled loop, once for all the tests that they act in.
 
     Parameters
     ----------
-    effects : iterable of Effect
+    effects : tuple of Effect
         Effects of one role.
     setting : Setting
         Step and specimen of the test.
