@@ -210,7 +210,7 @@ def _socket(compensator: Compensator | None, step: float) -> Plan:
 
 
 @compiled
-def _march(  # noqa: C901 - one compiled loop; what it calls costs more than it is worth
+def _march(  # noqa: C901, PLR0912, PLR0915 - one compiled loop; what it calls costs more than it is worth
     ground: Array,
     h: float,
     mass: float,
@@ -240,9 +240,9 @@ def _march(  # noqa: C901 - one compiled loop; what it calls costs more than it 
     kept = np.zeros_like(states)
     motion, scratch = np.zeros(3), np.zeros(width)
     # After a step or more the command at its end has not reached the piston: the first answer is final.
-    late = delay >= h and at_elements == 0
+    final = delay >= h and at_elements == 0
     for i in range(n):
-        if not late:
+        if not final:
             for row in range(at_end):
                 for column in range(width):
                     kept[row, column] = states[row, column]
@@ -263,7 +263,7 @@ def _march(  # noqa: C901 - one compiled loop; what it calls costs more than it 
             else:
                 motion[:] = 0.0
             command[0, i], command[1, i], command[2, i] = motion[0], motion[1], motion[2]
-            if correction > 0 and late:
+            if correction > 0 and final:
                 sent[0, i], sent[1, i], sent[2, i] = motion[0], motion[1] * h, motion[2] * h * h
                 break
             if correction > 0:
