@@ -120,4 +120,6 @@ def _examined(block: ObservedBlock, campaign: Campaign) -> BlockDiagnosis:
     )
     search = Search(training)
     search.whole()
-    return diagnose_block(search.again(), proof)
+    searched = search.again()
+    searched.sharpen()
+    return diagnose_block(searched, proof)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.discrepancy.fit import Fit, Problem, fit, refined, reweighted, transferred
+from reliab.discrepancy.fit import Fit, Problem, fit, refined, reweighted, sharpened, transferred
 from reliab.discrepancy.lines import line_terms
 from reliab.discrepancy.noise import NoiseModel
 from reliab.discrepancy.space import ModelSpace
@@ -33,6 +33,7 @@ _BEAM = 2
 _DEEPEST_OUTSIDE = 2
 _TRIED = 5
 _CLOSE = 100.0  # nats
+_POSSIBLE = 7.0  # nats
 
 
 def cost(kinds: Iterable[type[Effect]]) -> float:
@@ -215,6 +216,13 @@ class Search:
                 search._keep(one)
         search.whole(search.best)
         return search
+
+    def sharpen(self) -> None:
+        """Differentiate anew, at every instant, the models that may be named."""
+        close = [key for key, one in self.fitted.items() if score(one) > score(self.best) - _POSSIBLE]
+        with ThreadPoolExecutor(_WORKERS) as pool:
+            sharp = pool.map(lambda key: sharpened(self.problem, self.fitted[key]), close)
+            self.fitted.update(zip(close, sharp, strict=True))
 
     def noticeable(self, one: Fit) -> float:
         """Gain of log-likelihood below which what is left does not matter."""

@@ -60,3 +60,19 @@ def test_loop_without_a_structure():
         _ = HybridTest().substructure
     with pytest.raises(InputError, match="mass must be positive"):
         HybridTest(mass=-1.0)
+
+
+def test_a_delay_of_just_a_step_is_the_limit_of_shorter_ones():
+    time = np.arange(4096) / 512.0
+    ground = np.sin(2.0 * np.pi * time) * np.exp(-0.3 * time)
+    friction = find_effect("hysteresis")(force_n=20.0, displacement_m=0.01, beta=0.5, exponent=1.5)
+    readings = []
+    for delay in (0.999999 / 512.0, 1.000001 / 512.0):
+        late = HybridTest(
+            structure=Structure(frequency=1.0, damping_ratio=0.05), actuator=Actuator(delay=delay),
+            effects=(friction,),
+        )  # fmt: skip
+        readings.append(run_closed_loop(late, ground, 1.0 / 512.0))
+    for name in ("measured", "force"):
+        shorter, longer = (getattr(one, name) for one in readings)
+        np.testing.assert_allclose(longer, shorter, atol=1e-4 * np.abs(shorter).max())

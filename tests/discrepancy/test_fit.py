@@ -1,0 +1,133 @@
+"""What fits reuse is what simulating again would give, and they ask for few simulations."""
+
+from unittest.mock import patch
+
+import numpy as np
+import pytest
+from threadpoolctl import threadpool_info
+
+from reliab.discrepancy import diagnose, read_campaign
+from reliab.discrepancy.blocks.actuator import ActuatorBlock
+from reliab.discrepancy.blocks.specimen import SpecimenBlock
+from reliab.discrepancy.campaign import Campaign, Channel, MeasuredTest
+from reliab.discrepancy.fit import Problem, fit, jacobian, refined, reweighted, sharpened
+from reliab.discrepancy.noise import NoiseModel
+from reliab.discrepancy.scales import motions_of, scales_of
+from reliab.discrepancy.segment import cut_segments
+from reliab.discrepancy.space import ModelSpace
+from reliab.loop.actuator import Actuator
+from reliab.loop.effects import find_effect
+from reliab.loop.hybrid_test import HybridTest, Motion3, Specimen, load, read_force
+
+RATE, NOISE = 1024.0, 2.0
+SPECIMEN = Specimen(stiffness=2000.0)
+FRICTION = find_effect("coulomb_friction")(force_n=20.0, regularisation_velocity_m_per_s=0.001)
+
+
+@pytest.fixture(scope="module")
+def campaign():
+    rng = np.random.default_rng(7)
+    time = np.arange(0.0, 20.0, 1.0 / RATE)
+    tests = []
+    for k in range(4):
+        waves = [np.sin(2.0 * np.pi * f * time + rng.uniform(0.0, 7.0)) for f in rng.uniform(0.4, 2.0, 6)]
+        moved = 0.01 * np.sum(waves, axis=0) * np.sin(np.pi * time / time[-1]) ** 2
+        force = load(HybridTest(specimen=SPECIMEN, effects=(FRICTION,)), Motion3.through(moved, 1.0 / RATE))
+        channels = {
+            Channel.COMMAND: moved,
+            Channel.MEASURED: moved,
+            Channel.FORCE: force + NOISE * rng.standard_normal(force.size),
+        }
+        tests.append(MeasuredTest(file=f"{k}", motion="waves", held_out=k == 3, channels=channels))
+    return Campaign(
+        name="", structure=None, mass=1.0, actuator=Actuator(delay=0.004), specimen=SPECIMEN, rate=RATE,
+        tests=tuple(tests),
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def block(campaign):
+    motions = motions_of(campaign)
+    return SpecimenBlock(campaign, scales_of(campaign, motions), motions)
+
+
+@pytest.fixture(scope="module")
+def problem(campaign, block):
+    return Problem(block=block, segments=cut_segments(campaign.training, RATE, 40.0, block.sketch.every))
+
+
+@pytest.fixture(scope="module")
+def fitted(problem):
+    space = ModelSpace(problem.block, (type(FRICTION),))
+    bare = ModelSpace(problem.block, ())
+    start = next(space.starts(bare, np.zeros(bare.size)))
+    return fit(problem, space, [start], NoiseModel.white(RATE, NOISE**2))
+
+
+def test_forces_of_effects_add_up(block):
+    bias = find_effect("force_bias")(bias_n=3.0)
+    model = HybridTest(specimen=SPECIMEN, effects=(FRICTION, bias))
+    piston = block.motions[0]
+    np.testing.assert_allclose(
+        block.predict(model, 0), read_force(model, piston, load(model, piston)), rtol=1e-12
+    )
+
+
+def test_noise_of_whitened_residuals_is_that_of_the_model_left(problem, fitted):
+    again = problem.noise_of(fitted.space, fitted.coordinates)
+    np.testing.assert_allclose(problem.noise_left(fitted.residual, fitted.noise).weights, again.weights)
+
+
+def test_another_noise_needs_no_simulation(problem, fitted):
+    with patch.object(Problem, "predictions", side_effect=AssertionError):
+        other = reweighted(problem, fitted)
+    simulated = problem.whitened(fitted.space, fitted.coordinates, other.noise)
+    np.testing.assert_allclose(other.residual, simulated, rtol=1e-9, atol=1e-9)
+    fresh = jacobian(problem, fitted.space, fitted.coordinates, other.noise)
+    assert np.abs(other.jacobian - fresh).max() < 0.05 * np.abs(fresh).max()
+
+
+def exact_jacobian(problem, space, coordinates, noise, step=1e-3):
+    centre = problem.whitened(space, coordinates, noise)
+    moved = coordinates + step * np.eye(space.size)
+    return np.stack([(problem.whitened(space, one, noise) - centre) / step for one in moved], axis=1)
+
+
+def test_derivatives_of_the_sketch_are_those_of_the_model(problem, fitted):
+    assert problem.sketch.block.every > 1
+    sketched = jacobian(problem, fitted.space, fitted.coordinates, fitted.noise)
+    exact = exact_jacobian(problem, fitted.space, fitted.coordinates, fitted.noise)
+    size = np.linalg.norm(exact, axis=0)
+    assert (np.linalg.norm(sketched - exact, axis=0) < 0.15 * size).all()
+    np.testing.assert_allclose(sharpened(problem, fitted).jacobian, exact, atol=1e-6 * size.max())
+
+
+def test_sketch_of_a_late_actuator_has_its_derivatives(campaign):
+    block = ActuatorBlock(campaign, scales_of(campaign, motions_of(campaign)))
+    segments = cut_segments(campaign.training, RATE, 40.0, block.sketch.every)
+    problem, space = Problem(block=block, segments=segments), ModelSpace(block, ())
+    noise = NoiseModel.white(RATE, 1e-8)
+    sketched = jacobian(problem, space, np.zeros(space.size), noise)
+    exact = exact_jacobian(problem, space, np.zeros(space.size), noise)
+    assert np.linalg.norm(sketched - exact) < 0.02 * np.linalg.norm(exact)
+
+
+def test_a_fit_that_has_settled_simulates_no_more_than_it_must(problem, fitted):
+    settled = refined(problem, fitted)
+    with patch.object(Problem, "predictions", autospec=True, side_effect=Problem.predictions) as simulate:
+        refined(problem, settled)
+    assert simulate.call_count <= 2 + settled.space.size
+
+
+def test_linear_algebra_keeps_to_one_thread_while_fits_run_side_by_side(sample_campaigns):
+    seen = []
+
+    def look(done, total):
+        if done < total:
+            seen.extend(pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas")
+
+    before = [pool["num_threads"] for pool in threadpool_info()]
+    diagnose(read_campaign(sample_campaigns / "rig_a"), progress=look)
+    assert seen
+    assert set(seen) == {1}
+    assert [pool["num_threads"] for pool in threadpool_info()] == before
