@@ -16,6 +16,20 @@ def caution_of(ellipses: xr.Dataset) -> tuple[str, ...]:
     return (str(ellipses.attrs["caution"]),) if "caution" in ellipses.attrs else ()
 
 
+def without_promise(method: str, confidence: float, structures: int) -> tuple[str, ...]:
+    """Say that a method can promise nothing at some structures; nothing where there are none.
+
+    Examples
+    --------
+    >>> without_promise("conformal", 0.99, 1)
+    ('Too few motions or earthquakes for conformal at 0.99: the limits are zero, and no test is accepted.',)
+    """
+    if not structures:
+        return ()
+    few = f"Too few motions or earthquakes for {method} at {confidence:g}"
+    return (f"{few}: the limits are zero, and no test is accepted.",)
+
+
 def cautions_of(samples: Sequence[Sequence[EllipseSample]], offered: int, method: Method) -> tuple[str, ...]:
     """Say what limits the criterion of a grid of structures.
 

@@ -8,7 +8,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from reliab.criterion.bayes.posterior_criterion import fit_hierarchical
-from reliab.criterion.cautions import caution_of, cautions_of
+from reliab.criterion.cautions import caution_of, cautions_of, without_promise
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.ellipse_sample import EllipseSample, position, sample_of
 from reliab.criterion.joint import limits
@@ -120,6 +120,13 @@ def derive_criterion(
     require_no_chains(chains, method.name)
     samples = _samples(ordered, threshold, str(metric))
     found = np.array([[limits(each, method, confidence, joint=joint) for each in row] for row in samples])
+    empty = int((found <= 0.0).any(axis=-1).sum())
+    if empty and law is not Table:
+        raise InputError(
+            "A law is fitted where the method can promise something at every structure",
+            value=f"too few motions for {method.name} at {confidence:g} at {empty} structures",
+            remedy="Give more motions or a lower confidence, or choose another method",
+        )
     fitted: Law = law.fit(ordered["f"].values, ordered["xi"].values, found[..., 0], found[..., 1])
     if law is not Table:
         fitted = _contained_alike(law, fitted, samples, found)
@@ -138,7 +145,11 @@ def derive_criterion(
             records_checksum=records_checksum(ellipses),
             window=str(ellipses.attrs.get("window", "unknown")),
             settings=method.settings,
-            warnings=(*caution_of(ellipses), *cautions_of(samples, ellipses.sizes["motion"], method)),
+            warnings=(
+                *without_promise(method.name, confidence, empty),
+                *caution_of(ellipses),
+                *cautions_of(samples, ellipses.sizes["motion"], method),
+            ),
         ),
     )
 

@@ -120,3 +120,11 @@ def test_motions_that_were_left_out_are_mentioned(ellipses):
     warnings = derive_criterion(ellipses, method=Quantile(), joint=False).provenance.warnings
     assert any("Up to 5 of 60 motions have no ellipse" in warning for warning in warnings)
     assert any("20 earthquakes only" in warning for warning in warnings)
+
+
+def test_limits_that_cannot_be_promised_are_zero_with_a_caution_and_fit_no_law(ellipses):
+    found = derive_criterion(ellipses, method="conformal", confidence=0.99)
+    assert "no test is accepted" in found.provenance.warnings[0]
+    assert float(found.limits(1.0, 0.02)[0]) == 0.0
+    with pytest.raises(InputError, match="promise something"):
+        derive_criterion(ellipses, method="conformal", confidence=0.99, law="dimensionless")

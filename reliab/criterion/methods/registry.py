@@ -101,7 +101,7 @@ def _settings_of(kind: type, name: str, settings: dict[str, object]) -> dict[str
         raise InputError(
             f"The method {name} has no {unknown}",
             value=given[unknown],
-            remedy=f"Leave it out, or choose {' or '.join(takers) if takers else 'another method'}",
+            remedy=f"Leave it out, or choose among {', '.join(takers)}",
         )
     return given
 

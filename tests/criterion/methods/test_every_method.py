@@ -74,5 +74,7 @@ def test_an_unknown_method_is_refused_with_a_choice():
 
 
 def test_settings_go_to_the_methods_that_have_them():
-    assert method_of("predictive", assurance=0.5) == method_of("predictive")
+    with pytest.raises(InputError, match="predictive has no assurance"):
+        method_of("predictive", assurance=0.5)
+    assert method_of("predictive", assurance=None) == method_of("predictive")
     assert method_of("tolerance", assurance=0.5) != method_of("tolerance")
