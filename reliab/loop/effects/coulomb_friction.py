@@ -49,7 +49,7 @@ class CoulombFriction(SteppedEffect):
             typical=0.003,
             spread=1.5,
             lower=2e-4,
-            upper=0.05,
+            upper=0.3,
             starts=(0.003, 0.003),
         ),
     )

@@ -1,4 +1,4 @@
-"""A yielding specimen is named whether its hysteresis stands beside the nominal spring or replaces a part."""
+"""Effects of a specimen are named in each of the forms in which textbooks write them."""
 
 import numpy as np
 import pytest
@@ -43,8 +43,22 @@ def beside(moved, share):
     return STIFFNESS * (moved + share * YIELD * LARGEST * hysteretic(moved))
 
 
-@pytest.mark.parametrize(("force", "value"), [(textbook, 0.5), (beside, 0.3)])
-def test_a_yielding_specimen_is_named(tmp_path, force, value):
+def sliding(moved, share):
+    """Force kx + share·k·d·tanh(v/v₀), whose friction turns over a sixth of the largest velocity."""
+    velocity = np.gradient(moved, 1.0 / RATE)
+    turned = np.tanh(velocity / (np.abs(velocity).max() / 6.0))
+    return STIFFNESS * (moved + share * YIELD * LARGEST * turned)
+
+
+@pytest.mark.parametrize(
+    ("force", "value", "name", "size", "expected"),
+    [
+        (textbook, 0.5, "hysteresis", "displacement_m", YIELD * LARGEST),
+        (beside, 0.3, "hysteresis", "displacement_m", YIELD * LARGEST),
+        (sliding, 0.2, "coulomb_friction", "force_n", 0.2 * STIFFNESS * YIELD * LARGEST),
+    ],
+)
+def test_the_effect_is_named(tmp_path, force, value, name, size, expected):
     rng = np.random.default_rng(11)
     say = f"[specimen]\nstiffness_n_per_m = {STIFFNESS}\n[sampling]\nrate_hz = {RATE}\n"
     for k in range(TESTS):
@@ -63,8 +77,7 @@ def test_a_yielding_specimen_is_named(tmp_path, force, value):
         say += f'[[tests]]\nfile = "{k}.csv"\nmotion = "record {k}"\n'
     (tmp_path / "campaign.toml").write_text(f'name = "yielding"\n{say}')
     found = diagnose(read_campaign(tmp_path)).as_dict()
-    assert [effect["name"] for effect in found["effects"]] == ["hysteresis"]
+    assert [effect["name"] for effect in found["effects"]] == [name]
     assert found["verdict"] == "named"
     assert found["gap"]["closed_fraction"] > 0.99
-    sizes = found["effects"][0]["parameters"]
-    assert sizes["displacement_m"]["value"] == pytest.approx(YIELD * LARGEST, rel=0.1)
+    assert found["effects"][0]["parameters"][size]["value"] == pytest.approx(expected, rel=0.1)
