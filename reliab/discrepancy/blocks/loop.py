@@ -55,7 +55,7 @@ class LoopBlock(ObservedBlock):
         self.scales = scales
         self.nominal = campaign.nominal
         self.motions = motions
-        rig = campaign.actuator is not None
+        self._rig = rig = campaign.actuator is not None
         self.offsets = (SensorBias,)
         self.candidates = tuple(effect for effect in library().values() if _possible(effect, rig=rig))
         acting = (*_OF_THE_RIG, Role.FORCE) if rig else (Role.FORCE,)
@@ -84,6 +84,13 @@ class LoopBlock(ObservedBlock):
         thinned = copy(self)
         thinned.integrate_at(_SKETCHED * self._wanted)
         return thinned
+
+    @property
+    def removable_damping(self) -> float:
+        """Damping that may be less than believed [N·s/m]; that of the controller's own structure is exact."""
+        if self._rig:
+            return super().removable_damping
+        return super().removable_damping + self.nominal.mass * self.nominal.substructure.damping
 
     def predict(self, model: HybridTest, test: int) -> Array:
         """Displacement that the sensor reads [m], shape (⌈n / every⌉,)."""

@@ -81,6 +81,12 @@ class ObservedBlock(ABC):
         """Factor by which predictions can be thinned down to a least rate [Hz]."""
         return max(1, int(self.rate / self.every / rate))
 
+    @property
+    def removable_damping(self) -> float:
+        """Damping that may be less than believed [N·s/m]: a specimen that feeds energy in is none."""
+        specimen = self.nominal.specimen
+        return specimen.damping if specimen else 0.0
+
     @abstractmethod
     def predict(self, model: HybridTest, test: int) -> Array:
         """Predict the channel in a test, shape (⌈n / every⌉,)."""
