@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.discrepancy.fit import Fit, Problem
+from reliab.discrepancy.noise import near_mains
 from reliab.discrepancy.outside.periodic import Disturbance, disturbance
 from reliab.loop.effects import Role
 from reliab.vocabulary import Block
@@ -15,7 +16,7 @@ _LOWEST = 0.2  # Hz
 
 
 def line_terms(problem: Problem, left: Fit) -> tuple[type[Disturbance], ...]:
-    """Make a term of the strongest line that a model leaves over, if one stands out.
+    """Make a term of the strongest line that a model leaves over, if one stands out; pickup is none.
 
     Parameters
     ----------
@@ -36,7 +37,7 @@ def line_terms(problem: Problem, left: Fit) -> tuple[type[Disturbance], ...]:
     power = np.mean(
         [np.interp(frequency, one, rows) for one, rows in _powers(problem, left.residual)], axis=0
     )
-    power[frequency < _LOWEST] = 0.0
+    power[(frequency < _LOWEST) | near_mains(frequency, 0.5 * problem.block.rate)] = 0.0
     place = int(np.argmax(power))
     if power[place] < _HIGH:
         return ()

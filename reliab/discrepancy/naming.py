@@ -6,7 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.discrepancy.fit import Fit, Problem
+from reliab.discrepancy.line_above import line_above
 from reliab.discrepancy.locate import locate
+from reliab.discrepancy.outside.periodic import Disturbance
 from reliab.discrepancy.proof import gap, held_out_nrmse, residuals
 from reliab.discrepancy.result import BlockDiagnosis, Estimate, MissingEffect, Ranked, Rival, Unknown
 from reliab.discrepancy.search import COST, Search, is_outside, score
@@ -60,7 +62,7 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
             *(_bias(kind, best) for kind in biases),
         ),
         doubtful=tuple(_missing(kind, best, ranked, proof) for kind in inside if kind in doubtful),
-        unknown=_unknown(outside, best, error) if outside else None,
+        unknown=_unknown(outside, best, error) if outside else _disturbance(problem, best, error),
         findings=locate(problem, calibrated, best.noise),
         residuals_before=_by_file(proof, before),
         residuals_after=_by_file(proof, after),
@@ -152,6 +154,19 @@ def _unknown(outside: Sequence[type[Effect]], best: Fit, error: float) -> Unknow
         block=str(outside[0].block),
         expression=" + ".join(terms),
         description=description,
+        held_out_nrmse=error,
+    )
+
+
+def _disturbance(problem: Problem, best: Fit, error: float) -> Unknown | None:
+    """Return what is seen of a disturbance at frequencies that are too high to judge models."""
+    line = line_above(problem, best)
+    if line is None:
+        return None
+    return Unknown(
+        block=str(problem.block.block),
+        expression=f"{line.amplitude:.4g} N sin(2π {line.frequency:.4g} Hz t + phase)",
+        description=Disturbance.description,
         held_out_nrmse=error,
     )
 

@@ -23,6 +23,7 @@ CORNERS = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
 _ITERATIONS = 3000
 _BINS = 160
 _LOWEST_LINE = 10.0  # Hz, of the mains folded at the Nyquist frequency
+_PICKUP = 0.7  # Hz
 _LINE = 12.0  # times the local median that a periodogram must exceed to be a line of the mains
 
 
@@ -185,3 +186,9 @@ def mains_frequencies(nyquist: float) -> list[float]:
             if _LOWEST_LINE < folded < nyquist - 1.0:
                 found.add(round(folded, 6))
     return sorted(found)
+
+
+def near_mains(frequency: Array, nyquist: float) -> NDArray[np.bool_]:
+    """Whether frequencies [Hz] are so near a harmonic of the mains that a line there is pickup."""
+    lines = np.array(mains_frequencies(nyquist))
+    return np.asarray(np.abs(frequency[:, np.newaxis] - lines).min(axis=1, initial=np.inf) < _PICKUP)
