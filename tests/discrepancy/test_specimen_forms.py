@@ -50,6 +50,22 @@ def sliding(moved, share):
     return STIFFNESS * (moved + share * YIELD * LARGEST * turned)
 
 
+def written(folder, specimen, force):
+    """Write a campaign of displacements and forces with half a per cent of noise."""
+    rng = np.random.default_rng(11)
+    say = f'name = "specimen"\n[specimen]\n{specimen}\n[sampling]\nrate_hz = {RATE}\n'
+    for k in range(TESTS):
+        moved = motion(rng)
+        channels = (moved, force(moved))
+        noisy = [each + 0.005 * each.std() * rng.standard_normal(each.size) for each in channels]
+        columns = np.column_stack([np.arange(moved.size) / RATE, *noisy])
+        header = "time_s,measured_m,force_n"
+        np.savetxt(folder / f"{k}.csv", columns, delimiter=",", header=header, comments="")
+        say += f'[[tests]]\nfile = "{k}.csv"\nmotion = "record {k}"\n'
+    (folder / "campaign.toml").write_text(say)
+    return read_campaign(folder)
+
+
 @pytest.mark.parametrize(
     ("force", "value", "name", "size", "expected"),
     [
@@ -59,25 +75,18 @@ def sliding(moved, share):
     ],
 )
 def test_the_effect_is_named(tmp_path, force, value, name, size, expected):
-    rng = np.random.default_rng(11)
-    say = f"[specimen]\nstiffness_n_per_m = {STIFFNESS}\n[sampling]\nrate_hz = {RATE}\n"
-    for k in range(TESTS):
-        moved = motion(rng)
-        acting = force(moved, value)
-        columns = np.column_stack(
-            [
-                np.arange(moved.size) / RATE,
-                moved + 0.005 * moved.std() * rng.standard_normal(moved.size),
-                acting + 0.005 * acting.std() * rng.standard_normal(moved.size),
-            ]
-        )
-        np.savetxt(
-            tmp_path / f"{k}.csv", columns, delimiter=",", header="time_s,measured_m,force_n", comments=""
-        )
-        say += f'[[tests]]\nfile = "{k}.csv"\nmotion = "record {k}"\n'
-    (tmp_path / "campaign.toml").write_text(f'name = "yielding"\n{say}')
-    found = diagnose(read_campaign(tmp_path)).as_dict()
+    campaign = written(tmp_path, f"stiffness_n_per_m = {STIFFNESS}", lambda moved: force(moved, value))
+    found = diagnose(campaign).as_dict()
     assert [effect["name"] for effect in found["effects"]] == [name]
     assert found["verdict"] == "named"
     assert found["gap"]["closed_fraction"] > 0.99
     assert found["effects"][0]["parameters"][size]["value"] == pytest.approx(expected, rel=0.1)
+
+
+def test_what_is_known_of_a_specimen_without_a_spring_is_kept(tmp_path):
+    def dragged(moved):
+        velocity = np.gradient(moved, 1.0 / RATE)
+        return 95.0 * np.gradient(velocity, 1.0 / RATE) + 300.0 * velocity
+
+    found = diagnose(written(tmp_path, "mass_kg = 95.0", dragged)).as_dict()
+    assert [effect["name"] for effect in found["effects"]] == ["viscous_damping"]

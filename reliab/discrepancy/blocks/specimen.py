@@ -54,8 +54,9 @@ class SpecimenBlock(ObservedBlock):
         self.scales = scales
         self.nominal = campaign.nominal
         self.calibrations: tuple[Calibration, ...] = (stiffness(self.nominal),)
-        if not (self.nominal.specimen and self.nominal.specimen.stiffness > 0.0):
-            self.nominal = HybridTest(mass=campaign.mass, specimen=Specimen(stiffness=0.0))
+        specimen = self.nominal.specimen or Specimen(stiffness=0.0)
+        if not specimen.stiffness > 0.0:
+            self.nominal = HybridTest(mass=campaign.mass, specimen=specimen)
             self.calibrations = (unknown_stiffness(),)
         self.offsets = (ForceBias,)
         in_force = tuple(effect for effect in library().values() if effect.role is Role.FORCE)
