@@ -7,8 +7,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from reliab.cli.criterion_answer import check_one, row, show, write
+from reliab.cli.criterion_comparison import show_comparison
+from reliab.cli.criterion_derivation import (
+    check_files,
+    check_room,
+    derive,
+    printed_criterion,
+    promises_of,
+)
 from reliab.cli.options import (
-    FIVE_PERCENT,
     ONE_HERTZ,
     TWO_PERCENT,
     DampingRatios,
@@ -23,7 +30,7 @@ from reliab.cli.options import (
     Thresholds,
     WindowName,
 )
-from reliab.cli.output import progress_bar, write_json
+from reliab.cli.output import write_json
 from reliab.cli.sources import ellipse_dataset
 from reliab.errors import IncompleteError, InputError
 
@@ -32,10 +39,7 @@ if TYPE_CHECKING:
 
     from reliab.criterion import Criterion
     from reliab.criterion.bayes.posterior_criterion import HierarchicalFit
-    from reliab.criterion.laws import FittedLaw
-    from reliab.criterion.methods import HierarchicalPosterior
 
-_NINETY_FIVE = 0.95
 _PAPERS_METHOD = "quantile"
 
 Ellipses = Annotated[
@@ -78,6 +82,12 @@ Chains = Annotated[
         "--chains",
         metavar="FILE.h5",
         help="Keep the chains of the hierarchical methods; a run that was killed or too short goes on there.",
+    ),
+]
+Compare = Annotated[
+    bool,
+    typer.Option(
+        "--compare", help="Also judge distributions and laws on earthquakes that they have not seen."
     ),
 ]
 Figures = Annotated[
@@ -129,32 +139,27 @@ def criterion(
     law: LawName = "table",
     steps: Steps = None,
     chains: Chains = None,
+    compare: Compare = False,
     figures: Figures = None,
     out: Out = None,
     json_target: JsonTarget = None,
 ) -> None:
     """Derive how much amplitude error and delay a test may have."""
-    from reliab.criterion import derive_criterion
-    from reliab.criterion.derivation import require_no_chains
     from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, known
-    from reliab.criterion.methods import HierarchicalPosterior, any_method_of
+    from reliab.criterion.methods import any_method_of
 
     chosen = any_method_of(method, assurance=assurance, distribution=distribution, steps=steps)
     printed, given = law in OF_MANY_MOTIONS, any((motions, results, ellipses))
     fitted = None if printed else known(FITTED, law)
-    if not isinstance(chosen, HierarchicalPosterior):
-        require_no_chains(chains, method)
-    if figures is not None and figures.exists() and not figures.is_dir():
-        raise InputError("Figures go into a folder", value=figures, remedy="Name another folder")
-    found: list[Criterion] = []
-    if printed:
-        found = [_printed(law, threshold, confidence, metric, method, joint=joint)]
-        if given and figures is None:
-            raise InputError(
-                "A printed law needs no motions",
-                value=f"{law} with a source of ellipses",
-                remedy="Leave the source out, or draw the law over the ellipses by --figures",
-            )
+    check_files(chosen, chains, figures)
+    if printed and given and figures is None and not compare:
+        raise InputError(
+            "A printed law needs no motions",
+            value=f"{law} with a source of ellipses",
+            remedy="Leave the source out, or give --figures or --compare",
+        )
+    found = [printed_criterion(law, threshold, confidence, metric, method, joint=joint)] if printed else []
+    fits: list[HierarchicalFit] = []
     dataset = None
     if given or not printed:
         dataset = ellipse_dataset(
@@ -170,29 +175,11 @@ def criterion(
             alpha=alpha,
             model=model,
         )
-        _check_room(dataset)
-    fits: list[HierarchicalFit] = []
+        check_room(dataset)
     if dataset is not None and fitted is not None:
-        thresholds = threshold or _default_thresholds(dataset)
-        confidences = confidence or [_NINETY_FIVE]
-        check_one(len(thresholds) * len(confidences), out)
-        if isinstance(chosen, HierarchicalPosterior):
-            fits = _fits(dataset, chosen, thresholds, metric, fitted, chains)
-            found = [fit.criterion(each, joint=joint) for fit in fits for each in confidences]
-        else:
-            found = [
-                derive_criterion(
-                    dataset,
-                    threshold=each_threshold,
-                    metric=metric,
-                    confidence=each_confidence,
-                    method=chosen,
-                    joint=joint,
-                    law=fitted,
-                )
-                for each_threshold in thresholds
-                for each_confidence in confidences
-            ]
+        promises = promises_of(dataset, threshold, confidence)
+        check_one(len(promises), out)
+        found, fits = derive(dataset, promises, metric, chosen, fitted, chains, joint=joint)
     structures = _structures(dataset, f, xi)
     rows = [row(each, None if printed else dataset, *structure) for structure in structures for each in found]
     write(found[0], out)
@@ -203,8 +190,12 @@ def criterion(
     content: dict[str, Any] = {"criteria": rows, **(rows[0] if len(rows) == 1 else {})}
     content |= {"posteriors": posteriors} if posteriors else {}
     content |= {"figures": drawn} if drawn else {}
+    if compare:
+        content["comparison"] = _compared(dataset, structures, found)
     if not write_json(content, json_target):
         show(rows, posteriors)
+        if compare:
+            show_comparison(content["comparison"])
     _confess(posteriors, chains)
 
 
@@ -217,57 +208,19 @@ def _structures(
     return [(each_f, each_xi) for each_f in f or all_f for each_xi in xi or all_xi]
 
 
-def _printed(
-    law: str,
-    threshold: list[float] | None,
-    confidence: list[float] | None,
-    metric: str,
-    method: str,
-    *,
-    joint: bool,
-) -> "Criterion":
-    """Take a printed law, which promises one thing only."""
-    from reliab.criterion import published_criterion
+def _compared(
+    dataset: "xr.Dataset | None", structures: Sequence[tuple[float, float]], found: "Sequence[Criterion]"
+) -> dict[str, Any]:
+    from reliab.cli.criterion_comparison import compare
 
-    found = published_criterion(law)
-    for each in threshold or [found.threshold]:
-        found.law.validity.require_error(each, metric)
-    others = [each for each in confidence or [] if each != found.confidence]
-    if others or method != found.method or joint:
+    if dataset is None:
         raise InputError(
-            f"A printed law states {found.confidence:.0%} by the quantile of each limit, and nothing else",
-            value=f"confidence {others[0]:g}" if others else "--joint" if joint else f"method {method}",
-            remedy="Leave these out, or derive a criterion from ellipses",
+            "Distributions and laws are compared on ellipses of motions",
+            value="--compare without a source of ellipses",
+            remedy="Give --motions, --results or --ellipses too, real_suite for example",
         )
-    return found
-
-
-def _fits(
-    dataset: "xr.Dataset",
-    method: "HierarchicalPosterior",
-    thresholds: Sequence[float],
-    metric: str,
-    law: "FittedLaw",
-    chains: Path | None,
-) -> "list[HierarchicalFit]":
-    """Sample one posterior for each error, which serves all confidences."""
-    from reliab.criterion.bayes.posterior_criterion import fit_hierarchical
-
-    found = []
-    for each in thresholds:
-        with progress_bar(f"Sampling the posterior at {each:g}") as progress:
-            found.append(
-                fit_hierarchical(
-                    dataset,
-                    method,
-                    threshold=each,
-                    metric=metric,
-                    law=law,
-                    chains=chains,
-                    progress=progress,
-                )
-            )
-    return found
+    thresholds = list(dict.fromkeys(each.threshold for each in found))
+    return compare(dataset, structures, thresholds, str(found[0].metric), found[0].confidence)
 
 
 def _draw(
@@ -299,21 +252,3 @@ def _confess(posteriors: Sequence[dict[str, Any]], chains: Path | None) -> None:
             f"THE POSTERIOR HAS NOT CONVERGED, and no limit above may be relied on. {complaints} {where}."
         )
         raise IncompleteError(message)
-
-
-def _check_room(dataset: "xr.Dataset") -> None:
-    """Refuse motions under which a model's effects alone exceed the error."""
-    full = (dataset["a"] == 0.0) & (dataset["b"] == 0.0)
-    if full.any():
-        motions = full.any([name for name in full.dims if name != "motion"])
-        raise InputError(
-            "The effects of the model must leave room for errors of the actuator",
-            value=f"none under {int(motions.sum())} of {motions.size} motions, even for a perfect actuator",
-            remedy="Remove or compensate the effects, or allow a larger error by --threshold",
-        )
-
-
-def _default_thresholds(dataset: "xr.Dataset") -> list[float]:
-    """Take 5 % where it is there, or all that is."""
-    there: list[float] = dataset["threshold"].values.tolist()
-    return [FIVE_PERCENT] if FIVE_PERCENT in there else there

@@ -126,6 +126,7 @@ def test_rejected_lognormality_is_said():
         ("--ellipses", TABLE2, "--figures", TABLE2),
         ("--ellipses", TABLE2, "--law", "guo_2017_12"),
         ("--law", "guo_2017_12", "--figures", "figures"),
+        ("--law", "guo_2017_12", "--compare"),
         ("--law", "guo_2017_18", "--threshold", 0.02),
         ("--law", "guo_2017_18", "--confidence", 0.99),
         ("--law", "guo_2017_18", "--method", "dirichlet"),
@@ -202,13 +203,21 @@ def test_chains_go_on_where_they_ended(tmp_path):
     assert (resumed["a"], resumed["b"]) == (whole["a"], whole["b"])
 
 
-def test_a_converged_posterior_is_a_finished_answer(tmp_path):
+@pytest.fixture(scope="module")
+def ellipses_of_twelve(tmp_path_factory):
+    """Ellipses of twelve synthetic motions at four structures."""
     from reliab.motions.synthetic import synthetic_suite
     from reliab.sweep import EllipseRequest, trace_ellipses, write_ellipses
 
-    request = EllipseRequest(frequencies=(1.0,), damping_ratios=(0.05,))
-    write_ellipses(trace_ellipses(synthetic_suite(count=12), request), tmp_path / "ellipses.nc")
-    result = run("--ellipses", tmp_path / "ellipses.nc", "--method", "hierarchical", "--json", "-")
+    request = EllipseRequest(frequencies=(0.5, 1.0), damping_ratios=(0.02, 0.05))
+    file = tmp_path_factory.mktemp("ellipses") / "ellipses.nc"
+    write_ellipses(trace_ellipses(synthetic_suite(count=12), request), file)
+    return file
+
+
+def test_a_converged_posterior_is_a_finished_answer(ellipses_of_twelve):
+    structure = ("--f", 1, "--xi", 0.05)
+    result = run("--ellipses", ellipses_of_twelve, *structure, "--method", "hierarchical", "--json", "-")
     assert result.exit_code == 0
     found = json.loads(result.stdout)
     assert found["converged"] is True
@@ -237,3 +246,24 @@ def test_a_printed_law_can_be_drawn_over_ellipses(tmp_path):
     found = answer("--ellipses", TABLE2, "--law", "guo_2017_18", "--figures", tmp_path)
     assert found["law"] == "guo_2017_18"
     assert len(found["figures"]) == 1
+
+
+def test_distributions_and_laws_are_compared_on_held_out_earthquakes():
+    found = answer("--ellipses", TABLE2, "--compare")["comparison"]
+    of_a, of_b = found["distributions"]
+    assert (of_a["parameter"], of_b["parameter"]) == ("a", "b")
+    assert of_b["lognormality"]["shapiro_wilk"] == pytest.approx(5.3e-5, rel=0.02)
+    gains = {each["distribution"]: each["gain"] for each in of_b["scores"]}
+    assert gains["lognormal"] == 0.0
+    assert gains["skew_normal"] > 0.0 > gains["weibull"]
+    assert found["laws"] == []
+
+
+def test_laws_are_compared_over_structures(ellipses_of_twelve):
+    arguments = ("--ellipses", ellipses_of_twelve, "--f", 1, "--xi", 0.05, "--law", "power", "--compare")
+    laws = answer(*arguments)["comparison"]["laws"]
+    assert {each["f"] for each in laws} == {0.5, 1.0}
+    assert {"table", "dimensionless", "power", "exponential"} <= {each["law"] for each in laws}
+    shown = run(*arguments).stdout
+    assert "accepted region at equal coverage" in shown
+    assert "p of lognormality" in shown

@@ -1,0 +1,137 @@
+"""`reliab criterion --compare`: distributions and laws judged on earthquakes that they have not seen."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from reliab.cli.output import console, progress_bar, table
+from reliab.errors import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_FIGURES = ("log_score", "gain", "standard_error", "tail_score", "quantile_05")
+
+
+def compare(
+    dataset: "xr.Dataset",
+    structures: Sequence[tuple[float, float]],
+    thresholds: Sequence[float],
+    metric: str,
+    confidence: float,
+) -> dict[str, Any]:
+    """Compare distributions of a and b at structures, and laws over all structures of the dataset.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Ellipses of the motions.
+    structures : sequence of (float, float)
+        Natural frequencies [Hz] and damping ratios [-].
+    thresholds : sequence of float
+        Errors [-].
+    metric : str
+        Which error.
+    confidence : float
+        Share of the motions by which laws are made equal.
+
+    Returns
+    -------
+    dict
+        `distributions`, a list with `f`, `xi`, `threshold`, `parameter`, p-values of `lognormality` and
+        `scores` of each distribution; `laws`, a list over threshold, law and f, empty for one structure.
+
+    Raises
+    ------
+    InputError
+        If there are motions of one earthquake only.
+    """
+    import numpy as np
+
+    if np.unique(dataset["event"]).size < 2:  # noqa: PLR2004 - one is held out
+        raise InputError(
+            "Earthquakes are held out in turn, so that there must be two at least",
+            value=1,
+            remedy="Give motions of more earthquakes, or leave --compare out",
+        )
+    there = [(f, xi) for f, xi in structures if f in dataset["f"] and xi in dataset["xi"]]
+    jobs = [(f, xi, each) for f, xi in there for each in thresholds]
+    distributions: list[dict[str, Any]] = []
+    with progress_bar("Comparing distributions") as progress:
+        for done, (f, xi, threshold) in enumerate(jobs, start=1):
+            distributions += _distributions(dataset, f, xi, threshold, metric)
+            progress(done, len(jobs))
+    several = dataset.sizes["f"] * dataset.sizes["xi"] > 1
+    laws = [row for each in thresholds for row in _laws(dataset, each, metric, confidence)] if several else []
+    return {"distributions": distributions, "laws": laws}
+
+
+def _distributions(
+    dataset: "xr.Dataset", f: float, xi: float, threshold: float, metric: str
+) -> list[dict[str, Any]]:
+    from dataclasses import asdict
+
+    from reliab.criterion import sample_of
+    from reliab.criterion.distribution_comparison import compare_distributions
+    from reliab.criterion.goodness_of_fit import lognormality
+
+    sample = sample_of(dataset, frequency=f, damping_ratio=xi, threshold=threshold, metric=metric)
+    where = {"f": f, "xi": xi, "threshold": threshold}
+    return [
+        {
+            **where,
+            "parameter": name,
+            "lognormality": asdict(lognormality(values)),
+            "scores": compare_distributions(values, sample.events)
+            .rename_axis("distribution")
+            .reset_index()
+            .to_dict(orient="records"),
+        }
+        for name, values in (("a", sample.a), ("b", sample.b))
+    ]
+
+
+def _laws(dataset: "xr.Dataset", threshold: float, metric: str, confidence: float) -> list[dict[str, Any]]:
+    from reliab.criterion.law_comparison import compare_laws
+
+    found = compare_laws(dataset, threshold=threshold, metric=metric, confidence=confidence)
+    return [
+        {"threshold": threshold, **{str(k): v for k, v in row.items()}} for row in found.to_dict("records")
+    ]
+
+
+def show_comparison(comparison: Mapping[str, Any]) -> None:
+    """Print how distributions and laws compare.
+
+    Parameters
+    ----------
+    comparison : mapping
+        As :func:`compare` makes it.
+    """
+    for each in comparison["distributions"]:
+        tests = ", ".join(f"{name.replace('_', '-')} {p:.2g}" for name, p in each["lognormality"].items())
+        where = f"f = {each['f']:g} Hz, ξ = {each['xi']:g}, error {each['threshold']:g}"
+        heading = f"Distributions of {each['parameter']} at {where}, earthquakes held out."
+        console().print(f"{heading} p of lognormality: {tests}.", highlight=False)
+        shown = table(
+            "",
+            {"distribution": "left", **{name.replace("_", " "): "right" for name in _FIGURES}},
+        )
+        for row in each["scores"]:
+            shown.add_row(row["distribution"], *(f"{row[name]:.3g}" for name in _FIGURES))
+        console().print(shown)
+    for threshold in dict.fromkeys(each["threshold"] for each in comparison["laws"]):
+        alike = [each for each in comparison["laws"] if each["threshold"] == threshold]
+        _show_laws(f"error {threshold:g}", alike)
+
+
+def _show_laws(error: str, rows: Sequence[Mapping[str, Any]]) -> None:
+    frequencies = list(dict.fromkeys(each["f"] for each in rows))
+    for key, what in (
+        ("log_score", "held-out log score"),
+        ("region_at_f", "accepted region at equal coverage"),
+    ):
+        console().print(f"Laws at {error}: {what} by f [Hz].", highlight=False)
+        shown = table("", {"law": "left", **{f"{f:g}": "right" for f in frequencies}})
+        for law in dict.fromkeys(each["law"] for each in rows):
+            shown.add_row(law, *(f"{each[key]:.3g}" for each in rows if each["law"] == law))
+        console().print(shown)
