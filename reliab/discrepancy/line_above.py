@@ -24,6 +24,7 @@ _CHANCE = 1e-7  # that noise alone shows a line anywhere
 _LEAST = 8.0  # times the power around it, on the average of the stretches
 _BEYOND_SPRING = 9.0  # times the power with which the spring answers what the displacement shows
 _AROUND = 25  # bins
+_AUDIBLE = 0.05  # of the energy of all that is left: every recording has lines far below its noise
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,12 +76,20 @@ def line_above(problem: Problem, best: Fit) -> Line | None:
     place = int(np.argmax(clear))
     if clear[place] < _threshold(len(problem.segments), grid.size):
         return None
-    return Line(frequency=float(grid[place]), amplitude=_amplitude(problem, left, float(grid[place])))
+    amplitude = _amplitude(problem, left, float(grid[place]))
+    if 0.5 * amplitude**2 < _AUDIBLE * _mean_square(problem, left):
+        return None
+    return Line(frequency=float(grid[place]), amplitude=amplitude)
 
 
 def _threshold(stretches: int, trials: int) -> float:
     """Mean power over its expectation that noise exceeds by chance only."""
     return max(float(stats.gamma.isf(_CHANCE / trials, stretches)) / stretches, _LEAST)
+
+
+def _mean_square(problem: Problem, values: dict[int, Array]) -> float:
+    """Mean square over the segments of values without their means."""
+    return float(np.mean([values[one.test][one.begin : one.end].var() for one in problem.segments]))
 
 
 def _displacement(problem: Problem, test: int) -> Array:

@@ -27,6 +27,11 @@ LEAST_SHARE = 0.01
 
 No model of a machine is exact: long records make errors of a tenth of the largest effect significant."""
 
+AUDIBLE = 0.02
+"""Share of the noise's energy that an effect outside the library must have.
+
+Every recording has traces far below its noise that no library holds."""
+
 MOST_EFFECTS = 3
 _WORKERS = 2
 _BEAM = 2
@@ -155,12 +160,15 @@ class Search:
         return [self._keep(one) for one in found if self._matters(one, parent)]
 
     def _matters(self, one: Fit, smaller: Fit) -> bool:
-        """Whether what an effect adds is not negligible beside the whole gap that the larger model closes."""
+        """Whether what an effect adds is not negligible beside the gap that the larger model closes."""
+        rows = one.residual
+        gained = self._energy(smaller, one.noise) - float(rows @ rows)
+        unknown = any(is_outside(kind) for kind in set(one.space.effects) - set(smaller.space.effects))
+        if unknown and gained < AUDIBLE * rows.size:
+            return False
         if smaller is self.null:
             return True
-        rows = one.residual
         closed = self._energy(self.null, one.noise) - float(rows @ rows)
-        gained = self._energy(smaller, one.noise) - float(rows @ rows)
         return gained > LEAST_SHARE * closed
 
     def _energy(self, one: Fit, noise: NoiseModel) -> float:

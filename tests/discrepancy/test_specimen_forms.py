@@ -90,3 +90,14 @@ def test_what_is_known_of_a_specimen_without_a_spring_is_kept(tmp_path):
 
     found = diagnose(written(tmp_path, "mass_kg = 95.0", dragged)).as_dict()
     assert [effect["name"] for effect in found["effects"]] == ["viscous_damping"]
+
+
+@pytest.mark.parametrize(("share", "verdict"), [(0.02, "no_missing_effect"), (1.0, "unknown_effect")])
+def test_a_line_counts_when_it_is_not_far_below_the_noise(tmp_path, share, verdict):
+    def hummed(moved):
+        spring = STIFFNESS * moved
+        size = np.sqrt(2.0 * share) * 0.005 * spring.std()
+        return spring + size * np.sin(2.0 * np.pi * 31.0 * np.arange(moved.size) / RATE)
+
+    found = diagnose(written(tmp_path, f"stiffness_n_per_m = {STIFFNESS}", hummed)).as_dict()
+    assert found["verdict"] == verdict
