@@ -12,6 +12,7 @@ from reliab.discrepancy.outside.periodic import Disturbance
 from reliab.discrepancy.proof import gap, held_out_nrmse, residuals
 from reliab.discrepancy.result import BlockDiagnosis, Estimate, MissingEffect, Ranked, Rival, Unknown
 from reliab.discrepancy.search import COST, Search, is_outside, score
+from reliab.discrepancy.standstill import standstill
 from reliab.loop.effects import Effect
 
 Array = NDArray[np.float64]
@@ -62,7 +63,8 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
             *(_bias(kind, best) for kind in biases),
         ),
         doubtful=tuple(_missing(kind, best, ranked, proof) for kind in inside if kind in doubtful),
-        unknown=_unknown(outside, best, error) if outside else _disturbance(problem, best, error),
+        unknown=_interrupted(problem, best, error)
+        or (_unknown(outside, best, error) if outside else _disturbance(problem, best, error)),
         findings=locate(problem, calibrated, best.noise),
         residuals_before=_by_file(proof, before),
         residuals_after=_by_file(proof, after),
@@ -154,6 +156,19 @@ def _unknown(outside: Sequence[type[Effect]], best: Fit, error: float) -> Unknow
         block=str(outside[0].block),
         expression=" + ".join(terms),
         description=description,
+        held_out_nrmse=error,
+    )
+
+
+def _interrupted(problem: Problem, best: Fit, error: float) -> Unknown | None:
+    """Return what is seen of a reading that stands still now and then."""
+    seen = standstill(problem, best)
+    if seen is None:
+        return None
+    return Unknown(
+        block=str(problem.block.block),
+        expression=f"{problem.block.channel} held {seen.events} times, for {seen.seconds:.3g} s as a rule",
+        description="the reading stands still now and then while the model moves on: the sensor drops out",
         held_out_nrmse=error,
     )
 

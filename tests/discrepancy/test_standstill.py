@@ -1,0 +1,41 @@
+"""A reading that is held now and then is an unknown effect; coarse steps of a converter are not."""
+
+import numpy as np
+import pytest
+
+from reliab.discrepancy import diagnose
+from reliab.discrepancy.campaign import Campaign, Channel, MeasuredTest
+from reliab.loop.actuator import Actuator
+
+RATE = 512.0
+TIME = np.arange(0.0, 20.0, 1.0 / RATE)
+
+
+def campaign(*, holds=0, step=0.0, noise=2e-5):
+    rng = np.random.default_rng(3)
+    tests = []
+    for k in range(4):
+        waves = [np.sin(2.0 * np.pi * f * TIME + rng.uniform(0.0, 7.0)) for f in rng.uniform(0.4, 4.0, 6)]
+        command = 0.002 * np.sum(waves, axis=0) * np.sin(np.pi * TIME / TIME[-1]) ** 2
+        read = np.interp(TIME - 0.004, TIME, command) + noise * rng.standard_normal(TIME.size)
+        read = np.round(read / step) * step if step else read
+        for begin in rng.integers(1000, TIME.size - 1000, holds):
+            read[begin : begin + 40] = read[begin]
+        channels = {Channel.COMMAND: command, Channel.MEASURED: read}
+        tests.append(MeasuredTest(file=f"{k}", motion="waves", held_out=k == 3, channels=channels))
+    return Campaign(
+        name="", structure=None, mass=1.0, actuator=Actuator(delay=0.003), specimen=None, rate=RATE,
+        tests=tuple(tests),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("step", [0.0, 1e-4])
+def test_a_reading_that_is_held_is_unknown(step):
+    found = diagnose(campaign(holds=8, step=step))
+    assert str(found.verdict) == "unknown_effect"
+    assert "stands still" in found.unknown.description
+
+
+@pytest.mark.parametrize("step", [0.0, 1e-4, 4e-4])
+def test_coarse_steps_alone_are_nothing(step):
+    assert str(diagnose(campaign(step=step)).verdict) == "no_missing_effect"
