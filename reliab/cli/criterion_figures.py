@@ -90,7 +90,8 @@ def _plane(dataset: "xr.Dataset", alike: "Sequence[Criterion]", f: float, xi: fl
     for each in alike:
         a, b = (float(limit) for limit in each.limits(f, xi))
         if a > 0.0 and b > 0.0:
-            named[f"{percent(each.confidence)} of motions"] = (a, b)
+            stated = f"{each.law.name}, stated for " if each.population is None else ""
+            named[f"{stated}{percent(each.confidence)} of motions"] = (a, b)
     drawn = ellipses_and_criterion(sample, named)
     if not first.provenance.settings.get("converged", True):
         drawn.axes[0].set_title("POSTERIOR NOT CONVERGED: not to be relied on", color=VERMILION)
