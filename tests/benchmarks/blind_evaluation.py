@@ -2,8 +2,8 @@
 
 `python tests/benchmarks/blind_evaluation.py FOLDER [--seed 2000000] [--count 400]` draws the campaigns of
 the seeds from `--seed` on, diagnoses each, keeps labels and results in FOLDER, and writes
-FOLDER/figures.json and the table of `tests/blind_campaigns/score.py`. What is there already is not done
-again; several runs may share the work, each with its own range of seeds.
+FOLDER/figures.json, the table of `tests/blind_campaigns/score.py` and how long it took. What is there
+already is not done again; several runs may share the work, each with its own range of seeds.
 """
 
 import argparse
@@ -21,7 +21,10 @@ from blind_campaigns.campaign import Options, generate  # noqa: E402
 from blind_campaigns.labels import write_label  # noqa: E402
 from blind_campaigns.scoring import main as score  # noqa: E402
 
-from reliab.discrepancy import diagnose, read_campaign  # noqa: E402
+from reliab.discrepancy import add, diagnose, read_campaign  # noqa: E402
+
+LIMIT = 10.0
+"""Seconds that a campaign of five tests should take at most."""
 
 
 def evaluate(seed: int, folder: Path) -> None:
@@ -34,14 +37,30 @@ def evaluate(seed: int, folder: Path) -> None:
         except RuntimeError as error:
             print(f"{name} cannot be drawn: {error}")
             return
-        begin = time.perf_counter()
-        result = diagnose(read_campaign(campaign)).as_dict()
+        begin, worked = time.perf_counter(), time.process_time()
+        found = diagnose(read_campaign(campaign))
+        result = found.as_dict()
         result["seconds"] = time.perf_counter() - begin
+        add(found)
+        result["seconds_with_posterior"] = time.perf_counter() - begin
+        result["processor_seconds"] = time.process_time() - worked
         shutil.rmtree(campaign)
     (folder / "results" / f"{name}.json").write_text(json.dumps(result), encoding="utf-8")
     write_label(label, folder / "labels")
     names = [effect["name"] for effect in result["effects"]]
     print(f"{name} {label.kind} {sorted(label.names)}: {result['verdict']} {names}", flush=True)
+
+
+def show_times(folder: Path) -> None:
+    """Print how long campaigns took: wall and processor, reading and posterior included."""
+    results = [json.loads(path.read_text(encoding="utf-8")) for path in sorted(folder.glob("*.json"))]
+    for key in ("seconds", "seconds_with_posterior", "processor_seconds"):
+        taken = sorted(float(one[key]) for one in results if key in one)
+        if taken:
+            shares = {q: taken[min(int(q * len(taken)), len(taken) - 1)] for q in (0.5, 0.9, 0.95)}
+            told = ", ".join(f"{q:.0%} within {value:.1f} s" for q, value in shares.items())
+            below = sum(value <= LIMIT for value in taken) / len(taken)
+            print(f"{key}: {told}, largest {taken[-1]:.1f} s, {below:.0%} within {LIMIT:.0f} s")
 
 
 def main() -> None:
@@ -63,6 +82,7 @@ def main() -> None:
             str(given.folder / "figures.json"),
         ]
     )
+    show_times(given.folder / "results")
 
 
 if __name__ == "__main__":

@@ -47,8 +47,12 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _one(seed: int, number: int, out: Path, labels: Path, options: Options) -> str:
+    """Write one campaign and say what it hides, or that its seed cannot be drawn."""
     name = f"campaign_{number:04d}"
-    label = generate(seed * _SPACING + number, out / "campaigns" / name, options=options)
+    try:
+        label = generate(seed * _SPACING + number, out / "campaigns" / name, options=options)
+    except RuntimeError as error:
+        return f"{name}  skipped: {error}"
     write_label(label, labels)
     effects = ", ".join(
         f"{effect['name']} {effect['effect_to_noise_db']:+.1f} dB" for effect in label.effects
