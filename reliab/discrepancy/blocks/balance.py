@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from reliab.discrepancy.blocks.observed import ObservedBlock
-from reliab.discrepancy.campaign import Campaign, Channel
+from reliab.discrepancy.campaign import Campaign, Channel, MeasuredTest
 from reliab.loop.effects import RecordEffect, Role, Scales, library
 from reliab.loop.effects.integration_error import IntegrationError
 from reliab.loop.hybrid_test import HybridTest, Motion3
@@ -49,9 +49,7 @@ class BalanceBlock(ObservedBlock):
         nominal = self.nominal
         self._circular_frequency = nominal.structure.circular_frequency if nominal.structure else 0.0
         self._spring = nominal.specimen.stiffness / nominal.mass if nominal.specimen else 0.0
-        self.motions = tuple(
-            Motion3.through(test.channels[Channel.COMMAND], campaign.step) for test in campaign.tests
-        )
+        self.motions = tuple(_motion(test, campaign.step) for test in campaign.tests)
 
     def predict(self, model: HybridTest, test: int) -> Array:
         """Force that balances ground motion and command [N], shape (n,)."""
@@ -78,6 +76,17 @@ class BalanceBlock(ObservedBlock):
         seen = frequency < 0.5 / effect.step_s
         expected[seen] = moved[seen] / effect.transfer(frequency[seen], self._circular_frequency)
         return np.asarray(fft.irfft(expected, length)[:size])
+
+
+def _motion(test: MeasuredTest, step: float) -> Motion3:
+    """Motion of the command, whose acceleration is as straight between samples as the ground's only in part.
+
+    The spline takes all of it for straight, which makes the smooth rest s = x'' + a_g larger by −h²s''/12.
+    """
+    motion = Motion3.through(test.channels[Channel.COMMAND], step)
+    values = motion.values.copy()
+    values[2, 1:-1] += np.diff(values[2] + test.channels[Channel.GROUND], 2) / 12.0
+    return Motion3(values=values, step=step)
 
 
 def _closed(values: Array, length: int) -> Array:
