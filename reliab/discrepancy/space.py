@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.loop.effects import Effect, LinearEffect, Parameter
-from reliab.loop.effects.viscous_damping import ViscousDamping
 from reliab.loop.hybrid_test import HybridTest
 
 Array = NDArray[np.float64]
@@ -71,10 +70,11 @@ class ModelSpace:
         """Bounds of the coordinates, each of shape (size,)."""
         mean, spread = self._prior
         pairs = np.array([parameter.coordinate_bounds for parameter in self.parameters]).reshape(-1, 2)
-        if ViscousDamping in self.effects:
-            place = self.places(ViscousDamping).start
-            least = self.parameters[place].coordinate(-self.block.removable_damping, self.block.scales)
-            pairs[place, 0] = max(pairs[place, 0], least)
+        for effect, most in self.block.removable.items():
+            if effect in self.effects:
+                place = self.places(effect).start
+                least = self.parameters[place].coordinate(-most, self.block.scales)
+                pairs[place, 0] = max(pairs[place, 0], least)
         return (pairs[:, 0] - mean) / spread, (pairs[:, 1] - mean) / spread
 
     def values(self, coordinates: Array) -> Array:

@@ -14,9 +14,11 @@ from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign import Campaign, Channel
 from reliab.discrepancy.outside import outside_terms
 from reliab.loop.effects import Effect, Role, Scales, library
+from reliab.loop.effects.added_mass import AddedMass
 from reliab.loop.effects.excitation_scale import ExcitationScale
 from reliab.loop.effects.force_bias import ForceBias
 from reliab.loop.effects.sensor_bias import SensorBias
+from reliab.loop.effects.viscous_damping import ViscousDamping
 from reliab.loop.hybrid_test import HybridTest, Motion3, read_displacement, run_closed_loop
 from reliab.vocabulary import Block
 
@@ -86,11 +88,13 @@ class LoopBlock(ObservedBlock):
         return thinned
 
     @property
-    def removable_damping(self) -> float:
-        """Damping that may be less than believed [N·s/m]; that of the controller's own structure is exact."""
-        if self._rig:
-            return super().removable_damping
-        return super().removable_damping + self.nominal.mass * self.nominal.substructure.damping
+    def removable(self) -> dict[type[Effect], float]:
+        """What there is of damping and mass; those of the controller's own structure are exact."""
+        found = super().removable
+        if not self._rig:
+            found[ViscousDamping] += self.nominal.mass * self.nominal.substructure.damping
+            found[AddedMass] += self.nominal.mass
+        return found
 
     def predict(self, model: HybridTest, test: int) -> Array:
         """Displacement that the sensor reads [m], shape (⌈n / every⌉,)."""

@@ -11,6 +11,8 @@ from reliab.discrepancy.blocks.calibration import Calibration
 from reliab.discrepancy.campaign import Channel, MeasuredTest
 from reliab.discrepancy.smoothing import highest_frequency
 from reliab.loop.effects import Effect, Scales
+from reliab.loop.effects.added_mass import AddedMass
+from reliab.loop.effects.viscous_damping import ViscousDamping
 from reliab.loop.hybrid_test import HybridTest, Motion3
 from reliab.vocabulary import Block
 
@@ -82,10 +84,13 @@ class ObservedBlock(ABC):
         return max(1, int(self.rate / self.every / rate))
 
     @property
-    def removable_damping(self) -> float:
-        """Damping that may be less than believed [N·s/m]: a specimen that feeds energy in is none."""
+    def removable(self) -> dict[type[Effect], float]:
+        """What there is of damping [N·s/m] and mass [kg], so that no more of it can be missing."""
         specimen = self.nominal.specimen
-        return specimen.damping if specimen else 0.0
+        return {
+            ViscousDamping: specimen.damping if specimen else 0.0,
+            AddedMass: specimen.mass if specimen else 0.0,
+        }
 
     @abstractmethod
     def predict(self, model: HybridTest, test: int) -> Array:
