@@ -1,8 +1,8 @@
 """What motions without an ellipse at some structure would have there, drawn from the model itself.
 
 A boundary that reaches beyond where ellipses describe it leaves a motion without one, at high damping and
-large errors. Such a motion tolerates more than others. To leave it out everywhere would narrow what is
-learned of all motions, and a lower quantile of a narrowed distribution lies too high: it would be optimistic.
+large errors. Such a motion tolerates more than others. To leave it out everywhere would shift and narrow what
+is learned of all motions, which is optimistic at some structures and pessimistic at others.
 """
 
 from dataclasses import replace
