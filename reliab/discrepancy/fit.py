@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 
 _STEP = 1e-3  # of a prior's standard deviation, for derivatives
 _NEGLIGIBLE = 0.02  # nats
+_ON = 1e-6  # from a bound, in standard deviations of the prior
 _SMALL = 1.0  # nats
 _FIRST_DAMPING, _MOST_DAMPING = 1e-3, 1e6
 _MOST_STEPS = 12
@@ -197,6 +198,12 @@ class Fit:
     jacobian: Array
     noise: NoiseModel
     log_volume: float
+
+    @cached_property
+    def free(self) -> NDArray[np.bool_]:
+        """Whether a coordinate lies within its bounds and not on one, shape (size,)."""
+        lower, upper = self.space.bounds
+        return np.asarray((self.coordinates > lower + _ON) & (self.coordinates < upper - _ON))
 
     @cached_property
     def precision(self) -> Array:

@@ -36,7 +36,7 @@ MOST_EFFECTS = 3
 _WORKERS = 2
 _BEAM = 2
 _DEEPEST_OUTSIDE = 2
-_TRIED = 5
+_TRIED = 8
 _CLOSE = 100.0  # nats
 _POSSIBLE = 7.0  # nats
 
@@ -116,7 +116,7 @@ class Search:
     def screen(self, parent: Fit, kinds: Sequence[type[Effect]]) -> list[Screened]:
         """Rank effects by what they promise to explain beside a model."""
         fresh = [kind for kind in kinds if kind not in parent.space.effects]
-        basis = np.linalg.qr(parent.jacobian)[0]
+        basis = np.linalg.qr(parent.jacobian[:, parent.free])[0]
         sketched = self.problem.sketch.whitened(parent.space, parent.coordinates, parent.noise)
         with ThreadPoolExecutor(_WORKERS) as pool:
             screened = pool.map(lambda kind: self._screen_one(parent, sketched, basis, kind), fresh)
@@ -137,6 +137,18 @@ class Search:
             if gain > best.gain or best.start.size == 0:
                 start = space.scaled(start, kind, along / size)
                 best = Screened(kind=kind, gain=gain, start=start)
+        return self._uncalibrated(parent, sketched, space, best) if parent is self.null else best
+
+    def _uncalibrated(self, parent: Fit, sketched: Array, space: ModelSpace, best: Screened) -> Screened:
+        """Start from the nominal rig where that promises more.
+
+        A calibration that has made up for an actuator at its limits has moved the model away from them.
+        """
+        for start in space.starts(parent.space, np.zeros(parent.space.size)):
+            left = self.problem.sketch.whitened(space, start, parent.noise)
+            gain = 0.5 * float(sketched @ sketched - left @ left)
+            if gain > best.gain:
+                best = Screened(kind=best.kind, gain=gain, start=start)
         return best
 
     def extend(self, parent: Fit, screened: Sequence[Screened]) -> list[Fit]:

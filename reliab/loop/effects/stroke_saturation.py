@@ -36,10 +36,10 @@ class StrokeSaturation(SteppedEffect):
             meaning="stroke to either side",
             scale=(("displacement", 1.0),),
             typical=0.7,
-            spread=0.5,
+            spread=0.8,
             lower=0.02,
             upper=1.3,
-            starts=(0.97, 0.9, 0.75, 0.5),
+            starts=(0.97, 0.9, 0.75, 0.5, 0.25, 0.1),
         ),
     )
     kernel = Kernel(function=_move)
