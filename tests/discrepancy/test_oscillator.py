@@ -15,7 +15,7 @@ SAY = """
 name = "oscillator"
 [structure]
 frequency_hz = 66.0
-damping_ratio = 0.045
+damping_ratio = 0.047
 [sampling]
 rate_hz = 610
 """

@@ -106,19 +106,20 @@ def unknown_stiffness() -> Calibration:
     return Calibration(parameter=parameter, nominal=_stiffness, apply=_with_stiffness)
 
 
-def damping(spread: float = 0.05, reach: float = 0.1) -> Calibration:
-    """Damping of an oscillator without a rig, in units of its nominal value; a calibration within 10 %.
+def damping(nominal: HybridTest) -> Calibration:
+    """Exponent with which the damping of an oscillator without a rig follows its calibrated frequency.
 
-    A nominal damping ratio leaves open by which of its natural frequencies, the nominal one or the
-    calibrated one, it is to be multiplied.
+    A nominal damping ratio leaves open by which natural frequency it is to be multiplied: by the nominal one
+    (0), or by the calibrated one (1).
     """
+    unit = _stiffness(nominal)
     return Calibration(
         parameter=Parameter(
-            name="damping", units="-", meaning="damping over its nominal value", signed=True,
-            neutral=1.0, typical=spread, lower=1.0 - reach, upper=1.0 + reach, starts=(1.0,),
+            name="damping", units="-", meaning="exponent of damping over frequency", signed=True,
+            neutral=0.0, typical=1.0, lower=-1e-9, upper=1.0, starts=(0.5,),
         ),
-        nominal=lambda _model: 1.0,
-        apply=_with_damping,
+        nominal=lambda _model: 0.0,
+        apply=lambda model, value: _with_damping(model, (_stiffness(model) / unit) ** (0.5 * value)),
     )  # fmt: skip
 
 

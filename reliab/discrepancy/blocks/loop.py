@@ -36,7 +36,8 @@ class LoopBlock(ObservedBlock):
     """Ground acceleration → measured displacement, the loop being closed.
 
     A force bias shifts the displacement as a sensor bias does, and a wrong scale of the excitation is
-    calibration where no rig states it: neither is a candidate.
+    calibration where no rig states it: neither is a candidate. Nor is a mass without a rig, which scales
+    excitation, stiffness and damping alike.
 
     Parameters
     ----------
@@ -68,7 +69,7 @@ class LoopBlock(ObservedBlock):
             self.calibrations = (gain(self.nominal), delay(self.nominal), stiffness(self.nominal))
         else:
             scale = scale_of_excitation(self._scale())
-            self.calibrations = (stiffness(self.nominal), damping(), scale)
+            self.calibrations = (stiffness(self.nominal), damping(self.nominal), scale)
 
     def integrate_at(self, wanted: float) -> None:
         """Integrate at a rate near a wanted one [Hz]."""
@@ -129,7 +130,7 @@ def _rate_of_integration(campaign: Campaign) -> float:
 def _possible(effect: type[Effect], *, rig: bool) -> bool:
     if effect in (ForceBias, SensorBias, ExcitationScale):
         return False
-    return rig or effect.role not in _OF_THE_RIG
+    return rig or not (effect is AddedMass or effect.role in _OF_THE_RIG)
 
 
 def _resampled(ground: Array, parts: int, every: int) -> Array:
