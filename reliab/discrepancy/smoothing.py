@@ -91,14 +91,16 @@ def _spectra(displacement: Array, step: float, highest: float) -> tuple[Array, A
     power = np.abs(spectrum) ** 2 / padded.size
     beyond = frequency > highest
     noise = fit_noise([Periodogram(frequency=frequency[beyond], power=power[beyond])], 1.0 / step)
-    return spectrum, frequency, _averaged(frequency, power), noise.density(frequency)
+    return spectrum, frequency, _averaged(frequency, power, highest), noise.density(frequency)
 
 
-def _averaged(frequency: Array, power: Array) -> Array:
-    """Mean power over a band that widens with the frequency."""
+def _averaged(frequency: Array, power: Array, highest: float) -> Array:
+    """Mean power over a band that widens with the frequency, of what may be signal or of what may not."""
     reach = np.maximum((_NARROW + _WIDENING * frequency) / frequency[1], _FEWEST).astype(int)
     places = np.arange(frequency.size)
-    first, last = np.maximum(places - reach, 0), np.minimum(places + reach + 1, frequency.size)
+    border = int(np.searchsorted(frequency, highest, side="right"))
+    first = np.maximum(places - reach, np.where(places < border, 0, border))
+    last = np.minimum(places + reach + 1, np.where(places < border, border, frequency.size))
     sums = np.concatenate([[0.0], np.cumsum(power)])
     return np.asarray((sums[last] - sums[first]) / (last - first))
 
