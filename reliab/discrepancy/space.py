@@ -13,7 +13,7 @@ from reliab.loop.hybrid_test import HybridTest
 
 Array = NDArray[np.float64]
 
-MODEL_ERROR = 5e-4
+MODEL_ERROR = 1e-4
 """Relative standard deviation that is added to every parameter, because simulation and machine differ too.
 
 Long records determine parameters to a few parts in a million if the simulation were exact. Independent
