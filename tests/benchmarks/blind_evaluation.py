@@ -1,7 +1,7 @@
 """Measure `diagnose` on blind campaigns that nobody has seen, restartable.
 
-`python tests/benchmarks/blind_evaluation.py FOLDER [--seed 2000000] [--count 400]` draws the campaigns of
-the seeds from `--seed` on, diagnoses each, keeps labels and results in FOLDER, and writes
+`python tests/benchmarks/blind_evaluation.py FOLDER [--seed 2000000] [--count 400] [--without-rivals]` draws
+the campaigns of the seeds from `--seed` on, diagnoses each, keeps labels and results in FOLDER, and writes
 FOLDER/figures.json, the table of `tests/blind_campaigns/score.py` and how long it took. What is there
 already is not done again; several runs may share the work, each with its own range of seeds.
 """
@@ -27,13 +27,13 @@ LIMIT = 10.0
 """Seconds that a campaign of five tests should take at most."""
 
 
-def evaluate(seed: int, folder: Path) -> None:
+def evaluate(seed: int, folder: Path, *, with_rivals: bool) -> None:
     """Draw, diagnose and record the campaign of one seed; the measured data are thrown away."""
     name = f"campaign_{seed}"
     with tempfile.TemporaryDirectory() as scratch:
         campaign = Path(scratch) / name
         try:
-            label = generate(seed, campaign, options=Options())
+            label = generate(seed, campaign, options=Options(with_rivals=with_rivals))
         except RuntimeError as error:
             print(f"{name} cannot be drawn: {error}")
             return
@@ -69,12 +69,17 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--seed", type=int, default=2_000_000)
     parser.add_argument("--count", type=int, default=400)
+    parser.add_argument(
+        "--without-rivals",
+        action="store_true",
+        help="Do not find out which other effects could pass for the hidden one: the same campaigns, faster.",
+    )
     given = parser.parse_args()
     for part in ("labels", "results"):
         (given.folder / part).mkdir(parents=True, exist_ok=True)
     for seed in range(given.seed, given.seed + given.count):
         if not (given.folder / "labels" / f"campaign_{seed}.json").exists():
-            evaluate(seed, given.folder)
+            evaluate(seed, given.folder, with_rivals=not given.without_rivals)
     score(
         [
             *(str(given.folder / part) for part in ("labels", "results")),
