@@ -1,26 +1,29 @@
-"""Whether a posterior can be relied on: traces, ranks and pairs of parameters, in the reports' style."""
+"""Whether a posterior can be relied on: traces, ranks and pairs by ArviZ, in the style of the reports."""
 
-from collections.abc import Sequence
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from types import ModuleType
+from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
+from matplotlib import MatplotlibDeprecationWarning
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from reliab.criterion.bayes import PosteriorSample
+from reliab.criterion.bayes.diagnostics import inference_data, quiet_arviz
 from reliab.report.axes import name_axes, plain
-from reliab.report.style import BLUE, GREY, INK, blank, line, panels, styled
+from reliab.report.style import BLUE, blank, line, panels, styled
 
 _ROW = 26.0
 _CELL = 30.0
-_BINS = 20
-_MOST_POINTS = 1500
-_SHARES = (0.05, 0.5, 0.95)
+_KEPT = 1000
+"""Draws of an ensemble that are drawn; all of them would make large files and no other picture."""
 
 
 @styled
 def traces(posterior: PosteriorSample, parameters: Sequence[str] = ()) -> Figure:
-    """Draw the mean and the 5 % and 95 % quantiles over the walkers of each ensemble, draw by draw.
+    """Draw the density and the course of the draws of each ensemble.
 
     Parameters
     ----------
@@ -34,21 +37,23 @@ def traces(posterior: PosteriorSample, parameters: Sequence[str] = ()) -> Figure
     matplotlib.figure.Figure
         One row for each parameter; ensembles that have converged lie over one another and run level.
     """
-    chosen = _places(posterior, parameters)
-    figure, axes = panels(len(chosen), 1, height=14.0 + _ROW * len(chosen), share_x=True)
-    steps = posterior.thin * np.arange(posterior.draws.shape[1])
-    for place, (name, k) in zip(axes[:, 0], chosen, strict=True):
-        for rank, ensemble in enumerate(posterior.draws[..., k]):
-            low, middle, high = np.quantile(ensemble, _SHARES, axis=1)
-            look = line(rank)
-            place.plot(steps, middle, linewidth=0.9, label=f"ensemble {rank + 1}", color=look["color"])
-            for edge in (low, high):
-                place.plot(steps, edge, linewidth=0.5, color=look["color"], alpha=0.7)
-        place.set_title(_title(posterior, name, k))
-        place.set_ylabel("Value [-]")
-    axes[-1, 0].set_xlabel("Step after the first half [-]")
-    handles, labels = axes[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+    chosen = list(parameters or posterior.names)
+    figure, axes = panels(len(chosen), 2, height=14.0 + _ROW * len(chosen), ratios=(1.0, 2.0))
+    with _arviz() as arviz:
+        arviz.plot_trace(
+            _thinned(posterior),
+            var_names=chosen,
+            axes=axes,
+            compact=False,
+            chain_prop={"color": [line(rank)["color"] for rank in range(len(posterior.draws))]},
+            plot_kwargs={"linewidth": 0.9},
+            trace_kwargs={"linewidth": 0.2, "alpha": 0.6},
+        )
+    for (density, course), name in zip(axes, chosen, strict=True):
+        density.set_title(plain(name))
+        course.set_title(_convergence(posterior, name))
+        name_axes(density, "Value [-]" if name == chosen[-1] else "", "Density [-]")
+        name_axes(course, "Draw of the ensemble [-]" if name == chosen[-1] else "", "Value [-]")
     return figure
 
 
@@ -68,21 +73,26 @@ def ranks(posterior: PosteriorSample, parameters: Sequence[str] = ()) -> Figure:
     matplotlib.figure.Figure
         One panel for each parameter; ensembles that have converged are uniform, near the level line.
     """
-    chosen = _places(posterior, parameters)
+    chosen = list(parameters or posterior.names)
     columns = min(3, len(chosen))
     rows = -(-len(chosen) // columns)
-    figure, axes = panels(rows, columns, height=14.0 + 34.0 * rows, share_x=True)
-    for place, (name, k) in zip(axes.ravel(), chosen, strict=False):
-        _draw_ranks(place, posterior.draws[..., k])
+    figure, axes = panels(rows, columns, height=14.0 + 34.0 * rows)
+    places = axes.ravel()
+    for place in places[len(chosen) :]:
+        place.remove()
+    with _arviz() as arviz:
+        arviz.plot_rank(
+            inference_data(posterior.draws, posterior.names),
+            var_names=chosen,
+            kind="vlines",
+            colors=[line(rank)["color"] for rank in range(len(posterior.draws))],
+            ax=places[: len(chosen)],
+            vlines_kwargs={"linewidth": 1.0},
+            marker_vlines_kwargs={"markersize": 2.0},
+        )
+    for place, name in zip(places, chosen, strict=False):
         place.set_title(plain(name))
-    for place in axes.ravel()[len(chosen) :]:
-        place.set_axis_off()
-    for place in axes[:, 0]:
-        place.set_ylabel("Density [-]")
-    for place in axes[-1]:
-        place.set_xlabel("Rank among all draws [-]")
-    handles, labels = axes[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+        name_axes(place, "Rank among all draws [-]", "Density [-]")
     return figure
 
 
@@ -100,26 +110,44 @@ def pairs(posterior: PosteriorSample, parameters: Sequence[str]) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Histograms on the diagonal, points below it.
+        Densities on the diagonal, points below it.
     """
-    chosen = _places(posterior, parameters)
-    count, points = len(chosen), posterior.spread_out(_MOST_POINTS)
+    count = len(parameters)
     figure = blank(height=min(160.0, 10.0 + _CELL * count))
-    axes = figure.subplots(count, count, squeeze=False, sharex="col")
+    axes = figure.subplots(count, count, squeeze=False)
+    with _arviz() as arviz:
+        arviz.plot_pair(
+            _thinned(posterior),
+            var_names=list(parameters),
+            kind="scatter",
+            marginals=True,
+            ax=axes,
+            scatter_kwargs={"s": 1.0, "alpha": 0.4, "marker": ".", "color": BLUE},
+            marginal_kwargs={"plot_kwargs": {"linewidth": 1.0, "color": BLUE}},
+        )
     for (row, column), place in np.ndenumerate(axes):
-        if column > row:
-            place.set_axis_off()
-            continue
-        x = points[:, chosen[column][1]]
-        if column == row:
-            place.hist(x, bins=_BINS, color=BLUE, edgecolor="white")
-            place.set_yticks([])
-        else:
-            place.plot(x, points[:, chosen[row][1]], ".", color=BLUE, markersize=1.0, alpha=0.4)
-        across = _in_two_lines(chosen[column][0]) if row == count - 1 else ""
-        up = _in_two_lines(chosen[row][0]) if column == 0 and row > 0 else ""
+        across = _in_two_lines(parameters[column]) if row == count - 1 else ""
+        up = _in_two_lines(parameters[row]) if column == 0 and row > 0 else ""
         name_axes(place, across, up)
+        if row == column:
+            place.set_yticks([])
     return figure
+
+
+def _thinned(posterior: PosteriorSample) -> Any:  # noqa: ANN401 - ArviZ is untyped
+    """Draws as ArviZ's object, a thousand of each ensemble."""
+    steps, walkers = posterior.draws.shape[1:3]
+    return inference_data(posterior.draws, posterior.names).sel(
+        draw=np.unique(np.linspace(0, steps * walkers - 1, _KEPT).astype(int))
+    )
+
+
+@contextmanager
+def _arviz() -> Iterator[ModuleType]:
+    """ArviZ without matplotlib's complaints of what it calls, which are not the user's concern."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", MatplotlibDeprecationWarning)
+        yield quiet_arviz()
 
 
 def _in_two_lines(name: str) -> str:
@@ -127,21 +155,7 @@ def _in_two_lines(name: str) -> str:
     return f"{plain(name)} [-]".replace(": ", ":\n", 1)
 
 
-def _places(posterior: PosteriorSample, parameters: Sequence[str]) -> list[tuple[str, int]]:
-    return [(name, posterior.names.index(name)) for name in parameters or posterior.names]
-
-
-def _title(posterior: PosteriorSample, name: str, k: int) -> str:
-    found = posterior.diagnostics
+def _convergence(posterior: PosteriorSample, name: str) -> str:
+    found, k = posterior.diagnostics, posterior.names.index(name)
     size = min(found.bulk_size[k], found.tail_size[k])
-    return rf"{plain(name)}: $\hat{{R}}$ = {found.r_hat[k]:.3f}, {size:.0f} effective draws"
-
-
-def _draw_ranks(place: Axes, draws: NDArray[np.float64]) -> None:
-    order = draws.ravel().argsort().argsort().reshape(draws.shape[0], -1) / draws.size
-    for rank, ensemble in enumerate(order):
-        density, edges = np.histogram(ensemble, bins=_BINS, range=(0.0, 1.0), density=True)
-        place.stairs(density, edges, color=line(rank)["color"], label=f"ensemble {rank + 1}")
-    place.axhline(1.0, color=GREY, linewidth=0.8, linestyle=(0, (4, 2)))
-    place.set_ylim(0.0, 2.0)
-    place.tick_params(colors=INK)
+    return rf"$\hat{{R}}$ = {found.r_hat[k]:.3f}, {size:.0f} effective draws"
