@@ -93,7 +93,7 @@ class Study(_Table):
     """
 
     title: str
-    kind: Literal["criterion", "paper", "validation", "suites", "audit", "discrepancy"]
+    kind: Literal["criterion", "paper", "validation", "suites", "audit", "discrepancy", "blind_evaluation"]
     purpose: str = ""
     date: dt.date = dt.date(2026, 1, 1)
     motions: MotionsTable = MotionsTable()

@@ -39,6 +39,11 @@ def test_a_campaign_is_diagnosed(tmp_path):
     assert found["verdict"] in {"named", "no_missing_effect", "unknown_effect", "not_identifiable"}
 
 
+def test_what_blind_campaigns_showed_is_reported(tmp_path):
+    report = run_study(open_study("blind_evaluation"), tmp_path / "run")
+    assert report.read_bytes().startswith(b"%PDF")
+
+
 @pytest.mark.parametrize("name", ["paper2017", "table2_audit"])
 def test_studies_of_the_paper_need_its_records(name, tmp_path):
     with pytest.raises(InputError, match="--motions"):

@@ -2,6 +2,7 @@
 
 from typing import Final
 
+from reliab.study.kinds.blind_evaluation import BlindEvaluationStudy
 from reliab.study.kinds.criterion import CriterionStudy
 from reliab.study.kinds.discrepancy import DiscrepancyStudy
 from reliab.study.kinds.kind import Kind
@@ -13,7 +14,7 @@ from reliab.study.kinds.validation import ValidationStudy
 KINDS: Final[dict[str, type[Kind]]] = {
     each.name: each
     for each in (
-        *(CriterionStudy, DiscrepancyStudy, PaperStudy),
+        *(BlindEvaluationStudy, CriterionStudy, DiscrepancyStudy, PaperStudy),
         *(SuitesStudy, TableAuditStudy, ValidationStudy),
     )
 }

@@ -1,0 +1,206 @@
+"""Report of how often diagnoses of campaigns with known, hidden effects were right."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+
+from reliab.report.document import Block, Column, Document, Figure, Paragraph, Points, Section, Table
+from reliab.report.figures.discrepancy_evaluation import discrepancy_confusion, discrepancy_reliability
+from reliab.report.kinds.provenance import provenance_of
+from reliab.report.kinds.wording import PERCENT, percent
+from reliab.report.numbers import Fixed, Whole
+from reliab.report.prose import Prose, prose
+from reliab.vocabulary import EffectName
+
+_GROUPS = (
+    "One effect that exceeds the noise",
+    "Two or three effects, each in a row of its own",
+    "One effect below the noise",
+    "One effect in a loop that is seen through one channel",
+    "Nothing hidden, and effects outside the library",
+)
+_SHARE = Fixed(decimals=1, factor=PERCENT)
+
+
+def blind_evaluation_report(
+    *,
+    title: str,
+    runs: Sequence[Mapping[str, Any]],
+    provenance: Mapping[str, object],
+    notes: Sequence[Prose] = (),
+) -> Document:
+    """Report what was measured on blind campaigns.
+
+    Parameters
+    ----------
+    title : str
+        Title of the report.
+    runs : sequence of mapping
+        Figures of each run, the last being that of the present code: `code`, `seeds`, `campaigns`, `rates`,
+        `closed_fraction`, `coverage`, `reliability`, `confusion` and `failures`.
+    provenance : mapping
+        What the report can be made again from, by name.
+    notes : sequence of Prose, optional
+        What the reader should know.
+
+    Returns
+    -------
+    Document
+        The report.
+    """
+    last = runs[-1]
+    asked = [rate for rate in last["rates"].values() if rate["target"] is not None and rate["of"]]
+    gap = last["closed_fraction"]
+    return Document(
+        kind="Blind evaluation of diagnoses",
+        title=title,
+        verdict=prose(
+            "{reached} of {asked} targets are reached on {campaigns} campaigns that were not used while "
+            "building; {failed} campaigns were answered otherwise than they should have been.",
+            reached=sum(bool(rate["reached"]) for rate in asked),
+            asked=len(asked),
+            campaigns=last["campaigns"],
+            failed=len(last["failures"]),
+        ),
+        facts={
+            "Campaigns": ", ".join(f"{count} {_worded(kind)}" for kind, count in last["kinds"].items()),
+            "Gap closed on held-out tests": prose(
+                "{middle} in the middle, {low} or more in 95 % of {n} campaigns",
+                middle=percent(gap["q50"]),
+                low=percent(gap["q5"]),
+                n=gap["n"],
+            ),
+        },
+        blocks=(_rates(runs), _confusion(last), _probabilities(last), _failures(last), _limits(notes)),
+        provenance=provenance_of(
+            {**provenance, **{f"seeds, code {run['code']}": run["seeds"] for run in runs}}
+        ),
+    )
+
+
+def _worded(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def _rates(runs: Sequence[Mapping[str, Any]]) -> Section:
+    last = {**runs[-1]["rates"], "90 % intervals that cover": runs[-1]["coverage"]}
+    rows = [{"what": name, **rate, "wanted": _target(rate)} for name, rate in last.items() if rate["of"]]
+    columns = (
+        Column(key="what", heading="What", wide=True),
+        Column(key="count", heading="Times", number=Whole()),
+        Column(key="of", heading="Of", number=Whole()),
+        *(
+            Column(key=key, heading=heading, unit="%", number=_SHARE)
+            for key, heading in (("share", "Share"), ("low", "From"), ("high", "To"))
+        ),
+        Column(key="wanted", heading="Target"),
+    )
+    caption = "What was measured on the last run, with Wilson's 95 % intervals."
+    blocks: list[Block] = [
+        Table(frame=pd.DataFrame(rows), columns=columns, caption=caption, label="tab:rates")
+    ]
+    if len(runs) > 1:
+        blocks.append(_earlier(runs))
+    return Section(title="How often it is right", blocks=tuple(blocks))
+
+
+def _target(rate: Mapping[str, Any]) -> str:
+    target = rate["target"]
+    if target is None:
+        return "–"
+    if isinstance(target, list):
+        return f"{percent(target[0])} to {percent(target[1])}"
+    return f"at {'most' if rate['at_most'] else 'least'} {percent(target)}"
+
+
+def _earlier(runs: Sequence[Mapping[str, Any]]) -> Table:
+    """Rates of all runs, each with the code of its time."""
+    frame = pd.DataFrame(
+        {
+            run["code"]: {
+                name: f"{rate['count']} of {rate['of']}"
+                for name, rate in {**run["rates"], "90 % intervals that cover": run["coverage"]}.items()
+            }
+            for run in runs
+        }
+    )
+    shown = frame.fillna("–").reset_index(names="what")
+    columns = (
+        Column(key="what", heading="What", wide=True),
+        *(Column(key=code, heading=f"Code {code}") for code in frame.columns),
+    )
+    caption = "All runs in their order; each was made on campaigns that nobody had seen before."
+    return Table(frame=shown, columns=columns, caption=caption, label="tab:runs")
+
+
+def _confusion(run: Mapping[str, Any]) -> Section:
+    groups: dict[str, dict[str, Mapping[str, int]]] = {}
+    for truth, answers in run["confusion"].items():
+        groups.setdefault(_group(truth), {})[truth] = answers
+    figures = [
+        Figure(
+            drawing=discrepancy_confusion(groups[name]),
+            caption=f"{name}: what is hidden against what is answered, verdicts without a name in brackets.",
+            label=f"fig:confusion{place}",
+        )
+        for place, name in enumerate(name for name in _GROUPS if name in groups)
+    ]
+    return Section(title="What is taken for what", blocks=tuple(figures))
+
+
+def _group(truth: str) -> str:
+    alone, among, faint, one_channel, other = _GROUPS
+    if truth.endswith(" among several"):
+        return among
+    if truth.startswith("faint "):
+        return faint
+    if truth.startswith("one channel "):
+        return one_channel
+    return alone if truth in set(EffectName) else other
+
+
+def _probabilities(run: Mapping[str, Any]) -> Section:
+    bins = pd.DataFrame(run["reliability"]["bins"])
+    caption = "How often effects were right that were named with a probability; numbers are those of effects."
+    return Section(
+        title="Whether stated probabilities are kept",
+        blocks=(Figure(drawing=discrepancy_reliability(bins), caption=caption, label="fig:reliability"),),
+    )
+
+
+def _failures(run: Mapping[str, Any]) -> Section:
+    title = "Every campaign that was answered otherwise"
+    if not run["failures"]:
+        return Section(title=title, blocks=(Paragraph(text="There was none."),))
+    rows = [
+        {
+            "campaign": str(one["campaign"]).removeprefix("campaign_"),
+            "seen": _worded(one["observation"]),
+            "noise": f"{_worded(one['noise'])}, {one['snr_db']:.0f} dB",
+            "truth": ", ".join(f"{_worded(name)} {db:+.0f} dB" for name, db in one["truth"].items())
+            or "nothing",
+            "answer": ", ".join(map(_worded, one["named"])) or _worded(str(one["verdict"])),
+        }
+        for one in run["failures"]
+    ]
+    columns = (
+        Column(key="campaign", heading="Seed"),
+        Column(key="seen", heading="Observed"),
+        Column(key="noise", heading="Noise"),
+        Column(key="truth", heading="Hidden, over the noise", wide=True),
+        Column(key="answer", heading="Answer", wide=True),
+    )
+    caption = "Failures of the last run; the level is that of the effect over the noise of its channel."
+    return Section(
+        title=title,
+        blocks=(Table(frame=pd.DataFrame(rows), columns=columns, caption=caption, label="tab:failures"),),
+    )
+
+
+def _limits(notes: Sequence[Prose]) -> Section:
+    said = (
+        "An effect must be named when it exceeds the noise in its own channel after calibration.",
+        "Shares of few campaigns are uncertain: the intervals say how much.",
+    )
+    return Section(title="How to read this", blocks=(Points(items=(*said, *notes)),))
