@@ -1,13 +1,15 @@
 """A reading that stands still now and then: the sensor, or the line from it, drops out.
 
 Noise and motion make every sample differ from the one before it. A run of equal samples is an event where the
-model that explains the tests best moves on by much more than the steps of the converter.
+model that explains the tests best moves on by much more than the steps of the converter, at frequencies at
+which it is judged.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import signal
 
 from reliab.discrepancy.fit import Fit, Problem
 
@@ -53,10 +55,16 @@ def standstill(problem: Problem, best: Fit) -> Standstill | None:
     lengths: list[int] = []
     for test, left in problem.residuals(best.space, best.coordinates).items():
         read = problem.block.measured(test)
-        lengths += _held(read, read - left, problem.steps[test])
+        expected = _judged(read - left, problem.block.highest_signal / problem.block.rate)
+        lengths += _held(read, expected, problem.steps[test])
     if len(lengths) < _FEWEST_EVENTS:
         return None
     return Standstill(events=len(lengths), seconds=float(np.median(lengths)) / problem.block.rate)
+
+
+def _judged(expected: Array, highest: float) -> Array:
+    """Keep of what a model expects the part below the highest frequency, in units of the sampling rate."""
+    return np.asarray(signal.sosfiltfilt(signal.butter(4, highest, fs=1.0, output="sos"), expected))
 
 
 def _held(read: Array, expected: Array, step: float) -> list[int]:

@@ -1,10 +1,13 @@
 """A reading that is held now and then is an unknown effect; coarse steps of a converter are not."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from reliab.discrepancy import diagnose
 from reliab.discrepancy.campaign import Campaign, Channel, MeasuredTest
+from reliab.discrepancy.standstill import standstill
 from reliab.loop.actuator import Actuator
 
 RATE = 512.0
@@ -39,3 +42,15 @@ def test_a_reading_that_is_held_is_unknown(step):
 @pytest.mark.parametrize("step", [0.0, 1e-4, 4e-4])
 def test_coarse_steps_alone_are_nothing(step):
     assert str(diagnose(campaign(step=step)).verdict) == "no_missing_effect"
+
+
+def test_what_a_model_expects_above_the_band_is_no_movement():
+    slow, step = np.sin(2.0 * np.pi * 0.2 * TIME), 0.05
+    read = np.round(slow / step) * step
+    jagged = 20.0 * step * np.sin(2.0 * np.pi * 150.0 * TIME)
+    problem = SimpleNamespace(
+        residuals=lambda *_: {0: read - slow - jagged},
+        block=SimpleNamespace(measured=lambda _: read, rate=RATE, highest_signal=45.0),
+        steps={0: step},
+    )
+    assert standstill(problem, SimpleNamespace(space=None, coordinates=None)) is None
