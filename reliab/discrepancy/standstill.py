@@ -1,8 +1,8 @@
 """A reading that stands still now and then: the sensor, or the line from it, drops out.
 
 Noise and motion make every sample differ from the one before it. A run of equal samples is an event where the
-model that explains the tests best moves on by much more than the steps of the converter, at frequencies at
-which it is judged.
+model that explains the tests best moves on, at frequencies at which it is judged, by much more than the
+reading usually changes from one sample to the next, or the model misses it.
 """
 
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 _FEWEST_SAMPLES = 5
 _FEWEST_EVENTS = 3
-_STEPS = 4.0  # of the converter
+_TIMES = 4.0  # of what the reading usually differs by
 _SHARE = 0.01  # of the channel's RMS
 
 
@@ -55,8 +55,8 @@ def standstill(problem: Problem, best: Fit) -> Standstill | None:
     lengths: list[int] = []
     for test, left in problem.residuals(best.space, best.coordinates).items():
         read = problem.block.measured(test)
-        expected = _judged(read - left, problem.block.highest_signal / problem.block.rate)
-        lengths += _held(read, expected, problem.steps[test])
+        expected = _judged(read - left, problem.block.highest / problem.block.rate)
+        lengths += _held(read, expected, max(problem.steps[test], float(np.median(np.abs(left)))))
     if len(lengths) < _FEWEST_EVENTS:
         return None
     return Standstill(events=len(lengths), seconds=float(np.median(lengths)) / problem.block.rate)
@@ -67,10 +67,13 @@ def _judged(expected: Array, highest: float) -> Array:
     return np.asarray(signal.sosfiltfilt(signal.butter(4, highest, fs=1.0, output="sos"), expected))
 
 
-def _held(read: Array, expected: Array, step: float) -> list[int]:
+def _held(read: Array, expected: Array, usual: float) -> list[int]:
     """Lengths of the events in a test, in samples."""
-    edges = np.concatenate([[0], np.flatnonzero(np.diff(read)) + 1, [read.size]])
-    least = _STEPS * step + _SHARE * float(read.std())
+    changes = np.diff(read)
+    edges = np.concatenate([[0], np.flatnonzero(changes) + 1, [read.size]])
+    if changes.any():
+        usual = max(usual, float(np.median(np.abs(changes[changes != 0.0]))))
+    least = _TIMES * usual + _SHARE * float(read.std())
     found = []
     for begin, end in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
         if end - begin >= _FEWEST_SAMPLES and float(np.ptp(expected[begin:end])) > least:
