@@ -101,8 +101,8 @@ def simulate(
     >>> motions = reliab.load_motions("synthetic")[:2]
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     results = reliab.simulate(motions, out=f"{folder}/results.zarr").load()
-    >>> dict(results.sizes)
-    {'motion': 2, 'f': 1, 'xi': 1, 'kp': 41, 'tau': 31}
+    >>> results["rms"].dims, results["rms"].shape
+    (('motion', 'f', 'xi', 'kp', 'tau'), (2, 1, 1, 41, 31))
     """
     test = _hybrid_test(model, f, xi, alpha)
     structure = test and test.structure
