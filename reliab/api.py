@@ -10,7 +10,7 @@ from typing import Final, TypeVar
 import xarray as xr
 
 from reliab.boundary import Curve, Ellipse
-from reliab.discrepancy.updated_model import read_model
+from reliab.loop.hybrid_test.model_file import read_model
 from reliab.errors import InputError
 from reliab.indices.window import Window
 from reliab.loop.engine import Engine

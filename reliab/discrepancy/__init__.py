@@ -1,9 +1,9 @@
 """Measured campaigns: locate the discrepancy, name what is missing, add it, prove that the gap shrank."""
 
-from reliab.discrepancy.adding import Addition, add
-from reliab.discrepancy.campaign import Campaign, Channel, MeasuredTest
+from reliab.discrepancy.adding.adding import Addition, add
+from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
+from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.diagnose import diagnose
-from reliab.discrepancy.reading import read_campaign
 from reliab.discrepancy.result import BlockDiagnosis, Diagnosis, Gap, MissingEffect, Verdict
 
 __all__ = [

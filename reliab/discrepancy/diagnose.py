@@ -10,13 +10,13 @@ from reliab.discrepancy.blocks.balance import BalanceBlock
 from reliab.discrepancy.blocks.loop import LoopBlock
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
-from reliab.discrepancy.campaign import Campaign, Channel
-from reliab.discrepancy.fit import Problem
-from reliab.discrepancy.naming import diagnose_block
+from reliab.discrepancy.campaign.campaign import Campaign, Channel
+from reliab.discrepancy.fitting.problem import Problem
+from reliab.discrepancy.fitting.search import Search
+from reliab.discrepancy.naming.naming import diagnose_block
 from reliab.discrepancy.result import BlockDiagnosis, Diagnosis
-from reliab.discrepancy.scales import motions_of, scales_of
-from reliab.discrepancy.search import Search
-from reliab.discrepancy.segment import cut_segments
+from reliab.discrepancy.spectra.scales import motions_of, scales_of
+from reliab.discrepancy.spectra.segment import cut_segments
 from reliab.errors import InputError
 from reliab.loop.effects import Scales
 from reliab.loop.hybrid_test import Motion3

@@ -5,10 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.discrepancy.fit import Fit, Problem
-from reliab.discrepancy.noise import NoiseModel
+from reliab.discrepancy.fitting.fit import Fit
+from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.result import Gap
-from reliab.discrepancy.segment import Segment
+from reliab.discrepancy.spectra.noise import NoiseModel
+from reliab.discrepancy.spectra.segment import Segment
 from reliab.loop.effects import Effect
 
 Array = NDArray[np.float64]

@@ -8,9 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.discrepancy.blocks.observed import ObservedBlock
-from reliab.discrepancy.campaign import Campaign
+from reliab.discrepancy.campaign.campaign import Campaign
 from reliab.discrepancy.degeneracy import remark
-from reliab.discrepancy.fit import Fit, Problem
+from reliab.discrepancy.fitting.fit import Fit
+from reliab.discrepancy.fitting.problem import Problem
+from reliab.discrepancy.locating.finding import Finding
 from reliab.loop.effects import Effect
 
 Array = NDArray[np.float64]
@@ -23,47 +25,6 @@ class Verdict(StrEnum):
     NO_MISSING_EFFECT = "no_missing_effect"
     UNKNOWN_EFFECT = "unknown_effect"
     NOT_IDENTIFIABLE = "not_identifiable"
-
-
-@dataclass(frozen=True, kw_only=True)
-class Finding:
-    """A place where the calibrated model fails.
-
-    Attributes
-    ----------
-    block, channel : str
-        Where in the loop, and in which column.
-    test : str
-        File of the test in which it shows most.
-    kind : str
-        What the residual depends on.
-    detail : str
-        One sentence.
-    share_of_residual : float
-        Part of the residual's power above the noise that it accounts for, in [0, 1].
-    p_value : float
-        Probability of as much under noise alone, corrected for the number of tests made.
-    """
-
-    block: str
-    channel: str
-    test: str
-    kind: str
-    detail: str
-    share_of_residual: float
-    p_value: float
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the entry of `where`."""
-        return {
-            "block": self.block,
-            "channel": self.channel,
-            "test": self.test,
-            "kind": self.kind,
-            "detail": self.detail,
-            "share_of_residual": self.share_of_residual,
-            "p_value": self.p_value,
-        }
 
 
 @dataclass(frozen=True, kw_only=True)

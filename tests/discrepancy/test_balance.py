@@ -4,10 +4,10 @@ import pytest
 
 from reliab.discrepancy import read_campaign
 from reliab.discrepancy.blocks.balance import BalanceBlock
-from reliab.discrepancy.fit import Problem
-from reliab.discrepancy.scales import motions_of, scales_of
-from reliab.discrepancy.search import Search
-from reliab.discrepancy.segment import cut_segments
+from reliab.discrepancy.fitting.problem import Problem
+from reliab.discrepancy.fitting.search import Search
+from reliab.discrepancy.spectra.scales import motions_of, scales_of
+from reliab.discrepancy.spectra.segment import cut_segments
 
 
 @pytest.mark.parametrize("seed", [710001, 710010])  # explicit Newmark with γ = 0.84, forward Euler

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from reliab.boundary import Ellipse, motion_contours
-from reliab.discrepancy.campaign import Campaign, Channel, MeasuredTest
-from reliab.discrepancy.criterion_shift import criterion_shift, shaking_of
+from reliab.discrepancy.adding.criterion_shift import criterion_shift, shaking_of
+from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.errors import InputError
 from reliab.loop.effects import find_effect
 from reliab.loop.engine import Loop

@@ -9,12 +9,13 @@ from threadpoolctl import threadpool_info
 from reliab.discrepancy import diagnose, read_campaign
 from reliab.discrepancy.blocks.actuator import ActuatorBlock
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
-from reliab.discrepancy.campaign import Campaign, Channel, MeasuredTest
-from reliab.discrepancy.fit import Problem, fit, jacobian, refined, reweighted, sharpened
-from reliab.discrepancy.noise import NoiseModel
-from reliab.discrepancy.scales import motions_of, scales_of
-from reliab.discrepancy.segment import cut_segments
-from reliab.discrepancy.space import ModelSpace
+from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
+from reliab.discrepancy.fitting.fit import fit, jacobian, refined, reweighted, sharpened
+from reliab.discrepancy.fitting.problem import Problem
+from reliab.discrepancy.fitting.space import ModelSpace
+from reliab.discrepancy.spectra.noise import NoiseModel
+from reliab.discrepancy.spectra.scales import motions_of, scales_of
+from reliab.discrepancy.spectra.segment import cut_segments
 from reliab.loop.actuator import Actuator
 from reliab.loop.effects import find_effect
 from reliab.loop.hybrid_test import HybridTest, Motion3, Specimen, load, read_force

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from reliab.discrepancy import diagnose
-from reliab.discrepancy.campaign import Campaign, Channel, MeasuredTest
+from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.loop.hybrid_test import Specimen
 
 RATE = 200.0

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from reliab.discrepancy.noise import Periodogram, fit_noise
-from reliab.discrepancy.quantisation import converter_step, expected_error
-from reliab.discrepancy.smoothing import reliable_frequency, smoothed_motion
+from reliab.discrepancy.spectra.noise import Periodogram, fit_noise
+from reliab.discrepancy.spectra.quantisation import converter_step, expected_error
+from reliab.discrepancy.spectra.smoothing import reliable_frequency, smoothed_motion
 
 RATE = 1024.0
 

@@ -7,15 +7,16 @@ import pytest
 from scipy import stats
 
 from reliab.criterion.bayes import Ensembles, sample
+from reliab.discrepancy.adding.likelihood_surface import LikelihoodSurface
+from reliab.discrepancy.adding.posterior import SMALLEST_AGREEMENT, sample_posterior
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
-from reliab.discrepancy.campaign import Campaign, Channel, MeasuredTest
-from reliab.discrepancy.fit import Problem, fit
-from reliab.discrepancy.likelihood_surface import LikelihoodSurface
-from reliab.discrepancy.noise import NoiseModel
-from reliab.discrepancy.posterior import SMALLEST_AGREEMENT, sample_posterior
-from reliab.discrepancy.scales import motions_of, scales_of
-from reliab.discrepancy.segment import cut_segments
-from reliab.discrepancy.space import MODEL_ERROR, ModelSpace
+from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
+from reliab.discrepancy.fitting.fit import fit
+from reliab.discrepancy.fitting.problem import Problem
+from reliab.discrepancy.fitting.space import MODEL_ERROR, ModelSpace
+from reliab.discrepancy.spectra.noise import NoiseModel
+from reliab.discrepancy.spectra.scales import motions_of, scales_of
+from reliab.discrepancy.spectra.segment import cut_segments
 from reliab.errors import InputError
 from reliab.loop.effects import find_effect
 from reliab.loop.hybrid_test import HybridTest, Motion3, Specimen, load

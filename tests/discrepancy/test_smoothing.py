@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from reliab.discrepancy.smoothing import smoothed_motion, velocity_spread
+from reliab.discrepancy.spectra.smoothing import smoothed_motion, velocity_spread
 
 RATE = 1024.0
 TIME = np.arange(46080) / RATE

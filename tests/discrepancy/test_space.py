@@ -4,8 +4,8 @@ import pytest
 
 from reliab.discrepancy import read_campaign
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
-from reliab.discrepancy.scales import motions_of, scales_of
-from reliab.discrepancy.space import ModelSpace
+from reliab.discrepancy.fitting.space import ModelSpace
+from reliab.discrepancy.spectra.scales import motions_of, scales_of
 from reliab.loop.effects import find_effect
 
 

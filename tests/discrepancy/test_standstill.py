@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from reliab.discrepancy import diagnose
-from reliab.discrepancy.campaign import Campaign, Channel, MeasuredTest
-from reliab.discrepancy.standstill import standstill
+from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
+from reliab.discrepancy.locating.standstill import standstill
 from reliab.loop.actuator import Actuator
 
 RATE = 512.0

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from reliab.discrepancy import Campaign, Channel, MeasuredTest, diagnose
-from reliab.discrepancy.update import updated_model
-from reliab.discrepancy.updated_model import read_model, write_model
+from reliab.discrepancy.adding.update import updated_model
 from reliab.loop.actuator import Actuator
 from reliab.loop.effects import find_effect
 from reliab.loop.hybrid_test import HybridTest, Motion3, Specimen, drive, load
+from reliab.loop.hybrid_test.model_file import read_model, write_model
 from reliab.loop.structure import Structure
 
 RATE = 256.0

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from reliab.discrepancy import Campaign, Channel, MeasuredTest, diagnose
-from reliab.discrepancy.posterior import sample_posterior
+from reliab.discrepancy.adding.posterior import sample_posterior
 from reliab.loop.effects import find_effect
 from reliab.loop.hybrid_test import HybridTest, Motion3, Specimen, load
 from reliab.report.content import CONTENT_FILE, files_of

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from reliab.discrepancy.blocks.observed import ObservedBlock
-from reliab.discrepancy.campaign import Campaign, Channel, MeasuredTest
+from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.loop.effects import RecordEffect, Role, Scales, library
 from reliab.loop.effects.integration_error import IntegrationError
 from reliab.loop.hybrid_test import HybridTest, Motion3

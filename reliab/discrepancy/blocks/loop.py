@@ -11,8 +11,8 @@ from scipy import signal
 
 from reliab.discrepancy.blocks.calibration import damping, delay, gain, scale_of_excitation, stiffness
 from reliab.discrepancy.blocks.observed import ObservedBlock
-from reliab.discrepancy.campaign import Campaign, Channel
-from reliab.discrepancy.outside import outside_terms
+from reliab.discrepancy.campaign.campaign import Campaign, Channel
+from reliab.discrepancy.terms import outside_terms
 from reliab.loop.effects import Effect, Role, Scales, library
 from reliab.loop.effects.added_mass import AddedMass
 from reliab.loop.effects.excitation_scale import ExcitationScale

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from reliab.discrepancy.blocks.calibration import Calibration
-from reliab.discrepancy.campaign import Channel, MeasuredTest
-from reliab.discrepancy.smoothing import highest_frequency
+from reliab.discrepancy.campaign.campaign import Channel, MeasuredTest
+from reliab.discrepancy.spectra.smoothing import highest_frequency
 from reliab.loop.effects import Effect, Scales
 from reliab.loop.effects.added_mass import AddedMass
 from reliab.loop.effects.viscous_damping import ViscousDamping

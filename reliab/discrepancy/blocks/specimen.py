@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from reliab.discrepancy.blocks.calibration import Calibration, stiffness, unknown_stiffness
 from reliab.discrepancy.blocks.observed import ObservedBlock
-from reliab.discrepancy.campaign import Campaign, Channel
-from reliab.discrepancy.outside import outside_terms
-from reliab.discrepancy.smoothing import reliable_frequency, velocity_spread
+from reliab.discrepancy.campaign.campaign import Campaign, Channel
+from reliab.discrepancy.spectra.smoothing import reliable_frequency, velocity_spread
+from reliab.discrepancy.terms import outside_terms
 from reliab.loop.effects import Effect, Kernel, Role, Scales, Setting, SteppedEffect, library
 from reliab.loop.effects.force_bias import ForceBias
 from reliab.loop.effects.quadratic_damping import QuadraticDamping

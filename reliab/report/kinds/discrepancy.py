@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from reliab.discrepancy import Diagnosis, MissingEffect, Verdict
-from reliab.discrepancy.posterior import Posterior
+from reliab.discrepancy.adding.posterior import Posterior
 from reliab.report.document import Block, Column, Document, Paragraph, Points, Section, Table
 from reliab.report.kinds.discrepancy_figures import (
     block_figure,

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.discrepancy import BlockDiagnosis, Channel, Diagnosis
-from reliab.discrepancy.posterior import Posterior
+from reliab.discrepancy.adding.posterior import Posterior
 from reliab.loop.effects import find_effect
 from reliab.report.document import Figure
 from reliab.report.figures.discrepancy_blocks import discrepancy_blocks

@@ -1,0 +1,1 @@
+"""What a diagnosis adds to the model, with its uncertainty."""

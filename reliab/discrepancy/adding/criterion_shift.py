@@ -1,0 +1,153 @@
+"""What added effects do to the criterion: how much less, or more, the actuator may err."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import norm
+
+from reliab.boundary import Ellipse, motion_contours
+from reliab.discrepancy.campaign.campaign import Campaign, Channel
+from reliab.errors import InputError
+from reliab.loop.effect_loop import EffectLoop
+from reliab.loop.excitation import Excitation
+from reliab.loop.hybrid_test import HybridTest, run_closed_loop
+from reliab.motions import load_motions
+
+Array = NDArray[np.float64]
+
+THRESHOLD, CONFIDENCE = 0.05, 0.95
+"""Error on the boundary [-] and share of the motions that the criterion serves: the paper's."""
+
+_MOST_MOTIONS = 6
+_COARSE = 1.0  # amplitude step: eleven points a contour are enough for a ratio
+_PHASE_STEP = 0.08  # rad; errors of the step cancel in the ratio
+_SYNTHETIC_STRIDE = 16  # through the built-in suite, whose neighbours are of one earthquake
+
+
+@dataclass(frozen=True, kw_only=True)
+class CriterionShift:
+    """Criterion with effects over criterion without them.
+
+    Attributes
+    ----------
+    a, b : float
+        Ratios of the ellipse parameters [-]; zero where effects alone exceed the error.
+    """
+
+    a: float
+    b: float
+
+    def as_dict(self) -> dict[str, float]:
+        """Return the entry `criterion_shift`."""
+        return {"a": self.a, "b": self.b}
+
+
+def criterion_shift(
+    test: HybridTest, shaking: Sequence[Excitation], *, threshold: float = THRESHOLD
+) -> CriterionShift:
+    """Compare the criterion of a model with that of the same model without its effects.
+
+    The criterion is the paper's, the 5 % quantile of a lognormal distribution of a and of b over the
+    ground motions. Both criteria are those of an actuator's gain and delay, see
+    :class:`reliab.loop.effect_loop.EffectLoop`: an effect of the specimen or of the shaking belongs to
+    the behaviour under test and may make a test more tolerant; any other uses up part of the error that
+    the actuator may cause.
+
+    Parameters
+    ----------
+    test : HybridTest
+        A model with a structure and effects.
+    shaking : sequence of Excitation
+        Ground motions.
+    threshold : float, optional
+        Error on the boundary [-].
+
+    Returns
+    -------
+    CriterionShift
+        The ratios.
+
+    Raises
+    ------
+    InputError
+        If the model has no structure or there is no ground motion.
+
+    Examples
+    --------
+    >>> from reliab.loop.effects import find_effect
+    >>> from reliab.loop.structure import Structure
+    >>> lag = find_effect("first_order_lag")(time_constant_s=0.0005)
+    >>> test = HybridTest(structure=Structure(frequency=1.0, damping_ratio=0.02), effects=(lag,))
+    >>> record = np.sin(2.0 * np.pi * np.arange(0.0, 10.0, 0.01))
+    >>> shift = criterion_shift(test, [Excitation(acceleration=record, time_step=0.01)])
+    >>> shift.b < shift.a <= 1.0
+    True
+    """
+    if not shaking:
+        raise InputError("A criterion needs ground motions", value="none", remedy="Give at least one")
+    pairs = [
+        (_axes(test, one, threshold), _axes(replace(test, effects=()), one, threshold)) for one in shaking
+    ]
+    sound = np.array([pair for pair in pairs if np.isfinite(pair).all()]).reshape(-1, 2, 2)
+    if sound.size == 0:
+        raise InputError(
+            "The boundary of equal error must be an ellipse under at least one ground motion",
+            value=f"none of {len(pairs)}",
+            remedy="Choose a smaller error threshold",
+        )
+    ratio = _criterion(sound[:, 0]) / _criterion(sound[:, 1])
+    return CriterionShift(a=float(ratio[0]), b=float(ratio[1]))
+
+
+def _axes(test: HybridTest, excitation: Excitation, threshold: float) -> tuple[float, float]:
+    """Ellipse parameters a and b under a motion; NaN where the boundary is no ellipse."""
+    loop = EffectLoop(excitation=excitation, test=test, phase_step=_PHASE_STEP)
+    (contour,) = motion_contours(loop, (threshold,), amplitude_step=_COARSE)
+    found = Ellipse.fit(contour)
+    return (found.a, found.b) if found.n == 0 or min(found.a, found.b) > 0.0 else (np.nan, np.nan)
+
+
+def _criterion(axes: Array) -> Array:
+    """Quantiles of a and b, shape (2,), of their values over the motions, shape (motions, 2)."""
+    if not axes.all():
+        return np.zeros(2)
+    logarithms = np.log(axes)
+    return np.asarray(np.exp(logarithms.mean(axis=0) + norm.ppf(1.0 - CONFIDENCE) * logarithms.std(axis=0)))
+
+
+def shaking_of(campaign: Campaign) -> tuple[Excitation, ...]:
+    """Ground motions that stand for those of a campaign.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        A campaign with a structure.
+
+    Returns
+    -------
+    tuple of Excitation
+        Recorded ground accelerations of up to six tests; where none was recorded, motions of the built-in
+        suite, each scaled to the largest displacement of the tests.
+    """
+    if Channel.GROUND in campaign.channels:
+        recorded = [test.channels[Channel.GROUND] for test in campaign.tests[:_MOST_MOTIONS]]
+        return tuple(
+            Excitation(acceleration=each, time_step=campaign.step) for each in recorded if np.ptp(each)
+        )
+    peak = _largest_displacement(campaign)
+    suite = load_motions("synthetic")
+    chosen = (suite[_SYNTHETIC_STRIDE * k] for k in range(_MOST_MOTIONS))
+    return tuple(_scaled(campaign.nominal, one.acceleration, one.time_step, peak) for one in chosen)
+
+
+def _largest_displacement(campaign: Campaign) -> float:
+    channel = Channel.COMMAND if Channel.COMMAND in campaign.channels else Channel.MEASURED
+    return max(float(np.ptp(test.channels[channel])) / 2.0 for test in campaign.tests)
+
+
+def _scaled(nominal: HybridTest, acceleration: Array, step: float, peak: float) -> Excitation:
+    """Scale a motion so that the nominal test reaches a displacement [m]."""
+    reached = np.abs(run_closed_loop(nominal, acceleration, step).measured).max()
+    return Excitation(acceleration=acceleration * (peak / reached), time_step=step)

@@ -1,0 +1,167 @@
+"""The likelihood around a fitted model, from a few simulations.
+
+A simulation takes some ten milliseconds and an ensemble sampler asks for a hundred thousand. The whitened
+residual is therefore written as a quadratic polynomial of the parameters, exact where effects enter
+linearly, which is fitted at points as far from the most probable model as the data allow. The likelihood
+is then a quartic polynomial whose coefficients are inner products of residuals. Whether that is good
+enough is checked with simulations at draws.
+"""
+
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import combinations
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.criterion.bayes import Model, Parameter
+from reliab.discrepancy.fitting.fit import Fit
+from reliab.discrepancy.fitting.problem import Problem
+
+Array = NDArray[np.float64]
+
+_REACH = np.sqrt(3.0)  # standard deviations: the nodes of Gauss and Hermite of order three
+_WIDE = 10.0  # standard deviations within which the mode is looked for
+_WALL = 1e9  # stands for infinity where walkers may still start
+_WORKERS = 2
+
+
+def simulated(problem: Problem, fitted: Fit, points: Iterable[Array]) -> Array:
+    """Whitened residuals of a model at given coordinates.
+
+    Parameters
+    ----------
+    problem : Problem
+        Data.
+    fitted : Fit
+        Its space and noise count.
+    points : iterable of numpy.ndarray
+        Coordinates, shape (size,) each.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (points, rows).
+    """
+    with ThreadPoolExecutor(_WORKERS) as pool:
+        rows = pool.map(lambda point: problem.whitened(fitted.space, point, fitted.noise), points)
+        return np.stack(list(rows))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LikelihoodSurface(Model):
+    """Posterior of a model's coordinates, in standard ones in which it is nearly standard normal.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Standard coordinates, principal axes of the fitted covariance.
+    centre : numpy.ndarray
+        Coordinates where the standard ones are zero, shape (size,).
+    axes : numpy.ndarray
+        Coordinates over standard ones, shape (size, size).
+    bounds : tuple of numpy.ndarray
+        Bounds of the coordinates, shape (size,) each.
+    coefficients : numpy.ndarray
+        The whitened residual over the monomials, shape (features, rows).
+    """
+
+    name: ClassVar[str] = "likelihood surface"
+
+    names: tuple[str, ...]
+    centre: Array
+    axes: Array
+    bounds: tuple[Array, Array]
+    coefficients: Array
+
+    @classmethod
+    def around(cls, problem: Problem, fitted: Fit) -> "LikelihoodSurface":
+        """Simulate around a fitted model and fit the polynomial.
+
+        Parameters
+        ----------
+        problem : Problem
+            Data.
+        fitted : Fit
+            The most probable model.
+
+        Returns
+        -------
+        LikelihoodSurface
+            From (size + 1)(size + 2)/2 simulations.
+        """
+        variances, directions = np.linalg.eigh(fitted.covariance)
+        axes = directions * np.sqrt(variances)
+        points = np.clip(fitted.coordinates + _design(fitted.space.size) @ axes.T, *fitted.space.bounds)
+        standard = np.linalg.solve(axes, (points - fitted.coordinates).T).T
+        return cls(
+            names=tuple(f"axis {k}" for k in range(fitted.space.size)),
+            centre=fitted.coordinates,
+            axes=axes,
+            bounds=fitted.space.bounds,
+            coefficients=np.linalg.pinv(_features(standard)) @ simulated(problem, fitted, points),
+        )
+
+    @cached_property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Standard coordinates; their spread is how far the mode is looked for, not that of the prior."""
+        return tuple(Parameter(name=name, mean=0.0, spread=_WIDE) for name in self.names)
+
+    @property
+    def data(self) -> Array:
+        """Coefficients of the residual and where they hold."""
+        return np.concatenate([self.coefficients.ravel(), self.centre, self.axes.ravel()])
+
+    @cached_property
+    def _gram(self) -> Array:
+        return self.coefficients @ self.coefficients.T
+
+    def coordinates(self, theta: Array) -> Array:
+        """Coordinates of standard ones, shape (..., size)."""
+        return np.asarray(self.centre + theta @ self.axes.T)
+
+    def log_prior(self, theta: Array) -> Array:
+        """Log-density of the prior, standard normal in the model's coordinates, negligible beyond bounds."""
+        coordinates = self.coordinates(theta)
+        overshoot = np.abs(coordinates - np.clip(coordinates, *self.bounds)).sum(axis=1)
+        walls = np.where(overshoot > 0.0, _WALL * (1.0 + overshoot), 0.0)
+        return np.asarray(-0.5 * (coordinates**2).sum(axis=1) - walls)
+
+    def draw_prior(self, count: int, rng: np.random.Generator) -> Array:
+        """Draw standard coordinates from the prior, shape (count, size)."""
+        drawn = np.clip(rng.standard_normal((count, self.centre.size)), *self.bounds)
+        return np.asarray(np.linalg.solve(self.axes, (drawn - self.centre).T).T)
+
+    def log_likelihood(self, theta: Array) -> Array:
+        """Log-likelihood at standard coordinates, shape (points, size) to (points,)."""
+        features = _features(theta)
+        return np.asarray(-0.5 * np.einsum("ki,ki->k", features @ self._gram, features))
+
+    def simulate(self, theta: Array, rng: np.random.Generator) -> "LikelihoodSurface":
+        """Return the surface of data drawn at standard coordinates, shape (size,)."""
+        changed = self.coefficients.copy()
+        changed[0] += (
+            rng.standard_normal(changed.shape[1]) - (_features(theta[np.newaxis]) @ self.coefficients)[0]
+        )
+        return replace(self, coefficients=changed)
+
+
+def log_density(residuals: Array, coordinates: Array) -> Array:
+    """Logarithm of the posterior density from simulated residuals, shape (points,)."""
+    return np.asarray(-0.5 * (residuals**2).sum(axis=1) - 0.5 * (coordinates**2).sum(axis=1))
+
+
+def _design(size: int) -> Array:
+    """Points that determine a quadratic polynomial, shape ((size + 1)(size + 2)/2, size)."""
+    unit = _REACH * np.eye(size)
+    pairs = [unit[i] + unit[j] for i, j in combinations(range(size), 2)]
+    return np.vstack([np.zeros((1, size)), unit, -unit, *(pair[np.newaxis] / np.sqrt(2.0) for pair in pairs)])
+
+
+def _features(standard: Array) -> Array:
+    """Monomials up to the second degree, shape (points, features)."""
+    i, j = np.triu_indices(standard.shape[1])
+    return np.column_stack([np.ones(len(standard)), standard, standard[:, i] * standard[:, j]])

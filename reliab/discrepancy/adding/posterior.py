@@ -1,0 +1,173 @@
+"""The posterior distribution of a model's parameters, sampled by independent ensembles of walkers."""
+
+import warnings
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.criterion.bayes import Ensembles, PosteriorSample, sample
+from reliab.discrepancy.adding.likelihood_surface import LikelihoodSurface, log_density, simulated
+from reliab.discrepancy.fitting.fit import Fit
+from reliab.discrepancy.fitting.problem import Problem
+from reliab.discrepancy.fitting.space import MODEL_ERROR, ModelSpace
+from reliab.progress import Progress, silent
+
+Array = NDArray[np.float64]
+
+SMALLEST_AGREEMENT = 0.7
+"""Share of simulated draws that importance weights leave in effect, from which the surface is trusted."""
+
+_THIN = 8  # steps to a kept draw, of which a file takes milliseconds each
+_CHECKED = 48  # draws at which the surface is compared with simulations
+_KEPT = 4000
+_INTERVAL = (0.05, 0.95)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Posterior:
+    """What is known of a model's parameters.
+
+    Attributes
+    ----------
+    names, units : tuple of str
+        Parameters, those of effects as "effect.parameter".
+    draws : numpy.ndarray
+        Values in SI units, shape (draws, parameters).
+    sample : PosteriorSample
+        The chains with their diagnostics.
+    agreement : float
+        Share of simulated draws that their importance weights leave in effect [-]; 1 where the surface on
+        which walkers moved is exact.
+    """
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    draws: Array
+    sample: PosteriorSample = field(repr=False)
+    agreement: float
+
+    @property
+    def mean(self) -> Array:
+        """Means in SI units, shape (parameters,)."""
+        return np.asarray(self.draws.mean(axis=0))
+
+    @property
+    def sd(self) -> Array:
+        """Standard deviations in SI units, shape (parameters,)."""
+        return np.asarray(self.draws.std(axis=0, ddof=1))
+
+    @property
+    def interval(self) -> Array:
+        """Ends of the central 90 % intervals in SI units, shape (2, parameters)."""
+        return np.asarray(np.quantile(self.draws, _INTERVAL, axis=0))
+
+    @property
+    def converged(self) -> bool:
+        """Whether walkers mixed and the surface agrees with simulations."""
+        return self.sample.converged and self.agreement >= SMALLEST_AGREEMENT
+
+    @property
+    def statement(self) -> str:
+        """One sentence on convergence."""
+        found = self.sample.diagnostics
+        smallest = min(found.bulk_size.min(), found.tail_size.min())
+        verdict = "Converged" if self.converged else "Not converged"
+        return (
+            f"{verdict}: {found.ensembles} independent ensembles, R-hat at most {found.r_hat.max():.3f}, "
+            f"effective sample size at least {smallest:.0f}; simulations at {_CHECKED} draws leave "
+            f"{self.agreement:.0%} of them in effect."
+        )
+
+    def of(self, effect: str) -> dict[str, dict[str, Any]]:
+        """Return means, standard deviations, 90 % intervals and units of an effect's parameters by name."""
+        low, high = self.interval.tolist()
+        rows = zip(self.names, self.units, self.mean.tolist(), self.sd.tolist(), low, high, strict=True)
+        return {
+            name.removeprefix(f"{effect}."): {
+                "value": mean,
+                "sd": sd,
+                "interval_90": [low, high],
+                "units": units,
+            }
+            for name, units, mean, sd, low, high in rows
+            if name.startswith(f"{effect}.")
+        }
+
+
+def sample_posterior(
+    problem: Problem,
+    fitted: Fit,
+    *,
+    out: Path | None = None,
+    steps: int = 800,
+    seed: int = 2017,
+    progress: Progress = silent,
+) -> Posterior:
+    """Sample the posterior distribution of a fitted model.
+
+    Calibrations and offsets are sampled along with the effects; the noise is as fitted. Walkers move on a
+    surface that a few simulations determine, see :mod:`reliab.discrepancy.adding.likelihood_surface`, and
+    simulations at draws check it.
+
+    Parameters
+    ----------
+    problem : Problem
+        Data to which the model was fitted.
+    fitted : Fit
+        The model.
+    out : pathlib.Path, optional
+        HDF5 file that keeps the chains; a run that was cut short goes on from there.
+    steps : int, optional
+        Steps of every walker, a multiple of 16; the first half is left out.
+    seed : int, optional
+        Seed of the walkers.
+    progress : callable, optional
+        Called with finished and all steps.
+
+    Returns
+    -------
+    Posterior
+        Draws with what is needed to trust them.
+
+    Raises
+    ------
+    InputError
+        If the file holds chains of another model or other data.
+    """
+    surface = LikelihoodSurface.around(problem, fitted)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # convergence is said in the statement
+        sampled = sample(surface, Ensembles(steps=steps, thin=_THIN, seed=seed), file=out, progress=progress)
+    coordinates = surface.coordinates(sampled.spread_out(_KEPT))
+    return Posterior(
+        names=_names(fitted.space),
+        units=tuple(parameter.units for parameter in fitted.space.parameters),
+        draws=_values(fitted.space, coordinates, seed),
+        sample=sampled,
+        agreement=_agreement(problem, fitted, surface, sampled.spread_out(_CHECKED)),
+    )
+
+
+def _values(space: ModelSpace, coordinates: Array, seed: int) -> Array:
+    """SI values with the error of the model, shape (draws, parameters)."""
+    exact = np.stack([space.values(each) for each in coordinates])
+    strayed = np.random.default_rng(seed).standard_normal(exact.shape)
+    return exact * (1.0 + MODEL_ERROR * strayed)
+
+
+def _names(space: ModelSpace) -> tuple[str, ...]:
+    calibrated = (calibration.parameter.name for calibration in space.block.calibrations)
+    effects = (*space.block.offsets, *space.effects)
+    return (*calibrated, *(f"{effect.name}.{one.name}" for effect in effects for one in effect.parameters))
+
+
+def _agreement(problem: Problem, fitted: Fit, surface: LikelihoodSurface, drawn: Array) -> float:
+    """Effective share of draws under importance weights from surface to simulation."""
+    coordinates = surface.coordinates(drawn)
+    exact = log_density(simulated(problem, fitted, coordinates), coordinates)
+    ratios = exact - surface.log_posterior(drawn)
+    weights = np.exp(ratios - ratios.max())
+    return float(weights.sum() ** 2 / (weights**2).sum() / len(drawn))

@@ -1,0 +1,79 @@
+"""From a diagnosis to the updated model: what every block calibrated and named, put together."""
+
+from dataclasses import replace
+
+from reliab.discrepancy.fitting.fit import Fit
+from reliab.discrepancy.result import BlockDiagnosis, Diagnosis
+from reliab.loop.effects import library
+from reliab.loop.hybrid_test import HybridTest
+from reliab.loop.hybrid_test.model_file import UpdatedModel
+
+
+def updated_model(diagnosis: Diagnosis) -> UpdatedModel:
+    """Put together the model that a diagnosis arrives at.
+
+    Calibrated values and effects are those of the best model of the block that saw them. Effects of the
+    library are added when they are named, or when something of their kind acts and they explain it best;
+    a term outside the library is not, because nothing else could simulate it.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        What was found in every observed block.
+
+    Returns
+    -------
+    UpdatedModel
+        The model with standard deviations of what was fitted.
+    """
+    test = diagnosis.campaign.nominal
+    deviations: dict[str, float] = {}
+    for one in diagnosis.blocks:
+        test = _joined(test, one)
+        deviations.update(_deviations(one))
+    return UpdatedModel(name=diagnosis.campaign.name, test=test, deviations=deviations)
+
+
+def _joined(test: HybridTest, one: BlockDiagnosis) -> HybridTest:
+    """Take over from a block what it calibrated and what it names."""
+    names = {calibration.parameter.name for calibration in one.block.calibrations}
+    found = one.best.space.model(one.best.coordinates)
+    believed = {each.effect for each in (*one.effects, *one.doubtful)} & set(library().values())
+    test = test.adding(*(effect for effect in found.effects if type(effect) in believed))
+    if "gain" in names or "delay_s" in names:
+        test = replace(test, actuator=found.actuator)
+    if any(name.startswith("stiffness") for name in names):
+        test = replace(test, specimen=found.specimen)
+    if "damping" in names:
+        test = replace(test, structure=found.structure)
+    return test
+
+
+def _deviations(one: BlockDiagnosis) -> dict[str, float]:
+    """Return standard deviations in SI units of what a block calibrated and named."""
+    fitted = one.best
+    spread = fitted.space.standard_deviations(fitted.coordinates, fitted.covariance).tolist()
+    sizes = _sizes(fitted)
+    calibrated = {
+        sizes[calibration.parameter.name][0]: sizes[calibration.parameter.name][1] * sd
+        for calibration, sd in zip(one.block.calibrations, spread, strict=False)
+        if calibration.parameter.name in sizes
+    }
+    named = {
+        f"{effect.name}.{estimate.name}": estimate.sd
+        for effect in (*one.effects, *one.doubtful)
+        for estimate in effect.estimates
+    }
+    return {**calibrated, **named}
+
+
+def _sizes(fitted: Fit) -> dict[str, tuple[str, float]]:
+    """Name in the model's file and unit in SI of every calibration by its name."""
+    nominal = fitted.space.block.nominal
+    stiffness = 0.0 if nominal.specimen is None else nominal.specimen.stiffness
+    return {
+        "gain": ("gain", nominal.actuator.gain),
+        "delay_s": ("delay_s", 1.0),
+        "stiffness": ("stiffness_n_per_m", stiffness),
+        "stiffness_n_per_m": ("stiffness_n_per_m", 1.0),
+    }

@@ -1,0 +1,183 @@
+"""Reading a campaign folder: campaign.toml and one CSV file per test."""
+
+import re
+import tomllib
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from reliab.discrepancy.campaign.campaign import Campaign, MeasuredTest
+from reliab.discrepancy.campaign.table import read_table
+from reliab.errors import InputError
+from reliab.loop.actuator import Actuator
+from reliab.loop.hybrid_test import Specimen
+from reliab.loop.structure import Structure
+
+CAMPAIGN_FILE = "campaign.toml"
+
+_Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+_NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class _Structure(_Table):
+    frequency_hz: _Positive
+    damping_ratio: Annotated[float, Field(gt=0.0, lt=1.0)]
+    mass_kg: _Positive | None = None
+    experimental_fraction: Annotated[float, Field(gt=0.0, le=1.0)] = 1.0
+
+
+class _Actuator(_Table):
+    gain: _Positive = 1.0
+    delay_s: _NotNegative = 0.0
+
+
+class _Specimen(_Table):
+    stiffness_n_per_m: _NotNegative = 0.0
+    damping_n_s_per_m: _NotNegative = 0.0
+    mass_kg: _NotNegative = 0.0
+
+
+class _Sampling(_Table):
+    rate_hz: _Positive
+
+
+class _Test(_Table):
+    file: Annotated[str, Field(min_length=1)]
+    motion: str = ""
+    held_out: bool = False
+
+
+class _CampaignFile(_Table):
+    name: str = ""
+    structure: _Structure | None = None
+    actuator: _Actuator | None = None
+    specimen: _Specimen | None = None
+    sampling: _Sampling
+    tests: Annotated[list[_Test], Field(min_length=1)]
+
+
+def read_campaign(folder: Path | str) -> Campaign:
+    """Read a campaign folder.
+
+    Parameters
+    ----------
+    folder : path
+        Folder with `campaign.toml` and the files of the tests.
+
+    Returns
+    -------
+    Campaign
+        The nominal model and the tests.
+
+    Raises
+    ------
+    InputError
+        If a file is missing or breaks a rule; the message says where and what to do.
+    """
+    folder = Path(folder)
+    described = _described(folder / CAMPAIGN_FILE)
+    held_out = _held_out(described.tests)
+    rate = described.sampling.rate_hz
+    tests = tuple(
+        MeasuredTest(
+            file=test.file, motion=test.motion, held_out=out, channels=read_table(folder / test.file, rate)
+        )
+        for test, out in zip(described.tests, held_out, strict=True)
+    )
+    return _campaign(described, tests, folder)
+
+
+def _held_out(tests: list[_Test]) -> list[bool]:
+    """Which tests are held out: those marked, else the last; of a single test its end is, not itself."""
+    marked = [test.held_out for test in tests]
+    if len(tests) == 1:
+        return [False]
+    return marked if any(marked) else [*marked[:-1], True]
+
+
+def _campaign(described: _CampaignFile, tests: tuple[MeasuredTest, ...], folder: Path) -> Campaign:
+    structure, actuator, specimen = described.structure, described.actuator, described.specimen
+    return Campaign(
+        name=described.name or folder.name,
+        structure=None if structure is None else _as_structure(structure),
+        mass=(structure.mass_kg if structure else None) or 1.0,
+        actuator=None if actuator is None else Actuator(gain=actuator.gain, delay=actuator.delay_s),
+        specimen=None if specimen is None else _as_specimen(specimen),
+        rate=described.sampling.rate_hz,
+        tests=tests,
+    )
+
+
+def _as_structure(table: _Structure) -> Structure:
+    return Structure(
+        frequency=table.frequency_hz,
+        damping_ratio=table.damping_ratio,
+        experimental_fraction=table.experimental_fraction,
+    )
+
+
+def _as_specimen(table: _Specimen) -> Specimen:
+    return Specimen(stiffness=table.stiffness_n_per_m, damping=table.damping_n_s_per_m, mass=table.mass_kg)
+
+
+def _described(path: Path) -> _CampaignFile:
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(
+            f"A campaign is a folder with a readable {CAMPAIGN_FILE}",
+            value=getattr(error, "strerror", None) or "bytes that are no text",
+            remedy="Name the folder that holds it",
+            where=str(path),
+        ) from error
+    try:
+        return _CampaignFile.model_validate(tomllib.loads(text))
+    except tomllib.TOMLDecodeError as error:
+        raise InputError("The file must be valid TOML", value=str(error), where=path.name) from error
+    except ValidationError as error:
+        raise _explained(error, text, path) from error
+
+
+def _explained(error: ValidationError, text: str, path: Path) -> InputError:
+    """Turn the first complaint of pydantic into a rule with its line."""
+    first = error.errors()[0]
+    location = [str(part) for part in first["loc"]]
+    key = ".".join(location)
+    line = _line_of(text, location)
+    rule = {
+        "missing": f"The key {key} must be given",
+        "extra_forbidden": f"There is no key {key}",
+        "too_short": "A campaign must have at least one test",
+    }.get(first["type"], f"{key}: {first['msg'][0].lower()}{first['msg'][1:]}")
+    given = first.get("input")
+    value = repr(given) if isinstance(given, str | int | float | bool) else None
+    return InputError(
+        rule,
+        value=value,
+        remedy="See the format of campaign folders in the documentation",
+        where=f"{path.name}, line {line}" if line else path.name,
+    )
+
+
+def _line_of(text: str, location: list[str]) -> int | None:
+    """Line of a key, as far as its name and the order of its table tell."""
+    names = [part for part in location if not part.isdigit()]
+    counts = [int(part) for part in location if part.isdigit()]
+    lines = text.splitlines()
+    begin = 0
+    if len(names) > 1:
+        tables = [
+            k for k, line in enumerate(lines) if re.match(rf"\s*\[+\s*{re.escape(names[0])}\s*\]+", line)
+        ]
+        place = counts[0] if counts else 0
+        begin = tables[place] if place < len(tables) else 0
+    pattern = re.compile(rf"\s*\[*\s*{re.escape(names[-1])}\b")
+    for k in range(begin, len(lines)):
+        if pattern.match(lines[k]):
+            return k + 1
+    return begin + 1 if begin else None

@@ -1,0 +1,1 @@
+"""Candidate models of a block: their parameters, their fit, and the search among them."""

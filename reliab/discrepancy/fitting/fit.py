@@ -1,0 +1,222 @@
+"""Fitting a candidate model to a block by free-run simulation, with everything else refitted."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import optimize
+
+from reliab.discrepancy.fitting.problem import Problem
+from reliab.discrepancy.fitting.space import ModelSpace
+from reliab.discrepancy.spectra.noise import NoiseModel
+
+Array = NDArray[np.float64]
+
+_STEP = 1e-3  # of a prior's standard deviation, for derivatives
+_NEGLIGIBLE = 0.02  # nats
+_ON = 1e-6  # from a bound, in standard deviations of the prior
+_SMALL = 1.0  # nats
+_FIRST_DAMPING, _MOST_DAMPING = 1e-3, 1e6
+_MOST_STEPS = 12
+_MOST_ROUNDS = 10
+_SETTLED = 0.5  # nats
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Fit:
+    """A model fitted to a problem.
+
+    Attributes
+    ----------
+    space : ModelSpace
+        Which model.
+    coordinates : numpy.ndarray
+        Most probable coordinates, shape (size,).
+    residual : numpy.ndarray
+        Whitened residual there, shape (rows,).
+    jacobian : numpy.ndarray
+        Its derivatives, shape (rows, size).
+    noise : NoiseModel
+        Noise by which it is whitened.
+    log_volume : float
+        Normalisation of the likelihood.
+    """
+
+    space: ModelSpace
+    coordinates: Array
+    residual: Array
+    jacobian: Array
+    noise: NoiseModel
+    log_volume: float
+
+    @cached_property
+    def free(self) -> NDArray[np.bool_]:
+        """Whether a coordinate lies within its bounds and not on one, shape (size,)."""
+        lower, upper = self.space.bounds
+        return np.asarray((self.coordinates > lower + _ON) & (self.coordinates < upper - _ON))
+
+    @cached_property
+    def precision(self) -> Array:
+        """Inverse covariance of the coordinates, shape (size, size)."""
+        return np.asarray(self.jacobian.T @ self.jacobian + np.eye(self.space.size), dtype=np.float64)
+
+    @cached_property
+    def covariance(self) -> Array:
+        """Covariance of the coordinates, shape (size, size)."""
+        return np.asarray(np.linalg.inv(self.precision), dtype=np.float64)
+
+    @property
+    def log_likelihood(self) -> float:
+        """Whittle log-likelihood, up to a constant of the problem."""
+        return self.log_volume - 0.5 * float(self.residual @ self.residual)
+
+    @property
+    def log_evidence(self) -> float:
+        """Logarithm of the marginal likelihood, by Laplace's approximation."""
+        prior = -0.5 * float(self.coordinates @ self.coordinates)
+        return self.log_likelihood + prior - 0.5 * float(np.linalg.slogdet(self.precision)[1])
+
+
+def fit(problem: Problem, space: ModelSpace, starts: Sequence[Array], noise: NoiseModel) -> Fit:
+    """Fit a model from several starts and keep the best.
+
+    Parameters
+    ----------
+    problem : Problem
+        Data.
+    space : ModelSpace
+        Which model.
+    starts : sequence of numpy.ndarray
+        Coordinates to start from.
+    noise : NoiseModel
+        Noise by which residuals are weighted.
+
+    Returns
+    -------
+    Fit
+        The most probable model.
+    """
+    found = [_fit_from(problem, space, start, noise) for start in starts]
+    return max(found, key=lambda one: one.log_likelihood - 0.5 * float(one.coordinates @ one.coordinates))
+
+
+def refined(problem: Problem, fitted: Fit) -> Fit:
+    """Fit noise and model in turn, until the evidence settles."""
+    for _ in range(_MOST_ROUNDS):
+        again = _improved(problem, reweighted(problem, fitted))
+        settled = abs(again.log_evidence - fitted.log_evidence) < _SETTLED
+        fitted = again
+        if settled:
+            break
+    return fitted
+
+
+def transferred(problem: Problem, fitted: Fit) -> Fit:
+    """Return a model of the same block at the same place, judged by other data."""
+    return replace(fitted, residual=problem.whitened(fitted.space, fitted.coordinates, fitted.noise))
+
+
+def reweighted(problem: Problem, fitted: Fit) -> Fit:
+    """Return the same model judged by the noise that it leaves, without simulating it again."""
+    noise = problem.noise_left(fitted.residual, fitted.noise)
+    factors = problem.reweighting(fitted.noise, noise)
+    return replace(
+        fitted,
+        residual=factors * fitted.residual,
+        jacobian=factors[:, np.newaxis] * fitted.jacobian,
+        noise=noise,
+        log_volume=problem.log_volume(noise),
+    )
+
+
+def _fit_from(problem: Problem, space: ModelSpace, start: Array, noise: NoiseModel) -> Fit:
+    x = np.clip(start, *space.bounds)
+    residual = problem.whitened(space, x, noise)
+    return _improved(
+        problem,
+        Fit(
+            space=space,
+            coordinates=x,
+            residual=residual,
+            jacobian=jacobian(problem, space, x, noise),
+            noise=noise,
+            log_volume=problem.log_volume(noise),
+        ),
+    )
+
+
+def _improved(problem: Problem, fitted: Fit) -> Fit:
+    """Levenberg–Marquardt with bounds and the prior; ends when a step promises less than 0.02.
+
+    It ends, too, after a small step that reached what the quadratic model promised: derivatives have not
+    changed, and the next step would be smaller still.
+    """
+    space, noise = fitted.space, fitted.noise
+    lower, upper = space.bounds
+    x, residual, derivatives = fitted.coordinates, fitted.residual, fitted.jacobian
+    value = _objective(residual, x)
+    damping = _FIRST_DAMPING
+    for _ in range(_MOST_STEPS):
+        curvature = derivatives.T @ derivatives + np.eye(x.size)
+        slope = derivatives.T @ residual + x
+        accepted = foreseen = False
+        while damping < _MOST_DAMPING:
+            step = _bounded_step(curvature, slope, lower - x, upper - x, damping)
+            moved = np.clip(x + step, lower, upper)
+            promise = -slope @ step - 0.5 * step @ curvature @ step
+            if promise < _NEGLIGIBLE:
+                break
+            there = problem.whitened(space, moved, noise)
+            gained = value - _objective(there, moved)
+            if gained > 0.0:
+                x, residual, accepted = moved, there, True
+                foreseen = bool(promise < _SMALL and abs(gained - promise) < _NEGLIGIBLE)
+                value -= gained
+                damping = max(0.1 * damping, 1e-7)
+                break
+            damping *= 8.0
+        if not accepted or foreseen:
+            break
+        derivatives = jacobian(problem, space, x, noise)
+    return replace(fitted, coordinates=x, residual=residual, jacobian=derivatives)
+
+
+def _bounded_step(curvature: Array, slope: Array, least: Array, most: Array, damping: float) -> Array:
+    """Damped Newton step: the minimum of the quadratic model within the bounds."""
+    damped = curvature + damping * np.diag(np.diag(curvature))
+    step: Array = np.asarray(-np.linalg.solve(damped, slope), dtype=np.float64)
+    if ((step >= least) & (step <= most)).all():
+        return step
+    root = np.linalg.cholesky(damped)
+    most = np.maximum(most, least + 1e-12)
+    found = optimize.lsq_linear(root.T, -np.linalg.solve(root, slope), bounds=(least, most), method="bvls")
+    return np.asarray(found.x)
+
+
+def _objective(residual: Array, coordinates: Array) -> float:
+    return 0.5 * float(residual @ residual + coordinates @ coordinates)
+
+
+def sharpened(problem: Problem, fitted: Fit) -> Fit:
+    """Return a fitted model with derivatives of full predictions, for its standard deviations."""
+    exact = _differentiated(problem, fitted.space, fitted.coordinates, fitted.noise)
+    return replace(fitted, jacobian=exact)
+
+
+def jacobian(problem: Problem, space: ModelSpace, coordinates: Array, noise: NoiseModel) -> Array:
+    """Differentiate the whitened residual, shape (rows, size), at fewer instants where that is faster."""
+    return _differentiated(problem.sketch, space, coordinates, noise)
+
+
+def _differentiated(problem: Problem, space: ModelSpace, coordinates: Array, noise: NoiseModel) -> Array:
+    _, upper = space.bounds
+    centre = problem.whitened(space, coordinates, noise)
+    columns = np.empty((centre.size, space.size))
+    for place in range(space.size):
+        step = _STEP if coordinates[place] + _STEP < upper[place] else -_STEP
+        moved = coordinates.copy()
+        moved[place] += step
+        columns[:, place] = (problem.whitened(space, moved, noise) - centre) / step
+    return columns

@@ -1,0 +1,58 @@
+"""Lines in the spectrum of what a model leaves over."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.discrepancy.fitting.fit import Fit
+from reliab.discrepancy.fitting.problem import Problem
+from reliab.discrepancy.spectra.noise import near_mains
+from reliab.discrepancy.terms.periodic import Disturbance, disturbance
+from reliab.loop.effects import Role
+from reliab.vocabulary import Block
+
+Array = NDArray[np.float64]
+
+_HIGH = 25.0  # times the noise's power, on the average of the segments
+_LOWEST = 0.2  # Hz
+
+
+def line_terms(problem: Problem, left: Fit) -> tuple[type[Disturbance], ...]:
+    """Make a term of the strongest line that a model leaves over, if one stands out; pickup is none.
+
+    Parameters
+    ----------
+    problem : Problem
+        Data.
+    left : Fit
+        The model.
+
+    Returns
+    -------
+    tuple of type
+        One class of effects, or none.
+    """
+    longest = max(problem.segments, key=lambda one: one.end - one.begin)
+    frequency = longest.frequency
+    if frequency.size < 3:  # noqa: PLR2004 - too short to hold a line
+        return ()
+    power = np.mean(
+        [np.interp(frequency, one, rows) for one, rows in _powers(problem, left.residual)], axis=0
+    )
+    power[(frequency < _LOWEST) | near_mains(frequency, 0.5 * problem.block.rate)] = 0.0
+    place = int(np.argmax(power))
+    if power[place] < _HIGH:
+        return ()
+    role = Role.FORCE if problem.block.block is Block.SPECIMEN else Role.DISPLACEMENT_READING
+    return (disturbance(role, float(frequency[place]), float(frequency[1])),)
+
+
+def _powers(problem: Problem, residual: Array) -> list[tuple[Array, Array]]:
+    """Frequencies and whitened power of each segment."""
+    found, begin = [], 0
+    for segment in problem.segments:
+        rows = residual[begin : begin + 2 * segment.bins - 1]
+        begin += rows.size
+        real, imaginary = rows[1 : segment.bins], rows[segment.bins :]
+        power = np.concatenate([rows[:1] ** 2, 0.5 * (real**2 + imaginary**2)])
+        found.append((segment.frequency, power))
+    return found

@@ -1,0 +1,1 @@
+"""Where a model fails: what its residual goes along with."""

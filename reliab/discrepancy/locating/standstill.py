@@ -1,0 +1,82 @@
+"""A reading that stands still now and then: the sensor, or the line from it, drops out.
+
+Noise and motion make every sample differ from the one before it. A run of equal samples is an event where the
+model that explains the tests best moves on, at frequencies at which it is judged, by much more than the
+reading usually changes from one sample to the next, or the model misses it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import signal
+
+from reliab.discrepancy.fitting.fit import Fit
+from reliab.discrepancy.fitting.problem import Problem
+
+Array = NDArray[np.float64]
+
+_FEWEST_SAMPLES = 5
+_FEWEST_EVENTS = 3
+_TIMES = 4.0  # of what the reading usually differs by
+_SHARE = 0.01  # of the channel's RMS
+
+
+@dataclass(frozen=True, kw_only=True)
+class Standstill:
+    """How often and for how long a reading stands still.
+
+    Attributes
+    ----------
+    events : int
+        Number of events in all tests.
+    seconds : float
+        Median of their lengths [s].
+    """
+
+    events: int
+    seconds: float
+
+
+def standstill(problem: Problem, best: Fit) -> Standstill | None:
+    """Find where the channel of a block stands still although the model moves on.
+
+    Parameters
+    ----------
+    problem : Problem
+        A block and its tests.
+    best : Fit
+        The model that explains them best.
+
+    Returns
+    -------
+    Standstill or None
+        None where there are not three events.
+    """
+    lengths: list[int] = []
+    for test, left in problem.residuals(best.space, best.coordinates).items():
+        read = problem.block.measured(test)
+        expected = _judged(read - left, problem.block.highest / problem.block.rate)
+        lengths += _held(read, expected, max(problem.steps[test], float(np.median(np.abs(left)))))
+    if len(lengths) < _FEWEST_EVENTS:
+        return None
+    return Standstill(events=len(lengths), seconds=float(np.median(lengths)) / problem.block.rate)
+
+
+def _judged(expected: Array, highest: float) -> Array:
+    """Keep of what a model expects the part below the highest frequency, in units of the sampling rate."""
+    return np.asarray(signal.sosfiltfilt(signal.butter(4, highest, fs=1.0, output="sos"), expected))
+
+
+def _held(read: Array, expected: Array, usual: float) -> list[int]:
+    """Lengths of the events in a test, in samples."""
+    changes = np.diff(read)
+    edges = np.concatenate([[0], np.flatnonzero(changes) + 1, [read.size]])
+    if changes.any():
+        usual = max(usual, float(np.median(np.abs(changes[changes != 0.0]))))
+    least = _TIMES * usual + _SHARE * float(read.std())
+    found = []
+    for begin, end in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
+        if end - begin >= _FEWEST_SAMPLES and float(np.ptp(expected[begin:end])) > least:
+            found.append(end - begin)
+    return found

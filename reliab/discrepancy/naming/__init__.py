@@ -1,0 +1,1 @@
+"""From fitted models to the names that the data support."""

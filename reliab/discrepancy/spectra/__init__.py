@@ -1,0 +1,1 @@
+"""What the channels hold at which frequency: noise, segments, smoothing, conversion, scales."""

@@ -1,0 +1,113 @@
+"""Stretches of tests whose residuals are judged, and left out, as one."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+from reliab.discrepancy.campaign.campaign import Stretch
+from reliab.discrepancy.spectra.noise import NoiseModel, Periodogram, spectral_shapes
+
+Array = NDArray[np.float64]
+Spectrum = NDArray[np.complex128]
+
+_FEWEST_SEGMENTS = 4
+
+
+@dataclass(frozen=True, kw_only=True)
+class Segment:
+    """A stretch of a test, seen in the frequency domain up to a highest frequency.
+
+    Parameters
+    ----------
+    test : int
+        Index of the test.
+    begin, end : int
+        First sample and the one after the last.
+    rate : float
+        Sampling rate [Hz].
+    highest : float
+        Highest frequency that counts [Hz].
+    """
+
+    test: int
+    begin: int
+    end: int
+    rate: float
+    highest: float
+
+    @cached_property
+    def bins(self) -> int:
+        """Number of frequencies that count, zero among them."""
+        return int(self.highest / self.rate * (self.end - self.begin)) + 1
+
+    @cached_property
+    def frequency(self) -> Array:
+        """Frequencies that count [Hz], shape (bins,)."""
+        return np.arange(self.bins) * self.rate / (self.end - self.begin)
+
+    @cached_property
+    def _shapes(self) -> Array:
+        return spectral_shapes(self.frequency, self.rate)
+
+    def density(self, noise: NoiseModel) -> Array:
+        """Return the expected periodogram of a noise at the frequencies that count, shape (bins,)."""
+        return np.asarray(noise.weights @ self._shapes)
+
+    def full_spectrum(self, values: Array) -> Spectrum:
+        """Discrete Fourier transform over √n, all frequencies."""
+        n = self.end - self.begin
+        return np.asarray(fft.rfft(values[self.begin : self.end]) / np.sqrt(n), dtype=np.complex128)
+
+    def spectrum(self, values: Array) -> Spectrum:
+        """Discrete Fourier transform over √n at the frequencies that count, shape (bins,)."""
+        return np.asarray(self.full_spectrum(values)[: self.bins])
+
+    def coarse_spectrum(self, values: Array, every: int) -> Spectrum:
+        """Return the same of values of which only each `every`-th is there."""
+        n = self.end - self.begin
+        inside = values[self.begin // every : self.end // every]
+        return np.asarray(fft.rfft(inside)[: self.bins] * (every / np.sqrt(n)))
+
+    def periodogram(self, values: Array) -> Periodogram:
+        """Power at all frequencies but zero."""
+        n = self.end - self.begin
+        power = np.abs(self.full_spectrum(values)) ** 2
+        return Periodogram(frequency=fft.rfftfreq(n, 1.0 / self.rate)[1:], power=power[1:])
+
+
+def cut_segments(
+    stretches: Sequence[Stretch], rate: float, highest: float, every: int = 1
+) -> tuple[Segment, ...]:
+    """Cut stretches of tests into at least four segments, whole stretches if there are as many.
+
+    Parameters
+    ----------
+    stretches : sequence of Stretch
+        Parts of tests.
+    rate : float
+        Sampling rate [Hz].
+    highest : float
+        Highest frequency that counts [Hz].
+    every : int, optional
+        Begin and length of all segments are multiples of this.
+
+    Returns
+    -------
+    tuple of Segment
+        Segments of a length that transforms fast.
+    """
+    parts = 1 if len(stretches) >= _FEWEST_SEGMENTS - 1 else -(-_FEWEST_SEGMENTS // len(stretches))
+    segments = []
+    for one in stretches:
+        edges = np.linspace(one.begin, one.end, parts + 1).astype(int)
+        for begin, end in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
+            first = -(-begin // every) * every
+            length = every * fft.prev_fast_len((end - first) // every, real=True)
+            segments.append(
+                Segment(test=one.test, begin=first, end=first + length, rate=rate, highest=highest)
+            )
+    return tuple(segments)

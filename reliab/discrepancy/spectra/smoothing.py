@@ -1,0 +1,152 @@
+"""The motion behind a noisy displacement, by Wiener's filter.
+
+The spectrum of the noise is extrapolated from frequencies that are too high for a signal. The smoothed
+displacement p̂ is the mean of the true one given the reading, so that what it misses is independent of p̂
+itself (Berkson's error): forces regressed on p̂ are not attenuated. A force that is bent in the velocity is
+expected where the velocity spreads about that of p̂.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+from reliab.discrepancy.spectra.noise import Periodogram, fit_noise
+from reliab.loop.hybrid_test import Motion3
+from reliab.loop.structure import Structure
+
+Array = NDArray[np.float64]
+
+HIGHEST_SIGNAL = 45.0
+"""Highest frequency [Hz] at which the test of a structure of some hertz may hold a signal."""
+
+_HARMONICS = 5.0  # of a structure, at which a stiffness that grows with the square still answers
+_LARGEST_SHARE = 0.4  # of the sampling rate
+_NARROW, _WIDENING = 0.2, 0.1  # Hz, and of the frequency: to either side power is averaged so far
+_FEWEST = 3  # frequencies to either side
+_BY_CHANCE = 0.3  # share of a signal that noise alone may seem to hold
+_CLEAR = 50.0  # of the noise's power
+_LEAST_RELIABLE = 1.0  # Hz
+
+
+def highest_frequency(rate: float, structure: Structure | None = None) -> float:
+    """Highest frequency [Hz] at which a test may hold a signal; above it is noise.
+
+    Parameters
+    ----------
+    rate : float
+        Sampling rate [Hz].
+    structure : Structure, optional
+        The structure under test, where there is one.
+
+    Returns
+    -------
+    float
+        45 Hz, or five times the natural frequency, but no more than the sampling rate allows.
+
+    Examples
+    --------
+    >>> highest_frequency(1024.0)
+    45.0
+    >>> highest_frequency(1024.0, Structure(frequency=20.0, damping_ratio=0.02))
+    100.0
+    """
+    natural = 0.0 if structure is None else structure.frequency
+    return min(max(HIGHEST_SIGNAL, _HARMONICS * natural), _LARGEST_SHARE * rate)
+
+
+def reliable_frequency(displacements: Sequence[Array], step: float, highest: float) -> float:
+    """Highest frequency [Hz] up to which noisy displacements are nearly all signal.
+
+    Parameters
+    ----------
+    displacements : sequence of numpy.ndarray
+        Readings of several tests [m].
+    step : float
+        Step between samples [s].
+    highest : float
+        Highest frequency at which there may be a signal [Hz].
+
+    Returns
+    -------
+    float
+        Highest frequency at which the signal's power is well above the noise's in all tests together.
+    """
+    clear = []
+    for displacement in displacements:
+        _, frequency, whole, floor = _spectra(displacement, step, highest)
+        above = frequency[(whole > _CLEAR * floor) & (frequency <= highest)]
+        clear.append(float(above[-1]) if above.size else 0.0)
+    return max(float(np.median(clear)), _LEAST_RELIABLE)
+
+
+def _spectra(displacement: Array, step: float, highest: float) -> tuple[Array, Array, Array, Array]:
+    """Spectrum of a displacement made antisymmetric, frequencies, its smooth power, the noise's."""
+    n = displacement.size
+    swing = displacement - np.linspace(displacement[0], displacement[-1], n)
+    padded = np.concatenate([swing, -swing[-2:0:-1]])
+    spectrum = fft.rfft(padded)
+    frequency = fft.rfftfreq(padded.size, step)
+    power = np.abs(spectrum) ** 2 / padded.size
+    beyond = frequency > highest
+    noise = fit_noise([Periodogram(frequency=frequency[beyond], power=power[beyond])], 1.0 / step)
+    return spectrum, frequency, _averaged(frequency, power, highest), noise.density(frequency)
+
+
+def _averaged(frequency: Array, power: Array, highest: float) -> Array:
+    """Mean power over a band that widens with the frequency, of what may be signal or of what may not."""
+    reach = np.maximum((_NARROW + _WIDENING * frequency) / frequency[1], _FEWEST).astype(int)
+    places = np.arange(frequency.size)
+    border = int(np.searchsorted(frequency, highest, side="right"))
+    first = np.maximum(places - reach, np.where(places < border, 0, border))
+    last = np.minimum(places + reach + 1, np.where(places < border, border, frequency.size))
+    sums = np.concatenate([[0.0], np.cumsum(power)])
+    return np.asarray((sums[last] - sums[first]) / (last - first))
+
+
+def smoothed_motion(displacement: Array, step: float, highest: float) -> Motion3:
+    """Motion behind a noisy displacement.
+
+    Parameters
+    ----------
+    displacement : numpy.ndarray
+        Reading [m], shape (n,).
+    step : float
+        Step between samples [s].
+    highest : float
+        Highest frequency at which there may be a signal [Hz].
+
+    Returns
+    -------
+    Motion3
+        Displacement, velocity and acceleration at the samples.
+
+    Examples
+    --------
+    >>> time = np.arange(0.0, 20.0, 0.002)
+    >>> truth = np.sin(2.0 * np.pi * time) * np.sin(np.pi * time / 20.0)
+    >>> noise = 0.1 * np.random.default_rng(1).normal(size=time.size)
+    >>> found = smoothed_motion(truth + noise, 0.002, 45.0).values[0]
+    >>> bool(np.std(found - truth) < 0.02)
+    True
+    """
+    n = displacement.size
+    spectrum, frequency, whole, floor = _spectra(displacement, step, highest)
+    share = _share(frequency, whole, floor, highest)
+    swing = fft.irfft(share * spectrum, 2 * n - 2)[:n]
+    return Motion3.through(swing + np.linspace(displacement[0], displacement[-1], n), step)
+
+
+def velocity_spread(displacement: Array, step: float, highest: float) -> float:
+    """Return how far the velocity spreads about that of the smoothed motion, its standard deviation [m/s]."""
+    _, frequency, whole, floor = _spectra(displacement, step, highest)
+    missed = _share(frequency, whole, floor, highest) * floor * (2.0 * np.pi * frequency) ** 2
+    return float(np.sqrt(missed.sum() / displacement.size))
+
+
+def _share(frequency: Array, whole: Array, floor: Array, highest: float) -> Array:
+    """Share of the signal in the power, by which the spectrum is multiplied."""
+    share = np.clip((whole - floor) / np.maximum(whole, 1e-300), 0.0, 1.0)
+    share[(frequency > highest) | (share < _BY_CHANCE)] = 0.0
+    return np.asarray(share)

@@ -1,0 +1,6 @@
+"""What may act beside the library: physical terms that give an unknown effect an expression."""
+
+from reliab.discrepancy.terms.outside_term import OutsideTerm, is_outside
+from reliab.discrepancy.terms.outside_terms import outside_terms
+
+__all__ = ["OutsideTerm", "is_outside", "outside_terms"]

@@ -1,0 +1,80 @@
+"""A disturbance of one frequency, whatever the motion: a pump, a fan, a resonance nearby."""
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+from reliab.discrepancy.terms.outside_term import OutsideTerm
+from reliab.loop.effects import Kernel, Parameter, Role
+from reliab.loop.effects.kernel import Numbers
+from reliab.vocabulary import Block
+
+
+def _wave(_motion: Numbers, time: float, _step: float, coefficients: Numbers, _state: Numbers) -> float:
+    turn = 2.0 * math.pi * coefficients[2] * time
+    return coefficients[0] * math.sin(turn) + coefficients[1] * math.cos(turn)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Disturbance(OutsideTerm):
+    """A wave s·sin(2πft) + c·cos(2πft), t from the start of each test.
+
+    Parameters
+    ----------
+    sine, cosine : float
+        Amplitudes s and c.
+    frequency_hz : float
+        Frequency f [Hz].
+    """
+
+    expression: ClassVar[str] = "sine sin(2π f t) + cosine cos(2π f t)"
+    description = "there is a disturbance of one frequency, whatever the motion"
+    kernel = Kernel(function=_wave)
+
+    sine: float
+    cosine: float
+    frequency_hz: float
+
+
+def disturbance(role: Role, frequency: float, resolution: float) -> type[Disturbance]:
+    """Make the class of disturbances about a frequency.
+
+    Parameters
+    ----------
+    role : Role
+        Force, or a reading.
+    frequency : float
+        Where a line was seen [Hz].
+    resolution : float
+        How well that is known [Hz].
+
+    Returns
+    -------
+    type
+        A class of effects.
+
+    Examples
+    --------
+    >>> disturbance(Role.FORCE, 7.0, 0.02).name
+    'disturbance of 7.00 Hz'
+    """
+    channel, unit = ("force", "N") if role in {Role.FORCE, Role.FORCE_READING} else ("displacement", "m")
+    amplitudes = tuple(
+        Parameter(
+            name=name, units=unit, meaning=f"{name} amplitude", scale=((channel, 1.0),), signed=True,
+            typical=0.2, lower=-10.0, upper=10.0, starts=starts,
+        )
+        for name, starts in (("sine", (0.01, 0.0, 0.007, 0.007)), ("cosine", (0.0, 0.01, 0.007, -0.007)))
+    )  # fmt: skip
+    place = Parameter(
+        name="frequency_hz", units="Hz", meaning="frequency of the disturbance", typical=frequency,
+        spread=resolution / frequency, lower=frequency - 2.0 * resolution, upper=frequency + 2.0 * resolution,
+        starts=(frequency,),
+    )  # fmt: skip
+    attributes = {
+        "name": f"disturbance of {frequency:.2f} Hz",
+        "block": Block.SPECIMEN if channel == "force" else Block.ACTUATOR,
+        "role": role,
+        "parameters": (*amplitudes, place),
+    }
+    return type("Line", (Disturbance,), attributes)
