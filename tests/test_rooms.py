@@ -12,6 +12,7 @@ ROOMS = (
     "cli",
     "study",
     "report",
+    "paper",
     "discrepancy",
     "validation",
     "criterion",

@@ -32,8 +32,8 @@ def judge_cases(
         File for JSON, or "-".
     """
     from reliab.criterion import published_criterion
+    from reliab.paper.case_verdicts import case_verdicts
     from reliab.validation.assessment import default_criterion
-    from reliab.validation.case_verdicts import case_verdicts
 
     motion = _motion(motions, sets, case)
     printed = published_criterion("guo_2017_18")

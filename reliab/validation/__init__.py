@@ -1,1 +1,1 @@
-"""Does the criterion hold: cross-validation, the paper's cases, and the verdict on a test."""
+"""Does the criterion hold: cross-validation, other rigs, and the verdict on a test."""

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from reliab.boundary.first_order import first_order_ellipse
-from reliab.criterion.audit import audit
 from reliab.criterion.bayes import Ensembles, sample
 from reliab.criterion.bayes.posterior_criterion import hierarchical_model
 from reliab.criterion.law_comparison import compare_laws
@@ -12,6 +11,7 @@ from reliab.criterion.motion_terms import gain_of_terms
 from reliab.loop.excitation import Excitation
 from reliab.loop.structure import Structure
 from reliab.motions import load_motions
+from reliab.paper import audit
 from reliab.shipped import shipped
 from reliab.sweep import EllipseRequest, trace_ellipses
 

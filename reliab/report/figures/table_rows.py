@@ -14,7 +14,7 @@ def table_rows(rows: pd.DataFrame) -> Figure:
     Parameters
     ----------
     rows : pandas.DataFrame
-        As :func:`reliab.discrepancy.table_audit.audit_table2` makes it.
+        As :func:`reliab.paper.table2_audit.audit_table2` makes it.
 
     Returns
     -------

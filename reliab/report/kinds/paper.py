@@ -48,7 +48,7 @@ def paper_report(
     title : str
         Title of the report.
     example : xarray.Dataset
-        The example, from :func:`reliab.validation.paper_example.run_paper_example`.
+        The example, from :func:`reliab.paper.example.run_paper_example`.
     ellipses : xarray.Dataset
         Ellipses of 5 % RMS^R (other thresholds and metrics are left aside) of the 100 motions, named as in
         Table 2, over frequencies and damping ratios that include 1 Hz and 0.02.

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from reliab.validation.paper_cases import CaseOutcome
+from reliab.paper.cases import CaseOutcome
 
 
 def cases_dataset(outcomes: Sequence[CaseOutcome]) -> xr.Dataset:

@@ -28,7 +28,7 @@ class PaperFits:
     Parameters
     ----------
     example : xarray.Dataset
-        The example, as `reliab.validation.paper_example` makes it.
+        The example, as `reliab.paper.example` makes it.
     ellipses : xarray.Dataset
         Ellipses of the 100 motions over frequencies and damping ratios, with 1 Hz and ξ = 0.02.
     """

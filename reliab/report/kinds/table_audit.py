@@ -32,9 +32,9 @@ def table_audit_report(
     title : str
         Title of the report.
     rows : pandas.DataFrame
-        As :func:`reliab.discrepancy.table_audit.audit_table2` makes it.
+        As :func:`reliab.paper.table2_audit.audit_table2` makes it.
     numbers : pandas.DataFrame
-        Every number of the paper, as :func:`reliab.criterion.audit.audit` makes it.
+        Every number of the paper, as :func:`reliab.paper.audit` makes it.
     provenance : mapping
         What the report can be made again from, by name.
     notes : sequence of Prose, optional

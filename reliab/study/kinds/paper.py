@@ -68,7 +68,7 @@ def _example(material: Material, show: Show) -> Stage:
     """Simulate the paper's example under one motion."""
 
     def work(folder: Path) -> None:
-        from reliab.validation.paper_example import run_paper_example
+        from reliab.paper.example import run_paper_example
 
         with show("Simulating the example"):
             example = run_paper_example(named(material.motions, _EXAMPLE_MOTION))

@@ -35,7 +35,7 @@ class TableAuditStudy(Kind):
         table = shipped("datasets", "paper/table2.csv")
 
         def work(folder: Path) -> None:
-            from reliab.discrepancy.table_audit import audit_table2
+            from reliab.paper.table2_audit import audit_table2
 
             with show("Auditing Table 2") as progress:
                 rows = audit_table2(material.motions, pd.read_csv(table), progress=progress)
@@ -63,7 +63,7 @@ def _numbers() -> Stage:
     printed, ellipses = shipped("datasets", "paper"), shipped("datasets", "real_suite/ellipses.nc")
 
     def work(folder: Path) -> None:
-        from reliab.criterion.audit import audit
+        from reliab.paper import audit
         from reliab.sweep import open_ellipses
 
         audit(printed, open_ellipses(ellipses)).to_csv(folder / NUMBERS, index=False)

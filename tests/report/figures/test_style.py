@@ -10,14 +10,14 @@ from matplotlib.colors import to_rgb
 from reliab.criterion import derive_criterion
 from reliab.criterion.methods import method_of
 from reliab.motions import Motion
+from reliab.paper.cases import run_paper_cases
+from reliab.paper.example import EXAMPLE, run_paper_example
 from reliab.report.document import Figure, Section
 from reliab.report.kinds.criterion import criterion_report
 from reliab.report.kinds.paper import paper_report
 from reliab.report.kinds.paper_cases import cases_dataset
 from reliab.report.printed import printed_tables
 from reliab.report.style import line, panels, styled, svg
-from reliab.validation.paper_cases import run_paper_cases
-from reliab.validation.paper_example import EXAMPLE, run_paper_example
 
 UNIT = re.compile(r"\[[^\]]+\]$")
 

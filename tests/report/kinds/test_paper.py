@@ -5,14 +5,14 @@ import pytest
 import xarray as xr
 
 from reliab.motions import Motion
+from reliab.paper.cases import run_paper_cases
+from reliab.paper.example import EXAMPLE, run_paper_example
 from reliab.report.kinds.paper import containment, paper_report
 from reliab.report.kinds.paper_cases import cases_dataset
 from reliab.report.kinds.paper_compared_tables import table_2
 from reliab.report.kinds.paper_comparisons import comparisons
 from reliab.report.kinds.paper_fits import PaperFits
 from reliab.report.printed import printed_tables
-from reliab.validation.paper_cases import run_paper_cases
-from reliab.validation.paper_example import EXAMPLE, run_paper_example
 
 DEFINED = ("1", "2", "3a", "3b", "4", "5", "6", "7a", "7b", "7c", "8", "9", "10", "13")
 FITTED = ("11", "12", "14", "15", "16a", "16b", "17", "18")

@@ -4,7 +4,7 @@ import pytest
 
 from reliab.criterion import published_criterion
 from reliab.motions import load_motions
-from reliab.validation.case_verdicts import case_verdicts
+from reliab.paper.case_verdicts import case_verdicts
 
 
 def test_each_case_is_judged_by_each_criterion():

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from reliab.criterion.audit import audit
 from reliab.errors import InputError
+from reliab.paper import audit
 from reliab.shipped import shipped
 
 PRINTED = shipped("datasets", "paper")

@@ -17,10 +17,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from reliab.discrepancy.hidden_difference import Difference, differences, logarithms
 from reliab.errors import InputError
 from reliab.loop.structure import Structure
 from reliab.motions import Motion
+from reliab.paper.hidden_difference import Difference, differences, logarithms
 from reliab.progress import Progress, silent
 
 Array = NDArray[np.float64]

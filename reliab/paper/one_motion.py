@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from reliab.criterion.audit.fits import exponential, proportional
-from reliab.criterion.audit.item import AuditItem
-from reliab.criterion.audit.printed import ONE_HERTZ, ONE_MOTION, TWO_PERCENT, Printed, Recomputed
+from reliab.paper.fits import exponential, proportional
+from reliab.paper.item import AuditItem
+from reliab.paper.printed import ONE_HERTZ, ONE_MOTION, TWO_PERCENT, Printed, Recomputed
 
 _TABLE_1 = {
     ("ellipse", "a"): (1.3e-4, "1"),

@@ -5,7 +5,7 @@ import csv
 import pytest
 
 from reliab.motions import load_motions
-from reliab.validation.paper_cases import PAPER_CASES, run_paper_cases
+from reliab.paper.cases import PAPER_CASES, run_paper_cases
 
 
 def test_masses_are_those_of_table_5():

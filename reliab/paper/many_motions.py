@@ -5,10 +5,10 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.stats import gmean, shapiro
 
-from reliab.criterion.audit.fits import exponential, quantile
-from reliab.criterion.audit.item import CLOSE, AuditItem
-from reliab.criterion.audit.printed import ONE_HERTZ, TWO_PERCENT, Printed, Recomputed
 from reliab.criterion.goodness_of_fit import SIGNIFICANCE
+from reliab.paper.fits import exponential, quantile
+from reliab.paper.item import CLOSE, AuditItem
+from reliab.paper.printed import ONE_HERTZ, TWO_PERCENT, Printed, Recomputed
 
 _UNITS = {"a": "1", "b": "ms2"}
 

@@ -5,7 +5,7 @@ import pytest
 
 from reliab.boundary import Contour, Ellipse
 from reliab.motions import Motion, load_motions
-from reliab.validation.paper_example import run_paper_example
+from reliab.paper.example import run_paper_example
 
 
 @pytest.fixture(scope="module")

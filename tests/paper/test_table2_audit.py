@@ -4,11 +4,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reliab.discrepancy.hidden_difference import logarithms
-from reliab.discrepancy.table_audit import NONE_FOUND, audit_table2
 from reliab.errors import InputError
 from reliab.loop.structure import Structure
 from reliab.motions import Motion, load_motions
+from reliab.paper.hidden_difference import logarithms
+from reliab.paper.table2_audit import NONE_FOUND, audit_table2
 
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.02)
 PLANTED = {

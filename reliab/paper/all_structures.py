@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from reliab.criterion.audit.item import CLOSE, AuditItem
-from reliab.criterion.audit.printed import TWO_PERCENT, Printed
 from reliab.criterion.criterion import published_criterion
+from reliab.paper.item import CLOSE, AuditItem
+from reliab.paper.printed import TWO_PERCENT, Printed
 
 _STIFFNESS = 3.50 + 1e-6  # k_e + k_n of Table 5 [N/m]
 _MASSES = (0.09, 0.25, 0.09, 0.09)

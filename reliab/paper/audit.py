@@ -7,12 +7,12 @@ from pathlib import Path
 import pandas as pd
 import xarray as xr
 
-from reliab.criterion.audit.all_structures import equation_18, table_5, table_6
-from reliab.criterion.audit.item import AuditItem
-from reliab.criterion.audit.many_motions import equation_12, equation_15, figures_11_12, table_2, table_3
-from reliab.criterion.audit.one_motion import equation_14, equations_16_17, table_1, table_4
-from reliab.criterion.audit.printed import Printed, Recomputed
 from reliab.errors import InputError
+from reliab.paper.all_structures import equation_18, table_5, table_6
+from reliab.paper.item import AuditItem
+from reliab.paper.many_motions import equation_12, equation_15, figures_11_12, table_2, table_3
+from reliab.paper.one_motion import equation_14, equations_16_17, table_1, table_4
+from reliab.paper.printed import Printed, Recomputed
 
 
 def audit(

@@ -6,7 +6,7 @@ import pandas as pd
 
 from reliab.criterion import Criterion
 from reliab.motions import Motion
-from reliab.validation.paper_cases import run_paper_cases
+from reliab.paper.cases import run_paper_cases
 
 _MILLISECONDS = 1e3
 
