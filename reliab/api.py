@@ -10,11 +10,11 @@ from typing import Final, TypeVar
 import xarray as xr
 
 from reliab.boundary import Curve, Ellipse
-from reliab.loop.hybrid_test.model_file import read_model
 from reliab.errors import InputError
 from reliab.indices.window import Window
 from reliab.loop.engine import Engine
 from reliab.loop.hybrid_test import HybridTest
+from reliab.loop.hybrid_test.model_file import read_model
 from reliab.motions import MotionSuite
 from reliab.progress import Progress, silent
 from reliab.sweep import (
