@@ -17,6 +17,7 @@ ROOMS = (
     "validation",
     "criterion",
     "sweep",
+    "rebuilt_error",
     "boundary",
     "indices",
     "loop",
@@ -42,7 +43,7 @@ def test_room_imports_nothing_from_above(room):
         assert not imported_rooms(path) & above, path
 
 
-@pytest.mark.parametrize("room", ["motions", "loop", "indices", "boundary"])
+@pytest.mark.parametrize("room", ["motions", "loop", "indices", "boundary", "rebuilt_error"])
 def test_numeric_core_does_not_speak_of_labels(room):
     for path in sorted((PACKAGE / room).rglob("*.py")):
         source = path.read_text(encoding="utf-8")

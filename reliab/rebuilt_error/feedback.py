@@ -1,0 +1,57 @@
+"""The force that was fed back late: the displacement whose force the loop felt."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.errors import InputError
+
+Array = NDArray[np.float64]
+
+_SUPPORT = 3  # samples before the newest that the interpolation uses
+
+
+def delayed(values: Array, lag: float, time_step: float) -> Array:
+    """History at t − lag, by the cubic through the last samples: causal, so that a running test can use it.
+
+    Parameters
+    ----------
+    values : numpy.ndarray
+        A history, shape (n,); before its first sample it rests there.
+    lag : float
+        Lag [s], not negative.
+    time_step : float
+        Step between samples [s].
+
+    Returns
+    -------
+    numpy.ndarray
+        The delayed history, shape (n,).
+
+    Raises
+    ------
+    InputError
+        If the lag is negative or not finite.
+
+    Examples
+    --------
+    >>> late = delayed(np.arange(8.0) ** 2, 0.25, 1.0)
+    >>> late[4:].tolist()
+    [14.0625, 22.5625, 33.0625, 45.5625]
+    """
+    if not (np.isfinite(lag) and lag >= 0.0):
+        raise InputError(
+            "The lag of the fed-back force must be finite and not negative",
+            value=f"{lag} s",
+            remedy="Give seconds, 0.0005 for half a millisecond",
+        )
+    if lag == 0.0:
+        return values
+    steps = lag / time_step
+    whole = int(steps)
+    # nodes at −3 … 0 steps before the sample `whole` steps ago; read at −(steps − whole)
+    place = -(steps - whole)
+    nodes = np.arange(-float(_SUPPORT), 1.0)
+    weights = [np.prod((place - np.delete(nodes, k)) / (nodes[k] - np.delete(nodes, k))) for k in range(4)]
+    padded = np.concatenate([np.full(whole + _SUPPORT, values[0]), values])
+    shifted = [padded[k : k + values.size] for k in range(_SUPPORT + 1)]
+    return np.asarray(sum(weight * part for weight, part in zip(weights, shifted, strict=True)))

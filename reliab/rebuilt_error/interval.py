@@ -1,0 +1,454 @@
+"""What tolerances, noise and the unknown beginning leave open of the error.
+
+Parameters are drawn from their tolerances (scrambled Sobol points through the normal quantile function), the
+error is rebuilt for each draw, and what sensor noise adds to mean square and peak is taken from noise
+histories that run through the same recursion. Nothing is linearised: a mean square that noise may explain
+whole reaches down to zero.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import norm, qmc
+
+from reliab.rebuilt_error.error_statistics import mean_square, sweep_draws
+from reliab.rebuilt_error.noise import SensorNoise
+from reliab.rebuilt_error.recursion import Recursion, respond
+from reliab.rebuilt_error.tolerances import Tolerances
+from reliab.rebuilt_error.whole_structure import WholeStructure
+
+Array = NDArray[np.float64]
+
+LEVEL = 0.90
+"""Level of the intervals."""
+
+_PER_PERIOD = 64.0  # samples in a period of the highest mode while draws are swept
+_NOISE_HISTORIES = 64
+_NEGLIGIBLE = 1e-4  # share of the error that noise must exceed to be swept
+HALF_WIDTH = float(norm.ppf(0.5 + 0.5 * LEVEL))
+"""Half width of a 90 % interval in standard deviations."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Estimate:
+    """A value with its 90 % interval.
+
+    Attributes
+    ----------
+    value, low, high : float
+        Relative errors [-].
+    """
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Unknown:
+    """How far everything that is not known may be off, as standard deviations.
+
+    Attributes
+    ----------
+    tolerances : Tolerances
+        Of what is stated.
+    offset : float
+        Of what is left of the sensor's offset [m].
+    error_at_start : float
+        Of the error at the first sample [m]; zero where the test begins at rest.
+    """
+
+    tolerances: Tolerances
+    offset: float
+    error_at_start: float
+
+    def deviations(self) -> dict[str, float]:
+        """Return standard deviations by name, in the order of the draws."""
+        stated = dict(self.tolerances.items())
+        stated["sensor_offset"] = float(np.hypot(stated["sensor_offset"], self.offset))
+        return {**stated, "initial_state": self.error_at_start}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Histories:
+    """What the error is rebuilt from, without the sensor's offset.
+
+    Attributes
+    ----------
+    command, measured : numpy.ndarray
+        x_c and the smoothed x_m [m], shape (n,).
+    fed_back : numpy.ndarray
+        x_c minus the displacement whose force was fed back [m]: x_c − x_m unless the force was late,
+        shape (n,).
+    time_step : float
+        Step [s].
+    """
+
+    command: Array
+    measured: Array
+    fed_back: Array
+    time_step: float
+
+    @property
+    def difference(self) -> Array:
+        """x_c − x_m [m], shape (n,)."""
+        return self.command - self.measured
+
+    def thinned(self, every: int) -> "Histories":
+        """Each `every`-th sample."""
+        return Histories(
+            command=np.ascontiguousarray(self.command[::every]),
+            measured=np.ascontiguousarray(self.measured[::every]),
+            fed_back=np.ascontiguousarray(self.fed_back[::every]),
+            time_step=every * self.time_step,
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class NoiseShare:
+    """What noise adds to the mean square and to the peak of an error.
+
+    Attributes
+    ----------
+    white : float
+        Expected share of white noise in the mean square [m²].
+    in_square, in_peak : numpy.ndarray
+        Drawn differences, observed minus true [m²] and [m], shape (draws,).
+    deviation : float
+        Root mean square of the noise in the error's history [m].
+    """
+
+    white: float
+    in_square: Array
+    in_peak: Array
+    deviation: float
+
+
+def share_of_noise(
+    noise: SensorNoise, recursion: Recursion, error: Array, generator: np.random.Generator
+) -> NoiseShare:
+    """Noise in the mean square and peak of a rebuilt error.
+
+    Parameters
+    ----------
+    noise : SensorNoise
+        The sensor's noise.
+    recursion : Recursion
+        From x_c − x_m to the error.
+    error : numpy.ndarray
+        Rebuilt x_m − x_I from smoothed histories [m], shape (n,).
+    generator : numpy.random.Generator
+        Source of the draws.
+
+    Returns
+    -------
+    NoiseShare
+        The shares; zero where they are negligible.
+    """
+    size = error.size
+    impulse = np.zeros(size)
+    impulse[: noise.filter.size] = noise.filter[:size]
+    answer = respond(recursion, impulse)[0] - impulse
+    white = noise.weights[0] * float(answer**2 @ (1.0 - np.arange(size) / size))
+    first = _passed(noise, recursion, size, generator)
+    if np.sqrt(max(white, mean_square(first))) <= _NEGLIGIBLE * np.sqrt(mean_square(error)):
+        return NoiseShare(white=0.0, in_square=np.zeros(1), in_peak=np.zeros(1), deviation=0.0)
+    top = float(np.abs(error).max())
+    in_square, in_peak, power = [], [], []
+    for _ in range(_NOISE_HISTORIES):
+        noisy = _passed(noise, recursion, size, generator)
+        power.append(mean_square(noisy))
+        in_square.append(mean_square(error + noisy) - mean_square(error))
+        in_peak.append(float(np.abs(error + noisy).max()) - top)
+    return NoiseShare(
+        white=white,
+        in_square=np.array(in_square),
+        in_peak=np.array(in_peak),
+        deviation=float(np.sqrt(np.mean(power))),
+    )
+
+
+def _passed(noise: SensorNoise, recursion: Recursion, size: int, generator: np.random.Generator) -> Array:
+    sample = noise.samples(size, generator)
+    return np.asarray(respond(recursion, sample)[0] - sample)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Spread:
+    """Errors of many draws.
+
+    Attributes
+    ----------
+    mean_square, peak, ideal_peak : numpy.ndarray
+        Of x_m − x_I [m²], [m], and of x_I [m], shape (draws,).
+    deviation : numpy.ndarray
+        Standard deviation of x_m − x_I over the draws at the samples [m], shape (n,).
+    """
+
+    mean_square: Array
+    peak: Array
+    ideal_peak: Array
+    deviation: Array
+
+
+def sweep(histories: Histories, structure: WholeStructure, unknown: Unknown, draws: int, seed: int) -> Spread:
+    """Rebuild the error for draws of everything that is not known.
+
+    Parameters
+    ----------
+    histories : Histories
+        Command and measured displacement.
+    structure : WholeStructure
+        The structure as stated.
+    unknown : Unknown
+        Standard deviations.
+    draws : int
+        Number of draws, a power of two.
+    seed : int
+        Seed of the draws; the same seed draws the same numbers for other standard deviations.
+
+    Returns
+    -------
+    Spread
+        Statistics of the error, as fine as the given histories.
+    """
+    every = thinning(structure, histories.time_step)
+    thin = histories.thinned(every)
+    deviations = unknown.deviations()
+    points = _normal(len(deviations) + 1, draws, seed)
+    drawn = dict(zip(deviations, points * np.array([*deviations.values(), 0.0])[:, np.newaxis], strict=False))
+    band = np.zeros((2, thin.command.size))
+    found = _swept(thin, structure, drawn, points[-1] * unknown.error_at_start, band)
+    mean = band[0] / draws
+    deviation = np.sqrt(np.maximum(band[1] / draws - mean**2, 0.0))
+    places = np.arange(histories.command.size) / every
+    exact = _swept(
+        thin, structure, {name: np.zeros(1) for name in deviations}, np.zeros(1), np.zeros_like(band)
+    )[0]
+    fine = _fine_statistics(histories, structure)
+    scale = np.divide(fine, exact, out=np.ones(3), where=exact > 0.0)
+    return Spread(
+        mean_square=found[:, 0] * scale[0],
+        peak=found[:, 1] * scale[1],
+        ideal_peak=found[:, 2] * scale[2],
+        deviation=np.interp(places, np.arange(thin.command.size), deviation),
+    )
+
+
+def thinning(structure: WholeStructure, time_step: float) -> int:
+    """Return the number of samples of which one is enough while draws are swept."""
+    highest = float(structure.natural_frequencies[-1])
+    return max(int(1.0 / (_PER_PERIOD * highest * time_step)), 1)
+
+
+def _normal(dimensions: int, draws: int, seed: int) -> Array:
+    points = qmc.Sobol(dimensions, seed=seed).random(draws)
+    return np.asarray(norm.ppf(points.T))
+
+
+def _fine_statistics(histories: Histories, structure: WholeStructure) -> Array:
+    recursion = Recursion.of_displacement(structure, histories.time_step)
+    response = respond(recursion, histories.fed_back)[0]
+    error = response - histories.difference
+    return np.array([mean_square(error), np.abs(error).max(), np.abs(histories.command - response).max()])
+
+
+def _swept(
+    thin: Histories, structure: WholeStructure, drawn: dict[str, Array], velocity: Array, band: Array
+) -> Array:
+    kinds = _recursions(structure, drawn, thin.time_step)
+    draws = drawn["frequency"].size
+    state = np.zeros((draws, kinds[0].order))
+    shape = first_mode(structure) / structure.specimen_stiffness
+    w0 = 2.0 * np.pi * float(structure.natural_frequencies[0])
+    state[:, : shape.size] = drawn["initial_state"][:, np.newaxis] * shape
+    state[:, shape.size :] = w0 * velocity[:, np.newaxis] * shape
+    rate = np.gradient(thin.measured, thin.time_step)
+    inputs = np.stack([thin.difference, thin.measured, rate, np.ones(rate.size)])
+    shifts = np.stack([drawn["sensor_scale"], drawn["time_shift"], drawn["sensor_offset"]], axis=1)
+    lag = thin.fed_back - thin.difference
+    return np.asarray(
+        sweep_draws(
+            np.stack([kind.decay for kind in kinds]),
+            np.stack([kind.early for kind in kinds]),
+            np.stack([kind.late for kind in kinds]),
+            np.stack([kind.output[0] for kind in kinds]),
+            np.array([kind.feed_through[0] for kind in kinds]),
+            state,
+            thin.command,
+            inputs,
+            np.ascontiguousarray(shifts),
+            lag,
+            rate,
+            np.ascontiguousarray(drawn["feedback_lag"]),
+            band,
+        )
+    )
+
+
+def _recursions(structure: WholeStructure, drawn: dict[str, Array], step: float) -> list[Recursion]:
+    names = ("frequency", "damping_ratio", "experimental_fraction")
+    if not any(drawn[name].any() for name in names):
+        return [Recursion.of_displacement(structure, step)] * drawn["frequency"].size
+    least = 0.05
+    return [
+        Recursion.of_displacement(
+            structure.scaled(
+                frequency=max(1.0 + f, least),
+                damping_ratio=max(1.0 + xi, least),
+                share=max(1.0 + share, least),
+            ),
+            step,
+        )
+        for f, xi, share in zip(*(drawn[name] for name in names), strict=True)
+    ]
+
+
+def first_mode(structure: WholeStructure) -> Array:
+    """Shape of the lowest undamped mode that moves the interface by one, shape (n,)."""
+    values, vectors = np.linalg.eig(np.linalg.solve(structure.mass, structure.stiffness))
+    for place in np.argsort(values.real):
+        shape = vectors[:, place].real
+        moved = float(structure.interface @ shape)
+        if abs(moved) > 1e-6 * np.abs(shape).max():
+            return np.asarray(shape / moved)
+    return np.asarray(structure.interface / float(structure.interface @ structure.interface))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ErrorDraws:
+    """RMS^R and MTE^R of the draws, noise taken away.
+
+    Attributes
+    ----------
+    rms, mte : numpy.ndarray
+        Relative errors [-], shape (draws,).
+    """
+
+    rms: Array
+    mte: Array
+
+
+def combine(spread: Spread, share: NoiseShare, seed: int) -> ErrorDraws:
+    """Take drawn noise away from drawn errors."""
+    draws = spread.peak.size
+    order = np.random.default_rng(seed).permutation(np.arange(draws) % share.in_square.size)
+    square = np.maximum(spread.mean_square - share.in_square[order], 0.0)
+    peak = np.maximum(spread.peak - share.in_peak[order], 0.0)
+    return ErrorDraws(rms=np.sqrt(square) / spread.ideal_peak, mte=peak / spread.ideal_peak)
+
+
+def estimate(value: float, draws: Array) -> Estimate:
+    """Value and 90 % interval, which holds the value."""
+    low, high = np.quantile(draws, [0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL])
+    return Estimate(value=value, low=float(min(low, value)), high=float(max(high, value)))
+
+
+def probability_below(draws: Array, threshold: float) -> float:
+    """Probability of an error below a threshold, no nearer to 0 and 1 than the number of draws can tell."""
+    return (float(np.count_nonzero(draws < threshold)) + 0.5) / (draws.size + 1.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Widening:
+    """What one thing that is not known does to the interval.
+
+    Attributes
+    ----------
+    name : str
+        The tolerance, or "sensor_noise" or "initial_state".
+    deviation : float
+        Its standard deviation, relative or in SI units; zero for noise.
+    width : float
+        Width of the 90 % interval [-].
+    width_without : float
+        Width if this were known exactly [-].
+    deviation_for_half : float or None
+        Standard deviation at which the width is halved; None where no value does so alone.
+    """
+
+    name: str
+    deviation: float
+    width: float
+    width_without: float
+    deviation_for_half: float | None
+
+
+def widenings(
+    histories: Histories,
+    structure: WholeStructure,
+    unknown: Unknown,
+    share: NoiseShare,
+    *,
+    rms: bool,
+    draws: int,
+    seed: int,
+) -> tuple[Widening, ...]:
+    """Which unknowns widen the interval most, and what would halve it.
+
+    Parameters
+    ----------
+    histories, structure, unknown, share
+        As for `sweep` and `combine`.
+    rms : bool
+        Whether the interval is that of RMS^R, else of MTE^R.
+    draws, seed : int
+        Number and seed of the draws.
+
+    Returns
+    -------
+    tuple of Widening
+        The widest first; only what widens the interval.
+    """
+
+    def width(changed: Unknown, noisy: NoiseShare) -> float:
+        drawn = combine(sweep(histories, structure, changed, draws, seed), noisy, seed)
+        ends = np.quantile(drawn.rms if rms else drawn.mte, [0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL])
+        return float(ends[1] - ends[0])
+
+    whole = width(unknown, share)
+    found = []
+    for name, deviation in unknown.deviations().items():
+        if deviation > 0.0:
+            without = width(_scaled(unknown, name, 0.0), share)
+            half = None
+            if without < 0.5 * whole:
+                low, high = 0.0, 1.0
+                for _ in range(6):
+                    middle = 0.5 * (low + high)
+                    narrow = width(_scaled(unknown, name, middle), share) <= 0.5 * whole
+                    low, high = (middle, high) if narrow else (low, middle)
+                half = low * deviation or None
+            found.append(
+                Widening(
+                    name=name,
+                    deviation=deviation,
+                    width=whole,
+                    width_without=without,
+                    deviation_for_half=half,
+                )
+            )
+    if share.deviation > 0.0:
+        quiet = replace(share, in_square=np.zeros(1), in_peak=np.zeros(1))
+        without = width(unknown, quiet)
+        found.append(
+            Widening(
+                name="sensor_noise",
+                deviation=0.0,
+                width=whole,
+                width_without=without,
+                deviation_for_half=None,
+            )
+        )
+    return tuple(
+        sorted((one for one in found if one.width_without < whole), key=lambda one: one.width_without)
+    )
+
+
+def _scaled(unknown: Unknown, name: str, factor: float) -> Unknown:
+    if name == "initial_state":
+        return replace(unknown, error_at_start=factor * unknown.error_at_start)
+    tolerances = replace(unknown.tolerances, **{name: factor * getattr(unknown.tolerances, name)})
+    offset = factor * unknown.offset if name == "sensor_offset" else unknown.offset
+    return replace(unknown, tolerances=tolerances, offset=offset)

@@ -1,0 +1,73 @@
+"""How far stated values may be off."""
+
+import math
+from dataclasses import dataclass, fields
+
+from reliab.errors import InputError
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tolerances:
+    """Standard deviations of what is stated about a test.
+
+    Parameters
+    ----------
+    frequency : float, optional
+        Of the structure's frequencies, relative [-].
+    damping_ratio : float, optional
+        Of its damping ratios, relative [-].
+    experimental_fraction : float, optional
+        Of the specimen's share α of the stiffness, relative [-]; for matrices of k_e, c_e and m_e.
+    sensor_scale : float, optional
+        Of the scale of the displacement sensor, relative [-].
+    sensor_offset : float, optional
+        Of its offset [m], beyond what is estimated from rest.
+    time_shift : float, optional
+        Of a shift in time between the recorded command and the recorded displacement [s].
+    feedback_lag : float, optional
+        Of the time by which the force is fed back late [s].
+
+    Raises
+    ------
+    InputError
+        If a standard deviation is negative, not finite, or a relative one not below one third.
+
+    Examples
+    --------
+    >>> Tolerances(frequency=0.01).frequency
+    0.01
+    """
+
+    frequency: float = 0.0
+    damping_ratio: float = 0.0
+    experimental_fraction: float = 0.0
+    sensor_scale: float = 0.0
+    sensor_offset: float = 0.0
+    time_shift: float = 0.0
+    feedback_lag: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, value in self.items():
+            if not (math.isfinite(value) and value >= 0.0):
+                raise InputError(
+                    "A tolerance must be finite and not negative", value=value, where=_spoken(name)
+                )
+            if name in _RELATIVE and value >= _LARGEST:
+                raise InputError(
+                    "A relative tolerance is a standard deviation below one third",
+                    value=value,
+                    remedy="Give 0.01 for 1 %",
+                    where=_spoken(name),
+                )
+
+    def items(self) -> list[tuple[str, float]]:
+        """Names and values in order."""
+        return [(field.name, float(getattr(self, field.name))) for field in fields(self)]
+
+
+_RELATIVE = ("frequency", "damping_ratio", "experimental_fraction", "sensor_scale")
+_LARGEST = 1.0 / 3.0
+
+
+def _spoken(name: str) -> str:
+    return f"tolerance of the {name.replace('_', ' ')}"
