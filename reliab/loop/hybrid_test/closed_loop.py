@@ -190,7 +190,7 @@ def _run(
         np.array([specimen.stiffness, specimen.damping, specimen.mass]),
         plan(test.acting(Role.FORCE), setting),
         plan(test.acting(Role.FORCE_READING), setting),
-        STATES,
+        STATES if compensator is None else max(STATES, compensator.kernel.states),
     )
     moved = Motion3(values=piston, step=h)
     return Histories(

@@ -12,14 +12,20 @@ from reliab.loop.effects.kernel import Kernel
 class Compensator(ABC):
     """Something that changes the command before it is sent to the actuator.
 
+    A subclass is a frozen dataclass. Another package adds its own under the entry-point group
+    ``reliab.compensators``.
+
     Attributes
     ----------
+    name : str
+        Unique name, as files call it.
     kernel : Kernel
         Called once a step as `kernel(motion, measured, step, coefficients, state)` with the displacement,
         velocity and acceleration of the command, which it changes, and the last measured displacement [m].
         Returns nothing of interest.
     """
 
+    name: ClassVar[str]
     kernel: ClassVar[Kernel]
 
     @abstractmethod

@@ -34,6 +34,7 @@ class Feedforward(Compensator):
     """
 
     kernel: ClassVar[Kernel] = Kernel(function=_compensate)
+    name: ClassVar[str] = "feedforward"
 
     time: float
 

@@ -40,6 +40,7 @@ class InverseCompensation(Compensator):
     """
 
     kernel: ClassVar[Kernel] = Kernel(function=_compensate, states=3)
+    name: ClassVar[str] = "inverse"
 
     steps: float
 

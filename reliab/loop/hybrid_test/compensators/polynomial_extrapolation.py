@@ -51,6 +51,7 @@ class PolynomialExtrapolation(Compensator):
     """
 
     kernel: ClassVar[Kernel] = Kernel(function=_compensate, states=15)
+    name: ClassVar[str] = "polynomial_extrapolation"
 
     steps: int
     order: int = 3

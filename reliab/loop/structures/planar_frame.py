@@ -1,0 +1,106 @@
+"""Planar moment frames: columns and beams that bend, with the rotations of the joints condensed out."""
+
+import math
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.errors import InputError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlanarFrame:
+    """A regular planar frame with rigid joints and axially rigid members, on pins or fixed.
+
+    Parameters
+    ----------
+    storeys, bays : int
+        Number of storeys and of bays.
+    elastic_modulus : float
+        Young's modulus E [Pa].
+    column_inertia, beam_inertia : float
+        Second moments of area I [m⁴] of one column and of one beam.
+    storey_height, bay_width : float
+        Lengths of columns and beams [m].
+    fixed_base : bool, optional
+        Whether the feet of the columns are clamped; pinned by default.
+
+    Raises
+    ------
+    InputError
+        If a number is not positive.
+
+    Examples
+    --------
+    >>> frame = PlanarFrame(storeys=1, bays=1, elastic_modulus=2e11, column_inertia=1e-6,
+    ...                     beam_inertia=1e3, storey_height=3.0, bay_width=6.0)
+    >>> bool(np.isclose(frame.lateral_stiffness()[0, 0], 2 * 3 * 2e11 * 1e-6 / 3.0**3))  # rigid beam, pinned feet
+    True
+    """
+
+    storeys: int
+    bays: int
+    elastic_modulus: float
+    column_inertia: float
+    beam_inertia: float
+    storey_height: float
+    bay_width: float
+    fixed_base: bool = False
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if field.name != "fixed_base" and not (math.isfinite(value) and value > 0):
+                raise InputError(
+                    f"The {field.name.replace('_', ' ')} of a planar frame must be positive", value=value
+                )
+
+    def lateral_stiffness(self) -> Array:
+        """Stiffness for the horizontal displacements of the floors [N/m], shape (storeys, storeys).
+
+        The rotations θ of all joints are condensed out, K = K_xx − K_xθ K_θθ⁻¹ K_θx.
+        """
+        n, lines = self.storeys, self.bays + 1
+        full = np.zeros((n * (1 + lines), n * (1 + lines)))
+        for line in range(lines):
+            for storey in range(n):
+                self._add_column(full, storey, line)
+        for floor in range(n):
+            for bay in range(self.bays):
+                self._add_beam(full, floor, bay)
+        swept = np.linalg.solve(full[n:, n:], full[n:, :n])
+        condensed = full[:n, :n] - full[:n, n:] @ swept
+        return np.asarray(0.5 * (condensed + condensed.T))
+
+    def _rotation(self, floor: int, line: int) -> int:
+        return self.storeys + floor * (self.bays + 1) + line
+
+    def _add_column(self, full: Array, storey: int, line: int) -> None:
+        """Add a column: displacement and rotation at its foot, then at its head."""
+        h = self.storey_height
+        if storey == 0 and not self.fixed_base:
+            ends = [0, self._rotation(0, line)]
+            local = 3.0 * np.array([[1.0, -h], [-h, h * h]])
+        else:
+            local = np.array(
+                [
+                    [12.0, 6.0 * h, -12.0, 6.0 * h],
+                    [6.0 * h, 4.0 * h * h, -6.0 * h, 2.0 * h * h],
+                    [-12.0, -6.0 * h, 12.0, -6.0 * h],
+                    [6.0 * h, 2.0 * h * h, -6.0 * h, 4.0 * h * h],
+                ]
+            )
+            if storey == 0:
+                ends, local = [0, self._rotation(0, line)], local[2:, 2:]
+            else:
+                foot = [storey - 1, self._rotation(storey - 1, line)]
+                ends = [*foot, storey, self._rotation(storey, line)]
+        full[np.ix_(ends, ends)] += self.elastic_modulus * self.column_inertia / h**3 * local
+
+    def _add_beam(self, full: Array, floor: int, bay: int) -> None:
+        ends = [self._rotation(floor, bay), self._rotation(floor, bay + 1)]
+        flexural = self.elastic_modulus * self.beam_inertia / self.bay_width
+        full[np.ix_(ends, ends)] += flexural * np.array([[4.0, 2.0], [2.0, 4.0]])
