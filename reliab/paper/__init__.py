@@ -1,4 +1,4 @@
-"""Every number of the paper's Tables 1 to 6 and equations (11) to (18), recomputed."""
+"""Guo and others (2017): what the paper prints, recomputed from its tables and from its records."""
 
 from reliab.paper.audit import audit
 

@@ -1,112 +1,162 @@
-"""Any frequency and damping ratio: equation (18), Tables 5 and 6, and the text between them."""
+"""Any frequency and damping ratio: equation (18), Tables 5 and 6, Figure 17."""
 
 from collections.abc import Iterator
 
 import numpy as np
 
-from reliab.criterion.criterion import published_criterion
-from reliab.paper.item import CLOSE, AuditItem
-from reliab.paper.printed import TWO_PERCENT, Printed
+from reliab.criterion.laws import OF_MANY_MOTIONS
+from reliab.paper.item import MISSING, Item
+from reliab.paper.printed import (
+    APPLICATION_PEAK,
+    AXIAL_STIFFNESS,
+    BENDING_STIFFNESS,
+    EQUATION_11,
+    EQUATION_15,
+    EQUATION_16,
+    EQUATION_18,
+    FRAME_STIFFNESS,
+    MASSES,
+    ONE_HERTZ,
+    SPECIMEN_STIFFNESS,
+    TWO_PERCENT,
+    PrintedTables,
+)
+from reliab.paper.records import Records
+from reliab.vocabulary import STANDARD_GRAVITY
 
-_STIFFNESS = 3.50 + 1e-6  # k_e + k_n of Table 5 [N/m]
-_MASSES = (0.09, 0.25, 0.09, 0.09)
+_PERCENT, _MILLISECONDS = 100.0, 1e3
 _LATE_STEPS, _RATE = 4.0, 1024.0
 
 
-def equation_18(printed: Printed) -> Iterator[AuditItem]:
+def equation_18() -> Iterator[Item]:
     """How (18) follows from (11), (15) and (17), and what it says at 2 %."""
-    del printed
-    yield AuditItem(
-        item="Equation (18)",
-        quantity="factor of ξ in a",
-        printed=0.021,
-        from_tables=5.6e-5 * 0.046 / 1.3e-4,
+    (a_11, b_11), (a_15, k1, k2), (k3, k4), (factor_a, factor_b) = (
+        EQUATION_11,
+        EQUATION_15,
+        EQUATION_16,
+        EQUATION_18,
     )
-    yield AuditItem(
+    yield Item(
+        item="Equation (18)", quantity="factor of ξ in a", printed=factor_a, from_tables=a_15 * k3 / a_11
+    )
+    yield Item(
         item="Equation (18)",
         quantity="factor of ξ e^(−6.6f) in b",
-        printed=6080.0,
-        from_tables=121.6 * 100.0 / 2.3,
+        printed=factor_b,
+        from_tables=k1 * k4 / b_11,
         unit="ms2",
-        erratum="6080 is 121.6 · 100/2.0, with the b that (17) gives at ξ = 0.02 in place of 2.3",
+        remark="6080 is 121.6 · 100/2.0, with the b that (17) gives at ξ = 0.02 in place of 2.3",
     )
-    yield AuditItem(
-        item="Text above equation (18)",
-        quantity="multiple of ξ that is 2.3",
-        printed=1000.0,
-        from_tables=100.0,
-        unit="ms2",
-        erratum="1000ξ should be 100ξ, as in equation (17)",
-    )
-    yield AuditItem(
-        item="Text above equation (18)",
-        quantity="factor of ξ e^(−6.6f)",
-        printed=46080.0,
-        from_tables=6080.0,
-        unit="ms2",
-        erratum="46080 should be 6080, as in equation (18)",
-    )
-    for parameter, ours, other, unit in (
-        ("a", 0.021 * TWO_PERCENT, 5.6e-5, "1"),
-        ("b at 1 Hz", 6080.0 * TWO_PERCENT * np.exp(-6.6), 121.6 * np.exp(-6.6), "ms2"),
+    for parameter, value, other, unit, remark in (
+        (
+            "a",
+            factor_a * TWO_PERCENT,
+            a_15,
+            "1",
+            f"{factor_a * TWO_PERCENT / a_15:.1f} times equation (15), since (16a) takes a as linear in ξ",
+        ),
+        (
+            "b at 1 Hz",
+            factor_b * TWO_PERCENT * np.exp(-k2 * ONE_HERTZ),
+            k1 * np.exp(-k2 * ONE_HERTZ),
+            "ms2",
+            "",
+        ),
     ):
-        yield AuditItem(
+        yield Item(
             item="Equation (18)",
             quantity=f"{parameter} at ξ = 0.02",
-            printed=ours,
+            printed=float(value),
             from_tables=float(other),
             unit=unit,
-            erratum=(
-                "7.5 times as generous as equation (15), since (16) takes a as linear in ξ"
-                if parameter == "a"
-                else ""
-            ),
-        )
-    for at, number in ((0.25, 4.8), (2.0, 0.6)):
-        found = float(np.sqrt(121.6 * np.exp(-6.6 * at)))
-        yield AuditItem(
-            item="Text below equation (15)",
-            quantity=f"delay limit at {at:g} Hz",
-            printed=number,
-            from_tables=found,
-            unit="ms",
-            erratum=""
-            if abs(found / number - 1.0) <= CLOSE
-            else "0.6 ms is √b of Table 3; equation (15) gives 0.015 ms",
+            remark=remark,
         )
 
 
-def table_5(printed: Printed) -> Iterator[AuditItem]:
-    """Masses and, from the inverse compensation, the delay that Table 6 should show."""
-    cases = printed.cases[["case", "f_hz"]].to_numpy()
-    for (number, frequency), mass in zip(cases.tolist(), _MASSES, strict=True):
-        yield AuditItem(
+def table_5(printed: PrintedTables, records: Records) -> Iterator[Item]:
+    """Masses and stiffnesses of the four cases."""
+    frequencies = printed.cases["f_hz"].to_numpy(dtype=np.float64)
+    total = SPECIMEN_STIFFNESS + FRAME_STIFFNESS
+    for number, (frequency, mass) in enumerate(zip(frequencies.tolist(), MASSES, strict=True), start=1):
+        yield Item(
             item="Table 5",
-            quantity=f"m of case {number:g}",
+            quantity=f"m of case {number}",
             printed=mass,
-            from_tables=_STIFFNESS / (2.0 * np.pi * frequency) ** 2,
+            from_tables=total / (2.0 * np.pi * frequency) ** 2,
+            from_records=_of_case(records, "mass", number),
             unit="kg",
         )
+    yield Item(
+        item="Table 5",
+        quantity="EI",
+        printed=BENDING_STIFFNESS,
+        from_tables=FRAME_STIFFNESS / 24.0,
+        unit="N m2",
+        remark="k_n h³/24 with a height h of 1 m, which the paper does not state",
+    )
+    yield Item(
+        item="Table 5",
+        quantity="EA",
+        printed=AXIAL_STIFFNESS,
+        unit="N",
+        remark="no formula is given; printed in N m², which EA does not have; 10⁵ times the number of EI",
+    )
 
 
-def table_6(printed: Printed) -> Iterator[AuditItem]:
-    """Recompute indices by equation (18), and A and d as the compensation alone would make them."""
-    criterion = published_criterion("guo_2017_18")
-    cases = printed.cases.drop(columns="fulfils_eq18").astype(float)
-    for case in cases.to_dict("records"):
-        amplitude, delay = case["A"], case["d_ms"]
-        index = criterion.index(amplitude, 1e-3 * delay, case["f_hz"], case["xi"])
-        expected = 1e3 * (_LATE_STEPS - case["alpha_es"]) / _RATE
-        for quantity, number, found, unit in (
-            ("A", amplitude, case["amplitude_error"], "1"),
-            ("d", delay, expected, "ms"),
-            ("index of equation (18)", case["index_eq18"], float(index), "1"),
-            ("RMS^R", case["rms_percent"], float("nan"), "%"),
+def table_6(printed: PrintedTables, records: Records) -> Iterator[Item]:
+    """Compare A, d, the index of equation (18) and RMS^R of the four cases."""
+    law = OF_MANY_MOTIONS["guo_2017_18"]
+    for case in printed.cases.drop(columns="fulfils_eq18").astype(float).to_dict("records"):
+        number = int(case["case"])
+        a, b = (float(limit) for limit in law.limits(case["f_hz"], case["xi"]))
+        amplitude, delay = (_of_case(records, name, number) for name in "Ad")
+        simulated = (amplitude - 1.0) ** 2 / a + (_MILLISECONDS * delay) ** 2 / b
+        of_table = (case["A"] - 1.0) ** 2 / a + case["d_ms"] ** 2 / b
+        late = _MILLISECONDS * (_LATE_STEPS - case["alpha_es"]) / _RATE
+        for quantity, value, tables, recomputed, unit in (
+            ("A − 1", case["A"] - 1.0, case["amplitude_error"] - 1.0, amplitude - 1.0, "1"),
+            ("d", case["d_ms"], late, _MILLISECONDS * delay, "ms"),
+            ("index of equation (18)", case["index_eq18"], of_table, simulated, "1"),
+            ("RMS^R", case["rms_percent"], MISSING, _PERCENT * _of_case(records, "rms", number), "%"),
         ):
-            yield AuditItem(
+            yield Item(
                 item="Table 6",
-                quantity=f"{quantity} of case {case['case']:g}",
-                printed=number,
-                from_tables=found,
+                quantity=f"{quantity} of case {number}",
+                printed=value,
+                from_tables=tables,
+                from_records=recomputed,
                 unit=unit,
             )
+
+
+def figure_17(records: Records) -> Iterator[Item]:
+    """Peaks of the histories that the paper draws, and the peak of the motion behind them."""
+    for number in range(1, len(MASSES) + 1):
+        ideal, measured = (_peak(records, name, number) for name in ("ideal", "measured"))
+        yield Item(
+            item="Figure 17",
+            quantity=f"measured over exact peak of case {number} (none printed)",
+            from_records=measured / ideal,
+            remark="drawn",
+        )
+    peak = MISSING if records.cases is None else float(records.cases.attrs.get("peak_acceleration", MISSING))
+    yield Item(
+        item="Text above Table 5",
+        quantity="peak acceleration of KOBE/KJM000",
+        printed=APPLICATION_PEAK,
+        from_records=peak / STANDARD_GRAVITY,
+        unit="g",
+        remark="the record has another peak than the text says" if np.isfinite(peak) else "",
+    )
+
+
+def _of_case(records: Records, name: str, number: int) -> float:
+    cases = records.cases
+    return MISSING if cases is None or number not in cases["case"] else float(cases[name].sel(case=number))
+
+
+def _peak(records: Records, name: str, number: int) -> float:
+    cases = records.cases
+    if cases is None or number not in cases["case"]:
+        return MISSING
+    return float(abs(cases[name].sel(case=number)).max())

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
 from reliab.indices.frequency_evaluation import frequency_evaluation
@@ -21,6 +22,7 @@ from reliab.loop.hybrid_test.integrators import ChenRicles
 from reliab.loop.hybrid_test.model import HybridTest
 from reliab.loop.structure import Structure
 from reliab.motions import Motion, resample, truncate
+from reliab.paper.printed import FRAME_STIFFNESS, SPECIMEN_STIFFNESS, PrintedTables
 
 RATE_HZ = 1024.0
 DELAY_STEPS = 4
@@ -50,8 +52,8 @@ class PaperCase:
     damping_ratio: float
     estimated_delay: float
     amplitude: float
-    specimen_stiffness: float = 3.50
-    frame_stiffness: float = 1e-6
+    specimen_stiffness: float = SPECIMEN_STIFFNESS
+    frame_stiffness: float = FRAME_STIFFNESS
 
     @property
     def mass(self) -> float:
@@ -68,13 +70,20 @@ class PaperCase:
         )
 
 
-PAPER_CASES = (
-    PaperCase(frequency=1.0, damping_ratio=0.02, estimated_delay=3.6, amplitude=1.0037),
-    PaperCase(frequency=0.6, damping_ratio=0.02, estimated_delay=2.7, amplitude=1.0035),
-    PaperCase(frequency=1.0, damping_ratio=0.05, estimated_delay=3.4, amplitude=1.0117),
-    PaperCase(frequency=1.0, damping_ratio=0.02, estimated_delay=3.2, amplitude=1.0074),
-)
-"""Table 5."""
+def printed_cases() -> list[PaperCase]:
+    """Cases of Table 5 as printed.
+
+    Returns
+    -------
+    list of PaperCase
+        The four cases.
+    """
+    columns = ("f_hz", "xi", "alpha_es", "amplitude_error")
+    rows = PrintedTables.read().cases[list(columns)].itertuples(index=False)
+    return [
+        PaperCase(frequency=f, damping_ratio=xi, estimated_delay=steps, amplitude=gain)
+        for f, xi, steps, gain in rows
+    ]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -106,7 +115,7 @@ class CaseOutcome:
     measured: NDArray[np.float64]
 
 
-def run_paper_cases(motion: Motion, cases: Sequence[PaperCase] = PAPER_CASES) -> list[CaseOutcome]:
+def run_paper_cases(motion: Motion, cases: Sequence[PaperCase] | None = None) -> list[CaseOutcome]:
     """Simulate cases under a ground motion.
 
     Parameters
@@ -122,7 +131,7 @@ def run_paper_cases(motion: Motion, cases: Sequence[PaperCase] = PAPER_CASES) ->
         One for each case.
     """
     record = resample(truncate(motion, min(RECORD_SECONDS, motion.duration)), RATE_HZ)
-    return [_run(record, case) for case in cases]
+    return [_run(record, case) for case in (printed_cases() if cases is None else cases)]
 
 
 def _run(record: Motion, case: PaperCase) -> CaseOutcome:
@@ -152,4 +161,50 @@ def _run(record: Motion, case: PaperCase) -> CaseOutcome:
         times=record.times,
         ideal=ideal,
         measured=second.measured,
+    )
+
+
+def cases_dataset(outcomes: Sequence[CaseOutcome], motion: Motion) -> xr.Dataset:
+    """Gather what became of the cases of Tables 5 and 6.
+
+    Parameters
+    ----------
+    outcomes : sequence of CaseOutcome
+        What became of the cases under a ground motion.
+    motion : Motion
+        The ground motion.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over `case` (1, 2, …): `f` [Hz], `xi`, `estimated_delay` [steps], `gain`, `mass` [kg], `A`, `d` [s]
+        and `rms` [-]; over (case, time [s]): `ideal` and `measured` displacement [m]. Attributes: `motion`,
+        `peak_acceleration` [m/s²] and `window` [s], over which the error is computed.
+    """
+    cases = [outcome.case for outcome in outcomes]
+    numbers = {
+        "f": [case.frequency for case in cases],
+        "xi": [case.damping_ratio for case in cases],
+        "estimated_delay": [case.estimated_delay for case in cases],
+        "gain": [case.amplitude for case in cases],
+        "mass": [case.mass for case in cases],
+        "A": [outcome.amplitude for outcome in outcomes],
+        "d": [outcome.equivalent_delay for outcome in outcomes],
+        "rms": [outcome.rms for outcome in outcomes],
+    }
+    histories = {
+        "ideal": np.stack([outcome.ideal for outcome in outcomes]),
+        "measured": np.stack([outcome.measured for outcome in outcomes]),
+    }
+    return xr.Dataset(
+        {
+            **{name: ("case", values) for name, values in numbers.items()},
+            **{name: (("case", "time"), values) for name, values in histories.items()},
+        },
+        coords={"case": np.arange(1, len(cases) + 1), "time": outcomes[0].times},
+        attrs={
+            "motion": motion.name,
+            "peak_acceleration": float(np.abs(motion.acceleration).max()),
+            "window": min(RECORD_SECONDS, motion.duration),
+        },
     )

@@ -10,8 +10,9 @@ from typing import Final
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
-from reliab.boundary import motion_contours
+from reliab.boundary import Contour, motion_contours
 from reliab.indices.response_error import relative_error
 from reliab.loop import spectral
 from reliab.loop.engine import Loop
@@ -19,10 +20,8 @@ from reliab.loop.excitation import Excitation
 from reliab.loop.stability import critical_delay
 from reliab.loop.structure import Structure
 from reliab.motions import Motion
+from reliab.paper.printed import FIVE_PERCENT
 from reliab.vocabulary import Metric
-
-EXAMPLE: Final = "KOBE/NIS000"
-"""The motion of the paper's example."""
 
 SHOWN_TESTS: Final = ((1.0, 0.0), (1.0, 5e-3), (0.99, 0.0), (1.02, 2e-3))
 """Gain [-] and delay [s] of Figures 2, 3, 5 and 7."""
@@ -30,6 +29,7 @@ SHOWN_TESTS: Final = ((1.0, 0.0), (1.0, 5e-3), (0.99, 0.0), (1.02, 2e-3))
 _DELAYS: Final = np.linspace(0.0, 8e-3, 81)
 _GAINS: Final = np.linspace(0.98, 1.02, 41)
 _MAP_DELAYS: Final = np.linspace(0.0, 2e-3, 21)
+_SLACK: Final = 1e-6  # of a step, by which the end of a contour may lie beyond it
 _METRICS: Final = (Metric.MTE, Metric.RMS)
 
 
@@ -50,22 +50,24 @@ def run_paper_example(motion: Motion, *, frequency: float = 1.0, damping_ratio: 
         test being the exact response; `error_of_delay` over (metric, long_delay) at gain 1,
         `error_of_gain` over (metric, gain) without delay, and `error` over (metric, gain, delay) [-];
         `amplitude_mte`, `delay_mte`, `amplitude_rms` and `delay_rms`, the contours of 5 % error [-] and
-        [s] over their points. Attributes: `critical_delay` [s], `motion`, `f`, `xi`.
+        [s] over their points, with `ends_mte` and `ends_rms` [-] over end ("low", "high"), the amplitudes
+        at which they reach d = 0. Attributes: `critical_delay` [s], `motion`, `f`, `xi`.
     """
     structure = Structure(frequency=frequency, damping_ratio=damping_ratio)
     excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step)
     loop = Loop(excitation=excitation, structure=structure)
     variables = {**_histories(excitation, structure), **_errors(loop), **_contours(loop)}
     coordinates = {"metric": [str(metric) for metric in _METRICS], "gain": _GAINS, "delay": _MAP_DELAYS}
+    coordinates["end"] = ["low", "high"]
     attributes = {
         "critical_delay": float(critical_delay(structure)),
         "motion": motion.name,
         "f": frequency,
         "xi": damping_ratio,
     }
-    found = xr.Dataset(variables, coords={**coordinates, "long_delay": _DELAYS}, attrs=attributes)
+    example = xr.Dataset(variables, coords={**coordinates, "long_delay": _DELAYS}, attrs=attributes)
     gains, delays = zip(*SHOWN_TESTS, strict=True)
-    return found.assign_coords(test_gain=("test", list(gains)), test_delay=("test", list(delays)))
+    return example.assign_coords(test_gain=("test", list(gains)), test_delay=("test", list(delays)))
 
 
 def _histories(excitation: Excitation, structure: Structure) -> dict[str, tuple[Sequence[str], object]]:
@@ -95,10 +97,28 @@ def _relative(loop: Loop, gain: NDArray[np.float64], delay: NDArray[np.float64])
 def _contours(loop: Loop) -> dict[str, tuple[Sequence[str], object]]:
     variables: dict[str, tuple[Sequence[str], object]] = {}
     for metric in _METRICS:
-        (contour,) = motion_contours(loop, (0.05,), metric)
+        (contour,) = motion_contours(loop, (FIVE_PERCENT,), metric)
         point = (f"point_{metric}",)
         variables |= {
             f"amplitude_{metric}": (point, contour.amplitude),
             f"delay_{metric}": (point, contour.delay),
+            f"ends_{metric}": (("end",), _ends(loop, contour, metric)),
         }
     return variables
+
+
+def _ends(loop: Loop, contour: Contour, metric: Metric) -> NDArray[np.float64]:
+    """Amplitudes below and above 1 at which the contour reaches the axis d = 0, shape (2,)."""
+
+    def excess(amplitude: float) -> float:
+        cells = loop.cells(gain=np.array([amplitude]), delay=np.zeros(1))
+        return float(relative_error(loop.deviation(cells), metric)[0]) - FIVE_PERCENT
+
+    steps = np.diff(contour.amplitude)[[0, -1]] * (-1.0, 1.0)
+    outermost = contour.amplitude[[0, -1]]
+    return np.array(
+        [
+            brentq(excess, inside, inside + (1.0 + _SLACK) * step)
+            for inside, step in zip(outermost.tolist(), steps.tolist(), strict=True)
+        ]
+    )

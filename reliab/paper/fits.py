@@ -1,29 +1,35 @@
-"""The curve fits of the paper."""
+"""The fits of the paper: equations (13) and (16), and the quantile that it calls 95 % confidence."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import curve_fit
 
 from reliab.criterion.distributions import Lognormal
+from reliab.paper.printed import SHARE
 
-_SHARE = 0.05
+_PARAMETERS = 2
 
 
 def exponential(frequencies: ArrayLike, b: ArrayLike) -> tuple[float, float]:
-    """Fit k₁ and k₂ of equation (13), b = k₁ e^(−k₂f), by least squares of b itself.
+    """Fit k₁ and k₂ of equation (13), b = k₁ e^(−k₂f), by least squares of b itself; NaN of fewer than two values.
 
     Examples
     --------
-    >>> f = np.array([0.25, 0.5, 1.0, 2.0])
-    >>> [round(each, 6) for each in exponential(f, 97.0 * np.exp(-3.4 * f))]
-    [97.0, 3.4]
+    Table 3 as printed gives equation (15):
+
+    >>> from reliab.paper.printed import PrintedTables
+    >>> table = PrintedTables.read().table3
+    >>> [round(k, 1) for k in exponential(table["f_hz"], table["b"])]
+    [121.6, 6.6]
     """
     f, values = np.asarray(frequencies, dtype=np.float64), np.asarray(b, dtype=np.float64)
+    if f.size < _PARAMETERS or not np.isfinite(values).all():
+        return float("nan"), float("nan")
     slope, level = np.polyfit(f, np.log(values), 1)
-    found, _ = curve_fit(
+    (k1, k2), _ = curve_fit(
         lambda x, k1, k2: k1 * np.exp(-k2 * x), f, values, p0=(np.exp(level), -slope), maxfev=20000
     )
-    return float(found[0]), float(found[1])
+    return float(k1), float(k2)
 
 
 def proportional(damping_ratios: ArrayLike, values: ArrayLike) -> float:
@@ -41,4 +47,4 @@ def proportional(damping_ratios: ArrayLike, values: ArrayLike) -> float:
 def quantile(values: NDArray[np.float64]) -> float:
     """5 % quantile of a lognormal distribution, the paper's "95 % confidence"; NaN of nothing."""
     known = values[np.isfinite(values) & (values > 0.0)]
-    return float(Lognormal.fit(known).quantile(_SHARE)) if known.size else float("nan")
+    return float(Lognormal.fit(known).quantile(SHARE)) if known.size else float("nan")

@@ -18,14 +18,16 @@ from reliab.motions import Motion
 Array = NDArray[np.float64]
 Pair = tuple[float, float]
 
-NOTHING: Pair = (np.nan, np.nan)
+NO_ELLIPSE: Pair = (np.nan, np.nan)
 _LONGEST, _POINTS = 4.0, 33  # durations are tried from a quarter to four times the record's own
 _LEAST_CHANGE = 0.1
 _SAME = 0.02
 
 
-def logarithms(acceleration: Array, time_step: float, structure: Structure, end: float = -1.0) -> Pair:
-    """Logarithms of a and b [ms²] of a record, 5 % RMS^R; NaN where the boundary is no ellipse.
+def simulated_ellipse(
+    acceleration: Array, time_step: float, structure: Structure, end: float = -1.0
+) -> Ellipse:
+    """Ellipse of 5 % RMS^R of a record.
 
     Parameters
     ----------
@@ -36,17 +38,35 @@ def logarithms(acceleration: Array, time_step: float, structure: Structure, end:
     structure : Structure
         The structure.
     end : float, optional
-        End of the window over which the error is taken [s], the record's own by default.
+        End of the window over which the error is computed [s], the record's own by default.
+
+    Returns
+    -------
+    Ellipse
+        a [-], b [ms²] and the fitting error of equation (10) [ms⁴]; a or b is not positive where the
+        boundary is no ellipse.
+    """
+    excitation = Excitation(acceleration=acceleration, time_step=time_step, window=(0.0, end))
+    (contour,) = motion_contours(Loop(excitation=excitation, structure=structure))
+    return Ellipse.fit(contour)
+
+
+def logarithms(ellipse: Ellipse) -> Pair:
+    """Logarithms of a and b [ms²]; NaN where the boundary is no ellipse.
+
+    Parameters
+    ----------
+    ellipse : Ellipse
+        From :func:`simulated_ellipse`.
 
     Returns
     -------
     tuple of float
         ln a and ln b.
     """
-    excitation = Excitation(acceleration=acceleration, time_step=time_step, window=(0.0, end))
-    (contour,) = motion_contours(Loop(excitation=excitation, structure=structure))
-    found = Ellipse.fit(contour)
-    return (float(np.log(found.a)), float(np.log(found.b))) if min(found.a, found.b) > 0.0 else NOTHING
+    if min(ellipse.a, ellipse.b) <= 0.0:
+        return NO_ELLIPSE
+    return float(np.log(ellipse.a)), float(np.log(ellipse.b))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -96,22 +116,25 @@ def differences(
     tuple of Difference
         Time step, duration and component, as far as there is a choice.
     """
-    others = [step for step in steps if abs(step / motion.time_step - 1.0) > _SAME]
-    played = Difference(
+    other_steps = [step for step in steps if abs(step / motion.time_step - 1.0) > _SAME]
+    time_steps = Difference(
         kind="time step",
-        details=tuple(f"{step:.4g} s instead of {motion.time_step:.4g} s" for step in others),
-        pairs=_table([logarithms(motion.acceleration, step, structure) for step in others]),
+        details=tuple(f"{step:.4g} s instead of {motion.time_step:.4g} s" for step in other_steps),
+        pairs=_table([simulated_ellipse(motion.acceleration, step, structure) for step in other_steps]),
     )
-    swapped = Difference(
+    components = Difference(
         kind="component",
-        details=tuple(f"{each.name} instead" for each in siblings),
-        pairs=_table([logarithms(each.acceleration, each.time_step, structure) for each in siblings]),
+        details=tuple(f"{sibling.name} instead" for sibling in siblings),
+        pairs=_table(
+            [simulated_ellipse(sibling.acceleration, sibling.time_step, structure) for sibling in siblings]
+        ),
     )
-    return tuple(each for each in (played, _durations(motion, structure), swapped) if each.details)
+    kinds = (time_steps, _durations(motion, structure), components)
+    return tuple(difference for difference in kinds if difference.details)
 
 
-def _table(pairs: Sequence[Pair]) -> Array:
-    return np.array(pairs, dtype=np.float64).reshape(-1, 2)
+def _table(ellipses: Sequence[Ellipse]) -> Array:
+    return np.array([logarithms(ellipse) for ellipse in ellipses], dtype=np.float64).reshape(-1, 2)
 
 
 def _durations(motion: Motion, structure: Structure) -> Difference:
@@ -121,6 +144,6 @@ def _durations(motion: Motion, structure: Structure) -> Difference:
     quiet = np.zeros(int(np.ceil(_LONGEST * motion.duration / motion.time_step)) + 2)
     quiet[: motion.acceleration.size] = motion.acceleration
     lengths = (chosen * motion.duration).tolist()
-    found = [logarithms(quiet, motion.time_step, structure, length) for length in lengths]
+    ellipses = [simulated_ellipse(quiet, motion.time_step, structure, length) for length in lengths]
     details = tuple(f"{length:.3g} s instead of {motion.duration:.3g} s" for length in lengths)
-    return Difference(kind="duration", details=details, pairs=_table(found))
+    return Difference(kind="duration", details=details, pairs=_table(ellipses))

@@ -1,48 +1,48 @@
-"""One printed number beside what follows from the printed tables and from the records."""
+"""One number of the paper: as printed, as its own tables give it, and as the records give it."""
 
 from dataclasses import dataclass
 from typing import Final
 
 CLOSE: Final = 0.10
-"""Numbers that differ by less agree; the paper prints two or three digits."""
+"""Relative difference up to which two numbers agree; the paper prints two or three digits."""
 
 MISSING: Final = float("nan")
 
 
 @dataclass(frozen=True, kw_only=True)
-class AuditItem:
-    """One number of the paper.
+class Item:
+    """One number of the paper, or one thing without a number.
 
     Parameters
     ----------
     item : str
-        Table, figure, equation or text.
+        Table, figure, equation, or "Text" with its place.
     quantity : str
         What the number is.
-    printed : float
-        As printed.
+    printed : float, optional
+        As printed; NaN where the paper prints none.
     from_tables, from_records : float, optional
-        Recomputed from the printed tables, and from ellipses of the records themselves; NaN where that
+        Recomputed from the printed tables and equations, and from the records themselves; NaN where that
         cannot be done.
     unit : str, optional
         Unit of all three.
-    erratum : str, optional
-        What the difference is, where it has a name.
+    remark : str, optional
+        What the difference is, where it has a name; how a thing without a number is used.
     """
 
     item: str
     quantity: str
-    printed: float
+    printed: float = MISSING
     from_tables: float = MISSING
     from_records: float = MISSING
     unit: str = "1"
-    erratum: str = ""
+    remark: str = ""
 
     @property
     def difference(self) -> float:
         """Relative difference of what the records give, or else of what the tables give."""
-        found = self.from_tables if self.from_records != self.from_records else self.from_records
-        return found / self.printed - 1.0
+        recomputed = self.from_tables if self.from_records != self.from_records else self.from_records
+        return recomputed / self.printed - 1.0
 
     @property
     def finding(self) -> str:
@@ -50,13 +50,18 @@ class AuditItem:
 
         Examples
         --------
-        >>> AuditItem(item="Equation (12)", quantity="a", printed=5.3e-5, from_tables=5.29e-5).finding
+        >>> Item(item="Equation (12)", quantity="a", printed=5.3e-5, from_tables=5.29e-5).finding
         'comes back'
+        >>> Item(item="Table 1", quantity="a", printed=2.0, from_tables=2.0, from_records=3.0).finding
+        'comes back from the tables; from the records +50 %, unexplained'
         """
-        if self.erratum:
-            return self.erratum
+        if self.remark:
+            return self.remark
         if self.difference != self.difference:
-            return "cannot be recomputed from tables or ellipses"
+            return "cannot be recomputed from tables or records"
         if abs(self.difference) <= CLOSE:
             return "comes back"
-        return f"differs by {100.0 * self.difference:+.0f} %, unexplained"
+        percent = f"{100.0 * self.difference:+.0f} %"
+        if abs(self.from_tables / self.printed - 1.0) <= CLOSE:
+            return f"comes back from the tables; from the records {percent}, unexplained"
+        return f"differs by {percent}, unexplained"

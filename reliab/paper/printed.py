@@ -1,18 +1,83 @@
-"""The printed tables, and the ellipses of the records that belong beside them."""
+"""Every number that the paper prints: its tables as typed out, and what its equations, figures and text say.
 
+References
+----------
+Reliability assessment of real-time hybrid simulation under worst-case scenarios using frequency-domain
+evaluation indices (2017), published online 13 February 2017.
+"""
+
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Final, Self
 
 import numpy as np
 import pandas as pd
-import xarray as xr
-from numpy.typing import NDArray
 
 from reliab.errors import InputError
+from reliab.shipped import shipped
 
-ONE_MOTION: Final = "KOBE/NIS000"
-ONE_HERTZ, TWO_PERCENT, FIVE_PERCENT = 1.0, 0.02, 0.05
+EXAMPLE: Final = "KOBE/NIS000"
+"""The motion of the paper's example."""
+
+APPLICATION: Final = "KOBE/KJM000"
+"""The motion of the paper's four cases, which is not among the hundred."""
+
+ONE_HERTZ: Final = 1.0
+TWO_PERCENT: Final = 0.02
+FIVE_PERCENT: Final = 0.05
+"""The threshold of RMS^R throughout the paper [-]."""
+
+SHARE: Final = 0.05
+"""The quantile that the paper calls 95 % confidence."""
+
+TOO_LARGE: Final = ("IMPVALL/H-E11230", "LOMAP/CAP000", "SUPERST/B-ICC000")
+"""Rows of Table 2 that are five to twenty times as large as their records give."""
+
+TABLE_1: Final[Mapping[str, tuple[float, float, float]]] = MappingProxyType(
+    {"ellipse": (1.3e-4, 2.3, 0.12), "cosine": (1.6, 118.5, 0.65), "parabola": (-1.0e4, 1.6, 0.42)}
+)
+"""a, b and fitting error [ms⁴] of each curve; units of a and b are the curve's own, delays in ms."""
+
+POINTS_OF_FIT: Final = 25
+"""Points of the contour to which the curves of Table 1 are fitted."""
+
+MASSES: Final = (0.09, 0.25, 0.09, 0.09)
+"""Table 5, m [kg] of the four cases."""
+
+SPECIMEN_STIFFNESS: Final = 3.50
+FRAME_STIFFNESS: Final = 1e-6
+"""Table 5, k_e and k_n [N/m]."""
+
+BENDING_STIFFNESS: Final = 4.17e-8
+"""Table 5, EI [N m²]."""
+
+AXIAL_STIFFNESS: Final = 4.17e-3
+"""Table 5, EA, printed in N m²."""
+
+APPLICATION_PEAK: Final = 0.707
+"""Peak acceleration of KOBE/KJM000 [g], as the text says."""
+
+EQUATION_11: Final = (1.3e-4, 2.3)
+EQUATION_12: Final = (5.3e-5, 1.04)
+"""a [-] and b [ms²]."""
+
+EQUATION_14: Final = (5.8e-5, 97.0, 3.4)
+EQUATION_15: Final = (5.6e-5, 121.6, 6.6)
+"""a [-], k₁ [ms²] and k₂ [1/Hz]."""
+
+EQUATION_16: Final = (0.046, 100.0)
+"""k₃ [-] and k₄ [ms²], also of equation (17)."""
+
+EQUATION_18: Final = (0.021, 6080.0)
+"""Factors of ξ in a [-] and of ξ e^(−6.6 f) in b [ms²]."""
+
+RANGES_OF_TEXT: Final[Mapping[str, tuple[float, float]]] = MappingProxyType(
+    {"a": (5.5e-5, 6.6e-4), "b": (1.1, 7.6)}
+)
+"""Least and greatest a [-] and b [ms²] that the text quotes from Table 2."""
+
 _FILES: Final = {
     "table2": "table2.csv",
     "table3": "table3.csv",
@@ -22,13 +87,19 @@ _FILES: Final = {
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Printed:
+class PrintedTables:
     """The paper's tables as typed out.
 
     Parameters
     ----------
-    table2, table3, table4, cases : pandas.DataFrame
-        Tables 2, 3, 4, and 5 with 6.
+    table2 : pandas.DataFrame
+        no, record, a [-], b [ms²], error [ms⁴].
+    table3 : pandas.DataFrame
+        f_hz, a [-], b [ms²].
+    table4 : pandas.DataFrame
+        xi, a [-], b (which is √b [ms]).
+    cases : pandas.DataFrame
+        Tables 5 and 6.
     """
 
     table2: pd.DataFrame
@@ -37,24 +108,32 @@ class Printed:
     cases: pd.DataFrame
 
     @classmethod
-    def read(cls, folder: Path) -> Self:
+    def read(cls, folder: Path | None = None) -> Self:
         """Read the CSV files of a folder.
 
         Parameters
         ----------
-        folder : Path
-            With `table2.csv`, `table3.csv`, `table4.csv` and `tables5_6.csv`.
+        folder : pathlib.Path, optional
+            With `table2.csv`, `table3.csv`, `table4.csv` and `tables5_6.csv`; by default what ships with
+            the project.
 
         Returns
         -------
-        Printed
+        PrintedTables
             The tables.
 
         Raises
         ------
         InputError
             If a file is missing.
+
+        Examples
+        --------
+        >>> tables = PrintedTables.read()
+        >>> len(tables.table2), len(tables.table3), len(tables.table4), len(tables.cases)
+        (100, 8, 9, 4)
         """
+        folder = shipped("datasets", "paper") if folder is None else folder
         missing = [name for name in _FILES.values() if not (folder / name).is_file()]
         if missing:
             raise InputError(
@@ -66,44 +145,6 @@ class Printed:
         return cls(**{key: pd.read_csv(folder / name) for key, name in _FILES.items()})
 
     def of_table_2(self, parameter: str) -> float:
-        """Value of KOBE/NIS000 in Table 2."""
-        rows = self.table2["record"].to_numpy() == ONE_MOTION
+        """Value of KOBE/NIS000 in Table 2: "a" [-], "b" [ms²] or "error" [ms⁴]."""
+        rows = self.table2["record"].to_numpy() == EXAMPLE
         return float(self.table2[parameter].to_numpy(dtype=np.float64)[rows][0])
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Recomputed:
-    """Ellipses of 5 % RMS^R from the records, or nothing; what is not there is NaN.
-
-    Parameters
-    ----------
-    ellipses : xarray.Dataset or None
-        `a` and `b` over (motion, f, xi) or more dimensions.
-    """
-
-    ellipses: xr.Dataset | None
-
-    def over_motions(self, parameter: str, frequency: float) -> NDArray[np.float64]:
-        """Values of all motions at 2 % damping, in the order of the dataset; empty where unknown."""
-        return self._at(parameter, {"f": frequency, "xi": TWO_PERCENT})
-
-    def of_motion(self, parameter: str, motion: str, frequency: float, damping_ratio: float) -> float:
-        """Value of one motion and structure."""
-        found = self._at(parameter, {"f": frequency, "xi": damping_ratio})
-        if self.ellipses is None or found.size == 0:
-            return float("nan")
-        place = np.flatnonzero(self.ellipses["motion"].values.astype(np.str_) == motion)
-        return float(found[place[0]]) if place.size else float("nan")
-
-    def _at(self, parameter: str, structure: dict[str, float]) -> NDArray[np.float64]:
-        if self.ellipses is None:
-            return np.empty(0)
-        chosen = self.ellipses[parameter]
-        wanted = {**structure, "threshold": FIVE_PERCENT}
-        for name, value in wanted.items():
-            close = np.flatnonzero(np.isclose(chosen[name].values, value, rtol=1e-9))
-            if close.size == 0:
-                return np.empty(0)
-            chosen = chosen.isel({name: close[0]})
-        chosen = chosen.sel(metric="rms", curve="ellipse")
-        return np.asarray(chosen.transpose("motion").values, dtype=np.float64)

@@ -17,16 +17,15 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from reliab.boundary import Ellipse
 from reliab.errors import InputError
 from reliab.loop.structure import Structure
 from reliab.motions import Motion
-from reliab.paper.hidden_difference import Difference, differences, logarithms
+from reliab.paper.hidden_difference import Difference, differences, logarithms, simulated_ellipse
+from reliab.paper.item import CLOSE
 from reliab.progress import Progress, silent
 
 Array = NDArray[np.float64]
-
-AGREES = 0.10
-"""Relative difference of a and of b up to which a row agrees."""
 
 LARGEST_CHANCE = 0.05
 """Probability of an explanation by chance from which no name is given."""
@@ -49,7 +48,7 @@ def audit_table2(
     suite : sequence of Motion
         The records, named as in the table.
     printed : pandas.DataFrame
-        Columns `record`, `a` [-] and `b` [ms²], for 1 Hz, 2 % damping and 5 % RMS^R.
+        Columns `record`, `a` [-], `b` [ms²] and `error` [ms⁴], for 1 Hz, 2 % damping and 5 % RMS^R.
     progress : callable, optional
         Called after each row.
 
@@ -57,7 +56,8 @@ def audit_table2(
     -------
     pandas.DataFrame
         One row each of the printed records that the suite has: `record`, `a_printed`, `b_printed`, `a`,
-        `b` of our simulation, `gap_before` (larger of |ln a/a_printed| and |ln b/b_printed|), `agrees`,
+        `b` of our simulation, `error_printed` and `error` of equation (10) [ms⁴], `gap_before` (larger of
+        |ln a/a_printed| and |ln b/b_printed|), `agrees` (a and b are within 10 % of the printed numbers),
         `difference` ("", "time step", "duration", "component" or "none found"), `detail`, `a_after`,
         `b_after`, `gap_after`, and `chance`, the probability that an explanation as good means nothing.
 
@@ -76,13 +76,14 @@ def audit_table2(
             remedy="Give the folder of the paper's records with --motions",
         )
     values = np.log(rows[["a", "b"]].to_numpy(dtype=np.float64))
-    ours = np.array([logarithms(one.acceleration, one.time_step, _STRUCTURE) for one in motions])
-    table = _Table(motions=motions, printed=values, ours=ours)
-    found = []
+    ellipses = [simulated_ellipse(motion.acceleration, motion.time_step, _STRUCTURE) for motion in motions]
+    table = _Table(motions=motions, printed=values, ellipses=ellipses)
+    explanations = []
     for row in range(len(motions)):
-        found.append(table.explained(row))
+        explanations.append(table.explained(row))
         progress(row + 1, len(motions))
-    return pd.DataFrame(found)
+    errors = pd.DataFrame({"error_printed": rows["error"], "error": [ellipse.sse for ellipse in ellipses]})
+    return pd.concat([pd.DataFrame(explanations), errors], axis="columns")
 
 
 class _Offer(NamedTuple):
@@ -96,12 +97,23 @@ class _Offer(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Table:
-    """Records with the printed and our logarithms of a and b, shape (rows, 2) each."""
+    """Records with the printed logarithms of a and b, shape (rows, 2), and our ellipses."""
 
     motions: Sequence[Motion]
     printed: Array
-    ours: Array
+    ellipses: Sequence[Ellipse]
     worked_out: dict[int, dict[str, Difference]] = field(default_factory=dict)
+
+    @cached_property
+    def ours(self) -> Array:
+        """Our logarithms of a and b, shape (rows, 2)."""
+        return np.array([logarithms(ellipse) for ellipse in self.ellipses])
+
+    @cached_property
+    def agreeing(self) -> NDArray[np.bool_]:
+        """Whether a and b of a row are within 10 % of the printed numbers, shape (rows,)."""
+        ratios = np.exp(self.ours - self.printed)
+        return np.asarray((np.abs(ratios - 1.0) <= CLOSE).all(axis=1))
 
     @cached_property
     def gaps(self) -> Array:
@@ -111,7 +123,7 @@ class _Table:
     @cached_property
     def close(self) -> float:
         """How closely rows agree that do: as closely must an explanation fit."""
-        agreeing = self.gaps[self.gaps <= np.log1p(AGREES)]
+        agreeing = self.gaps[self.agreeing]
         if agreeing.size < _FEWEST_AGREEING:
             raise InputError(
                 f"At least {_FEWEST_AGREEING} rows must agree, to know how closely an explanation must fit",
@@ -128,35 +140,36 @@ class _Table:
     @cached_property
     def recordings(self) -> list[tuple[int, ...]]:
         """Rows of the components of each recording, known by event, time step and length."""
-        found: dict[object, list[int]] = {}
-        for row, one in enumerate(self.motions):
-            found.setdefault((one.event, one.time_step, one.acceleration.size), []).append(row)
-        return [tuple(rows) for rows in found.values()]
+        rows_of: dict[object, list[int]] = {}
+        for row, motion in enumerate(self.motions):
+            key = (motion.event, motion.time_step, motion.acceleration.size)
+            rows_of.setdefault(key, []).append(row)
+        return [tuple(rows) for rows in rows_of.values()]
 
     def _recording(self, row: int) -> tuple[int, ...]:
         return next(rows for rows in self.recordings if row in rows)
 
     def explained(self, row: int) -> dict[str, object]:
         """Compare a row and explain it if it disagrees."""
-        agrees = bool(self.gaps[row] <= np.log1p(AGREES))
+        agrees = bool(self.agreeing[row])
         (a_printed, b_printed), (a, b) = np.exp(self.printed[row]).tolist(), np.exp(self.ours[row]).tolist()
         compared = {"record": self.motions[row].name, "a_printed": a_printed, "b_printed": b_printed}
         compared |= {"a": a, "b": b, "gap_before": float(self.gaps[row]), "agrees": agrees}
-        left = {"a_after": a, "b_after": b, "gap_after": float(self.gaps[row])}
+        unchanged = {"a_after": a, "b_after": b, "gap_after": float(self.gaps[row])}
         if agrees:
-            return compared | {"difference": "", "detail": "", "chance": np.nan} | left
+            return compared | {"difference": "", "detail": "", "chance": np.nan} | unchanged
         best = self._best(row)
         if best is None:
-            return compared | {"difference": NONE_FOUND, "detail": "", "chance": np.nan} | left
-        found = self._told(row, best)
+            return compared | {"difference": NONE_FOUND, "detail": "", "chance": np.nan} | unchanged
+        result = self._result(row, best)
         if best.distance <= self.close and best.chance <= LARGEST_CHANCE:
-            return compared | found
-        nearest = f"nearest: {best.kind}, {found['detail']}, which leaves {best.distance:.0%}"
-        return compared | {"difference": NONE_FOUND, "detail": nearest, "chance": best.chance} | left
+            return compared | result
+        nearest = f"nearest: {best.kind}, {result['detail']}, which leaves {best.distance:.0%}"
+        return compared | {"difference": NONE_FOUND, "detail": nearest, "chance": best.chance} | unchanged
 
     def _best(self, row: int) -> "_Offer | None":
         """Explain a row: with all of its recording that disagrees, unless a component was swapped."""
-        together = tuple(each for each in self._recording(row) if self.gaps[each] > np.log1p(AGREES))
+        together = tuple(member for member in self._recording(row) if not self.agreeing[member])
         kinds = list(self._differences(row))
         tried = [((row,) if kind == "component" else together, kind) for kind in kinds]
         offers = [self._offer(rows, kind, len(tried)) for rows, kind in tried]
@@ -168,33 +181,35 @@ class _Table:
         distance, place = self._nearest(rows, kind, self.printed[list(rows)])
         event = self.motions[rows[0]].event
         unrelated = [
-            table[list(each)]
+            table[list(order)]
             for recording in self.recordings
             if self.motions[recording[0]].event != event
-            for each in permutations(recording, len(rows))
+            for order in permutations(recording, len(rows))
             for table in (self.printed, self.ours)
         ]
         hits = sum(self._nearest(rows, kind, pairs)[0] <= distance for pairs in unrelated)
         chance = min(1.0, trials * (1.0 + hits) / (1.0 + len(unrelated)))
         return _Offer(chance=chance, distance=distance, place=place, kind=kind)
 
-    def _told(self, row: int, best: "_Offer") -> dict[str, object]:
-        one = self._differences(row)[best.kind]
-        a, b = np.exp(one.pairs[best.place]).tolist()
-        left = float(one.distances(self.printed[row])[best.place])
-        told = {"difference": best.kind, "detail": one.details[best.place], "chance": best.chance}
-        return told | {"a_after": a, "b_after": b, "gap_after": left}
+    def _result(self, row: int, best: "_Offer") -> dict[str, object]:
+        difference = self._differences(row)[best.kind]
+        a, b = np.exp(difference.pairs[best.place]).tolist()
+        gap = float(difference.distances(self.printed[row])[best.place])
+        result = {"difference": best.kind, "detail": difference.details[best.place], "chance": best.chance}
+        return result | {"a_after": a, "b_after": b, "gap_after": gap}
 
     def _differences(self, row: int) -> dict[str, Difference]:
         if row not in self.worked_out:
-            siblings = [self.motions[each] for each in self._recording(row) if each != row]
-            tried = differences(self.motions[row], siblings, self.steps, _STRUCTURE)
-            self.worked_out[row] = {one.kind: one for one in tried}
+            siblings = [self.motions[member] for member in self._recording(row) if member != row]
+            kinds = differences(self.motions[row], siblings, self.steps, _STRUCTURE)
+            self.worked_out[row] = {difference.kind: difference for difference in kinds}
         return self.worked_out[row]
 
     def _nearest(self, rows: tuple[int, ...], kind: str, pairs: Array) -> tuple[float, int]:
         """Distance and place of the choice that best explains pairs of logarithms, as if of the rows."""
-        each = [self._differences(row)[kind].distances(pair) for row, pair in zip(rows, pairs, strict=True)]
-        distances = np.nan_to_num(np.max(each, axis=0), nan=np.inf)
+        of_rows = [
+            self._differences(row)[kind].distances(pair) for row, pair in zip(rows, pairs, strict=True)
+        ]
+        distances = np.nan_to_num(np.max(of_rows, axis=0), nan=np.inf)
         place = int(np.argmin(distances))
         return float(distances[place]), place

@@ -233,10 +233,9 @@ def paper_cases(material: Material, name: str) -> Stage:
     motion = named(held_out, name)
 
     def work(folder: Path) -> None:
-        from reliab.paper.cases import run_paper_cases
-        from reliab.report.kinds.paper_cases import cases_dataset
+        from reliab.paper.cases import cases_dataset, run_paper_cases
 
-        cases_dataset(run_paper_cases(motion)).to_netcdf(folder / CASES, engine="h5netcdf")
+        cases_dataset(run_paper_cases(motion), motion).to_netcdf(folder / CASES, engine="h5netcdf")
 
     return Stage(name="cases", inputs={"motion": motion.checksum}, writes=(CASES,), work=work)
 

@@ -7,7 +7,7 @@ import pytest
 from reliab.errors import InputError
 from reliab.loop.structure import Structure
 from reliab.motions import Motion, load_motions
-from reliab.paper.hidden_difference import logarithms
+from reliab.paper.hidden_difference import logarithms, simulated_ellipse
 from reliab.paper.table2_audit import NONE_FOUND, audit_table2
 
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.02)
@@ -34,16 +34,20 @@ def _coarse(one):
     )
 
 
+def pair_of(*arguments):
+    return logarithms(simulated_ellipse(*arguments))
+
+
 def printed_pair(motion, by_name):
     kind = PLANTED.get(motion.name)
     if kind == "time step":
-        return logarithms(motion.acceleration, 2.0 * motion.time_step, STRUCTURE)
+        return pair_of(motion.acceleration, 2.0 * motion.time_step, STRUCTURE)
     if kind == "duration":
         quiet = np.concatenate([motion.acceleration, np.zeros(2 * motion.acceleration.size)])
-        return logarithms(quiet, motion.time_step, STRUCTURE, 2.0 * motion.duration)
+        return pair_of(quiet, motion.time_step, STRUCTURE, 2.0 * motion.duration)
     if kind == "component":
         motion = by_name[motion.name.replace("H1", "H2")]
-    return logarithms(motion.acceleration, motion.time_step, STRUCTURE)
+    return pair_of(motion.acceleration, motion.time_step, STRUCTURE)
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +59,7 @@ def audited(suite):
         pair = np.array(printed_pair(one, by_name)) + 0.02 * rng.standard_normal(2)
         if one.name in UNEXPLAINED:
             pair += rng.choice([-1.0, 1.0]) * rng.uniform(0.4, 1.0) * np.array([1.0, rng.uniform(0.4, 1.6)])
-        rows.append({"record": one.name, "a": np.exp(pair[0]), "b": np.exp(pair[1])})
+        rows.append({"record": one.name, "a": np.exp(pair[0]), "b": np.exp(pair[1]), "error": 1.0})
     return audit_table2(suite, pd.DataFrame(rows)).set_index("record")
 
 
@@ -84,6 +88,6 @@ def test_rows_that_agree_are_left_alone(audited):
 
 
 def test_other_records_are_refused(suite):
-    table = pd.DataFrame({"record": ["A/1"], "a": [1e-4], "b": [1.0]})
+    table = pd.DataFrame({"record": ["A/1"], "a": [1e-4], "b": [1.0], "error": [1.0]})
     with pytest.raises(InputError, match="records of the table"):
         audit_table2(suite, table)

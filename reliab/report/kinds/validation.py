@@ -59,7 +59,7 @@ def validation_report(
         Tests with actuators that are no constant gain and delay, as
         :func:`reliab.validation.beyond_the_model.try_rigs` makes it.
     cases : xarray.Dataset, optional
-        The paper's four cases, from :func:`reliab.report.kinds.paper_cases.cases_dataset`.
+        The paper's four cases, from :func:`reliab.paper.cases.cases_dataset`.
     provenance : mapping
         What the report can be made again from, by name.
     notes : sequence of Prose, optional

@@ -15,7 +15,6 @@ from reliab.study.stages import Stage, digest
 from reliab.study.steps import Material, Show
 
 ROWS: Final = "table2.csv"
-NUMBERS: Final = "numbers.csv"
 
 
 class TableAuditStudy(Kind):
@@ -42,31 +41,16 @@ class TableAuditStudy(Kind):
             rows.to_csv(folder / ROWS, index=False)
 
         inputs = {"motions": material.checksums, "printed": digest(table)}
-        return (Stage(name="audit", inputs=inputs, writes=(ROWS,), work=work), _numbers())
+        return (Stage(name="audit", inputs=inputs, writes=(ROWS,), work=work),)
 
     @staticmethod
     def report(study: Study, folder: Path) -> Document:
         """Report the rows."""
-        from reliab.report.kinds.table_audit import table_audit_report
+        from reliab.report.kinds.paper import table_2_report
 
-        return table_audit_report(
+        return table_2_report(
             title=study.title,
             rows=pd.read_csv(folder / ROWS),
-            numbers=pd.read_csv(folder / NUMBERS),
             provenance=study.provenance,
             notes=(study.purpose,) if study.purpose else (),
         )
-
-
-def _numbers() -> Stage:
-    """Recompute every number from the printed tables and the ellipses of the real motions."""
-    printed, ellipses = shipped("datasets", "paper"), shipped("datasets", "real_suite/ellipses.nc")
-
-    def work(folder: Path) -> None:
-        from reliab.paper import audit
-        from reliab.sweep import open_ellipses
-
-        audit(printed, open_ellipses(ellipses)).to_csv(folder / NUMBERS, index=False)
-
-    inputs = {"printed": digest(printed), "ellipses": digest(ellipses)}
-    return Stage(name="numbers", inputs=inputs, writes=(NUMBERS,), work=work)

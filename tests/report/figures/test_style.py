@@ -10,13 +10,12 @@ from matplotlib.colors import to_rgb
 from reliab.criterion import derive_criterion
 from reliab.criterion.methods import method_of
 from reliab.motions import Motion
-from reliab.paper.cases import run_paper_cases
-from reliab.paper.example import EXAMPLE, run_paper_example
+from reliab.paper.cases import cases_dataset, run_paper_cases
+from reliab.paper.example import run_paper_example
+from reliab.paper.printed import EXAMPLE, PrintedTables
 from reliab.report.document import Figure, Section
 from reliab.report.kinds.criterion import criterion_report
 from reliab.report.kinds.paper import paper_report
-from reliab.report.kinds.paper_cases import cases_dataset
-from reliab.report.printed import printed_tables
 from reliab.report.style import line, panels, styled, svg
 
 UNIT = re.compile(r"\[[^\]]+\]$")
@@ -35,9 +34,9 @@ def drawn(ellipses_of, rates):
     """All figures of two kinds of report."""
     noise = np.random.default_rng(1).normal(size=3000) * np.hanning(3000)
     motion = Motion(name=EXAMPLE, acceleration=noise, time_step=0.015)
-    tables = printed_tables()
-    structures = (tuple(tables.frequencies["f_hz"]), tuple(tables.damping_ratios["xi"]))
-    ellipses = ellipses_of(*structures, motions=100, events=19, names=tables.motions["record"].to_numpy())
+    tables = PrintedTables.read()
+    structures = (tuple(tables.table3["f_hz"]), tuple(tables.table4["xi"]))
+    ellipses = ellipses_of(*structures, motions=100, events=19, names=tables.table2["record"].to_numpy())
     few = ellipses_of()
     criterion = derive_criterion(few, method=method_of("dirichlet"), joint=True)
     documents = (
@@ -45,7 +44,7 @@ def drawn(ellipses_of, rates):
             title="P",
             example=run_paper_example(motion),
             ellipses=ellipses,
-            cases=cases_dataset(run_paper_cases(motion)),
+            cases=cases_dataset(run_paper_cases(motion), motion),
             provenance={},
         ),
         criterion_report(title="C", ellipses=few, criteria=[criterion], coverage=rates, provenance={}),

@@ -4,9 +4,22 @@ from collections.abc import Iterator
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from reliab.boundary import Contour
 from reliab.criterion.distributions import Lognormal
+from reliab.criterion.laws import Law
+from reliab.criterion.laws.guo_2017 import (
+    Equation12,
+    Equation14,
+    Equation15,
+    Equation15Corrected,
+    Equation17,
+    Equation17Corrected,
+)
+from reliab.paper.fits import exponential
+from reliab.paper.printed import EXAMPLE, FIVE_PERCENT, ONE_HERTZ, SHARE, TWO_PERCENT, PrintedTables
+from reliab.paper.records import Records, contour_with_ends
 from reliab.report.document import Block, Figure, Section
 from reliab.report.figures.block_diagram import block_diagram
 from reliab.report.figures.curve_fits import curve_fits
@@ -23,14 +36,14 @@ from reliab.report.figures.parameters_over_structure import (
     parameters_over_damping_ratio,
     parameters_over_frequency,
 )
-from reliab.report.kinds.paper_fits import SHARE, THRESHOLD, PaperFits
 from reliab.report.kinds.wording import PERCENT
-from reliab.report.printed import PrintedTables
 from reliab.report.prose import prose
 from reliab.vocabulary import Metric
 
 _METRICS = (Metric.MTE, Metric.RMS)
 _FINE = 101
+
+Values = NDArray[np.float64]
 
 
 def loop_section(example: xr.Dataset) -> Section:
@@ -68,7 +81,7 @@ def loop_section(example: xr.Dataset) -> Section:
                 example["long_delay"].values,
                 by_delay,
                 critical_delay=float(example.attrs["critical_delay"]),
-                threshold=THRESHOLD,
+                threshold=FIVE_PERCENT,
             ),
             caption=(
                 "Figure 4 of the paper: 5 % is exceeded at a quarter of the critical delay. Stable is not "
@@ -77,7 +90,7 @@ def loop_section(example: xr.Dataset) -> Section:
             label="fig:paper-4",
         ),
         Figure(
-            drawing=error_against_amplitude(example["gain"].values, by_gain, threshold=THRESHOLD),
+            drawing=error_against_amplitude(example["gain"].values, by_gain, threshold=FIVE_PERCENT),
             caption="Figure 6 of the paper: both errors grow in proportion to the amplitude error.",
             label="fig:paper-6",
         ),
@@ -85,13 +98,12 @@ def loop_section(example: xr.Dataset) -> Section:
     return Section(title="One ground motion: errors of delay and of amplitude", blocks=blocks)
 
 
-def boundary_section(fits: PaperFits) -> Section:
+def boundary_section(records: Records, example: xr.Dataset) -> Section:
     """Figures 8 to 10: both errors at once, the contour of 5 %, the curves fitted to it."""
-    example = fits.example
     maps = {metric: example["error"].sel(metric=str(metric)).values for metric in _METRICS}
     contours = {
         metric: {
-            THRESHOLD: Contour(
+            FIVE_PERCENT: Contour(
                 amplitude=example[f"amplitude_{metric}"].values, delay=example[f"delay_{metric}"].values
             )
         }
@@ -99,7 +111,7 @@ def boundary_section(fits: PaperFits) -> Section:
     }
     blocks: tuple[Block, ...] = (
         Figure(
-            drawing=error_maps(example["gain"].values, example["delay"].values, maps, threshold=THRESHOLD),
+            drawing=error_maps(example["gain"].values, example["delay"].values, maps, threshold=FIVE_PERCENT),
             caption=(
                 "Figure 8 of the paper: error of the whole test over amplitude and delay, with the contour "
                 "of 5 %."
@@ -115,7 +127,7 @@ def boundary_section(fits: PaperFits) -> Section:
             label="fig:paper-9",
         ),
         Figure(
-            drawing=curve_fits(fits.contour, fits.curves),
+            drawing=curve_fits(contour_with_ends(example), tuple(records.curves.values())),
             caption="Figure 10 of the paper: the ellipse lies closest to the contour of 5 %.",
             label="fig:paper-10",
         ),
@@ -123,9 +135,9 @@ def boundary_section(fits: PaperFits) -> Section:
     return Section(title="Both errors at once: the boundary and its ellipse", blocks=blocks)
 
 
-def motions_section(fits: PaperFits) -> Section:
+def motions_section(records: Records) -> Section:
     """Figures 11 to 13: the ellipses of all ground motions."""
-    sample = fits.sample
+    sample = records.sample()
     lognormal = (Lognormal.fit(sample.a), Lognormal.fit(sample.b))
     limits = (float(lognormal[0].quantile(SHARE)), float(lognormal[1].quantile(SHARE)))
     blocks: tuple[Block, ...] = (
@@ -146,7 +158,7 @@ def motions_section(fits: PaperFits) -> Section:
         ),
         Figure(
             drawing=ellipses_and_criterion(
-                sample, {"simulated, 95 %": limits, "equation (12)": (5.3e-5, 1.04)}
+                sample, {"simulated, 95 %": limits, "equation (12)": _limits_of_equation_12()}
             ),
             caption=(
                 "Figure 13 of the paper: the ellipses of all motions and the criterion, simulated and as "
@@ -158,22 +170,22 @@ def motions_section(fits: PaperFits) -> Section:
     return Section(title="Many ground motions: a criterion", blocks=blocks)
 
 
-def structures_section(fits: PaperFits, printed: PrintedTables) -> Section:
+def structures_section(records: Records, printed: PrintedTables) -> Section:
     """Figures 14 and 15, and Table 4 as a figure."""
     return Section(
         title="Other structures",
         blocks=(
             Figure(
-                drawing=parameters_over_frequency(tuple(_example_over_frequency(fits))),
+                drawing=parameters_over_frequency(tuple(_example_over_frequency(records))),
                 caption=prose(
                     "Figure 14 of the paper: the parameters of {motion} over the frequency. $a$ scatters; "
                     "the exponential (14) takes $b$ away too fast above 1 Hz.",
-                    motion=fits.example.attrs["motion"],
+                    motion=EXAMPLE,
                 ),
                 label="fig:paper-14",
             ),
             Figure(
-                drawing=parameters_over_frequency(tuple(_guaranteed_over_frequency(fits, printed))),
+                drawing=parameters_over_frequency(tuple(_guaranteed_over_frequency(records, printed))),
                 caption=prose(
                     "Figure 15 of the paper: limits for 95 % of the motions. The exponential (15) meets "
                     "Table 3 at 0.25 Hz only; $b$ falls as $1 \\/ f^2$."
@@ -181,7 +193,7 @@ def structures_section(fits: PaperFits, printed: PrintedTables) -> Section:
                 label="fig:paper-15",
             ),
             Figure(
-                drawing=parameters_over_damping_ratio(tuple(_over_damping(fits, printed))),
+                drawing=parameters_over_damping_ratio(tuple(_over_damping(records, printed))),
                 caption=prose(
                     "Table 4 of the paper over the damping ratio: both parameters grow as $xi^2$, not as "
                     "$xi$; the printed column $b$, drawn here as printed, is $sqrt(b)$."
@@ -223,41 +235,51 @@ def cases_section(cases: xr.Dataset) -> Section:
     return Section(title="Application", blocks=blocks)
 
 
-def _example_over_frequency(fits: PaperFits) -> Iterator[ParameterSeries]:
-    a, b = fits.of_example("a", "f"), fits.of_example("b", "f")
-    fine = _between(fits.frequencies)
-    k1, k2 = fits.exponential_of_example
-    yield ParameterSeries(name="simulated", x=fits.frequencies, a=a, b=b)
+def _limits_of_equation_12() -> tuple[float, float]:
+    a, b = Equation12().limits(ONE_HERTZ, TWO_PERCENT)
+    return float(a), float(b)
+
+
+def _example_over_frequency(records: Records) -> Iterator[ParameterSeries]:
+    f, fine = records.frequencies, _between(records.frequencies)
+    a, b = (records.over_frequencies(parameter) for parameter in "ab")
+    k1, k2 = exponential(f, b)
+    yield ParameterSeries(name="simulated", x=f, a=a, b=b)
     least = np.full_like(fine, a.min())
     yield ParameterSeries(name="fitted as in the paper", x=fine, a=least, b=k1 * np.exp(-k2 * fine), law=True)
-    printed = np.full_like(fine, 5.8e-5)
-    yield ParameterSeries(
-        name="equation (14), printed", x=fine, a=printed, b=97.0 * np.exp(-3.4 * fine), law=True
-    )
+    yield _law(Equation14(), "equation (14), printed", fine, TWO_PERCENT, along=fine)
 
 
-def _guaranteed_over_frequency(fits: PaperFits, printed: PrintedTables) -> Iterator[ParameterSeries]:
-    table, fine = printed.frequencies, _between(fits.frequencies)
-    a, b = fits.guaranteed
-    yield ParameterSeries(name="simulated", x=fits.frequencies, a=a, b=b)
+def _guaranteed_over_frequency(records: Records, printed: PrintedTables) -> Iterator[ParameterSeries]:
+    table, fine = printed.table3, _between(records.frequencies)
+    a, b = (records.guaranteed(parameter) for parameter in "ab")
+    yield ParameterSeries(name="simulated", x=records.frequencies, a=a, b=b)
     yield ParameterSeries(
         name="Table 3, printed", x=table["f_hz"].to_numpy(), a=table["a"].to_numpy(), b=table["b"].to_numpy()
     )
-    flat = np.full_like(fine, 5.6e-5)
-    yield ParameterSeries(name="equation (15)", x=fine, a=flat, b=121.6 * np.exp(-6.6 * fine), law=True)
-    yield ParameterSeries(name="(15) corrected", x=fine, a=flat, b=1.15 / fine**2, law=True)
+    yield _law(Equation15(), "equation (15)", fine, TWO_PERCENT, along=fine)
+    yield _law(Equation15Corrected(), "(15) corrected", fine, TWO_PERCENT, along=fine)
 
 
-def _over_damping(fits: PaperFits, printed: PrintedTables) -> Iterator[ParameterSeries]:
-    table, xi = printed.damping_ratios, fits.damping_ratios
+def _over_damping(records: Records, printed: PrintedTables) -> Iterator[ParameterSeries]:
+    table, xi = printed.table4, records.damping_ratios
     fine = _between(xi)
-    yield ParameterSeries(name="simulated", x=xi, a=fits.of_example("a", "xi"), b=fits.of_example("b", "xi"))
+    a, b = (records.over_damping_ratios(parameter) for parameter in "ab")
+    yield ParameterSeries(name="simulated", x=xi, a=a, b=b)
     yield ParameterSeries(
         name="Table 4, printed", x=table["xi"].to_numpy(), a=table["a"].to_numpy(), b=table["b"].to_numpy()
     )
-    yield ParameterSeries(name="equation (17)", x=fine, a=0.046 * fine, b=100.0 * fine, law=True)
-    yield ParameterSeries(name="(17) corrected", x=fine, a=0.52 * fine**2, b=9950.0 * fine**2, law=True)
+    yield _law(Equation17(), "equation (17)", ONE_HERTZ, fine, along=fine)
+    yield _law(Equation17Corrected(), "(17) corrected", ONE_HERTZ, fine, along=fine)
 
 
-def _between(nodes: np.ndarray) -> np.ndarray:
+def _law(
+    law: Law, name: str, frequency: Values | float, damping_ratio: Values | float, *, along: Values
+) -> ParameterSeries:
+    a, b = law.limits(frequency, damping_ratio)
+    a, b = (np.broadcast_to(limit, along.shape) for limit in (a, b))
+    return ParameterSeries(name=name, x=along, a=a, b=b, law=True)
+
+
+def _between(nodes: Values) -> Values:
     return np.linspace(nodes[0], nodes[-1], _FINE)
