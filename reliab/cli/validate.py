@@ -1,7 +1,7 @@
 """`reliab validate`: whether criteria hold on motions that they have not seen."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -9,40 +9,45 @@ from reliab.cli.criterion import Ellipses
 from reliab.cli.options import (
     FIVE_PERCENT,
     DampingRatios,
-    ExperimentalFraction,
     Frequencies,
     JsonTarget,
     MetricName,
     Motions,
     Results,
     Sets,
-    WindowName,
 )
-from reliab.cli.output import console, progress_bar, table, write_json
+from reliab.cli.output import progress_bar, write_json
 from reliab.cli.sources import ellipse_dataset
 from reliab.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from reliab.validation.cross_validation import Candidate, CrossValidation, Fold
+    from reliab.cli.validation_choice import Asked
+    from reliab.validation.cross_validation import Truth
 
-_CONFIDENCES = (0.50, 0.60, 0.70, 0.80, 0.90, 0.95, 0.99)
-_MEASURES = ("containment", "false_safe", "accepted_share")
-_HEADINGS = {
-    "criterion": "left",
-    "stated": "right",
-    "contained (95 % interval)": "right",
-    "false-safe": "right",
-    "good tests accepted": "right",
-}
-Threshold = Annotated[float, typer.Option("--threshold", metavar="ERROR", help="Error, 0.05 for 5 %.")]
+_TRIALS = 512
+Threshold = Annotated[
+    float | None, typer.Option("--threshold", metavar="ERROR", help="Error, 0.05 for 5 %, the default.")
+]
+Window = Annotated[
+    str | None,
+    typer.Option(
+        "--window",
+        metavar="record|SECONDS|arias",
+        help="Part of the record over which the error is computed; the whole record by default.",
+    ),
+]
+Fraction = Annotated[
+    float | None,
+    typer.Option("--alpha", metavar="SHARE", help="Share of the stiffness in the laboratory; 1 by default."),
+]
 Scheme = Annotated[
-    str,
+    str | None,
     typer.Option(
         "--scheme",
         metavar="NAME",
-        help="How earthquakes are divided: leave_one_event_out, k_fold or random_halves.",
+        help="How earthquakes are divided: leave_one_event_out (default), k_fold or random_halves.",
     ),
 ]
 LeaveOut = Annotated[
@@ -50,15 +55,26 @@ LeaveOut = Annotated[
     typer.Option("--leave-out", metavar="f|xi", help="Also leave out each frequency or damping ratio."),
 ]
 Learn = Annotated[
-    list[str] | None, typer.Option("--learn", metavar="SET...", help="Sets of --motions to learn from ...")
+    list[str] | None,
+    typer.Option(
+        "--learn",
+        metavar="SET...",
+        help="Sets of --motions to learn from, or real_suite: the shipped results of 100 real motions.",
+    ),
 ]
-Judge = Annotated[list[str] | None, typer.Option("--judge", metavar="SET...", help="... and sets to judge.")]
+Judge = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--judge", metavar="SET...", help="Sets of --motions to judge; all of them with --learn real_suite."
+    ),
+]
 Methods = Annotated[
     list[str] | None,
     typer.Option("--method", metavar="NAME...", help="Meanings of the confidence; dirichlet by default."),
 ]
 Joint = Annotated[
-    bool, typer.Option("--joint/--each", help="Whether a and b hold together or each for itself.")
+    bool | None,
+    typer.Option("--joint/--each", help="Whether a and b hold together (default) or each for itself."),
 ]
 Laws = Annotated[
     list[str] | None,
@@ -67,7 +83,17 @@ Laws = Annotated[
 Confidences = Annotated[
     list[float] | None, typer.Option("--confidence", metavar="SHARE...", help="Stated shares of the motions.")
 ]
-Tests = Annotated[int, typer.Option("--trials", min=1, help="Tests per structure, near the boundaries.")]
+Tests = Annotated[
+    int | None,
+    typer.Option("--trials", min=1, help="Tests per structure, near the boundaries; 512 by default."),
+]
+Calibration = Annotated[
+    bool,
+    typer.Option(
+        "--calibration",
+        help="Compare the probabilities that are stated for tests with how many of the tests are good.",
+    ),
+]
 Case = Annotated[
     str | None,
     typer.Option("--case", metavar="MOTION", help="Run the paper's four cases under this motion instead."),
@@ -82,19 +108,20 @@ def validate(
     ellipses: Ellipses = None,
     f: Frequencies = None,
     xi: DampingRatios = None,
-    threshold: Threshold = FIVE_PERCENT,
+    threshold: Threshold = None,
     metric: MetricName = "rms",
-    window: WindowName = "record",
-    alpha: ExperimentalFraction = 1.0,
-    scheme: Scheme = "leave_one_event_out",
+    window: Window = None,
+    alpha: Fraction = None,
+    scheme: Scheme = None,
     leave_out: LeaveOut = None,
     learn: Learn = None,
     judge: Judge = None,
     method: Methods = None,
-    joint: Joint = True,
+    joint: Joint = None,
     law: Laws = None,
     confidence: Confidences = None,
-    trials: Tests = 512,
+    trials: Tests = None,
+    calibration: Calibration = False,
     case: Case = None,
     json_target: JsonTarget = None,
 ) -> None:
@@ -102,11 +129,25 @@ def validate(
     if case is not None:
         from reliab.cli.case_mode import judge_cases
 
+        _refuse_beside("--case", locals(), ("motions", "sets"))
         judge_cases(motions, sets, case, json_target)
         return
-    from reliab.validation.cross_validation import cross_validate
+    from reliab.cli.validation_choice import Asked, candidates_of, folds_of, truth_of
 
-    suite_sets = _sets_of(motions, sets, learn, judge)
+    asked = Asked(
+        scheme=scheme,
+        leave_out=leave_out,
+        learn=learn,
+        judge=judge,
+        method=method,
+        joint=joint,
+        law=law,
+        confidence=confidence,
+        threshold=FIVE_PERCENT if threshold is None else threshold,
+        metric=metric,
+    )
+    _refuse_unused(asked, motions, sets, ellipses, window, alpha, calibration=calibration)
+    candidates = [] if calibration else candidates_of(asked)
     dataset = ellipse_dataset(
         motions=motions,
         sets=sets,
@@ -114,173 +155,106 @@ def validate(
         ellipses=ellipses,
         f=f,
         xi=xi,
-        threshold=[threshold],
+        threshold=[asked.threshold],
         metric=metric,
-        window=window,
-        alpha=alpha,
+        window=window or "record",
+        alpha=1.0 if alpha is None else alpha,
     )
-    folds, name = _folds(dataset, scheme, leave_out, suite_sets, learn, judge)
+    truth = truth_of(dataset, motions, sets, results, ellipses)
+    if calibration:
+        _calibrate(dataset, asked, truth, trials or _TRIALS, json_target)
+        return
+    from reliab.cli.validation_answer import answer, show
+    from reliab.validation.cross_validation import cross_validate
+
+    folds, name, learn_from, recognised = folds_of(dataset, asked, motions, sets)
     with progress_bar("Cross-validating") as progress:
-        found = cross_validate(
+        validation = cross_validate(
             dataset,
             folds,
-            _candidates(method, law, threshold, metric, joint=joint),
+            candidates,
             scheme=name,
-            confidences=confidence or _CONFIDENCES,
-            threshold=threshold,
+            confidences=asked.confidences,
+            threshold=asked.threshold,
             metric=metric,
-            results=_simulated(results, dataset, window),
+            truth=truth,
+            trials=trials or _TRIALS,
+            learn_from=learn_from,
+            progress=progress,
+        )
+    content = answer(validation, dataset, recognised)
+    if not write_json(content, json_target):
+        show(content)
+
+
+def _refuse_beside(option: str, values: dict[str, object], used: tuple[str, ...]) -> None:
+    """Refuse options that another one leaves without effect."""
+    from inspect import signature
+
+    for name, parameter in signature(validate).parameters.items():
+        idle = name not in {*used, "case", "json_target"} and values[name] != parameter.default
+        if idle:
+            raise InputError(
+                f"{option} takes {' and '.join(f'--{each}' for each in used)} alone",
+                value=f"--{name.replace('_', '-')} beside it",
+                remedy="Leave it out",
+            )
+
+
+def _refuse_unused(
+    asked: "Asked",
+    motions: list[str] | None,
+    sets: list[str] | None,
+    ellipses: Path | None,
+    window: str | None,
+    alpha: float | None,
+    *,
+    calibration: bool,
+) -> None:
+    """Refuse options that would have no effect on the answer."""
+    idle = [
+        ("--sets", sets is not None and not motions, "only a catalogue of --motions has sets"),
+        ("--window", window is not None and ellipses is not None, "the ellipses know their window"),
+        ("--alpha", alpha is not None and not motions, "results and ellipses know their experimental share"),
+        (
+            "--scheme",
+            asked.scheme is not None and (asked.learn or asked.judge),
+            "--learn and --judge divide the motions",
+        ),
+    ]
+    if calibration:
+        by_criteria = ("leave_out", "learn", "judge", "method", "joint", "law", "confidence")
+        idle += [
+            (
+                f"--{name.replace('_', '-')}",
+                getattr(asked, name) is not None,
+                "--calibration judges no criteria",
+            )
+            for name in by_criteria
+        ]
+    for option, given, why in idle:
+        if given:
+            raise InputError(f"{option} has no effect here: {why}", value=option, remedy="Leave it out")
+
+
+def _calibrate(
+    dataset: "xr.Dataset", asked: "Asked", truth: "Truth", trials: int, json_target: str | None
+) -> None:
+    from reliab.cli.validation_answer import calibration_answer, show_calibration
+    from reliab.cli.validation_choice import DEFAULT_SCHEME
+    from reliab.validation.probability_calibration import probability_calibration
+
+    scheme = asked.scheme or DEFAULT_SCHEME
+    with progress_bar("Comparing probabilities") as progress:
+        bins = probability_calibration(
+            dataset,
+            scheme=scheme,
+            threshold=asked.threshold,
+            metric=asked.metric,
+            truth=truth,
             trials=trials,
             progress=progress,
         )
-    content = _content(found, simulated=results is not None)
+    content = calibration_answer(bins, scheme=scheme, truth=truth.name)
     if not write_json(content, json_target):
-        _show(content)
-
-
-def _sets_of(
-    motions: list[str] | None, sets: list[str] | None, learn: list[str] | None, judge: list[str] | None
-) -> dict[str, str] | None:
-    """Set of each motion by its name, where sets are judged by others."""
-    if learn is None and judge is None:
-        return None
-    if not (learn and judge and motions):
-        raise InputError(
-            "To judge sets by others, --motions, --learn and --judge are needed",
-            value="only some of them",
-            remedy="Give all three, for example --learn far_field --judge near_field",
-        )
-    from reliab.motions import load_motions
-
-    suite = load_motions(*motions, sets=sets)
-    return dict(zip(suite.names, suite.set_names, strict=True))
-
-
-def _folds(
-    dataset: "xr.Dataset",
-    scheme: str,
-    leave_out: str | None,
-    sets: dict[str, str] | None,
-    learn: list[str] | None,
-    judge: list[str] | None,
-) -> "tuple[list[Fold], str]":
-    import numpy as np
-
-    from reliab.validation.cross_validation import folds_of, leave_structures_out, transfer
-
-    events = dataset["event"].values
-    folds, name = [], scheme
-    if sets is not None and learn and judge:
-        of_motions = np.array([sets[motion] for motion in dataset["motion"].values.tolist()])
-        folds = list(transfer(of_motions, events, learned=learn, judged=judge))
-        name = f"learned from {', '.join(learn)}, judged on {', '.join(judge)}"
-    else:
-        folds = folds_of(scheme, events)
-    if leave_out is None:
-        return folds, name
-    if leave_out not in {"f", "xi"}:
-        raise InputError("What is left out is f or xi", value=leave_out, remedy="Choose one of these")
-    values = dataset[leave_out].values.tolist()
-    return list(leave_structures_out(folds, leave_out, values)), f"{name}, each {leave_out} left out"
-
-
-def _candidates(
-    method: list[str] | None, law: list[str] | None, threshold: float, metric: str, *, joint: bool
-) -> "list[Candidate]":
-    from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, known
-    from reliab.criterion.methods import RECOMMENDED, method_of
-    from reliab.validation.cross_validation import Derived, Printed
-
-    printed = (threshold, metric) == (FIVE_PERCENT, "rms")
-    laws = law or ["table", *(("guo_2017_15", "guo_2017_18") if printed else ())]
-    found: list[Candidate] = []
-    for name in laws:
-        if name in OF_MANY_MOTIONS:
-            found.append(Printed(name=name, law=OF_MANY_MOTIONS[name]))
-            continue
-        fitted = known(FITTED, name)
-        for each in method or [RECOMMENDED]:
-            label = each if name == "table" else f"{each}, {name}"
-            found.append(Derived(name=label, method=method_of(each), joint=joint, law=fitted))
-    return found
-
-
-def _simulated(path: Path | None, dataset: "xr.Dataset", window: str) -> "xr.Dataset | None":
-    """Results of the same structures, from which errors of tests are read."""
-    if path is None:
-        return None
-    from reliab.shipped import or_shipped
-    from reliab.sweep import open_results
-
-    opened = open_results(or_shipped(path, "datasets", "results.nc"), window=window)
-    return opened.sel(f=dataset["f"].values, xi=dataset["xi"].values, method="nearest")
-
-
-def _content(found: "CrossValidation", *, simulated: bool) -> dict[str, Any]:
-    counts = found.counts
-    return {
-        "scheme": found.scheme,
-        "threshold": found.threshold,
-        "metric": found.metric,
-        "n_motions": int(counts.sizes["motion"]),
-        "n_events": len(set(counts["event"].values.tolist())),
-        "truth": "simulated" if simulated else "ellipse",
-        "rows": _rows(found, ("f", "xi")),
-        "by_frequency": _rows(found, ("xi",)),
-        "by_damping_ratio": _rows(found, ("f",)),
-    }
-
-
-def _rows(found: "CrossValidation", over: tuple[str, ...]) -> list[dict[str, Any]]:
-    """Rates with intervals and the confusion matrix, one row for each candidate and confidence."""
-    rates = {name: getattr(found, name)(over) for name in _MEASURES}
-    matrix = found.confusion((*over, "motion"))
-    first = rates["containment"]["rate"]
-    rows = []
-    for at in first.to_series().dropna().index:
-        place = dict(zip(first.dims, at if isinstance(at, tuple) else (at,), strict=True))
-        row: dict[str, Any] = {str(name): value for name, value in place.items()}
-        for name, each in rates.items():
-            chosen = each.sel(place)
-            row[name] = {end: _number(float(chosen[end])) for end in ("rate", "low", "high")}
-        row["confusion"] = {str(name): int(values.sel(place)) for name, values in matrix.items()}
-        rows.append(row)
-    return rows
-
-
-def _number(value: float) -> float | None:
-    return value if value == value else None  # noqa: PLR0124 - NaN where nothing was accepted
-
-
-def _show(content: dict[str, Any]) -> None:
-    terminal = console()
-    shown = table(
-        f"{content['scheme'].replace('_', ' ')}: {content['n_motions']} motions of "
-        f"{content['n_events']} earthquakes, {content['metric'].upper()} {content['threshold']:g}",
-        _HEADINGS,
-    )
-    for row in content["rows"]:
-        shown.add_row(
-            row["candidate"], f"{row['confidence']:.0%}", *(_interval(row[name]) for name in _MEASURES)
-        )
-    terminal.print(shown)
-    for row in content["rows"]:
-        if row["candidate"].startswith("guo_"):
-            rate = row["containment"]
-            terminal.print(
-                f"{row['candidate']} protects {rate['rate']:.1%} of the motions where it states "
-                f"{row['confidence']:.0%}.",
-                highlight=False,
-            )
-    if content["truth"] == "ellipse":
-        terminal.print(
-            "Note: whether a test is good is read off the motions' ellipses; --results knows their errors."
-        )
-
-
-def _interval(rate: dict[str, float | None]) -> str:
-    if rate["rate"] is None:
-        return "none"
-    if rate["low"] is None or rate["high"] is None:
-        return f"{rate['rate']:.1%}"
-    return f"{rate['rate']:.1%} ({rate['low']:.1%} … {rate['high']:.1%})"
+        show_calibration(content)

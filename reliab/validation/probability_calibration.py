@@ -10,14 +10,12 @@ from numpy.typing import NDArray
 
 from reliab.criterion.population import Population
 from reliab.progress import Progress, silent
-from reliab.validation.cross_validation import folds_of
+from reliab.validation.cross_validation import Cell, EllipseTruth, Truth, folds_of
 from reliab.validation.cross_validation.intervals import event_bootstrap
-from reliab.validation.cross_validation.trials import Cell, draw_trials
+from reliab.validation.cross_validation.trials import draw_trials
 
 EDGES = (0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0)
 """Edges of the bins of stated probability."""
-
-_MILLISECONDS = 1e3
 
 
 def probability_calibration(
@@ -27,7 +25,7 @@ def probability_calibration(
     edges: Sequence[float] = EDGES,
     threshold: float = 0.05,
     metric: str = "rms",
-    results: xr.Dataset | None = None,
+    truth: Truth | None = None,
     trials: int = 256,
     progress: Progress = silent,
 ) -> pd.DataFrame:
@@ -45,8 +43,8 @@ def probability_calibration(
         Error on the boundary [-].
     metric : str, optional
         Which error.
-    results : xarray.Dataset, optional
-        Simulated results of the same motions, from which the fate of tests is read.
+    truth : Truth, optional
+        True errors under the same motions; without it only their fitted ellipses are known.
     trials : int, optional
         Tests for each structure.
     progress : callable, optional
@@ -58,7 +56,7 @@ def probability_calibration(
         One row a bin: mean `stated` probability, share `observed` of good tests with `low` and `high`
         ends of its 95 % interval over earthquakes, and number of `tests`.
     """
-    events = ellipses["event"].values
+    events, truth = ellipses["event"].values, truth or EllipseTruth(ellipses)
     folds = folds_of(scheme, events)
     structures = list(product(ellipses["f"].values.tolist(), ellipses["xi"].values.tolist()))
     shape = (events.size, len(edges) - 1)
@@ -66,19 +64,17 @@ def probability_calibration(
     for done, (f, xi) in enumerate(structures, start=1):
         at = ellipses.sel(f=[f], xi=[xi])
         cell = Cell(frequency=f, damping_ratio=xi, threshold=threshold, metric=metric)
-        drawn = draw_trials(ellipses, cell, trials, results=results)
+        tests = draw_trials(ellipses, cell, trials)
+        errors = np.array([truth.errors(cell, k, tests.gain, tests.delay) for k in range(events.size)])
         for fold in folds:
             population = Population.of(at.isel(motion=fold.learned), threshold=threshold, metric=metric)
-            told = population.probability(1.0 + drawn.offset, drawn.delay / _MILLISECONDS, f, xi)
-            bins = np.clip(np.digitize(told, edges) - 1, 0, shape[1] - 1)
-            judged = np.flatnonzero(fold.judged)
-            place = np.ix_(judged, np.arange(shape[1]))
-            sums = (np.bincount(bins, weights, shape[1]) for weights in (told, np.ones_like(told)))
-            stated[place], count[place] = (
-                total[place] + each for total, each in zip((stated, count), sums, strict=True)
-            )
-            for motion in judged:
-                good[motion] += np.bincount(bins, drawn.good[motion], shape[1])
+            probability = population.probability(tests.gain, tests.delay, f, xi)
+            bins = np.clip(np.digitize(probability, edges) - 1, 0, shape[1] - 1)
+            for motion in np.flatnonzero(fold.judged):
+                known = np.isfinite(errors[motion])
+                stated[motion] += np.bincount(bins[known], probability[known], shape[1])
+                good[motion] += np.bincount(bins[known], errors[motion][known] <= 1.0, shape[1])
+                count[motion] += np.bincount(bins[known], minlength=shape[1])
         progress(done, len(structures))
     return _table(stated, good, count, events)
 

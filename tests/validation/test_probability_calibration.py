@@ -2,24 +2,23 @@
 
 import numpy as np
 
-from reliab.validation.large_suites import draw_ellipses
 from reliab.validation.probability_calibration import probability_calibration
 
 
-def test_stated_probabilities_come_true():
+def test_stated_probabilities_come_true(draw_ellipses):
     ellipses = draw_ellipses(events=60, skewness=0.5, frequencies=(0.5, 1.0, 2.0), seed=7)
-    found = probability_calibration(ellipses, scheme="k_fold", trials=128)
-    assert found["tests"].sum() == 120 * 3 * 128
-    assert (np.diff(found["stated"]) > 0.0).all()
-    assert (np.diff(found["observed"]) > 0.0).all()
-    np.testing.assert_allclose(found["observed"], found["stated"], atol=0.06)
-    inside = (found["low"] <= found["stated"]) & (found["stated"] <= found["high"])
+    table = probability_calibration(ellipses, scheme="k_fold", trials=128)
+    assert table["tests"].sum() == 120 * 3 * 128
+    assert (np.diff(table["stated"]) > 0.0).all()
+    assert (np.diff(table["observed"]) > 0.0).all()
+    np.testing.assert_allclose(table["observed"], table["stated"], atol=0.06)
+    inside = (table["low"] <= table["stated"]) & (table["stated"] <= table["high"])
     assert inside.mean() > 0.7
 
 
-def test_each_test_is_counted_where_its_probability_lies():
+def test_each_test_is_counted_where_its_probability_lies(draw_ellipses):
     ellipses = draw_ellipses(events=8, seed=8)
-    found = probability_calibration(ellipses, edges=(0.0, 0.5, 1.0), trials=64)
-    assert len(found) == 2
-    assert found["stated"][0] < 0.5 < found["stated"][1]
-    assert found["tests"].sum() == 16 * 64
+    table = probability_calibration(ellipses, edges=(0.0, 0.5, 1.0), trials=64)
+    assert len(table) == 2
+    assert table["stated"][0] < 0.5 < table["stated"][1]
+    assert table["tests"].sum() == 16 * 64

@@ -1,8 +1,10 @@
 """Cross-validation grouped by earthquake."""
 
-from reliab.validation.cross_validation.candidates import Candidate, Derived, Printed
+from reliab.validation.cross_validation.candidates import Candidate, Derived, Limits, Printed
+from reliab.validation.cross_validation.cell import Cell
 from reliab.validation.cross_validation.folds import (
     Fold,
+    from_another,
     k_fold,
     leave_one_event_out,
     leave_structures_out,
@@ -11,16 +13,24 @@ from reliab.validation.cross_validation.folds import (
 )
 from reliab.validation.cross_validation.judge import CrossValidation, cross_validate
 from reliab.validation.cross_validation.schemes import SCHEMES, folds_of
+from reliab.validation.cross_validation.truth import EllipseTruth, SimulatedTruth, StoredTruth, Truth
 
 __all__ = [
     "SCHEMES",
     "Candidate",
+    "Cell",
     "CrossValidation",
     "Derived",
+    "EllipseTruth",
     "Fold",
+    "Limits",
     "Printed",
+    "SimulatedTruth",
+    "StoredTruth",
+    "Truth",
     "cross_validate",
     "folds_of",
+    "from_another",
     "k_fold",
     "leave_one_event_out",
     "leave_structures_out",

@@ -22,7 +22,8 @@ class Fold:
     name : str
         What is judged.
     learned, judged : numpy.ndarray
-        Which motions, boolean, shape (motions,); no motion and no earthquake is both.
+        Which motions, boolean, shape (motions,); no earthquake is both. Where another suite is learned from,
+        the first is about the motions of that suite.
     left_out : tuple of str and float, optional
         A dimension, "f" or "xi", and its value that is judged and not learned from; all structures
         are both by default.
@@ -165,6 +166,26 @@ def transfer(
     for event in np.unique(events[these & shared]):
         of_event = events == event
         yield Fold(name=str(event), learned=from_these & ~of_event, judged=these & of_event)
+
+
+def from_another(recognised: Sequence[str | None], events: NDArray[np.str_]) -> Iterator[Fold]:
+    """Learn from another suite and judge all motions of this one, never by motions of the same earthquake.
+
+    Parameters
+    ----------
+    recognised : sequence of str or None
+        Earthquake of each motion that is judged, as the other suite names it; None where it has none of it.
+    events : array of str, shape (motions of the other suite,)
+        Earthquake of each motion that may be learned from.
+
+    Yields
+    ------
+    Fold
+        One for each earthquake that is in both, and one for all others.
+    """
+    names = np.array([name or "" for name in recognised], dtype=np.str_)
+    for name in np.unique(names):
+        yield Fold(name=str(name) or "other earthquakes", learned=events != name, judged=names == name)
 
 
 def _distinct(events: NDArray[np.str_], fewest: int) -> NDArray[np.str_]:

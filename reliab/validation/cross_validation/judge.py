@@ -4,7 +4,8 @@ For each fold, structure and confidence the limits are derived from the learned 
 against the judged ones. Reported are
 
 containment
-    share of judged motions whose own boundary contains the criterion's ellipse (a_i ≥ a and b_i ≥ b)
+    share of judged motions under which the true error stays below the threshold along the whole edge of the
+    criterion; beside it, the share whose fitted ellipse contains the criterion's (a_i ≥ a and b_i ≥ b)
 false-safe rate
     share of accepted tests whose error exceeds the threshold
 accepted share
@@ -14,21 +15,27 @@ accepted share
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import product
+from typing import Final, NamedTuple
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.criterion.laws import Law
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
-from reliab.validation.cross_validation.candidates import Candidate
+from reliab.validation.cross_validation.candidates import Candidate, Limits
+from reliab.validation.cross_validation.cell import Cell
 from reliab.validation.cross_validation.folds import Fold
 from reliab.validation.cross_validation.intervals import event_bootstrap
-from reliab.validation.cross_validation.trials import Cell, Trials, draw_trials
+from reliab.validation.cross_validation.region import Actuators
+from reliab.validation.cross_validation.trials import draw_trials
+from reliab.validation.cross_validation.truth import EllipseTruth, Truth
 
-_COUNTS = ("contained", "judged", "tried", "accepted", "accepted_bad", "accepted_good", "good")
-_DIMENSIONS = ("candidate", "confidence", "f", "xi", "motion")
+_COUNTS: Final = (
+    *("contained", "judged", "unresolved", "within_ellipse", "fitted"),
+    *("tried", "accepted", "accepted_bad", "accepted_good", "good"),
+)
+_DIMENSIONS: Final = ("candidate", "confidence", "f", "xi", "motion")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -38,23 +45,28 @@ class CrossValidation:
     Attributes
     ----------
     counts : xarray.Dataset
-        Over (candidate, confidence, f, xi, motion): times `judged` and `contained`; trials `tried`,
-        `accepted`, `accepted_bad`, `accepted_good`, and `good`.
+        Over (candidate, confidence, f, xi, motion): times `judged` and `contained` by the true error, times
+        `unresolved`, where the error along the edge is not known; times `fitted`, where the motion has an
+        ellipse, and `within_ellipse`, where it contains the criterion's; trials `tried`, `accepted`,
+        `accepted_bad`, `accepted_good`, and `good`.
     scheme : str
         How the motions were divided.
     threshold : float
         Error on the boundary [-].
     metric : str
         Which error.
+    truth : str
+        What the errors rest on: "simulated", or "ellipse" where only fitted ellipses are known.
     """
 
     counts: xr.Dataset
     scheme: str
     threshold: float
     metric: str
+    truth: str
 
     def containment(self, over: Sequence[str] = ("f", "xi")) -> xr.Dataset:
-        """Share of judged motions whose boundary contains the criterion's ellipse.
+        """Share of judged motions under which the error stays below the threshold along the whole edge.
 
         Parameters
         ----------
@@ -67,6 +79,10 @@ class CrossValidation:
             `rate`, `low` and `high` (95 % interval that respects the earthquakes).
         """
         return self._rate("contained", "judged", over)
+
+    def containment_by_ellipse(self, over: Sequence[str] = ("f", "xi")) -> xr.Dataset:
+        """Share of motions whose fitted ellipse contains the criterion's; as :meth:`containment`."""
+        return self._rate("within_ellipse", "fitted", over)
 
     def false_safe(self, over: Sequence[str] = ("f", "xi")) -> xr.Dataset:
         """Share of accepted tests whose error exceeds the threshold; as :meth:`containment`."""
@@ -122,7 +138,7 @@ def cross_validate(
     confidences: Sequence[float] = (0.80, 0.90, 0.95, 0.99),
     threshold: float = 0.05,
     metric: str = "rms",
-    results: xr.Dataset | None = None,
+    truth: Truth | None = None,
     trials: int = 512,
     learn_from: xr.Dataset | None = None,
     progress: Progress = silent,
@@ -145,55 +161,69 @@ def cross_validate(
         Error on the boundary [-].
     metric : str, optional
         Which error.
-    results : xarray.Dataset, optional
-        Simulated results of the same motions, from which the fate of trials is read.
+    truth : Truth, optional
+        True errors under the same motions; without it only their fitted ellipses are known.
     trials : int, optional
         Number of trials for each structure.
     learn_from : xarray.Dataset, optional
-        Ellipses of another suite from which all is learned; the folds then say what is judged.
+        Ellipses of another suite to learn from; `learned` of the folds then chooses among its motions.
     progress : callable, optional
-        Called after each fold.
+        Called after each fold has been learned and each structure judged.
 
     Returns
     -------
     CrossValidation
         Counts and rates.
+
+    Raises
+    ------
+    InputError
+        If no candidate can promise anything in any fold; the first reason.
     """
-    folds = list(folds)
+    folds, truth = list(folds), truth or EllipseTruth(ellipses)
     structures = list(
         product(enumerate(ellipses["f"].values.tolist()), enumerate(ellipses["xi"].values.tolist()))
     )
-    cells = {
-        (i, j): Cell(frequency=f, damping_ratio=xi, threshold=threshold, metric=metric)
-        for (i, f), (j, xi) in structures
-    }
-    fates = {
-        at: (_parameters(ellipses, cell), draw_trials(ellipses, cell, trials, results=results))
-        for at, cell in cells.items()
-    }
-    sizes = (ellipses.sizes[name] for name in ("f", "xi", "motion"))
-    shape = (len(candidates), len(confidences), *sizes)
-    counts = {name: np.zeros(shape, dtype=np.int64) for name in _COUNTS}
+    total = len(folds) + len(structures)
+    entries: list[_Entry] = []
+    refusals: list[InputError] = []
     for done, fold in enumerate(folds, start=1):
-        known = _known(ellipses, fold) if learn_from is None else learn_from
-        for (c, candidate), (k, confidence) in product(enumerate(candidates), enumerate(confidences)):
-            if not candidate.promises(confidence):
+        known = _known(ellipses if learn_from is None else learn_from, fold)
+        for number, candidate in enumerate(candidates):
+            try:
+                learned = candidate.learn(known, threshold, metric, confidences)
+            except InputError as refusal:
+                refusals.append(refusal)
                 continue
-            law = candidate.learn(known, threshold, metric, confidence)
-            for (i, j), cell in cells.items():
-                if not (fold.judges(cell.frequency, cell.damping_ratio) and _holds(law, cell)):
-                    continue
-                a, b = law.limits(cell.frequency, cell.damping_ratio)
-                found = _judge((float(a), float(b)), *fates[i, j], fold.judged)
-                for name, values in zip(_COUNTS, found, strict=True):
-                    counts[name][c, k, i, j, fold.judged] += values
-        progress(done, len(folds))
+            entries += [
+                _Entry(number, list(confidences).index(stated), fold, limits)
+                for stated, limits in learned.items()
+            ]
+        progress(done, total)
+    if refusals and not entries:
+        raise refusals[0]
+    shape = (len(candidates), len(confidences), *(ellipses.sizes[name] for name in ("f", "xi", "motion")))
+    counts = np.zeros((len(_COUNTS), *shape), dtype=np.int64)
+    for done, ((i, f), (j, xi)) in enumerate(structures, start=len(folds) + 1):
+        cell = Cell(frequency=f, damping_ratio=xi, threshold=threshold, metric=metric)
+        _judge(counts[:, :, :, i, j], cell, entries, ellipses, truth, trials)
+        progress(done, total)
     return CrossValidation(
         counts=_labelled(counts, ellipses, candidates, confidences),
         scheme=scheme,
         threshold=threshold,
         metric=metric,
+        truth=truth.name,
     )
+
+
+class _Entry(NamedTuple):
+    """Limits that were learned in a fold, with the places of their candidate and confidence."""
+
+    candidate: int
+    confidence: int
+    fold: Fold
+    limits: Limits
 
 
 def _known(ellipses: xr.Dataset, fold: Fold) -> xr.Dataset:
@@ -205,51 +235,84 @@ def _known(ellipses: xr.Dataset, fold: Fold) -> xr.Dataset:
     return known.sel({dimension: known[dimension].values[known[dimension].values != value]})
 
 
-def _holds(law: Law, cell: Cell) -> bool:
-    """Whether a law holds for a structure; where it does not, nothing is judged."""
-    try:
-        law.validity.require(cell.frequency, cell.damping_ratio)
-    except InputError:
-        return False
-    return True
-
-
-def _parameters(ellipses: xr.Dataset, cell: Cell) -> NDArray[np.float64]:
-    """Own a and b of each motion, infinite where it has no ellipse to be left; shape (2, motions)."""
-    at = ellipses.sel(
-        f=cell.frequency, xi=cell.damping_ratio, threshold=cell.threshold, metric=cell.metric, curve="ellipse"
-    )
-    own = np.stack([at["a"].values, at["b"].values])
-    return np.where(np.isfinite(own) & (own > 0.0), own, np.inf)
-
-
 def _judge(
-    limits: tuple[float, float], own: NDArray[np.float64], trials: Trials, judged: NDArray[np.bool_]
-) -> tuple[NDArray[np.int64], ...]:
-    """Count what happens in one fold, in the order of the names."""
-    accepted, good = trials.accepted(*limits), trials.good[judged]
-    contained = (own[:, judged] >= np.asarray(limits)[:, np.newaxis]).all(axis=0)
-    accepted_good = (good & accepted).sum(axis=1)
-    found = (
-        contained,
-        np.ones_like(contained),
-        np.full_like(accepted_good, accepted.size),
-        np.full_like(accepted_good, accepted.sum()),
-        accepted.sum() - accepted_good,
-        accepted_good,
-        good.sum(axis=1),
+    counts: NDArray[np.int64],
+    cell: Cell,
+    entries: Sequence[_Entry],
+    ellipses: xr.Dataset,
+    truth: Truth,
+    trials: int,
+) -> None:
+    """Count what happens at one structure, in place; shape (names, candidate, confidence, motion)."""
+    judging = [
+        (entry, region)
+        for entry in entries
+        if entry.fold.judges(cell.frequency, cell.damping_ratio)
+        for region in entry.limits.regions(cell)
+    ]
+    if not judging:
+        return
+    tests = draw_trials(ellipses, cell, trials)
+    accepted = np.array([region.accepts(tests) for _, region in judging])
+    edges = [region.edge() for _, region in judging]
+    places = np.array([(entry.candidate, entry.confidence) for entry, _ in judging])
+    judged = np.array([entry.fold.judged for entry, _ in judging])
+    own = np.stack(cell.parameters(ellipses), axis=-1)
+    limits = np.array([(region.a, region.b) for _, region in judging])
+    for motion in range(judged.shape[1]):
+        chosen = np.flatnonzero(judged[:, motion])
+        if not chosen.size:
+            continue
+        errors = truth.errors(cell, motion, *_together([tests, *(edges[k] for k in chosen)]))
+        of_tests, of_edges = errors[:trials], errors[trials:].reshape(chosen.size, -1)
+        outcomes = np.concatenate(
+            [_containment(of_edges, own[motion], limits[chosen]), _fates(of_tests, accepted[chosen])]
+        )
+        np.add.at(counts[..., motion].transpose(1, 2, 0), tuple(places[chosen].T), outcomes.T)
+
+
+def _together(parts: Sequence[Actuators]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Gains and delays of several sets of tests, one after the other."""
+    return np.concatenate([part.gain for part in parts]), np.concatenate([part.delay for part in parts])
+
+
+def _containment(
+    errors: NDArray[np.float64], own: NDArray[np.float64], limits: NDArray[np.float64]
+) -> NDArray[np.int64]:
+    """First five counts of each region, from errors (regions, points) over the threshold along its edge."""
+    exceeded = (errors > 1.0).any(axis=1)
+    judged = exceeded | np.isfinite(errors).all(axis=1)
+    fitted = np.full(judged.size, np.isfinite(own).all())
+    within = fitted & (limits <= own).all(axis=1)
+    return np.array([judged & ~exceeded, judged, ~judged, within, fitted], dtype=np.int64)
+
+
+def _fates(errors: NDArray[np.float64], accepted: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Last five counts of each region, from errors (trials,) over the threshold and what it accepts."""
+    known, good = np.isfinite(errors), errors <= 1.0
+    accepted = accepted & known
+    accepted_good = (accepted & good).sum(axis=1)
+    everywhere = np.ones(len(accepted), dtype=np.int64)
+    return np.array(
+        [
+            known.sum() * everywhere,
+            accepted.sum(axis=1),
+            accepted.sum(axis=1) - accepted_good,
+            accepted_good,
+            good.sum() * everywhere,
+        ],
+        dtype=np.int64,
     )
-    return tuple(np.asarray(values, dtype=np.int64) for values in found)
 
 
 def _labelled(
-    counts: dict[str, NDArray[np.int64]],
+    counts: NDArray[np.int64],
     ellipses: xr.Dataset,
     candidates: Sequence[Candidate],
     confidences: Sequence[float],
 ) -> xr.Dataset:
     return xr.Dataset(
-        {name: (_DIMENSIONS, values) for name, values in counts.items()},
+        {name: (_DIMENSIONS, values) for name, values in zip(_COUNTS, counts, strict=True)},
         coords={
             "candidate": [candidate.name for candidate in candidates],
             "confidence": list(confidences),

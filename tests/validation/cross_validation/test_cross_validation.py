@@ -12,6 +12,7 @@ from reliab.validation.cross_validation import (
     Fold,
     Printed,
     cross_validate,
+    from_another,
     k_fold,
     leave_one_event_out,
     leave_structures_out,
@@ -19,6 +20,7 @@ from reliab.validation.cross_validation import (
     transfer,
 )
 from reliab.validation.cross_validation.intervals import event_bootstrap
+from reliab.validation.cross_validation.tabulation import tabulate
 from reliab.vocabulary import ELLIPSE_DIMENSIONS
 
 
@@ -152,9 +154,28 @@ def test_too_few_earthquakes_are_refused():
 
 def test_learning_from_another_suite_judges_all_of_this_one():
     ellipses, other = lognormal_ellipses(10, 2, 8), lognormal_ellipses(300, 2, 9)
-    everything = Fold(name="all", learned=np.zeros(20, dtype=bool), judged=np.ones(20, dtype=bool))
+    everything = Fold(name="all", learned=np.ones(600, dtype=bool), judged=np.ones(20, dtype=bool))
     found = judged(ellipses, [everything], learn_from=other, confidences=(0.9,))
     assert 0.6 < found.containment()["rate"].item() <= 1.0
+
+
+def test_an_earthquake_that_both_suites_hold_is_not_learned_from():
+    folds = list(from_another(["K", None, "K", None], np.array(["K", "L", "K", "M"])))
+    assert [fold.name for fold in folds] == ["other earthquakes", "K"]
+    np.testing.assert_array_equal(folds[0].learned, [True, True, True, True])
+    np.testing.assert_array_equal(folds[0].judged, [False, True, False, True])
+    np.testing.assert_array_equal(folds[1].learned, [False, True, False, True])
+    np.testing.assert_array_equal(folds[1].judged, [True, False, True, False])
+
+
+def test_what_the_motions_do_not_carry_is_neither_contained_nor_judged():
+    ellipses = lognormal_ellipses(6, 2, 12)
+    silent = Printed(name="no promise", law=Table.fit([1.0], [0.02], [[0.0]], [[0.0]]))
+    found = judged(
+        ellipses, leave_one_event_out(ellipses["event"].values), (silent, QUANTILE), confidences=(0.95,)
+    )
+    assert found.counts["judged"].sel(candidate="no promise").sum() == 0
+    assert set(tabulate(found)["candidate"]) == {"plug-in, each"}
 
 
 def test_law_is_judged_at_the_structure_that_it_did_not_see():

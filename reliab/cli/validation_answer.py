@@ -1,0 +1,187 @@
+"""What `reliab validate` answers: JSON, and tables on the terminal."""
+
+from typing import TYPE_CHECKING, Any
+
+from reliab.cli.output import console, table
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+    from reliab.validation.cross_validation import CrossValidation
+
+_HEADINGS = {
+    "criterion": "left",
+    "stated": "right",
+    "contained (95 % interval)": "right",
+    "by ellipses": "right",
+    "false-safe": "right",
+    "good tests accepted": "right",
+}
+_CALIBRATION_HEADINGS = {
+    "stated probability": "right",
+    "good tests (95 % interval)": "right",
+    "tests": "right",
+}
+_CONFUSION = ("good_accepted", "good_rejected", "bad_accepted", "bad_rejected")
+_ELLIPSE_NOTE = (
+    "Note: no simulated errors are at hand, so that the motions' own ellipses decide what is contained "
+    "and good; --motions or --results know the errors."
+)
+
+
+def answer(validation: "CrossValidation", ellipses: "xr.Dataset", recognised: int) -> dict[str, Any]:
+    """Put a cross-validation into plain values.
+
+    Parameters
+    ----------
+    validation : CrossValidation
+        What was counted.
+    ellipses : xarray.Dataset
+        Ellipses of the motions that were judged.
+    recognised : int
+        Motions whose earthquake the suite that was learned from holds too.
+
+    Returns
+    -------
+    dict
+        The answer, for JSON.
+    """
+    counts = validation.counts
+    return {
+        "scheme": validation.scheme,
+        "threshold": validation.threshold,
+        "metric": validation.metric,
+        "window": str(ellipses.attrs.get("window", "unknown")),
+        "alpha": float(ellipses.attrs.get("experimental_fraction", 1.0)),
+        "n_motions": int(counts.sizes["motion"]),
+        "n_events": len(set(counts["event"].values.tolist())),
+        "n_of_learned_earthquakes": recognised,
+        "truth": validation.truth,
+        "unresolved": int(counts["unresolved"].sum()),
+        "rows": _rows(validation, ("f", "xi")),
+        "by_frequency": _rows(validation, ("xi",)),
+        "by_damping_ratio": _rows(validation, ("f",)),
+    }
+
+
+def _rows(validation: "CrossValidation", over: tuple[str, ...]) -> list[dict[str, Any]]:
+    """Rates with intervals and the confusion matrix, one row for each candidate and confidence."""
+    from reliab.validation.cross_validation.tabulation import RATES, tabulate
+
+    rows = []
+    for line in tabulate(validation, over).to_dict(orient="records"):
+        row = {name: line[name] for name in ("candidate", "confidence", "f", "xi") if name in line}
+        for name in RATES:
+            ends = {"rate": name, "low": f"{name}_low", "high": f"{name}_high"}
+            row[name] = {end: _number(line[key]) for end, key in ends.items()}
+        row["confusion"] = {name: int(line[name]) for name in _CONFUSION}
+        rows.append(row)
+    return rows
+
+
+def _number(value: float) -> float | None:
+    return float(value) if value == value else None  # noqa: PLR0124 - NaN where nothing was accepted
+
+
+def show(content: dict[str, Any]) -> None:
+    """Print the rates of criteria.
+
+    Parameters
+    ----------
+    content : dict
+        As :func:`answer` gives it.
+    """
+    terminal = console()
+    shown = table(
+        f"{content['scheme'].replace('_', ' ')}: {content['n_motions']} motions of "
+        f"{content['n_events']} earthquakes, {content['metric'].upper()} {content['threshold']:g} "
+        f"over {_window(content['window'])}",
+        _HEADINGS,
+    )
+    for row in content["rows"]:
+        shown.add_row(
+            row["candidate"],
+            f"{row['confidence']:.0%}",
+            *(_interval(row["containment"]), _share(row["containment_by_ellipse"]["rate"])),
+            *(_interval(row[name]) for name in ("false_safe", "accepted_share")),
+        )
+    terminal.print(shown)
+    for row in content["rows"]:
+        if row["candidate"].startswith("guo_"):
+            terminal.print(
+                f"{row['candidate']} protects {row['containment']['rate']:.1%} of the motions where it "
+                f"states {row['confidence']:.0%}.",
+                highlight=False,
+            )
+    if content["n_of_learned_earthquakes"]:
+        terminal.print(
+            f"{content['n_of_learned_earthquakes']} of the motions are of earthquakes that the suite holds; "
+            "each was judged by what was learned from the other earthquakes.",
+            highlight=False,
+        )
+    if content["unresolved"]:
+        terminal.print(
+            "Not judged, because a criterion reaches beyond the stored results: "
+            f"{content['unresolved']} times.",
+            highlight=False,
+        )
+    if content["truth"] == "ellipse":
+        terminal.print(_ELLIPSE_NOTE)
+
+
+def calibration_answer(bins: "pd.DataFrame", *, scheme: str, truth: str) -> dict[str, Any]:
+    """Put the calibration of probabilities into plain values.
+
+    Parameters
+    ----------
+    bins : pandas.DataFrame
+        As `reliab.validation.probability_calibration.probability_calibration` gives it.
+    scheme, truth : str
+        How earthquakes were divided, and what the errors rest on.
+
+    Returns
+    -------
+    dict
+        The answer, for JSON.
+    """
+    return {"scheme": scheme, "truth": truth, "bins": bins.to_dict(orient="records")}
+
+
+def show_calibration(content: dict[str, Any]) -> None:
+    """Print how many tests are good for which probability.
+
+    Parameters
+    ----------
+    content : dict
+        As :func:`calibration_answer` gives it.
+    """
+    title = f"Probabilities of tests, {content['scheme'].replace('_', ' ')}"
+    shown = table(title, _CALIBRATION_HEADINGS)
+    for row in content["bins"]:
+        rate = {"rate": row["observed"], "low": row["low"], "high": row["high"]}
+        shown.add_row(f"{row['stated']:.1%}", _interval(rate), str(row["tests"]))
+    console().print(shown)
+    if content["truth"] == "ellipse":
+        console().print(_ELLIPSE_NOTE)
+
+
+def _window(label: str) -> str:
+    lengths = {
+        "record": "whole records",
+        "arias": "5-95 % of the Arias intensity",
+        "unknown": "an unknown window",
+    }
+    return lengths.get(label, f"the first {label} s")
+
+
+def _share(value: float | None) -> str:
+    return "none" if value is None else f"{value:.1%}"
+
+
+def _interval(rate: dict[str, float | None]) -> str:
+    if rate["rate"] is None:
+        return "none"
+    if rate["low"] is None or rate["high"] is None:
+        return f"{rate['rate']:.1%}"
+    return f"{rate['rate']:.1%} ({rate['low']:.1%} … {rate['high']:.1%})"

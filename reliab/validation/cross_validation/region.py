@@ -1,0 +1,62 @@
+"""What a criterion allows at one structure: half an ellipse for delays, and one for leads where it has it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+_MILLISECONDS = 1e3
+_EDGE_POINTS = 33
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Actuators:
+    """Amplitudes and delays of tests.
+
+    Attributes
+    ----------
+    gain : numpy.ndarray
+        Amplitude A [-], shape (tests,).
+    delay : numpy.ndarray
+        Equivalent delay d [s], shape (tests,); leads are negative.
+    """
+
+    gain: NDArray[np.float64]
+    delay: NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Region:
+    """Half an ellipse (A − 1)²/a + d²/b ≤ 1.
+
+    Parameters
+    ----------
+    a, b : float
+        Its parameters [-] and [ms²]; zero where no test but the perfect one is accepted.
+    side : {1, -1}
+        Whether it holds for delays or for leads.
+    """
+
+    a: float
+    b: float
+    side: int = 1
+
+    def accepts(self, tests: Actuators) -> NDArray[np.bool_]:
+        """Which tests, all of this side, it accepts; shape (tests,)."""
+        if not (self.a > 0.0 and self.b > 0.0):
+            return np.zeros(tests.gain.size, dtype=np.bool_)
+        index = np.square(tests.gain - 1.0) / self.a + np.square(_MILLISECONDS * tests.delay) / self.b
+        return np.asarray(index <= 1.0)
+
+    def edge(self) -> Actuators:
+        """Points on the edge, from the greatest amplitude over the greatest delay to the least amplitude.
+
+        Returns
+        -------
+        Actuators
+            33 points, so close that the error between two of them exceeds that of both by less than 0.1 %.
+        """
+        angle = np.linspace(0.0, np.pi, _EDGE_POINTS)
+        delay = self.side * np.sqrt(self.b) * np.sin(angle) / _MILLISECONDS
+        delay[[0, -1]] = 0.0
+        return Actuators(gain=1.0 + np.sqrt(self.a) * np.cos(angle), delay=delay)

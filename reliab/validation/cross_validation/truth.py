@@ -1,0 +1,164 @@
+"""What the error of a test really is: from the loop itself, from stored results, or from fitted ellipses.
+
+Criteria are derived from curves fitted to the motions' boundaries. Whether they hold is asked of the
+error itself, so that a curve that fits badly cannot vouch for itself: the loop is solved for the very
+actuator, or its error is read from the stored grid of simulations where that resolves it. Only where
+neither ground motions nor results are at hand, as for a printed table of ellipses, do the ellipses answer.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache, partial
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from reliab.boundary.surface import ErrorSurfaces
+from reliab.indices.response_error import relative_error
+from reliab.indices.window import Window
+from reliab.loop.engine import Loop
+from reliab.loop.excitation import Excitation
+from reliab.loop.structure import Structure
+from reliab.motions import Motion
+from reliab.validation.cross_validation.cell import Cell
+from reliab.vocabulary import Metric
+
+_MILLISECONDS = 1e3
+
+
+class Truth(ABC):
+    """Errors of tests under the ground motions on trial.
+
+    Attributes
+    ----------
+    name : str
+        What the answers rest on: "simulated" or "ellipse".
+    """
+
+    name: str
+
+    @abstractmethod
+    def errors(
+        self, cell: Cell, motion: int, gain: NDArray[np.float64], delay: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Errors of tests under one ground motion, relative to the threshold.
+
+        Parameters
+        ----------
+        cell : Cell
+            Structure, threshold and metric.
+        motion : int
+            Place of the motion among those on trial.
+        gain : numpy.ndarray
+            Amplitudes A [-], shape (tests,).
+        delay : numpy.ndarray
+            Delays d [s], shape (tests,); leads are negative.
+
+        Returns
+        -------
+        numpy.ndarray
+            Error over threshold [-], shape (tests,); above 1 a test is bad, NaN where it is not known.
+        """
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SimulatedTruth(Truth):
+    """Errors from the loop, solved for each test.
+
+    Parameters
+    ----------
+    motions : sequence of Motion
+        The ground motions on trial, in their order.
+    window : Window, optional
+        Part of the record over which errors are computed.
+    experimental_fraction : float, optional
+        Share of the stiffness in the laboratory [-].
+
+    Examples
+    --------
+    >>> record = np.sin(2 * np.pi * np.arange(0, 20, 0.01))
+    >>> truth = SimulatedTruth(motions=[Motion(name="sine", acceleration=record, time_step=0.01)])
+    >>> cell = Cell(frequency=1.0, damping_ratio=0.05, threshold=0.05, metric="rms")
+    >>> truth.errors(cell, 0, np.array([1.0, 1.0]), np.array([0.0, 0.002])).round(2)
+    array([0. , 1.5])
+    """
+
+    name = "simulated"
+
+    motions: Sequence[Motion]
+    window: Window = field(default_factory=Window)
+    experimental_fraction: float = 1.0
+
+    def errors(
+        self, cell: Cell, motion: int, gain: NDArray[np.float64], delay: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Solve the loop for each test."""
+        record = self.motions[motion]
+        bounds = self.window.bounds(record.acceleration, record.time_step)
+        loop = Loop(
+            excitation=Excitation(
+                acceleration=record.acceleration, time_step=record.time_step, window=bounds
+            ),
+            structure=Structure(
+                frequency=cell.frequency,
+                damping_ratio=cell.damping_ratio,
+                experimental_fraction=self.experimental_fraction,
+            ),
+        )
+        found = loop.deviation(loop.cells(gain=gain, delay=delay))
+        return np.asarray(relative_error(found, Metric(cell.metric)) / cell.threshold)
+
+
+class StoredTruth(Truth):
+    """Errors read between the cells of stored results.
+
+    Parameters
+    ----------
+    results : xarray.Dataset
+        Results of the ground motions on trial, in their order, as `reliab.open_results` gives them.
+    """
+
+    name = "simulated"
+
+    def __init__(self, results: xr.Dataset) -> None:
+        self._surfaces = lru_cache(maxsize=1)(partial(_surfaces, results))
+
+    def errors(
+        self, cell: Cell, motion: int, gain: NDArray[np.float64], delay: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Interpolate the stored errors; NaN outside of the stored grid."""
+        surfaces = self._surfaces(cell.frequency, cell.damping_ratio, cell.metric)
+        which = np.full(gain.size, motion, dtype=np.int64)
+        return np.asarray(surfaces.error(gain, delay, which) / cell.threshold)
+
+
+class EllipseTruth(Truth):
+    """Errors as fitted ellipses have them: what is left where nothing was simulated.
+
+    The error over the threshold is taken for √((A−1)²/a + d²/b), which is 1 on the ellipse.
+
+    Parameters
+    ----------
+    ellipses : xarray.Dataset
+        Ellipses of the ground motions on trial, in their order.
+    """
+
+    name = "ellipse"
+
+    def __init__(self, ellipses: xr.Dataset) -> None:
+        self._ellipses = ellipses
+
+    def errors(
+        self, cell: Cell, motion: int, gain: NDArray[np.float64], delay: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Take the index of the motion's own ellipse; NaN where it has none."""
+        a, b = (float(values[motion]) for values in cell.parameters(self._ellipses))
+        index = np.square(gain - 1.0) / a + np.square(_MILLISECONDS * delay) / b
+        return np.asarray(np.sqrt(index))
+
+
+def _surfaces(results: xr.Dataset, f: float, xi: float, metric: str) -> ErrorSurfaces:
+    errors = results.reliab.at_structure(f, xi)[metric].transpose("motion", "kp", "tau")
+    return ErrorSurfaces(errors["kp"].values, errors["tau"].values, errors.values)

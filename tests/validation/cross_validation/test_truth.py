@@ -1,0 +1,134 @@
+"""Containment is counted by the true error, not by the curve that was fitted to it."""
+
+import numpy as np
+import pytest
+
+from reliab import api
+from reliab.criterion.laws import Table
+from reliab.indices.window import Window
+from reliab.loop import spectral
+from reliab.loop.excitation import Excitation
+from reliab.loop.structure import Structure
+from reliab.motions.synthetic import synthetic_suite
+from reliab.validation.cross_validation import (
+    Cell,
+    EllipseTruth,
+    Printed,
+    SimulatedTruth,
+    StoredTruth,
+    cross_validate,
+    leave_one_event_out,
+)
+from reliab.validation.cross_validation.region import Region
+
+CELL = Cell(frequency=1.0, damping_ratio=0.02, threshold=0.05, metric="rms")
+
+
+@pytest.fixture(scope="module")
+def motions():
+    return list(synthetic_suite(count=6))
+
+
+@pytest.fixture(scope="module")
+def ellipses(motions):
+    return api.ellipses(synthetic_suite(count=6), f=[1.0], xi=[0.02], threshold=[0.05])
+
+
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory):
+    path = tmp_path_factory.mktemp("truth") / "results.zarr"
+    return api.simulate(synthetic_suite(count=6), out=path, f=[1.0], xi=[0.02])
+
+
+def spectral_error(motion, region):
+    """RMS^R along an edge by the engine that neither the criterion nor its ellipses come from."""
+    structure = Structure(frequency=1.0, damping_ratio=0.02)
+    excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step)
+    edge = region.edge()
+    deviation = spectral.deviation(excitation, structure, edge.gain, edge.delay)
+    return np.sqrt(deviation.mean_square) / deviation.ideal_peak
+
+
+def test_edge_is_the_ellipse_and_closes_on_the_axis_of_no_delay():
+    late, early = (Region(a=1e-4, b=4.0, side=side) for side in (1, -1))
+    edge = late.edge()
+    np.testing.assert_allclose((edge.gain - 1.0) ** 2 / 1e-4 + (1e3 * edge.delay) ** 2 / 4.0, 1.0)
+    assert edge.delay[0] == edge.delay[-1] == 0.0
+    assert edge.delay.max() == pytest.approx(2e-3)
+    np.testing.assert_array_equal(early.edge().delay, -edge.delay)
+
+
+def test_simulated_and_stored_truth_agree_with_the_spectral_engine(motions, stored):
+    region = Region(a=1e-4, b=2.0)
+    edge = region.edge()
+    for number, motion in enumerate(motions):
+        exact = spectral_error(motion, region) / 0.05
+        for truth in (SimulatedTruth(motions=motions), StoredTruth(stored)):
+            np.testing.assert_allclose(truth.errors(CELL, number, edge.gain, edge.delay), exact, rtol=2e-3)
+
+
+def test_what_the_store_does_not_hold_is_not_known(stored):
+    errors = StoredTruth(stored).errors(CELL, 0, np.array([1.0, 1.0]), np.array([0.001, 0.5]))
+    assert np.isfinite(errors).tolist() == [True, False]
+
+
+def test_window_changes_the_truth(motions):
+    edge = Region(a=1e-4, b=2.0).edge()
+    whole, strong = (
+        SimulatedTruth(motions=motions, window=Window.parse(text)).errors(CELL, 0, edge.gain, edge.delay)
+        for text in ("record", "arias")
+    )
+    assert (strong[1:-1] > whole[1:-1]).all()
+
+
+def test_a_motion_whose_ellipse_flatters_it_does_not_contain_the_criterion(motions, ellipses):
+    own = [float(ellipses[name].min()) for name in ("a", "b")]
+    law = Table.fit([1.0], [0.02], [[0.98 * own[0]]], [[0.98 * own[1]]])
+    flattered = ellipses.assign(a=1e3 * ellipses["a"], b=1e3 * ellipses["b"])
+    validation = cross_validate(
+        flattered,
+        leave_one_event_out(ellipses["event"].values),
+        [Printed(name="printed", law=law.fit([1.0], [0.02], [[100 * own[0]]], [[100 * own[1]]]))],
+        scheme="test",
+        confidences=(0.95,),
+        truth=SimulatedTruth(motions=motions),
+        trials=64,
+    )
+    assert validation.containment_by_ellipse()["rate"].item() == 1.0
+    assert validation.containment()["rate"].item() == 0.0
+    assert validation.truth == "simulated"
+
+
+def test_containment_is_the_share_of_motions_with_no_error_above_along_the_edge(motions, ellipses):
+    a, b = (float(ellipses[name].median()) for name in ("a", "b"))
+    expected = [spectral_error(motion, Region(a=a, b=b)).max() <= 0.05 for motion in motions]
+    validation = cross_validate(
+        ellipses,
+        leave_one_event_out(ellipses["event"].values),
+        [Printed(name="printed", law=Table.fit([1.0], [0.02], [[a]], [[b]]))],
+        scheme="test",
+        confidences=(0.95,),
+        truth=SimulatedTruth(motions=motions),
+        trials=64,
+    )
+    assert validation.counts["contained"].values.ravel().tolist() == expected
+    assert 0 < sum(expected) < 6
+
+
+def test_motions_without_an_ellipse_are_judged_by_their_errors_only(motions, ellipses):
+    unknown = ellipses.copy(deep=True)
+    unknown["a"][0] = -1.0
+    law = Table.fit([1.0], [0.02], [[1e-6]], [[0.01]])
+    for truth, judged in ((SimulatedTruth(motions=motions), 6), (EllipseTruth(unknown), 5)):
+        counts = cross_validate(
+            unknown,
+            leave_one_event_out(ellipses["event"].values),
+            [Printed(name="printed", law=law)],
+            scheme="test",
+            confidences=(0.95,),
+            truth=truth,
+            trials=64,
+        ).counts.sum()
+        assert int(counts["judged"]) == judged
+        assert int(counts["fitted"]) == 5
+        assert int(counts["judged"] + counts["unresolved"]) == 6
