@@ -9,7 +9,7 @@ from typing import Final, TypeVar
 
 import xarray as xr
 
-from reliab.boundary import Curve, Ellipse
+from reliab.boundary import Curve
 from reliab.errors import InputError
 from reliab.indices.window import Window
 from reliab.loop.engine import Engine
@@ -18,6 +18,7 @@ from reliab.loop.hybrid_test.model_file import read_model
 from reliab.motions import MotionSuite
 from reliab.progress import Progress, silent
 from reliab.sweep import (
+    CURVES,
     EllipseRequest,
     ExplicitGrid,
     Grid,
@@ -28,10 +29,11 @@ from reliab.sweep import (
     run_sweep,
     trace_ellipses,
 )
-from reliab.vocabulary import Metric
+from reliab.vocabulary import Metric, Side
 
 _Choice = TypeVar("_Choice")
 _GRIDS: Final[dict[str, Grid]] = {"scaled": ScaledGrid(), "paper": ExplicitGrid()}
+_GRIDS_OF_DELAYS: Final[dict[str, Grid]] = {"scaled": ScaledGrid(lead_steps=0), "paper": ExplicitGrid()}
 _FREQUENCIES: Final = (1.0,)
 _DAMPING_RATIOS: Final = (0.02,)
 _WHOLLY_EXPERIMENTAL: Final = 1.0
@@ -64,7 +66,8 @@ def simulate(
     f, xi : sequence of float, optional
         Natural frequencies [Hz] and damping ratios [-]; 1 Hz and 0.02 by default.
     grid : {"scaled", "paper"}, optional
-        Actuators that are simulated: scaled to each structure, or those of the paper.
+        Actuators that are simulated: scaled to each structure, late and early (with a model late only), or
+        those of the paper, which are late.
     window : sequence of str, optional
         Where errors are taken, "record", "arias" or seconds; several may be stored.
     alpha : float, optional
@@ -102,14 +105,14 @@ def simulate(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     results = reliab.simulate(motions, out=f"{folder}/results.zarr").load()
     >>> results["rms"].dims, results["rms"].shape
-    (('motion', 'f', 'xi', 'kp', 'tau'), (2, 1, 1, 41, 31))
+    (('motion', 'f', 'xi', 'kp', 'tau'), (2, 1, 1, 41, 51))
     """
     test = _hybrid_test(model, f, xi, alpha)
     structure = test and test.structure
     request = SweepRequest(
         frequencies=(structure.frequency,) if structure else tuple(sorted(f or _FREQUENCIES)),
         damping_ratios=(structure.damping_ratio,) if structure else tuple(sorted(xi or _DAMPING_RATIOS)),
-        grid=_one_of(grid, _GRIDS, "grid"),
+        grid=_one_of(grid, _GRIDS if test is None else _GRIDS_OF_DELAYS, "grid"),
         windows=tuple(Window.parse(text) for text in window),
         experimental_fraction=structure.experimental_fraction if structure else alpha,
         engine=_one_of(engine, {each.value: each for each in Engine}, "engine"),
@@ -131,11 +134,11 @@ def ellipses(
     window: str = "record",
     alpha: float = _WHOLLY_EXPERIMENTAL,
     model: str | Path | HybridTest | None = None,
-    curves: Sequence[type[Curve]] = (Ellipse,),
+    curves: Sequence[type[Curve]] = CURVES,
     first_order: bool = False,
     progress: Progress = silent,
 ) -> xr.Dataset:
-    """Trace the boundary of equal error of each motion and fit an ellipse to it.
+    """Trace the boundary of equal error of each motion, late and early, and let ellipses stand for it.
 
     Parameters
     ----------
@@ -154,9 +157,10 @@ def ellipses(
         Experimental fraction of the stiffness [-], for ground motions.
     model : str, pathlib.Path or HybridTest, optional
         A hybrid test with effects, or the file of one, whose structure takes the place of `f`, `xi` and
-        `alpha`, for ground motions.
+        `alpha`, for ground motions; such a boundary has delays only.
     curves : sequence of type, optional
-        Curves that are fitted; the ellipse by default.
+        Curves that stand for a boundary; the ellipse of least squares (the paper's) and the largest ellipse
+        inside the boundary by default.
     first_order : bool, optional
         Whether ellipses of ground motions are predicted from their spectra in closed form instead of traced;
         exact for small errors, but at 5 % RMS^R the traced a is 5 % smaller and b 16 to 44 % smaller.
@@ -166,7 +170,10 @@ def ellipses(
     Returns
     -------
     xarray.Dataset
-        `a` [-], `b` [ms²], `sse` [ms⁴] and `n` over (motion, f, xi, threshold, metric, curve).
+        `a` [-], `b` [ms²], `sse` [ms⁴] and `n` over (motion, f, xi, threshold, metric, curve, side); the side
+        is "lag" for actuators that are late and "lead" for those that are early, which a model with effects
+        does not have. `no_ellipse` says why a and b are NaN or zero, and `error_at_rest` is the error of an
+        actuator that does not move.
 
     Raises
     ------
@@ -202,6 +209,7 @@ def ellipses(
         window=Window.parse(window),
         experimental_fraction=structure.experimental_fraction if structure else alpha,
         model=test,
+        sides=(Side.LAG,) if test else tuple(Side),
     )
     found = predict_ellipses if first_order else trace_ellipses
     return found(source, request, progress=progress)

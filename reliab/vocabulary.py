@@ -4,7 +4,7 @@ Every other module takes them from here; nothing else in the package spells one 
 """
 
 from dataclasses import dataclass
-from enum import StrEnum
+from enum import IntEnum, StrEnum
 from typing import Final
 
 STANDARD_GRAVITY: Final = 9.80665
@@ -22,6 +22,8 @@ class Dimension(StrEnum):
     THRESHOLD = "threshold"
     METRIC = "metric"
     CURVE = "curve"
+    SIDE = "side"
+    WINDOW = "window"
 
 
 RESULT_DIMENSIONS: Final = (
@@ -38,6 +40,7 @@ ELLIPSE_DIMENSIONS: Final = (
     Dimension.THRESHOLD,
     Dimension.METRIC,
     Dimension.CURVE,
+    Dimension.SIDE,
 )
 
 
@@ -46,6 +49,46 @@ class Metric(StrEnum):
 
     RMS = "rms"
     MTE = "mte"
+
+
+class Side(StrEnum):
+    """Side of a boundary: an actuator that is late (d ≥ 0) or early (d < 0)."""
+
+    LAG = "lag"
+    LEAD = "lead"
+
+    @property
+    def sign(self) -> float:
+        """Sign of the delays on this side."""
+        return 1.0 if self is Side.LAG else -1.0
+
+
+class CurveName(StrEnum):
+    """Curves that stand for a boundary.
+
+    The ellipse is the paper's, fitted by least squares (equation 9); the inscribed one is the largest
+    ellipse that lies wholly inside the boundary. Cosine and parabola are equations (7b) and (7c).
+    """
+
+    ELLIPSE = "ellipse"
+    INSCRIBED = "inscribed"
+    COSINE = "cosine"
+    PARABOLA = "parabola"
+
+
+class NoEllipse(IntEnum):
+    """Why a boundary has no ellipse; its a and b are then NaN, or zero where there is no room."""
+
+    NOT_SO = 0
+    """There is an ellipse."""
+    NO_ROOM = 1
+    """The loop's other effects alone exceed the threshold."""
+    OUTSIDE_GRID = 2
+    """The boundary leaves the stored grid."""
+    NOT_REACHED = 3
+    """No delay on this side reaches the threshold."""
+    NOT_ELLIPTIC = 4
+    """The least-squares line of equation (9) does not fall, so that a or b is not positive."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +109,7 @@ LABELS: Final = {
     "f": Label("natural frequency of the structure", "Hz"),
     "xi": Label("damping ratio of the structure", "1"),
     "kp": Label("actuator gain", "1"),
-    "tau": Label("actuator delay", "s"),
+    "tau": Label("actuator delay, negative for a lead", "s"),
     "event": Label("earthquake", "1"),
     "duration": Label("duration of the record", "s"),
     "dt": Label("time step of the record", "s"),
@@ -74,11 +117,16 @@ LABELS: Final = {
     "checksum": Label("SHA-256 of the record's time step and samples", "1"),
     "threshold": Label("error on the boundary", "1"),
     "metric": Label("relative error of the whole test", "1"),
-    "curve": Label("curve fitted to the boundary", "1"),
+    "curve": Label("curve that stands for the boundary", "1"),
+    "side": Label("side of the boundary: actuator late (lag) or early (lead)", "1"),
+    "window": Label("stretch of the record over which the error is taken: record, arias or seconds", "1"),
     "a": Label("ellipse parameter of the amplitude, (A − 1)²/a + d²/b = 1", "1"),
     "b": Label("ellipse parameter of the delay, (A − 1)²/a + d²/b = 1", "ms2"),
     "sse": Label("fitting error, sum of squared differences of squared delays", "ms4"),
     "n": Label("points of the boundary", "1"),
+    "no_ellipse": Label("why there is no ellipse, 0 where there is one", "1"),
+    "rms_at_rest": Label("RMS^R of an actuator that does not move", "1"),
+    "error_at_rest": Label("error of the whole test with an actuator that does not move", "1"),
 }
 
 

@@ -1,7 +1,16 @@
 """Contours of equal error and the curves that stand for them."""
 
 from reliab.boundary.contour import Contour, trace_contours
-from reliab.boundary.curves import Cosine, Curve, Ellipse, Parabola
+from reliab.boundary.curves import Cosine, Curve, Ellipse, InscribedEllipse, Parabola
 from reliab.boundary.motion_boundary import motion_contours
 
-__all__ = ["Contour", "Cosine", "Curve", "Ellipse", "Parabola", "motion_contours", "trace_contours"]
+__all__ = [
+    "Contour",
+    "Cosine",
+    "Curve",
+    "Ellipse",
+    "InscribedEllipse",
+    "Parabola",
+    "motion_contours",
+    "trace_contours",
+]

@@ -3,17 +3,22 @@
 The paper's protocol: the amplitude steps by 0.001 from 1 to both sides as far as the contour goes,
 and at each amplitude the delay is found at which the error reaches the threshold. Here a contour
 that is narrower than five such steps gets a finer step and one wider than a hundred a coarser one.
+
+A contour has two sides: actuators that are late, and actuators that are early. They are not alike, because
+a delay takes damping away and a lead adds it.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import elementwise
 
 from reliab.errors import InputError
+from reliab.loop.stability import longest_lead
 from reliab.loop.structure import Structure
+from reliab.vocabulary import Side
 
 ErrorOfCells = Callable[[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]], NDArray[np.float64]]
 """Error [-] of the whole test for amplitudes [-], delays [s] and the contour that asks, shape (cells,)."""
@@ -25,6 +30,10 @@ _GROWTH = 1.4
 _TIP = 1e-6
 REACH = 5.0
 """A contour is cut where |ln A| exceeds this many damping ratios."""
+
+LEAD_REACH = 7.0
+"""A lead is followed up to this many ξ/ω₀, or to a quarter of the period where that is shorter: further out
+it damps the structure so much that the error no longer grows."""
 
 _TOLERANCES = {"xrtol": 1e-7, "frtol": 1e-8, "xatol": 1e-12}
 
@@ -38,11 +47,30 @@ class Contour:
     amplitude : numpy.ndarray
         Amplitude A [-], increasing, shape (points,).
     delay : numpy.ndarray
-        Delay d [s], shape (points,).
+        Delay d [s], shape (points,); negative on the side of leads.
+    corners : numpy.ndarray, optional
+        Amplitudes [-] and delays [s] of what else bounds the region inside: the tips, at which the contour
+        meets d = 0 or is cut, and the longest lead that was followed where no lead reaches the
+        threshold; shape (2, corners).
     """
 
     amplitude: NDArray[np.float64]
     delay: NDArray[np.float64]
+    corners: NDArray[np.float64] = field(default_factory=lambda: np.zeros((2, 0)))
+
+    @property
+    def outline(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Amplitudes [-] and delays [s] of all that bounds the region, points and corners together."""
+        return (
+            np.concatenate([self.amplitude, self.corners[0]]),
+            np.concatenate([self.delay, self.corners[1]]),
+        )
+
+
+def furthest_lead(structure: Structure, gain: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Longest lead [s] that is followed, at amplitudes [-] of any shape."""
+    reach = LEAD_REACH * structure.damping_ratio / structure.circular_frequency
+    return np.minimum(reach, longest_lead(structure, gain))
 
 
 def trace_contours(
@@ -51,13 +79,15 @@ def trace_contours(
     structure: Structure,
     *,
     amplitude_step: float = AMPLITUDE_STEP,
+    side: Side | Sequence[Side] = Side.LAG,
 ) -> list[Contour]:
     """Trace contours of equal error around the perfect actuator A = 1, d = 0.
 
     All contours advance together, so that the error is asked for many cells at once. A contour is
     cut at five damping ratios of amplitude error: further out the loop resonates at another
     frequency than the structure, the error no longer grows, and no ellipse describes the contour.
-    Below 10 % RMS^R hardly any contour comes so far.
+    Below 10 % RMS^R hardly any contour comes so far. On the side of leads it is open where no lead, up to
+    the longest that is followed, reaches the threshold.
 
     Parameters
     ----------
@@ -70,12 +100,15 @@ def trace_contours(
         The structure under test, which sets the scale of amplitudes, ξ, and of delays, 1/ω₀.
     amplitude_step : float, optional
         Step of the amplitude [-], the paper's 0.001 by default.
+    side : Side or sequence of Side, optional
+        Side of all contours, or of each; actuators that are late by default.
 
     Returns
     -------
     list of Contour
-        One for each threshold, each of at least eleven points with d > 0; without points where even
-        the perfect actuator exceeds the threshold, because the loop has other errors.
+        One for each threshold, each of at least eleven amplitudes; fewer points where it is open;
+        without points and corners where even the perfect actuator exceeds the threshold, because the loop
+        has other errors.
 
     Raises
     ------
@@ -98,6 +131,8 @@ def trace_contours(
             value=thresholds[wrong][0],
             remedy="Give a fraction, 0.05 for 5 %",
         )
+    sides = [side] * thresholds.size if isinstance(side, Side) else list(side)
+    sign = np.array([each.sign for each in sides])
     nowhere = np.zeros(0)
     contours = [Contour(amplitude=nowhere, delay=nowhere) for _ in thresholds]
     everyone = np.arange(thresholds.size)
@@ -107,6 +142,7 @@ def trace_contours(
         traced = _trace(
             lambda amplitude, delay, contour: error(amplitude, delay, reached[contour]),
             thresholds[reached],
+            sign[reached],
             structure,
             amplitude_step,
         )
@@ -116,18 +152,31 @@ def trace_contours(
 
 
 def _trace(
-    error: ErrorOfCells, thresholds: NDArray[np.float64], structure: Structure, amplitude_step: float
+    error: ErrorOfCells,
+    thresholds: NDArray[np.float64],
+    sign: NDArray[np.float64],
+    structure: Structure,
+    amplitude_step: float,
 ) -> list[Contour]:
-    """Trace contours that the perfect actuator lies inside of."""
+    """Trace contours that the perfect actuator lies inside of; the sign is that of their delays."""
     half_widths = _half_widths(error, thresholds, REACH * structure.damping_ratio)
     offsets = [_offsets(below, above, amplitude_step) for below, above in half_widths]
     owner = np.repeat(np.arange(thresholds.size), [offset.size for offset in offsets])
     offset = np.concatenate(offsets)
-    delay = _delays(error, thresholds, offset, owner, half_widths, 1.0 / structure.circular_frequency)
-    return [
-        Contour(amplitude=1.0 + offset[owner == each], delay=delay[owner == each])
-        for each in range(thresholds.size)
-    ]
+    furthest = np.where(sign[owner] < 0.0, furthest_lead(structure, 1.0 + offset), np.inf)
+    size, closed = _delays(error, thresholds, sign, (offset, owner), half_widths, structure, furthest)
+    contours = []
+    for each, (below, above) in enumerate(half_widths):
+        here = owner == each
+        amplitude, delay, found = 1.0 + offset[here], sign[each] * size[here], closed[here]
+        tips = np.array([[1.0 - below, 1.0 + above], [0.0, 0.0]])
+        cut = np.stack([amplitude[~found], delay[~found]])
+        contours.append(
+            Contour(
+                amplitude=amplitude[found], delay=delay[found], corners=np.concatenate([tips, cut], axis=1)
+            )
+        )
+    return contours
 
 
 def _half_widths(error: ErrorOfCells, thresholds: NDArray[np.float64], reach: float) -> NDArray[np.float64]:
@@ -167,27 +216,36 @@ def _offsets(below: float, above: float, step: float) -> NDArray[np.float64]:
 def _delays(
     error: ErrorOfCells,
     thresholds: NDArray[np.float64],
-    offset: NDArray[np.float64],
-    owner: NDArray[np.int64],
+    sign: NDArray[np.float64],
+    places: tuple[NDArray[np.float64], NDArray[np.int64]],
     half_widths: NDArray[np.float64],
-    time_scale: float,
-) -> NDArray[np.float64]:
-    """Delay on its contour at each amplitude."""
+    structure: Structure,
+    furthest: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Size of the delay on its contour at each amplitude, and whether it was found before the furthest."""
+    offset, owner = places
 
     def excess(
-        delay: NDArray[np.float64], offset: NDArray[np.float64], owner: NDArray[np.int64]
+        size: NDArray[np.float64], offset: NDArray[np.float64], owner: NDArray[np.int64]
     ) -> NDArray[np.float64]:
-        return _finite(error(1.0 + offset, delay, owner)) - thresholds[owner]
+        return _finite(error(1.0 + offset, sign[owner] * size, owner)) - thresholds[owner]
 
     half_width = half_widths[owner, (offset > 0.0).astype(np.int64)]
     height = np.sqrt(np.maximum(1.0 - (offset / half_width) ** 2, 1e-3))
-    outer = 1.1 * time_scale * half_width * height
-    while (inside := excess(outer, offset, owner) < 0.0).any():
-        outer = np.where(inside, _GROWTH * outer, outer)
-    root = elementwise.find_root(
-        excess, (np.zeros_like(outer), outer), args=(offset, owner), tolerances=_TOLERANCES
-    )
-    return np.asarray(root.x, dtype=np.float64)
+    outer = np.minimum(1.1 / structure.circular_frequency * half_width * height, furthest)
+    while ((inside := excess(outer, offset, owner) < 0.0) & (outer < furthest)).any():
+        outer = np.where(inside, np.minimum(_GROWTH * outer, furthest), outer)
+    size = outer.copy()
+    closed = ~inside
+    if closed.any():
+        root = elementwise.find_root(
+            excess,
+            (np.zeros(int(closed.sum())), outer[closed]),
+            args=(offset[closed], owner[closed]),
+            tolerances=_TOLERANCES,
+        )
+        size[closed] = root.x
+    return size, closed
 
 
 def _finite(error: NDArray[np.float64]) -> NDArray[np.float64]:

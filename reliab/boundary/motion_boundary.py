@@ -11,7 +11,7 @@ from reliab.indices.response_error import relative_error
 from reliab.loop.cells import Cells
 from reliab.loop.deviation import Deviation
 from reliab.loop.structure import Structure
-from reliab.vocabulary import Metric
+from reliab.vocabulary import Metric, Side
 
 
 class SolvedLoop(Protocol):
@@ -22,10 +22,13 @@ class SolvedLoop(Protocol):
         """The structure under test."""
 
     def cells(self, *, gain: object, delay: object) -> Cells:
-        """Actuators of given gains [-] and delays [s]."""
+        """Actuators of given gains [-] and delays [s], negative for a lead."""
 
     def deviation(self, cells: Cells) -> Deviation:
         """Deviation of the measured displacement from the exact response."""
+
+    def at_rest(self) -> Deviation:
+        """Deviation of an actuator that does not move."""
 
 
 def motion_contours(
@@ -34,6 +37,7 @@ def motion_contours(
     metric: Metric = Metric.RMS,
     *,
     amplitude_step: float = AMPLITUDE_STEP,
+    side: Side | Sequence[Side] = Side.LAG,
 ) -> list[Contour]:
     """Contours of equal error of one ground motion and one structure.
 
@@ -47,11 +51,13 @@ def motion_contours(
         RMS^R (default) or MTE^R.
     amplitude_step : float, optional
         Step of the amplitude [-], the paper's 0.001 by default; at least eleven points are found.
+    side : Side or sequence of Side, optional
+        Side of all contours, or of each; actuators that are late by default.
 
     Returns
     -------
     list of Contour
-        Amplitude [-] and delay [s] along the contour of each threshold; those of the actuator alone
+        Amplitude [-] and delay [s], negative for leads, along the contour of each threshold; those of the actuator alone
         where the loop has effects beside it.
     """
 
@@ -61,4 +67,4 @@ def motion_contours(
         return relative_error(loop.deviation(loop.cells(gain=amplitude, delay=delay)), metric)
 
     levels = np.asarray(thresholds, dtype=np.float64)
-    return trace_contours(error, levels, loop.structure, amplitude_step=amplitude_step)
+    return trace_contours(error, levels, loop.structure, amplitude_step=amplitude_step, side=side)

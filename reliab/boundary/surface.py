@@ -46,7 +46,7 @@ class ErrorSurfaces:
     gain : numpy.ndarray
         Gains k_p [-], increasing, with 1 among them, shape (kp,).
     delay : numpy.ndarray
-        Delays τ [s], increasing from zero, shape (tau,).
+        Delays τ [s], increasing, with 0 among them; negative for leads, shape (tau,).
     error : numpy.ndarray
         Errors [-], shape (surfaces, kp, tau).
     """
@@ -56,9 +56,9 @@ class ErrorSurfaces:
     ) -> None:
         offset = np.log(gain)
         at_one = int(np.argmin(np.abs(offset)))
-        self._cores = (max(offset[at_one + 1], -offset[at_one - 1]), delay[1])
+        self._cores = (max(offset[at_one + 1], -offset[at_one - 1]), delay[delay > 0.0][0])
         self._scales = (GAIN_SCALE * max(offset[-1], -offset[0]), DELAY_SCALE * delay[-1])
-        self._ends = (gain[0], gain[-1], delay[-1])
+        self._ends = (gain[0], gain[-1], delay[0], delay[-1])
         bounded = np.minimum(np.nan_to_num(error, nan=np.inf), _LARGEST_ERROR)
         values = np.log(bounded.astype(np.float64) ** 2 + _FLOOR**2)
         self._edges = self._stretch(offset, 0), self._stretch(delay, 1)
@@ -86,10 +86,11 @@ class ErrorSurfaces:
         numpy.ndarray
             Error [-], shape (cells,); NaN outside the grid.
         """
-        lowest, highest, longest = self._ends
-        inside = (amplitude >= lowest * (1 - 1e-9)) & (amplitude <= highest * (1 + 1e-9)) & (delay <= longest)
+        lowest, highest, earliest, latest = self._ends
+        inside = (amplitude >= lowest * (1 - 1e-9)) & (amplitude <= highest * (1 + 1e-9))
+        inside &= (delay >= earliest * (1 + 1e-9)) & (delay <= latest)
         offset = np.log(np.clip(amplitude, lowest, highest))
-        place = self._stretch(offset, 0), self._stretch(np.minimum(delay, longest), 1)
+        place = self._stretch(offset, 0), self._stretch(np.clip(delay, earliest, latest), 1)
         value = _evaluate(*self._edges, self._patches, *place, surface)
         return np.where(inside, np.sqrt(np.maximum(np.exp(value) - _FLOOR**2, 0.0)), np.nan)
 

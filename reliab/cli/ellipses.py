@@ -1,5 +1,6 @@
 """`reliab ellipses`: the boundary of each motion, as a and b."""
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -32,11 +33,16 @@ _HEADINGS = {
     "error [-]": "right",
     "a [-]": "right",
     "b [ms²]": "right",
-    "√a [-]": "right",
-    "√b [ms]": "right",
-    "misfit [ms⁴]": "right",
+    "a, lead": "right",
+    "b, lead": "right",
+    "a, inscribed": "right",
+    "b, inscribed": "right",
+    "a, inscribed, lead": "right",
+    "b, inscribed, lead": "right",
     "points": "right",
 }
+_WHERE = ["motion", "f", "xi", "threshold", "metric"]
+_NAMES = ("a", "b", "sse", "n", "no_ellipse")
 
 Out = Annotated[
     Path | None, typer.Option("--out", metavar="FILE.nc", help="Keep the ellipses for `reliab criterion`.")
@@ -59,7 +65,7 @@ def ellipses(
     out: Out = None,
     json_target: JsonTarget = None,
 ) -> None:
-    """Fit an ellipse to the boundary of equal error of each motion."""
+    """Trace the boundary of equal error of each motion, late and early, and let ellipses stand for it."""
     dataset = ellipse_dataset(
         motions=motions,
         sets=sets,
@@ -91,21 +97,66 @@ def ellipses(
 
 
 def _rows(dataset: "xr.Dataset") -> list[dict[str, Any]]:
-    """One row a boundary; a and b are null where it leaves the stored grid, 0 where effects leave no room."""
-    frame = dataset.isel(curve=0, drop=True).to_dataframe().reset_index()
-    names = ["motion", "f", "xi", "threshold", "metric", "a", "b", "sse", "n"]
-    columns = frame[names].astype(object).where(frame[names].notna(), None)
-    rows = columns.to_dict(orient="records")
-    return [{**{str(name): value for name, value in row.items()}, "n": int(row["n"] or 0)} for row in rows]
+    """One row a boundary, both sides and both curves beside each other.
+
+    `a`, `b`, `sse`, `n` are of the ellipse of least squares for delays; those of leads end in `_lead`, those of
+    the inscribed ellipse in `_inscribed` and `_lead_inscribed`. Null where there is none, for the reason in
+    `no_ellipse`; 0 where effects leave no room.
+    """
+    boundaries = list(dataset[[*_WHERE]].stack(row=_WHERE)["row"].values.tolist())
+    columns = {
+        f"{name}{suffix}": dataset[name].sel(chosen).transpose(*_WHERE).values.ravel()
+        for suffix, chosen in _columns(dataset)
+        for name in _NAMES
+        if name in dataset
+    }
+    return [
+        {
+            **dict(zip(_WHERE, boundary, strict=True)),
+            **{name: _plain(name, values[k]) for name, values in columns.items()},
+        }
+        for k, boundary in enumerate(boundaries)
+    ]
+
+
+def _columns(dataset: "xr.Dataset") -> list[tuple[str, dict[str, str]]]:
+    """Suffix of the keys of each curve and side that the dataset holds, and where they lie."""
+    from reliab.vocabulary import CurveName, Side
+
+    suffixes = {
+        "": (CurveName.ELLIPSE, Side.LAG),
+        "_lead": (CurveName.ELLIPSE, Side.LEAD),
+        "_inscribed": (CurveName.INSCRIBED, Side.LAG),
+        "_lead_inscribed": (CurveName.INSCRIBED, Side.LEAD),
+    }
+    return [
+        (suffix, {"curve": str(curve), "side": str(side)})
+        for suffix, (curve, side) in suffixes.items()
+        if curve in dataset["curve"].values and side in dataset["side"].values
+    ]
+
+
+def _plain(name: str, value: Any) -> float | int | str | None:  # noqa: ANN401 - of many types
+    """Number or word for JSON."""
+    from reliab.vocabulary import NoEllipse
+
+    if name.startswith("no_ellipse"):
+        reason = NoEllipse(int(value))
+        return None if reason is NoEllipse.NOT_SO else reason.name.lower()
+    if name.startswith("n"):
+        return int(value)
+    return float(value) if math.isfinite(value) else None
 
 
 def _cells(row: dict[str, Any]) -> list[str]:
     where = [str(row["motion"]), f"{row['f']:g}", f"{row['xi']:g}", f"{row['threshold']:g}"]
-    if row["a"] == 0.0:
-        return [*where, *["no room"] * 2, "", "", "", "0"]
-    if row["a"] is None:
-        return [*where, *["outside the grid"] * 2, "", "", "", "0"]
-    a, b = row["a"], row["b"]
-    root = f"{a**0.5:.4f}" if a > 0 else "-"
-    misfit = "-" if row["sse"] is None else f"{row['sse']:.3g}"
-    return [*where, f"{a:.3e}", f"{b:.4g}", root, f"{b**0.5:.3f}", misfit, str(row["n"])]
+    shown = [_parameters(row, suffix) for suffix in ("", "_lead", "_inscribed", "_lead_inscribed")]
+    return [*where, *(cell for pair in shown for cell in pair), str(row["n"])]
+
+
+def _parameters(row: dict[str, Any], suffix: str) -> tuple[str, str]:
+    """a and b of one ellipse, or why there is none."""
+    a, b, reason = (row.get(f"{name}{suffix}") for name in ("a", "b", "no_ellipse"))
+    if reason is not None:
+        return str(reason).replace("_", " "), ""
+    return ("", "") if a is None or b is None else (f"{a:.3e}", f"{b:.4g}")

@@ -55,7 +55,7 @@ def ellipse_dataset(
     Returns
     -------
     xarray.Dataset
-        `a`, `b`, `sse`, `n` over (motion, f, xi, threshold, metric, curve).
+        `a`, `b`, `sse`, `n` over (motion, f, xi, threshold, metric, curve, side).
 
     Raises
     ------

@@ -38,7 +38,7 @@ def read_ellipses(
     Returns
     -------
     xarray.Dataset
-        `a` and `b` over (motion, f, xi, threshold, metric, curve), with the coordinate `event`.
+        `a` and `b` over (motion, f, xi, threshold, metric, curve, side), with the coordinate `event`.
 
     Raises
     ------
@@ -113,7 +113,9 @@ def _line(wrong: "pd.Series[bool]") -> int:
 def _dataset(table: pd.DataFrame) -> xr.Dataset:
     order = table["motion"].drop_duplicates().to_numpy()
     events = table.drop_duplicates("motion").set_index("motion")["event"]
-    cube = table.assign(curve="ellipse").set_index(list(ELLIPSE_DIMENSIONS))[["a", "b"]].to_xarray()
+    cube = (
+        table.assign(curve="ellipse", side="lag").set_index(list(ELLIPSE_DIMENSIONS))[["a", "b"]].to_xarray()
+    )
     cube = cube.sel(motion=order).assign_coords(event=("motion", events[order].to_numpy().astype(np.str_)))
     for name in cube.variables:
         cube[name].attrs.update(long_name=LABELS[str(name)].long_name, units=LABELS[str(name)].units)

@@ -110,7 +110,7 @@ def sample_of(
     Parameters
     ----------
     ellipses : xarray.Dataset
-        Variables `a` [-] and `b` [ms²] over (motion, f, xi, threshold, metric, curve) with the
+        Variables `a` [-] and `b` [ms²] over (motion, f, xi, threshold, metric, curve, side) with the
         coordinate `event`; motions without an ellipse there are left out (see `is_ellipse`).
     frequency, damping_ratio, threshold, metric
         The structure [Hz, -], the error on the boundary [-] and its name, all in the dataset.
@@ -134,7 +134,7 @@ def sample_of(
             value=metric,
             remedy=f"Choose among {', '.join(names)}",
         )
-    cell = ellipses.isel(chosen).sel(metric=metric, curve="ellipse")
+    cell = ellipses.isel(chosen).sel(metric=metric, curve="ellipse", side="lag")
     known = is_ellipse(cell["a"].values, cell["b"].values)
     return EllipseSample(
         a=cell["a"].values[known].astype(np.float64),

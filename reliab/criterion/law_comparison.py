@@ -117,7 +117,7 @@ def compare_laws(
     >>> dataset = xr.Dataset(
     ...     {"a": (dims, a), "b": (dims, b)},
     ...     coords={"f": f, "xi": xi, "event": ("motion", np.repeat(np.arange(10), 3).astype(str))},
-    ... ).expand_dims(threshold=[0.05], metric=["rms"], curve=["ellipse"])
+    ... ).expand_dims(threshold=[0.05], metric=["rms"], curve=["ellipse"], side=["lag"])
     >>> table = compare_laws(dataset, laws={"new": Dimensionless, "old": Exponential})
     >>> scores = table.pivot(index="f", columns="law", values="log_score")
     >>> bool((scores["new"] > scores["old"]).all())

@@ -52,13 +52,13 @@ def gain_of_terms(
     Examples
     --------
     >>> rng = np.random.default_rng(1)
-    >>> dims, length = ("motion", "f", "xi", "threshold", "metric", "curve"), rng.normal(size=60)
+    >>> dims, length = ("motion", "f", "xi", "threshold", "metric", "curve", "side"), rng.normal(size=60)
     >>> common = 0.7 * length[:, None, None] + rng.normal(0.0, 0.3, (60, 2, 2))
-    >>> a = np.exp(common)[..., None, None, None]
+    >>> a = np.exp(common)[..., None, None, None, None]
     >>> dataset = xr.Dataset(
     ...     {"a": (dims, a), "b": (dims, a * np.exp(rng.normal(0.0, 0.1, a.shape)))},
     ...     coords={"f": [1.0, 2.0], "xi": [0.02, 0.05], "threshold": [0.05], "metric": ["rms"],
-    ...             "curve": ["ellipse"], "event": ("motion", np.repeat(np.arange(20), 3).astype(str))},
+    ...             "curve": ["ellipse"], "side": ["lag"], "event": ("motion", np.repeat(np.arange(20), 3).astype(str))},
     ... )
     >>> found = gain_of_terms(dataset, {"length": length, "noise": rng.normal(size=60)})
     >>> found["gain"].gt(2.0 * found["standard_error"]).to_dict()

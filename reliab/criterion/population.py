@@ -59,7 +59,7 @@ class Population:
         Parameters
         ----------
         ellipses : xarray.Dataset
-            `a` [-] and `b` [ms²] over (motion, f, xi, threshold, metric, curve).
+            `a` [-] and `b` [ms²] over (motion, f, xi, threshold, metric, curve, side).
         threshold, metric
             One of the dataset's.
 
@@ -68,7 +68,7 @@ class Population:
         Population
             All motions and structures.
         """
-        chosen = ellipses.sel(metric=metric, curve="ellipse")
+        chosen = ellipses.sel(metric=metric, curve="ellipse", side="lag")
         chosen = chosen.isel(threshold=position(chosen, "threshold", threshold))
         chosen = chosen.sortby(["f", "xi"]).transpose("motion", "f", "xi", ...)
         a, b = chosen["a"].values, chosen["b"].values

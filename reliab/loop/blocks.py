@@ -72,6 +72,33 @@ class Blocks:
         """Length of the window in blocks."""
         return self.left.size - self.before - 1 + self.end
 
+    def prolonged(self, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Ground acceleration at the ends of the blocks and of further ones after the window.
+
+        Parameters
+        ----------
+        count : int
+            Further blocks, at most as many as a lead of a quarter of the period needs.
+
+        Returns
+        -------
+        left, right : numpy.ndarray
+            Ground acceleration [m/s²], shape (blocks + count,); zero after the record.
+        """
+        total = self.left.size + count
+        return self._longest_lines[0][:total], self._longest_lines[1][:total]
+
+    @cached_property
+    def _longest_lines(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        further = int(np.ceil(0.5 * np.pi / (abs(self.pole) * self.step))) + 1
+        count = self.left.size - self.before + further
+        begin = self.excitation.window[0]
+        edges = begin + self.step * np.arange(-self.before, count + 1, dtype=np.float64)
+        silence = np.zeros(int(np.ceil((count + 1) * self.step / self.excitation.time_step)) + 2)
+        record = np.concatenate([self.excitation.acceleration, silence])
+        followed = Excitation(acceleration=record, time_step=self.excitation.time_step)
+        return _lines(_mode(followed, self.pole, edges), self.pole, self.step)
+
     @cached_property
     def ideal_peak(self) -> float:
         """Largest |x_I| [m] inside the window, between the edges of blocks too."""
@@ -124,12 +151,7 @@ def cut(excitation: Excitation, structure: Structure, *, step: float | None = No
     xi = structure.damping_ratio
     pole = structure.circular_frequency * complex(-xi, np.sqrt(1.0 - xi**2))
     mode = _mode(excitation, pole, edges)
-    early, late, decay = ramp_weights(np.array([pole]), step)
-    effect = mode[1:] - decay * mode[:-1]
-    first, second = complex(early[0]), complex(late[0])
-    determinant = (first.conjugate() * second).imag
-    left = (second.imag * effect.real - second.real * effect.imag) / determinant
-    right = (first.real * effect.imag - first.imag * effect.real) / determinant
+    left, right = _lines(mode, pole, step)
     return Blocks(
         step=step,
         before=before,
@@ -140,6 +162,19 @@ def cut(excitation: Excitation, structure: Structure, *, step: float | None = No
         excitation=excitation,
         pole=pole,
     )
+
+
+def _lines(
+    mode: NDArray[np.complex128], pole: complex, step: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Straight lines that drive the mode from edge to edge: their values at both ends of each block."""
+    early, late, decay = ramp_weights(np.array([pole]), step)
+    effect = mode[1:] - decay * mode[:-1]
+    first, second = complex(early[0]), complex(late[0])
+    determinant = (first.conjugate() * second).imag
+    left = (second.imag * effect.real - second.real * effect.imag) / determinant
+    right = (first.real * effect.imag - first.imag * effect.real) / determinant
+    return left, right
 
 
 def _mode(excitation: Excitation, pole: complex, times: NDArray[np.float64]) -> NDArray[np.complex128]:

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from reliab.errors import InputError
 from reliab.loop.blocks import block_length
 from reliab.loop.dominant_pole import ModalLoop, modal_loop, reduction_loss
-from reliab.loop.pole_recursion import recursion
-from reliab.loop.stability import critical_delay
+from reliab.loop.leading_loop import LeadingLoop, leading_loop
+from reliab.loop.pole_recursion import Recursion, recursions
+from reliab.loop.stability import critical_delay, refuse_long_leads
 from reliab.loop.structure import Structure
 
 
@@ -26,12 +27,12 @@ class Cells:
     structure : Structure
         The structure under test.
     gain, delay : numpy.ndarray
-        Actuator gain k_p [-], positive, and delay τ [s], not negative, shape (cells,) each.
+        Actuator gain k_p [-], positive, and delay τ [s], negative for a lead, shape (cells,) each.
 
     Raises
     ------
     InputError
-        If a gain or a delay is outside its range.
+        If a gain or a delay is outside its range, or a lead reaches a quarter of the period.
     """
 
     structure: Structure
@@ -39,31 +40,59 @@ class Cells:
     delay: NDArray[np.float64]
 
     def __post_init__(self) -> None:
-        for name, values, lowest in (("gains", self.gain, 1e-6), ("delays", self.delay, 0.0)):
+        for name, values, lowest in (("gains", self.gain, 1e-6), ("delays", self.delay, -np.inf)):
             wrong = ~(np.isfinite(values) & (values >= lowest))
             if wrong.any():
                 raise InputError(
-                    f"Actuator {name} must be finite, positive gains and delays of zero or more",
+                    f"Actuator {name} must be finite, and gains positive",
                     value=values[wrong][0],
                     remedy="Give gains as measured over command amplitude and delays in seconds",
                 )
+        refuse_long_leads(self.structure, self.gain, self.delay)
 
     @cached_property
     def stable(self) -> NDArray[np.bool_]:
-        """Whether the delay of each cell is below the critical delay."""
+        """Whether the delay of each cell is below the critical delay, as every lead is."""
         return self.delay < critical_delay(self.structure, self.gain)
 
     @cached_property
-    def modal(self) -> ModalLoop:
-        """The loop of each cell, reduced to its dominant pole pair."""
-        return modal_loop(self.structure, self.gain, self.delay)
+    def leads(self) -> NDArray[np.bool_]:
+        """Whether the actuator of each cell is early instead of late."""
+        return np.asarray(self.delay < 0.0)
 
     @cached_property
-    def coefficients(self) -> NDArray[np.float64]:
-        """Coefficients of the recursion of each cell, for blocks of the structure's own length."""
-        return recursion(self.modal, block_length(self.structure))
+    def reduced(self) -> list[tuple[NDArray[np.intp], ModalLoop | LeadingLoop]]:
+        """Cells and the loop of each, reduced to its dominant pole pair: late ones, then early ones."""
+        late, early = np.flatnonzero(~self.leads), np.flatnonzero(self.leads)
+        parts: list[tuple[NDArray[np.intp], ModalLoop | LeadingLoop]] = []
+        if late.size:
+            parts.append((late, modal_loop(self.structure, self.gain[late], self.delay[late])))
+        if early.size:
+            parts.append((early, leading_loop(self.structure, self.gain[early], -self.delay[early])))
+        return parts
+
+    def recursions(self, step: float) -> list[Recursion]:
+        """Recursions of all cells for blocks of a given length [s]."""
+        if step == block_length(self.structure):
+            return self._own_recursions
+        return self._recursions(step)
+
+    @cached_property
+    def _own_recursions(self) -> list[Recursion]:
+        return self._recursions(block_length(self.structure))
+
+    def _recursions(self, step: float) -> list[Recursion]:
+        return [each for place, loop in self.reduced for each in recursions(loop, step, place)]
 
     @cached_property
     def reduction(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """What the reduction loses and what is sought, by frequency band, shape (bands, cells)."""
-        return reduction_loss(self.structure, self.gain, self.delay, self.modal)
+        parts = [
+            reduction_loss(self.structure, self.gain[place], self.delay[place], loop)
+            for place, loop in self.reduced
+        ]
+        if len(parts) == 1:
+            return parts[0]
+        order = np.argsort(np.concatenate([place for place, _ in self.reduced]))
+        lost, sought = (np.concatenate(each, axis=1)[:, order] for each in zip(*parts, strict=True))
+        return lost, sought

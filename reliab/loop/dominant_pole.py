@@ -15,6 +15,7 @@ leaves; for short delays that is k_p(e^(−sτ) − 1 + sτ)/s² times a constan
 """
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,6 +57,13 @@ class ModalLoop:
         return np.asarray(slow + u / (s - p) + v / (s - q))
 
 
+class ReducedLoop(Protocol):
+    """A loop that stands for the exact one."""
+
+    def transfer(self, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Transfer function from −a_g [s²]."""
+
+
 def dominant_pole(
     structure: Structure, gain: NDArray[np.float64], delay: NDArray[np.float64]
 ) -> NDArray[np.complex128]:
@@ -66,7 +74,7 @@ def dominant_pole(
     structure : Structure
         The structure under test.
     gain, delay : numpy.ndarray
-        Actuator gain [-] and delay [s], shape (cells,).
+        Actuator gain [-] and delay [s], negative for a lead, shape (cells,).
 
     Returns
     -------
@@ -189,7 +197,7 @@ def band_edges(structure: Structure) -> NDArray[np.float64]:
 
 
 def reduction_loss(
-    structure: Structure, gain: NDArray[np.float64], delay: NDArray[np.float64], loop: ModalLoop
+    structure: Structure, gain: NDArray[np.float64], delay: NDArray[np.float64], loop: ReducedLoop
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Compare the reduced loop with the exact one, band by band.
 
@@ -199,7 +207,7 @@ def reduction_loss(
         The structure under test.
     gain, delay : numpy.ndarray
         Actuator gain [-] and delay [s], shape (cells,).
-    loop : ModalLoop
+    loop : ModalLoop or LeadingLoop
         The reduced loop of the same cells.
 
     Returns

@@ -126,7 +126,18 @@ class EffectLoop:
         -------
         Deviation
             Mean square and peak of each cell, in the order of the cells; NaN where the loop ran away.
+
+        Raises
+        ------
+        InputError
+            If an actuator leads: a loop with effects is marched in time and cannot look ahead.
         """
+        if cells.leads.any():
+            raise InputError(
+                "A loop with effects is solved for delays only, not for a lead, which looks ahead",
+                value=f"a lead of {-1e3 * cells.delay.min():.4g} ms",
+                remedy="Give delays of zero or more, or leave the effects out",
+            )
         exact = self.exact
 
         def statistics(actuator: Actuator) -> tuple[float, float]:
@@ -138,3 +149,9 @@ class EffectLoop:
         with ThreadPoolExecutor() as pool, np.errstate(over="ignore", invalid="ignore"):
             found = np.array(list(pool.map(statistics, actuators)), dtype=np.float64).reshape(-1, 2)
         return Deviation(mean_square=found[:, 0], peak=found[:, 1], ideal_peak=peak_of_history(exact))
+
+    def at_rest(self) -> Deviation:
+        """Deviation of an actuator that does not move: that of nothing from the perfect rig's response."""
+        squares, peak = self.exact**2, peak_of_history(self.exact)
+        mean_square = float(np.trapezoid(squares) / (squares.size - 1))
+        return Deviation(mean_square=np.array([mean_square]), peak=np.array([peak]), ideal_peak=peak)

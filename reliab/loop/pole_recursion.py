@@ -11,7 +11,13 @@ so that y = −(rz + r'z') of two modes obeys a real recursion of two states and
 
 For the dominant and the fast pair a step costs twelve multiply-adds whatever the delay, and cells of
 any gain and delay advance side by side.
+
+An actuator that leads by T is asked for the mode at t + T, a time θ before the end of the block in which that
+lies: the same recursion with the residue r·e^(−pθ), and what the record does between the two times,
+takes the place of the fast pair. The exact response is read that number of blocks earlier.
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +26,7 @@ from reliab.compiled import compiled
 from reliab.loop.blocks import Blocks, ramp_weights
 from reliab.loop.deviation import TRACKS, Deviation, follow, follow_four, summary
 from reliab.loop.dominant_pole import ModalLoop
+from reliab.loop.leading_loop import LeadingLoop
 
 LANES = 64
 """Cells that advance side by side; their state fits the first-level cache."""
@@ -33,6 +40,84 @@ def fill_lanes(cells: NDArray[np.float64], lanes: int) -> NDArray[np.float64]:
     return (
         np.concatenate([cells, np.repeat(cells[..., -1:], missing, axis=-1)], axis=-1) if missing else cells
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recursion:
+    """The recursion of cells that look the same number of blocks ahead.
+
+    Attributes
+    ----------
+    cells : numpy.ndarray
+        Which cells, shape (n,).
+    ahead : int
+        Blocks by which the displacement is ahead of the exact response; 0 for actuators that are late.
+    coefficients : numpy.ndarray
+        Shape (12, n), as `recursion` describes them.
+    """
+
+    cells: NDArray[np.intp]
+    ahead: int
+    coefficients: NDArray[np.float64]
+
+
+def recursions(loop: ModalLoop | LeadingLoop, step: float, cells: NDArray[np.intp]) -> list[Recursion]:
+    """Recursions of the cells of a reduced loop.
+
+    Parameters
+    ----------
+    loop : ModalLoop or LeadingLoop
+        The reduced loop, one entry per cell.
+    step : float
+        Length H of a block [s].
+    cells : numpy.ndarray
+        Numbers of the cells, shape (cells,).
+
+    Returns
+    -------
+    list of Recursion
+        One for each number of blocks that cells look ahead.
+    """
+    if isinstance(loop, ModalLoop):
+        return [Recursion(cells=cells, ahead=0, coefficients=recursion(loop, step))]
+    ahead, coefficients = leading_recursion(loop, step)
+    return [
+        Recursion(cells=cells[alike], ahead=int(count), coefficients=coefficients[:, alike])
+        for count in np.unique(ahead)
+        for alike in (np.flatnonzero(ahead == count),)
+    ]
+
+
+def leading_recursion(loop: LeadingLoop, step: float) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Coefficients of the recursion of actuators that lead.
+
+    Parameters
+    ----------
+    loop : LeadingLoop
+        The reduced loop, one entry per cell.
+    step : float
+        Length H of a block [s].
+
+    Returns
+    -------
+    ahead : numpy.ndarray
+        Blocks by which each cell is ahead of the exact response, shape (cells,).
+    coefficients : numpy.ndarray
+        Shape (12, cells), as of `recursion`.
+    """
+    pole, residue = loop.pole, loop.residue
+    ahead = np.ceil(loop.lead / step).astype(np.int64)
+    back = ahead * step - loop.lead
+    carried = residue * np.exp(-pole * back)
+    slow = _pair((pole, pole.conj()), (carried, carried.conj()), step)
+    # ∫₀^θ e^(−p(θ−u))a(u) du of the record's straight line, from its right end backwards
+    whole = -np.expm1(-pole * back) / pole
+    falling = (back - whole) / (pole * step)
+    share = back / step
+    left = 2.0 * (residue * falling).real - loop.feedthrough * share
+    right = 2.0 * (residue * (whole - falling)).real - loop.feedthrough * (1.0 - share)
+    none = np.zeros_like(left)
+    return ahead, np.concatenate([slow, np.stack([none, none, left, right, none, none])])
 
 
 def recursion(loop: ModalLoop, step: float) -> NDArray[np.float64]:
@@ -185,7 +270,7 @@ def _track(
     return tracks
 
 
-def deviation(blocks: Blocks, coefficients: NDArray[np.float64]) -> Deviation:
+def deviation(blocks: Blocks, coefficients: NDArray[np.float64], *, ahead: int = 0) -> Deviation:
     """Deviation of the measured displacement from the exact response, for many cells.
 
     Parameters
@@ -194,6 +279,8 @@ def deviation(blocks: Blocks, coefficients: NDArray[np.float64]) -> Deviation:
         Record and window, cut for the structure.
     coefficients : numpy.ndarray
         Coefficients of the recursion of each cell for blocks of this length, shape (12, cells).
+    ahead : int, optional
+        Blocks by which the displacements are ahead of the exact response.
 
     Returns
     -------
@@ -202,5 +289,8 @@ def deviation(blocks: Blocks, coefficients: NDArray[np.float64]) -> Deviation:
     """
     cells = coefficients.shape[1]
     filled = fill_lanes(coefficients, LANES)
-    tracks = _track(blocks.left, blocks.right, blocks.ideal, blocks.before, blocks.end, filled)
+    left, right, ideal = blocks.left, blocks.right, blocks.ideal
+    if ahead:
+        (left, right), ideal = blocks.prolonged(ahead), np.concatenate([np.zeros(ahead), ideal])
+    tracks = _track(left, right, ideal, blocks.before + ahead, blocks.end, filled)
     return summary(tracks[:, :cells], blocks.intervals, blocks.ideal_peak)

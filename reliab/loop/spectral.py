@@ -7,6 +7,9 @@ lies above 256 Hz, where the record's transform and the structure's fall with ω
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,17 +20,22 @@ from reliab.errors import InputError
 from reliab.loop.deviation import Deviation, peak_of_history
 from reliab.loop.dominant_pole import transfer
 from reliab.loop.excitation import Excitation
-from reliab.loop.stability import critical_delay
+from reliab.loop.stability import critical_delay, refuse_long_leads
 from reliab.loop.structure import Structure
 
 _LONGEST_STEP = 1.0 / 512.0
 _WRAPAROUND = 1e-11  # what is left of a response after one period of the transform
+_PERIODS_OF_LEAD = 100.0  # so that what looks ahead has faded when the period comes round
 
 Transfer = Callable[[NDArray[np.complex128]], NDArray[np.complex128]]
 
 
 def respond(
-    excitation: Excitation, transfer_function: Transfer, *, longest: float = _LONGEST_STEP
+    excitation: Excitation,
+    transfer_function: Transfer,
+    *,
+    longest: float = _LONGEST_STEP,
+    lead: float = 0.0,
 ) -> tuple[NDArray[np.float64], float]:
     """Response of a linear system to minus the ground acceleration, inside the window.
 
@@ -39,6 +47,9 @@ def respond(
         Transfer function of the complex frequency s [rad/s].
     longest : float, optional
         Longest step of the result [s].
+    lead : float, optional
+        Time by which the response is ahead of the record [s]; the transfer function then has no pole
+        between the imaginary axis and 1/lead.
 
     Returns
     -------
@@ -47,16 +58,37 @@ def respond(
     step : float
         The step [s].
     """
-    begin, end = excitation.window
-    steps = int(np.ceil((end - begin) / min(longest, _LONGEST_STEP) - 1e-9))
-    step = (end - begin) / steps
-    points = fft.next_fast_len(int(np.ceil(2.0 * end / step)) + 2, real=True)
-    period = points * step
-    shift = -np.log(_WRAPAROUND) / period
-    s = shift + 2j * np.pi / period * np.arange(points // 2 + 1)
-    spectrum = _record_transform(excitation, s) * transfer_function(s) * np.exp(s * begin)
-    decayed = fft.irfft(spectrum, points)[: steps + 1] / step
-    return -decayed * np.exp(shift * step * np.arange(steps + 1)), step
+    line = _Line.of(excitation, longest, lead)
+    return line.response(transfer_function), line.step
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Line:
+    """The record's transform on the line s = σ + iω, moved to the begin of the window."""
+
+    s: NDArray[np.complex128]
+    spectrum: NDArray[np.complex128]
+    points: int
+    steps: int
+    step: float
+
+    @classmethod
+    def of(cls, excitation: Excitation, longest: float, lead: float) -> Self:
+        begin, end = excitation.window
+        steps = int(np.ceil((end - begin) / min(longest, _LONGEST_STEP) - 1e-9))
+        step = (end - begin) / steps
+        period = max(2.0 * end, _PERIODS_OF_LEAD * lead)
+        points = fft.next_fast_len(int(np.ceil(period / step)) + 2, real=True)
+        period = points * step
+        shift = -np.log(_WRAPAROUND) / period
+        s = shift + 2j * np.pi / period * np.arange(points // 2 + 1)
+        spectrum = _record_transform(excitation, s) * np.exp(s * begin)
+        return cls(s=s, spectrum=spectrum, points=points, steps=steps, step=step)
+
+    def response(self, transfer_function: Transfer) -> NDArray[np.float64]:
+        decayed = fft.irfft(self.spectrum * transfer_function(self.s), self.points)[: self.steps + 1]
+        growth = np.exp(self.s[0].real * self.step * np.arange(self.steps + 1))
+        return np.asarray(-decayed / self.step * growth, dtype=np.float64)
 
 
 def _record_transform(excitation: Excitation, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
@@ -108,7 +140,7 @@ def response(
     structure : Structure
         The structure under test.
     gain, delay : float
-        Actuator gain [-] and delay [s].
+        Actuator gain [-] and delay [s], negative for a lead.
     longest : float, optional
         Longest step of the result [s].
 
@@ -123,6 +155,7 @@ def response(
         excitation,
         lambda s: transfer(structure, np.asarray(gain), np.asarray(delay), s),
         longest=longest,
+        lead=max(0.0, -delay),
     )
 
 
@@ -138,7 +171,7 @@ def deviation(
     structure : Structure
         The structure under test.
     gain, delay : numpy.ndarray
-        Actuator gain [-] and delay [s], shape (cells,).
+        Actuator gain [-] and delay [s], negative for a lead, shape (cells,).
 
     Returns
     -------
@@ -148,13 +181,16 @@ def deviation(
     Raises
     ------
     InputError
-        If a delay reaches the critical delay of its cell.
+        If a delay reaches the critical delay of its cell, or a lead a quarter of the period.
     """
-    ideal, step = response(excitation, structure, 1.0, 0.0)
+    refuse_long_leads(structure, gain, delay)
+    line = _Line.of(excitation, _LONGEST_STEP, max(0.0, -float(delay.min(initial=0.0))))
+    ideal = line.response(lambda s: transfer(structure, np.ones(()), np.zeros(()), s))
     mean_square, peak = np.empty(gain.size), np.empty(gain.size)
     for cell, (each_gain, each_delay) in enumerate(zip(gain.tolist(), delay.tolist(), strict=True)):
         refuse_unstable(structure, each_gain, each_delay)
-        strayed = response(excitation, structure, each_gain, each_delay)[0] - ideal
-        mean_square[cell] = np.trapezoid(strayed**2, dx=step) / excitation.window_duration
+        actuator = np.asarray(each_gain), np.asarray(each_delay)
+        strayed = line.response(partial(transfer, structure, *actuator)) - ideal
+        mean_square[cell] = np.trapezoid(strayed**2, dx=line.step) / excitation.window_duration
         peak[cell] = peak_of_history(strayed)
     return Deviation(mean_square=mean_square, peak=peak, ideal_peak=peak_of_history(ideal))

@@ -7,12 +7,74 @@ imaginary axis at s = iΩ. The modulus of the characteristic equation gives Ω, 
     τ_c = atan2(2ξω₀Ω, Ω² − (1−α)ω₀²) / Ω
 
 For α = 1 this is Ω² = ω₀²(−2ξ² + √(4ξ⁴ + k_p²)), τ_c = atan2(2ξω₀Ω, Ω²)/Ω (Wallace and others 2005).
+
+A lead, τ < 0, never loses stability in this way. At a root s = iΩ the imaginary part of the equation is
+2ξω₀Ω + αk_pω₀² sin(Ω|τ|) = 0, which asks for Ω|τ| > π, and its real part for Ω² ≤ (1−α+αk_p)ω₀². No root can
+therefore lie on the imaginary axis while |τ| < π/(ω₀√(1−α+αk_p)), half a period, and the pair that carries
+the response only gains damping, about αk_pω₀|τ|/2. The other roots lie far right of the axis: they belong to
+what is ahead, not to what grows, because an actuator cannot lead but by looking ahead. Leads are solved up
+to a quarter of a period, half of that range, within which no root lies in 0 ≤ Re s ≤ 1/|τ| either.
 """
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from reliab.errors import InputError
 from reliab.loop.structure import Structure
+
+
+def longest_lead(structure: Structure, gain: ArrayLike = 1.0) -> NDArray[np.float64]:
+    """Longest lead for which the loop is solved, a quarter of the shortest period.
+
+    Parameters
+    ----------
+    structure : Structure
+        The structure under test.
+    gain : array_like, optional
+        Actuator gain k_p [-], any shape.
+
+    Returns
+    -------
+    numpy.ndarray
+        Lead [s], positive, in the shape of `gain`.
+
+    Examples
+    --------
+    >>> float(longest_lead(Structure(frequency=1.0, damping_ratio=0.02)))
+    0.25
+    """
+    alpha = structure.experimental_fraction
+    stiffness = np.maximum(1.0 - alpha + alpha * np.asarray(gain, dtype=np.float64), 1.0)
+    return np.asarray(0.25 / (structure.frequency * np.sqrt(stiffness)))
+
+
+def refuse_long_leads(structure: Structure, gain: NDArray[np.float64], delay: NDArray[np.float64]) -> None:
+    """Refuse leads beyond the longest that is solved.
+
+    Parameters
+    ----------
+    structure : Structure
+        The structure under test.
+    gain, delay : numpy.ndarray
+        Actuator gain [-] and delay [s], negative for a lead, shape (cells,).
+
+    Raises
+    ------
+    InputError
+        If a lead is too long.
+    """
+    if delay.size == 0 or delay.min() >= 0.0:
+        return
+    longest = longest_lead(structure, gain)
+    wrong = -delay > longest * (1.0 + 1e-12)
+    if wrong.any():
+        at = int(np.argmax(-delay - longest))
+        raise InputError(
+            f"A lead must be shorter than a quarter of the structure's period, {1e3 * longest[at]:.4g} ms "
+            f"for f = {structure.frequency:g} Hz and k_p = {gain[at]:g}",
+            value=f"{-1e3 * delay[at]:.4g} ms",
+            remedy="Check the sign and the time axis of command and measured displacement",
+        )
 
 
 def critical_delay(structure: Structure, gain: ArrayLike = 1.0) -> NDArray[np.float64]:
@@ -61,11 +123,11 @@ def stability_margin(structure: Structure, gain: ArrayLike, delay: ArrayLike) ->
     structure : Structure
         The structure under test.
     gain, delay : array_like
-        Actuator gain [-] and delay [s], broadcast against each other.
+        Actuator gain [-] and delay [s], negative for a lead, broadcast against each other.
 
     Returns
     -------
     numpy.ndarray
-        The margin [-] in the broadcast shape.
+        The margin [-] in the broadcast shape; above 1 for a lead, which is never unstable.
     """
     return 1.0 - np.asarray(delay, dtype=np.float64) / critical_delay(structure, gain)

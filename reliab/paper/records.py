@@ -61,7 +61,7 @@ class Records:
             if nearest.size == 0:
                 return np.empty(0)
             cells = cells.isel({name: nearest[0]})
-        cells = cells.sel(metric=str(Metric.RMS), curve="ellipse")
+        cells = cells.sel(metric=str(Metric.RMS), curve="ellipse", side="lag")
         return np.asarray(cells.transpose("motion").values, dtype=np.float64)
 
     def of_motion(

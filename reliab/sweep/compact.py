@@ -15,6 +15,7 @@ from reliab.sweep.store import SCHEMA_VERSION
 from reliab.vocabulary import Dimension, Metric
 
 _LARGEST_ERROR = 1.0
+_AT_REST = "rms_at_rest"
 _DIGITS = 11  # of the 23 binary digits of a float32's mantissa
 
 
@@ -28,7 +29,8 @@ def write_compact(results: xr.Dataset, path: str | Path) -> None:
     path : str or pathlib.Path
         The file, overwritten.
     """
-    compact = results[list(Metric)].load()
+    kept = [*Metric, *({_AT_REST} & set(results))]
+    compact = results[kept].load()
     for metric in Metric:
         errors = np.nan_to_num(compact[metric].values, nan=_LARGEST_ERROR, posinf=_LARGEST_ERROR)
         compact[metric] = compact[metric].copy(data=_rounded(np.minimum(errors, _LARGEST_ERROR)))

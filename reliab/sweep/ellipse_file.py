@@ -5,7 +5,9 @@ from pathlib import Path
 import xarray as xr
 
 from reliab.errors import InputError
-from reliab.vocabulary import ELLIPSE_DIMENSIONS
+from reliab.indices.window import Window
+from reliab.sweep.labels import with_labels
+from reliab.vocabulary import ELLIPSE_DIMENSIONS, CurveName, Dimension, Side
 
 
 def write_ellipses(ellipses: xr.Dataset, path: str | Path) -> None:
@@ -35,33 +37,79 @@ def write_ellipses(ellipses: xr.Dataset, path: str | Path) -> None:
         ) from None
 
 
-def open_ellipses(path: str | Path) -> xr.Dataset:
+def open_ellipses(path: str | Path, *, window: str | None = None) -> xr.Dataset:
     """Read a dataset of ellipses.
+
+    A file of an older version, without curves or sides, holds ellipses of least squares for delays.
 
     Parameters
     ----------
     path : str or pathlib.Path
         A file that `write_ellipses` wrote.
+    window : str, optional
+        Where errors were taken, "record", "arias" or seconds; by default the only window of the file, or
+        else the whole record.
 
     Returns
     -------
     xarray.Dataset
-        `a` [-], `b` [ms²], `sse` [ms⁴] and `n` over (motion, f, xi, threshold, metric, curve).
+        `a` [-], `b` [ms²], `sse` [ms⁴], `n` and, of this version, `no_ellipse` over (motion, f, xi, threshold,
+        metric, curve, side) and `error_at_rest`; the attribute `window` names the window.
 
     Raises
     ------
     InputError
-        If it is no such file.
+        If it is no such file, or holds no such window.
     """
     try:
         with xr.open_dataset(path, engine="h5netcdf") as file:
             dataset: xr.Dataset = file.load()
     except (OSError, ValueError):
         dataset = xr.Dataset()
-    if not set(ELLIPSE_DIMENSIONS) <= set(dataset.dims) or not {"a", "b"} <= set(dataset):
+    needed = set(ELLIPSE_DIMENSIONS) - {Dimension.CURVE, Dimension.SIDE}
+    if not needed <= set(dataset.dims) or not {"a", "b"} <= set(dataset):
         raise InputError(
-            "Ellipses in NetCDF are a and b over motion, f, xi, threshold, metric and curve",
+            "Ellipses in NetCDF are a and b over motion, f, xi, threshold and metric",
             value=path,
             remedy="Check the path, or write the file with `reliab ellipses --out FILE.nc`",
         )
-    return dataset
+    return _in_window(with_sides(dataset), window, path)
+
+
+def with_sides(dataset: xr.Dataset) -> xr.Dataset:
+    """Give ellipses without curves or sides those dimensions: of least squares, and for delays.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        `a` and `b` over (motion, f, xi, threshold, metric) and perhaps (curve, side).
+
+    Returns
+    -------
+    xarray.Dataset
+        The same over all dimensions of ellipses.
+    """
+    for name, value in ((Dimension.CURVE, CurveName.ELLIPSE), (Dimension.SIDE, Side.LAG)):
+        if name not in dataset.dims:
+            within = [str(each) for each in dataset if Dimension.THRESHOLD in dataset[each].dims]
+            wider = dataset[within].expand_dims({str(name): [str(value)]}, axis=-1)
+            dataset = dataset.drop_vars([*within, str(name)], errors="ignore").merge(wider)
+    return with_labels(dataset)
+
+
+def _in_window(dataset: xr.Dataset, window: str | None, path: str | Path) -> xr.Dataset:
+    """Choose one of the windows of a file."""
+    several = Dimension.WINDOW in dataset.dims
+    labels = dataset[Dimension.WINDOW].values if several else [dataset.attrs.get("window", Window().label)]
+    stored = [str(label) for label in labels]
+    chosen = window or (Window().label if Window().label in stored else stored[0])
+    if chosen not in stored:
+        raise InputError(
+            "The window must be one for which there are ellipses",
+            value=f"{chosen!r}, there are {', '.join(stored)}",
+            remedy="Choose one of these, or trace the boundaries in that window",
+            where=str(path),
+        )
+    if several:
+        dataset = dataset.isel({Dimension.WINDOW: stored.index(chosen)}, drop=True)
+    return dataset.assign_attrs(window=chosen)

@@ -7,7 +7,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.boundary import Curve, Ellipse, motion_contours
+from reliab.boundary import Curve, motion_contours
+from reliab.boundary.motion_boundary import SolvedLoop
+from reliab.errors import InputError
+from reliab.indices.response_error import relative_error
 from reliab.indices.window import Window
 from reliab.loop.engine import Engine
 from reliab.loop.excitation import Excitation
@@ -15,12 +18,10 @@ from reliab.loop.hybrid_test import HybridTest
 from reliab.loop.structure import Structure
 from reliab.motions import Motion
 from reliab.progress import Progress, silent
-from reliab.sweep.labels import with_labels
+from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_row, ellipse_dataset
 from reliab.sweep.records import motion_coordinates
 from reliab.sweep.request import check_model, loop_of
-from reliab.vocabulary import ELLIPSE_DIMENSIONS, Dimension, Metric
-
-_COLUMNS = ("a", "b", "sse", "n")
+from reliab.vocabulary import Dimension, Metric, Side
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,7 +39,9 @@ class EllipseRequest:
     metrics : tuple of Metric, optional
         Which errors.
     curves : tuple of type, optional
-        Curves fitted to the boundary.
+        Curves that stand for the boundary; the ellipse of least squares and the inscribed one by default.
+    sides : tuple of Side, optional
+        Sides of the boundary: actuators that are late, early, or both, which is the default.
     window : Window, optional
         Stretch of the record over which the error is taken.
     experimental_fraction : float, optional
@@ -47,19 +50,20 @@ class EllipseRequest:
         How the loop is solved.
     model : HybridTest, optional
         A model with effects of the one structure that is asked for; the boundary is then one of gain
-        and delay of the actuator alone.
+        and delay of the actuator alone, which may not lead.
 
     Raises
     ------
     InputError
-        If the model is of another structure.
+        If the model is of another structure, or leads are asked for with a model.
     """
 
     frequencies: tuple[float, ...]
     damping_ratios: tuple[float, ...]
     thresholds: tuple[float, ...] = (0.05,)
     metrics: tuple[Metric, ...] = (Metric.RMS,)
-    curves: tuple[type[Curve], ...] = (Ellipse,)
+    curves: tuple[type[Curve], ...] = CURVES
+    sides: tuple[Side, ...] = tuple(Side)
     window: Window = field(default_factory=Window)
     experimental_fraction: float = 1.0
     engine: Engine = Engine.AUTOMATIC
@@ -67,6 +71,12 @@ class EllipseRequest:
 
     def __post_init__(self) -> None:
         check_model(self.model, self.structures)
+        if self.model is not None and Side.LEAD in self.sides:
+            raise InputError(
+                "A model with effects is marched in time, so that its boundary is one of delays only",
+                value="leads asked for",
+                remedy="Ask for the side of the lag",
+            )
 
     @property
     def structures(self) -> list[Structure]:
@@ -81,72 +91,115 @@ class EllipseRequest:
 def trace_ellipses(
     motions: Sequence[Motion], request: EllipseRequest, *, progress: Progress = silent
 ) -> xr.Dataset:
-    """Trace the boundaries of many ground motions and fit curves to them.
+    """Trace the boundaries of many ground motions and let curves stand for them.
 
     Parameters
     ----------
     motions : sequence of Motion
         The ground motions; read one at a time.
     request : EllipseRequest
-        Structures, thresholds, metrics and curves.
+        Structures, thresholds, metrics, curves and sides.
     progress : callable, optional
         Called after each motion.
 
     Returns
     -------
     xarray.Dataset
-        `a` [-], `b` [ms²], `sse` [ms⁴] and `n` over (motion, f, xi, threshold, metric, curve); zero
-        where the model's effects alone exceed the threshold.
+        `a` [-], `b` [ms²], `sse` [ms⁴], `n` and `no_ellipse` over (motion, f, xi, threshold, metric, curve,
+        side); a and b are NaN where a side has no ellipse and zero where the model's effects alone exceed
+        the threshold, for the reason in `no_ellipse`. `error_at_rest` [-] over (motion, f, xi, metric) is
+        the error of an actuator that does not move.
     """
-    tables, headers = [], []
+    tables, rests, headers = [], [], []
     for done, motion in enumerate(motions, start=1):
-        tables.append(motion_table(motion, request))
+        table, rest = motion_table(motion, request)
+        tables.append(table)
+        rests.append(rest)
         headers.append(motion_coordinates([motion]))
         progress(done, len(motions))
-    return ellipse_dataset(np.stack(tables), headers, request)
+    return labelled(np.stack(tables), headers, request, error_at_rest=np.stack(rests))
 
 
-def motion_table(motion: Motion, request: EllipseRequest) -> NDArray[np.float64]:
-    """Curve parameters of one motion, shape (f, xi, threshold, metric, curve, 4)."""
+def motion_table(motion: Motion, request: EllipseRequest) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Trace the boundaries of one motion.
+
+    Parameters
+    ----------
+    motion : Motion
+        The ground motion.
+    request : EllipseRequest
+        What is wanted.
+
+    Returns
+    -------
+    table : numpy.ndarray
+        Curves, shape (f, xi, threshold, metric, curve, side, columns).
+    rest : numpy.ndarray
+        Error of an actuator that does not move [-], shape (f, xi, metric).
+    """
     bounds = request.window.bounds(motion.acceleration, motion.time_step)
     excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step, window=bounds)
-    rows = []
+    rows, rests = [], []
     for structure in request.structures:
         loop = loop_of(request.model, excitation, structure, request.engine)
-        for metric in request.metrics:
-            for contour in motion_contours(loop, request.thresholds, metric):
-                fits = (curve.fit(contour) for curve in request.curves)
-                rows.append([[getattr(fit, column) for column in _COLUMNS] for fit in fits])
-    shape = (
-        len(request.frequencies),
-        len(request.damping_ratios),
-        len(request.metrics),
-        len(request.thresholds),
-        len(request.curves),
-        len(_COLUMNS),
-    )
-    return np.array(rows, dtype=np.float64).reshape(shape).swapaxes(2, 3)
+        rests.append([relative_error(loop.at_rest(), metric)[0] for metric in request.metrics])
+        rows.append([_rows(loop, metric, request) for metric in request.metrics])
+    structures = len(request.frequencies), len(request.damping_ratios)
+    # (f, xi, metric, threshold, side, curve, columns)
+    table = np.array(rows, dtype=np.float64)
+    table = table.reshape(*structures, *table.shape[1:]).swapaxes(2, 3).swapaxes(4, 5)
+    return table, np.reshape(rests, (*structures, -1))
 
 
-def ellipse_dataset(
-    table: NDArray[np.float64], headers: Sequence[dict[str, xr.Variable]], request: EllipseRequest
+def _rows(loop: SolvedLoop, metric: Metric, request: EllipseRequest) -> NDArray[np.float64]:
+    """Curves of one structure and metric, shape (threshold, side, curve, columns)."""
+    pairs = [(threshold, side) for threshold in request.thresholds for side in request.sides]
+    levels, sides = zip(*pairs, strict=True)
+    contours = motion_contours(loop, levels, metric, side=sides)
+    rows = [[curve_row(contour, curve) for curve in request.curves] for contour in contours]
+    shape = len(request.thresholds), len(request.sides), len(request.curves), len(COLUMNS)
+    return np.reshape(rows, shape)
+
+
+def labelled(
+    table: NDArray[np.float64],
+    headers: Sequence[dict[str, xr.Variable]],
+    request: EllipseRequest,
+    *,
+    error_at_rest: NDArray[np.float64] | None = None,
 ) -> xr.Dataset:
-    """Label a table of curve parameters, shape (motion, f, xi, threshold, metric, curve, 4)."""
-    coordinates = {
+    """Label the tables of all motions.
+
+    Parameters
+    ----------
+    table : numpy.ndarray
+        Curves, shape (motion, f, xi, threshold, metric, curve, side, columns).
+    headers : sequence of dict
+        Coordinates of each motion.
+    request : EllipseRequest
+        What the table holds.
+    error_at_rest : numpy.ndarray, optional
+        Error of an actuator that does not move [-], shape (motion, f, xi, metric).
+
+    Returns
+    -------
+    xarray.Dataset
+        As `trace_ellipses` gives it.
+    """
+    along = {
         name: (Dimension.MOTION, np.concatenate([header[name].values for header in headers]))
         for name in headers[0]
     }
-    dataset = xr.Dataset(
-        {column: (ELLIPSE_DIMENSIONS, table[..., k]) for k, column in enumerate(_COLUMNS)},
-        coords={
-            **coordinates,
-            "f": list(request.frequencies),
-            "xi": list(request.damping_ratios),
-            "threshold": list(request.thresholds),
-            "metric": [str(metric) for metric in request.metrics],
-            "curve": [curve.name for curve in request.curves],
+    return ellipse_dataset(
+        table,
+        {**along, "f": list(request.frequencies), "xi": list(request.damping_ratios)},
+        thresholds=request.thresholds,
+        metrics=request.metrics,
+        curves=request.curves,
+        sides=request.sides,
+        attributes={
+            "window": request.window.label,
+            "experimental_fraction": request.experimental_fraction,
         },
+        error_at_rest=error_at_rest,
     )
-    dataset.attrs["window"] = request.window.label
-    dataset.attrs["experimental_fraction"] = request.experimental_fraction
-    return with_labels(dataset)

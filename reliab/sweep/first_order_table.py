@@ -5,12 +5,14 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from reliab.boundary import Ellipse
 from reliab.boundary.first_order import first_order_ellipse
 from reliab.errors import InputError
 from reliab.loop.excitation import Excitation
 from reliab.motions import Motion
 from reliab.progress import Progress, silent
-from reliab.sweep.ellipse_table import EllipseRequest, ellipse_dataset
+from reliab.sweep.ellipse_dataset import COLUMNS
+from reliab.sweep.ellipse_table import EllipseRequest, labelled
 from reliab.sweep.records import motion_coordinates
 from reliab.vocabulary import Metric
 
@@ -63,17 +65,19 @@ def predict_ellipses(
         bounds = request.window.bounds(motion.acceleration, motion.time_step)
         excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step, window=bounds)
         fits = [first_order_ellipse(excitation, structure) for structure in request.structures]
-        rows = [[(*fit.parameters(each), np.nan, 0.0) for each in request.thresholds] for fit in fits]
-        shape = (len(request.frequencies), len(request.damping_ratios), len(request.thresholds), 1, 1, 4)
-        tables.append(np.reshape(rows, shape))
+        rows = [[(*fit.parameters(each), np.nan, 0.0, 0.0) for each in request.thresholds] for fit in fits]
+        structures = len(request.frequencies), len(request.damping_ratios)
+        table = np.reshape(rows, (*structures, len(request.thresholds), 1, 1, 1, len(COLUMNS)))
+        # To first order a lead spoils a test as much as a lag, and the boundary is an ellipse itself.
+        tables.append(np.tile(table, (len(request.curves), len(request.sides), 1)))
         headers.append(motion_coordinates([motion]))
         progress(done, len(motions))
-    return ellipse_dataset(np.stack(tables), headers, request).assign_attrs(caution=CAUTION)
+    return labelled(np.stack(tables), headers, request).assign_attrs(caution=CAUTION)
 
 
 def _check(request: EllipseRequest) -> None:
     wrong = [str(each) for each in request.metrics if each != Metric.RMS]
-    wrong += [each.name for each in request.curves if each.name != "ellipse"]
+    wrong += [each.name for each in request.curves if not issubclass(each, Ellipse)]
     wrong += ["a model with effects"] if request.model is not None else []
     if wrong:
         raise InputError(

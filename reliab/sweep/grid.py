@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.boundary.contour import REACH
+from reliab.boundary.contour import REACH, furthest_lead
 from reliab.boundary.surface import DELAY_SCALE, GAIN_SCALE, stretched
 from reliab.errors import InputError
 from reliab.loop.cells import Cells
@@ -31,7 +31,12 @@ class Grid(ABC):
 
     @abstractmethod
     def delays(self, structure: Structure) -> NDArray[np.float64]:
-        """Delays τ [s] for a structure, increasing from zero, shape (tau,)."""
+        """Delays τ [s] for a structure, increasing, 0 among them, negative for leads, shape (tau,)."""
+
+    @property
+    @abstractmethod
+    def leads(self) -> bool:
+        """Whether actuators that lead are among those simulated."""
 
     @abstractmethod
     def coordinates(
@@ -54,7 +59,8 @@ class ExplicitGrid(Grid):
     gain : tuple of float
         Gains [-], increasing, with 1 among them; by default 0.98 to 1.02 by 0.001.
     delay : tuple of float
-        Delays [s], increasing from zero; by default 0 to 2 ms by 0.1 ms.
+        Delays [s], increasing, with 0 among them and negative for leads; by default 0 to 2 ms by 0.1 ms, as
+        in the paper.
 
     Raises
     ------
@@ -78,19 +84,24 @@ class ExplicitGrid(Grid):
                     value=list(values),
                     remedy="Give them from the smallest to the largest",
                 )
-        if self.delay[0] != 0.0 or 1.0 not in self.gain:
+        if 0.0 not in self.delay or self.delay[-1] <= 0.0 or 1.0 not in self.gain:
             raise InputError(
                 "An explicit grid must hold the perfect actuator, k_p = 1 and τ = 0",
-                value=f"gains {self.gain[0]:g} … {self.gain[-1]:g}, delays from {self.delay[0]:g} s",
-                remedy="Add the gain 1 and the delay 0",
+                value=f"gains {self.gain[0]:g} … {self.gain[-1]:g}, delays {self.delay[0]:g} … {self.delay[-1]:g} s",
+                remedy="Add the gain 1, the delay 0 and delays above it",
             )
+
+    @property
+    def leads(self) -> bool:
+        """Whether actuators that lead are among those simulated."""
+        return self.delay[0] < 0.0
 
     def gains(self, structure: Structure) -> NDArray[np.float64]:  # noqa: ARG002 - the same for all
         """Gains k_p [-] for a structure, increasing, shape (kp,)."""
         return np.array(self.gain)
 
     def delays(self, structure: Structure) -> NDArray[np.float64]:  # noqa: ARG002 - the same for all
-        """Delays τ [s] for a structure, increasing from zero, shape (tau,)."""
+        """Delays τ [s] for a structure, increasing, shape (tau,)."""
         return np.array(self.delay)
 
     def coordinates(
@@ -111,7 +122,8 @@ class ScaledGrid(Grid):
 
     Around the perfect actuator the spacing is fine enough for the 1 % boundary of MTE^R; outwards it
     grows in proportion, as far as contours are traced in amplitude, and in delay to four critical
-    delays, where the 20 % boundary of RMS^R lies for the most tolerant of motions.
+    delays, where the 20 % boundary of RMS^R lies for the most tolerant of motions. Leads go as far as they
+    are followed along a boundary, or to a quarter of the shortest period.
 
     Parameters
     ----------
@@ -119,6 +131,8 @@ class ScaledGrid(Grid):
         Gains on each side of 1.
     delay_steps : int, optional
         Delays above zero.
+    lead_steps : int, optional
+        Leads; 0 leaves them out.
     """
 
     name: ClassVar[str] = "scaled"
@@ -128,8 +142,15 @@ class ScaledGrid(Grid):
 
     gain_steps: int = 20
     delay_steps: int = 30
+    lead_steps: int = 20
 
     def __post_init__(self) -> None:
+        if self.lead_steps != 0 and self.lead_steps < _FEWEST_DELAYS:
+            raise InputError(
+                f"A scaled grid needs at least {_FEWEST_DELAYS} leads, or none",
+                value=self.lead_steps,
+                remedy="Ask for more steps",
+            )
         if self.gain_steps < _FEWEST_GAINS or self.delay_steps < _FEWEST_DELAYS:
             raise InputError(
                 f"A scaled grid needs at least {_FEWEST_GAINS} steps of gain and {_FEWEST_DELAYS} of delay",
@@ -142,17 +163,20 @@ class ScaledGrid(Grid):
         return self._gains(structure.damping_ratio)
 
     def delays(self, structure: Structure) -> NDArray[np.float64]:
-        """Delays τ [s] for a structure, increasing from zero, shape (tau,)."""
-        return self._delays(structure.damping_ratio / structure.circular_frequency)
+        """Delays τ [s] for a structure, increasing, negative for leads, shape (tau,)."""
+        return self._delays(structure.frequency, structure.damping_ratio)
+
+    @property
+    def leads(self) -> bool:
+        """Whether actuators that lead are among those simulated."""
+        return self.lead_steps > 0
 
     def coordinates(
         self, frequencies: Sequence[float], damping_ratios: Sequence[float]
     ) -> dict[str, xr.Variable]:
         """Coordinates `kp` [-] over (xi, kp) and `tau` [s] over (f, xi, tau)."""
         gain = np.stack([self._gains(xi) for xi in damping_ratios])
-        delay = np.stack(
-            [[self._delays(xi / (2.0 * np.pi * f)) for xi in damping_ratios] for f in frequencies]
-        )
+        delay = np.stack([[self._delays(f, xi) for xi in damping_ratios] for f in frequencies])
         return {
             Dimension.GAIN: xr.Variable((Dimension.DAMPING_RATIO, Dimension.GAIN), gain),
             Dimension.DELAY: xr.Variable(
@@ -164,11 +188,20 @@ class ScaledGrid(Grid):
         outwards = _spaced(self._CORE, GAIN_SCALE * REACH, REACH, self.gain_steps)
         return np.exp(damping_ratio * np.concatenate([-outwards[:0:-1], outwards]))
 
-    def _delays(self, scale: float) -> NDArray[np.float64]:
-        return scale * _spaced(self._CORE, DELAY_SCALE * self._LONGEST, self._LONGEST, self.delay_steps)
+    def _delays(self, frequency: float, damping_ratio: float) -> NDArray[np.float64]:
+        scale = damping_ratio / (2.0 * np.pi * frequency)
+        late = _spaced(self._CORE, DELAY_SCALE * self._LONGEST, self._LONGEST, self.delay_steps)
+        if self.lead_steps == 0:
+            return scale * late
+        # Of all experimental fractions the loop without numerical stiffness has the shortest period.
+        structure = Structure(frequency=frequency, damping_ratio=damping_ratio)
+        highest_gain = np.exp(REACH * damping_ratio)
+        furthest = float(furthest_lead(structure, np.array(highest_gain))) / scale
+        early = _spaced(self._CORE, DELAY_SCALE * self._LONGEST, furthest, self.lead_steps)
+        return scale * np.concatenate([-early[:0:-1], late])
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=64)
 def _spaced(core: float, scale: float, furthest: float, steps: int) -> NDArray[np.float64]:
     """Values from zero, evenly spaced in the coordinate in which surfaces are interpolated."""
     dense = np.concatenate([[0.0], np.geomspace(1e-3 * core, furthest, 20_000)])

@@ -9,7 +9,7 @@ import numpy as np
 from reliab.errors import InputError
 from reliab.indices.window import Window
 from reliab.loop.effect_loop import EffectLoop
-from reliab.loop.engine import REDUCTION_TOLERANCE, Engine, Loop
+from reliab.loop.engine import LEAD_TOLERANCE, REDUCTION_TOLERANCE, Engine, Loop
 from reliab.loop.excitation import Excitation
 from reliab.loop.hybrid_test import HybridTest
 from reliab.loop.structure import Structure
@@ -63,6 +63,12 @@ class SweepRequest:
         if not labels or len(set(labels)) < len(labels):
             raise InputError("A sweep needs windows, each once", value=labels, remedy="Give each window once")
         check_model(self.model, self.structures)
+        if self.model is not None and self.grid.leads:
+            raise InputError(
+                "A model with effects is marched in time, so that only delays can be simulated",
+                value="a grid with leads",
+                remedy="Use a grid without leads, ScaledGrid(lead_steps=0)",
+            )
 
     @property
     def structures(self) -> list[Structure]:
@@ -87,6 +93,7 @@ class SweepRequest:
             "experimental_fraction": self.experimental_fraction,
             "engine": str(self.engine),
             "tolerance": REDUCTION_TOLERANCE,
+            "tolerance_lead": LEAD_TOLERANCE,
             **model,
         }
 

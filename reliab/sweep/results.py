@@ -12,19 +12,20 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.boundary import Contour, Curve, Ellipse, trace_contours
-from reliab.boundary.contour import REACH
+from reliab.boundary import Contour, Curve, trace_contours
+from reliab.boundary.contour import REACH, furthest_lead
 from reliab.boundary.surface import ErrorSurfaces
 from reliab.errors import InputError
 from reliab.loop.structure import Structure
 from reliab.progress import Progress, silent
 from reliab.sweep.compact import open_compact
+from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_row, ellipse_dataset
 from reliab.sweep.labels import with_labels
 from reliab.sweep.store import read_attributes
-from reliab.vocabulary import ELLIPSE_DIMENSIONS, RESULT_DIMENSIONS, Dimension, Metric
+from reliab.vocabulary import RESULT_DIMENSIONS, Dimension, Metric, Side
 
 _COORDINATES = ("motion", "f", "xi", "kp", "tau", "event", "duration", "dt", "pga", "checksum")
-_COLUMNS = ("a", "b", "sse", "n")
+_AT_REST = "rms_at_rest"
 
 
 def open_results(path: str | Path, *, window: str | None = None) -> xr.Dataset:
@@ -231,9 +232,15 @@ class ResultsAccessor:
         )
 
     def contours(
-        self, *, f: float, xi: float, threshold: float, metric: Metric = Metric.RMS
+        self,
+        *,
+        f: float,
+        xi: float,
+        threshold: float,
+        metric: Metric = Metric.RMS,
+        side: Side = Side.LAG,
     ) -> dict[str, Contour | None]:
-        """Contour of equal error of each motion.
+        """Contour of equal error of each motion, on one side.
 
         Parameters
         ----------
@@ -243,26 +250,35 @@ class ResultsAccessor:
             Error on the contour [-].
         metric : Metric, optional
             RMS^R (default) or MTE^R.
+        side : Side, optional
+            Actuators that are late (default) or early.
 
         Returns
         -------
         dict of str to Contour or None
             By motion; None where the contour leaves the grid.
+
+        Raises
+        ------
+        InputError
+            If leads are asked for that were not simulated.
         """
+        self._check_sides((side,))
         results = self.at_structure(f, xi)
         structure = self.structure(f, xi)
-        contours = _trace(results[metric], structure, (threshold,))
+        contours = _trace(results[metric], structure, [(threshold, side)])
         return dict(zip(results["motion"].values.tolist(), (each[0] for each in contours), strict=True))
 
     def ellipses(
         self,
         thresholds: Sequence[float] = (0.05,),
         metrics: Sequence[Metric] = (Metric.RMS,),
-        curves: Sequence[type[Curve]] = (Ellipse,),
+        curves: Sequence[type[Curve]] = CURVES,
         *,
+        sides: Sequence[Side] | None = None,
         progress: Progress = silent,
     ) -> xr.Dataset:
-        """Curves fitted to the contours of every motion and structure, at any threshold.
+        """Curves that stand for the contours of every motion and structure, at any threshold.
 
         Parameters
         ----------
@@ -271,49 +287,77 @@ class ResultsAccessor:
         metrics : sequence of Metric, optional
             RMS^R, MTE^R or both.
         curves : sequence of type, optional
-            Curves to fit; the ellipse by default.
+            Curves; the ellipse of least squares and the inscribed one by default.
+        sides : sequence of Side, optional
+            Actuators that are late, early, or both; by default all that were simulated.
         progress : callable, optional
             Called after each structure.
 
         Returns
         -------
         xarray.Dataset
-            `a` [-], `b` [ms²], `sse` [ms⁴], `n` over (motion, f, xi, threshold, metric, curve); NaN
-            where a contour leaves the grid.
+            As `reliab.sweep.trace_ellipses` gives it, `a` [-] and `b` [ms²] over (motion, f, xi, threshold,
+            metric, curve, side); NaN also where a contour leaves the grid.
+
+        Raises
+        ------
+        InputError
+            If leads are asked for that were not simulated.
         """
+        sides = self.sides if sides is None else tuple(sides)
+        self._check_sides(sides)
         sizes = [self._dataset.sizes[name] for name in ("motion", "f", "xi")]
-        table = np.full((*sizes, len(thresholds), len(metrics), len(curves), len(_COLUMNS)), np.nan)
+        dims = (len(thresholds), len(metrics), len(curves), len(sides), len(COLUMNS))
+        table = np.full((*sizes, *dims), np.nan)
+        pairs = [(threshold, side) for threshold in thresholds for side in sides]
         total = sizes[1] * sizes[2]
         for i, f in enumerate(self._dataset["f"].values.tolist()):
             for j, xi in enumerate(self._dataset["xi"].values.tolist()):
                 results, structure = self.at_structure(f, xi), self.structure(f, xi)
                 for k, metric in enumerate(metrics):
-                    contours = _trace(results[metric], structure, thresholds)
-                    table[:, i, j, :, k] = _fit(contours, curves)
+                    contours = _trace(results[metric], structure, pairs)
+                    rows = [
+                        [[curve_row(each, curve) for curve in curves] for each in row] for row in contours
+                    ]
+                    shape = sizes[0], len(thresholds), len(sides), len(curves), len(COLUMNS)
+                    table[:, i, j, :, k] = np.reshape(rows, shape).swapaxes(2, 3)
                 progress(i * sizes[2] + j + 1, total)
-        return self._labelled(table, thresholds, metrics, curves)
-
-    def _labelled(
-        self,
-        table: NDArray[np.float64],
-        thresholds: Sequence[float],
-        metrics: Sequence[Metric],
-        curves: Sequence[type[Curve]],
-    ) -> xr.Dataset:
         kept = ("motion", "f", "xi", "event", "duration", "dt", "pga", "checksum")
-        dataset = xr.Dataset(
-            {column: (ELLIPSE_DIMENSIONS, table[..., k]) for k, column in enumerate(_COLUMNS)},
-            coords={
-                **{name: self._dataset[name] for name in kept},
-                "threshold": list(thresholds),
-                "metric": [str(metric) for metric in metrics],
-                "curve": [curve.name for curve in curves],
-            },
-            attrs={
+        return ellipse_dataset(
+            table,
+            {name: self._dataset[name] for name in kept},
+            thresholds=thresholds,
+            metrics=metrics,
+            curves=curves,
+            sides=sides,
+            attributes={
                 name: self._dataset.attrs[name] for name in ("window", "experimental_fraction", "study_hash")
             },
+            error_at_rest=self._at_rest(metrics),
         )
-        return with_labels(dataset)
+
+    @property
+    def sides(self) -> tuple[Side, ...]:
+        """Sides that were simulated: the lag, and the lead unless the store is of an older version."""
+        leads = bool((self._dataset[Dimension.DELAY].values < 0.0).any())
+        return tuple(Side) if leads else (Side.LAG,)
+
+    def _check_sides(self, sides: Sequence[Side]) -> None:
+        if not set(sides) <= set(self.sides):
+            raise InputError(
+                "Boundaries of leads need results with leads",
+                value="results of delays only",
+                remedy="Simulate again with leads, or ask for the side of the lag",
+            )
+
+    def _at_rest(self, metrics: Sequence[Metric]) -> NDArray[np.float64] | None:
+        """Error of an actuator that does not move, shape (motion, f, xi, metric); None in older stores."""
+        if _AT_REST not in self._dataset:
+            return None
+        rms = self._dataset[_AT_REST].transpose("motion", "f", "xi").values.astype(np.float64)
+        # Nothing strays from the exact response by that response, whose peak is what MTE^R is relative to.
+        by_metric = {Metric.RMS: rms, Metric.MTE: np.ones_like(rms)}
+        return np.stack([by_metric[metric] for metric in metrics], axis=-1)
 
 
 def _surfaces(errors: xr.DataArray) -> ErrorSurfaces:
@@ -324,48 +368,40 @@ def _surfaces(errors: xr.DataArray) -> ErrorSurfaces:
 
 
 def _trace(
-    errors: xr.DataArray, structure: Structure, thresholds: Sequence[float]
+    errors: xr.DataArray, structure: Structure, pairs: Sequence[tuple[float, Side]]
 ) -> list[list[Contour | None]]:
-    """Contours by motion and threshold; None where one leaves the grid."""
+    """Contours by motion and pair of threshold and side; None where one leaves the grid."""
     surfaces = _surfaces(errors)
     motions = errors.sizes["motion"]
-    levels = np.tile(np.asarray(thresholds, dtype=np.float64), motions)
-    surface = np.repeat(np.arange(motions), len(thresholds))
+    levels = np.tile(np.array([threshold for threshold, _ in pairs], dtype=np.float64), motions)
+    sides = [side for _ in range(motions) for _, side in pairs]
+    surface = np.repeat(np.arange(motions), len(pairs))
 
     def error(
         amplitude: NDArray[np.float64], delay: NDArray[np.float64], contour: NDArray[np.int64]
     ) -> NDArray[np.float64]:
         return surfaces.error(amplitude, delay, surface[contour])
 
-    contours = trace_contours(error, levels, structure)
-    inside = _inside_grid(errors, structure, thresholds)
+    contours = trace_contours(error, levels, structure, side=sides)
+    inside = np.stack([_inside_grid(errors, structure, *pair) for pair in pairs], axis=-1)
     chosen = [contour if ok else None for contour, ok in zip(contours, inside.ravel(), strict=True)]
-    return [chosen[k : k + len(thresholds)] for k in range(0, len(chosen), len(thresholds))]
+    return [chosen[k : k + len(pairs)] for k in range(0, len(chosen), len(pairs))]
 
 
 def _inside_grid(
-    errors: xr.DataArray, structure: Structure, thresholds: Sequence[float]
+    errors: xr.DataArray, structure: Structure, threshold: float, side: Side
 ) -> NDArray[np.bool_]:
-    """Whether contours end before the grid does; shape (motion, threshold)."""
-    level = np.asarray(thresholds)[:, np.newaxis, np.newaxis]
-    values = errors.transpose("motion", "kp", "tau").values[:, np.newaxis]
-    offset = np.abs(np.log(errors["kp"].values))
+    """Whether contours end before the grid does; shape (motion,)."""
+    values = errors.transpose("motion", "kp", "tau").values
+    delays, gains = errors["tau"].values, errors["kp"].values
+    punctual = values[..., int(np.argmin(np.abs(delays)))]
+    offset = np.abs(np.log(gains))
     reach = REACH * structure.damping_ratio * (1 - 1e-9)
-    wide = (offset[[0, -1]] >= reach) | (values[..., [0, -1], 0] >= level[..., 0])
-    within = (offset <= reach) & (values[..., 0] < level[..., 0])
-    high = ~within | (values[..., -1] >= level[..., 0])
+    wide = (offset[[0, -1]] >= reach) | (punctual[:, [0, -1]] >= threshold)
+    within = (offset <= reach) & (punctual < threshold)
+    if side is Side.LEAD:
+        followed = -delays[0] >= furthest_lead(structure, gains) * (1 - 1e-9)
+        high = ~within | (values[..., 0] >= threshold) | followed
+    else:
+        high = ~within | (values[..., -1] >= threshold)
     return np.asarray(wide.all(axis=-1) & high.all(axis=-1))
-
-
-def _fit(contours: Sequence[Sequence[Contour | None]], curves: Sequence[type[Curve]]) -> NDArray[np.float64]:
-    """Parameters of fitted curves, shape (motion, threshold, curve, 4)."""
-    absent = [[np.nan] * len(_COLUMNS)] * len(curves)
-    rows = [
-        [absent if contour is None else [_row(curve.fit(contour)) for curve in curves] for contour in each]
-        for each in contours
-    ]
-    return np.array(rows, dtype=np.float64)
-
-
-def _row(fit: Curve) -> list[float]:
-    return [getattr(fit, column) for column in _COLUMNS]

@@ -38,6 +38,8 @@ class MotionResults:
         Equivalent delay [s].
     stable : numpy.ndarray
         Whether the delay is below the critical delay.
+    rms_at_rest : numpy.ndarray
+        RMS^R of an actuator that does not move [-], over (f, xi); its MTE^R is 1.
     """
 
     rms: NDArray[np.float32]
@@ -45,9 +47,10 @@ class MotionResults:
     A: NDArray[np.float32]
     d: NDArray[np.float32]
     stable: NDArray[np.bool_]
+    rms_at_rest: NDArray[np.float32]
 
 
-VARIABLES = ("rms", "mte", "A", "d", "stable")
+VARIABLES = ("rms", "mte", "A", "d", "stable", "rms_at_rest")
 
 
 @lru_cache(maxsize=256)
@@ -92,7 +95,8 @@ def _solve_structure(
 ) -> dict[str, NDArray[np.generic]]:
     cells = _cells(request.grid, structure)
     shape = (request.grid.gains(structure).size, request.grid.delays(structure).size)
-    found = loop_of(request.model, excitation, structure, request.engine).deviation(cells)
+    loop = loop_of(request.model, excitation, structure, request.engine)
+    found = loop.deviation(cells)
     amplitude, delay = _evaluate(pair, request.grid, structure)
     with np.errstate(over="ignore"):  # a violently unstable cell becomes infinite on disk
         return {
@@ -101,6 +105,7 @@ def _solve_structure(
             "A": amplitude.astype(np.float32),
             "d": delay.astype(np.float32),
             "stable": cells.stable.reshape(shape),
+            "rms_at_rest": relative_error(loop.at_rest(), Metric.RMS)[0].astype(np.float32),
         }
 
 

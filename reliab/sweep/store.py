@@ -36,6 +36,9 @@ from reliab.vocabulary import LABELS, RESULT_DIMENSIONS, Dimension
 
 SCHEMA_VERSION = 1
 _DTYPES = {name: "bool" if name == "stable" else "float32" for name in VARIABLES}
+_DIMENSIONS = {
+    name: RESULT_DIMENSIONS[:3] if name == "rms_at_rest" else RESULT_DIMENSIONS for name in VARIABLES
+}
 _RECORD_FIELDS: dict[str, type | str] = {
     "duration": "float64",
     "dt": "float64",
@@ -251,7 +254,8 @@ def _create_variables(group: zarr.Group, request: SweepRequest, motions: int) ->
         axes["tau"][1].shape[-1],
     )
     for name in VARIABLES:
-        _create_array(group, name, sizes, (1, *sizes[1:]), _DTYPES[name], RESULT_DIMENSIONS)
+        over = sizes[: len(_DIMENSIONS[name])]
+        _create_array(group, name, over, (1, *over[1:]), _DTYPES[name], _DIMENSIONS[name])
 
 
 def _create_array(

@@ -34,7 +34,7 @@ def probability_calibration(
     Parameters
     ----------
     ellipses : xarray.Dataset
-        Ellipses over (motion, f, xi, threshold, metric, curve).
+        Ellipses over (motion, f, xi, threshold, metric, curve, side).
     scheme : str, optional
         How the earthquakes are divided.
     edges : sequence of float, optional

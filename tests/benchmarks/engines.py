@@ -135,12 +135,12 @@ def main() -> None:
     structure = Structure(frequency=1.0, damping_ratio=0.02)
     excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step)
     cells = ExplicitGrid().cells(structure)
-    _ = cells.coefficients
     blocks = cut(excitation, structure)
+    (recursion,) = cells.recursions(blocks.step)
 
     def pole() -> object:
         prepared = cut(excitation, structure)
-        return pole_recursion.deviation(prepared, cells.coefficients)
+        return pole_recursion.deviation(prepared, recursion.coefficients)
 
     def delayed() -> object:
         return delay_stepper.deviation(blocks, structure, cells.gain, cells.delay)

@@ -8,13 +8,14 @@ from numpy.typing import NDArray
 from scipy.optimize import curve_fit
 
 from reliab.boundary.curves.curve import Curve
+from reliab.vocabulary import CurveName
 
 
 @dataclass(frozen=True, kw_only=True)
 class Cosine(Curve):
     """Cosine d = a cos(b(A − 1)) with a [ms] and b [rad], equation (7b)."""
 
-    name: ClassVar[str] = "cosine"
+    name: ClassVar[CurveName] = CurveName.COSINE
     equation: ClassVar[str] = "d = a cos(b(A − 1))"
 
     @classmethod

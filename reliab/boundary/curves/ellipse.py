@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.boundary.curves.curve import Curve, fit_line
+from reliab.vocabulary import CurveName
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,7 +26,7 @@ class Ellipse(Curve):
     (0.0001, 4.0)
     """
 
-    name: ClassVar[str] = "ellipse"
+    name: ClassVar[CurveName] = CurveName.ELLIPSE
     equation: ClassVar[str] = "(A − 1)²/a + d²/b = 1"
 
     @classmethod

@@ -7,13 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.boundary.curves.curve import Curve, fit_line
+from reliab.vocabulary import CurveName
 
 
 @dataclass(frozen=True, kw_only=True)
 class Parabola(Curve):
     """Parabola d = a(A − 1)² + b with a and b [ms], equation (7c)."""
 
-    name: ClassVar[str] = "parabola"
+    name: ClassVar[CurveName] = CurveName.PARABOLA
     equation: ClassVar[str] = "d = a(A − 1)² + b"
 
     @classmethod
