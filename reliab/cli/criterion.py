@@ -1,6 +1,6 @@
 """`reliab criterion`: how much amplitude error and delay a test may have."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,6 +10,7 @@ from reliab.cli.criterion_answer import check_one, row, show, write
 from reliab.cli.criterion_comparison import show_comparison
 from reliab.cli.criterion_derivation import (
     check_files,
+    check_printed_source,
     check_room,
     derive,
     printed_criterion,
@@ -19,7 +20,7 @@ from reliab.cli.options import (
     ONE_HERTZ,
     TWO_PERCENT,
     DampingRatios,
-    ExperimentalFraction,
+    FractionIfGiven,
     Frequencies,
     JsonTarget,
     MetricName,
@@ -28,19 +29,17 @@ from reliab.cli.options import (
     Results,
     Sets,
     Thresholds,
-    WindowName,
+    WindowIfGiven,
 )
 from reliab.cli.output import write_json
-from reliab.cli.sources import ellipse_dataset
+from reliab.cli.sources import check_thresholds, ellipse_dataset
 from reliab.errors import IncompleteError, InputError
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from reliab.criterion import Criterion
-    from reliab.criterion.bayes.posterior_criterion import HierarchicalFit
-
-_PAPERS_METHOD = "quantile"
+    from reliab.criterion.derivation import Derivation
 
 Ellipses = Annotated[
     Path | None,
@@ -54,13 +53,13 @@ Confidences = Annotated[
     list[float] | None, typer.Option("--confidence", metavar="SHARE...", help="Shares of ground motions.")
 ]
 MethodName = Annotated[
-    str,
+    str | None,
     typer.Option(
         "--method",
         metavar="NAME",
-        help="What the confidence means: quantile (the paper's), tolerance, posterior, predictive, "
-        "order_statistic, conformal, bootstrap, dirichlet, each structure for itself; hierarchical, "
-        "hierarchical_robust, all structures at once by MCMC; recommended is dirichlet --joint.",
+        help="What the confidence means: dirichlet (recommended, the default), tolerance, posterior, predictive, "
+        "order_statistic, conformal, bootstrap, each structure for itself; hierarchical, hierarchical_robust, all "
+        "structures at once by MCMC; quantile is the paper's, with fitted ellipses and a and b each for itself.",
     ),
 ]
 Assurance = Annotated[
@@ -81,7 +80,7 @@ Chains = Annotated[
     typer.Option(
         "--chains",
         metavar="FILE.h5",
-        help="Keep the chains of the hierarchical methods; a run that was killed or too short goes on there.",
+        help="Keep the chains of the hierarchical methods, so that an interrupted or short run can resume.",
     ),
 ]
 Compare = Annotated[
@@ -102,7 +101,11 @@ DistributionName = Annotated[
     str | None, typer.Option("--distribution", metavar="NAME", help="Family for the method quantile.")
 ]
 Joint = Annotated[
-    bool, typer.Option("--joint/--each", help="Whether a and b hold together or each for itself.")
+    bool | None,
+    typer.Option(
+        "--joint/--each",
+        help="Whether a and b hold together or each for itself; by default together, with quantile each.",
+    ),
 ]
 LawName = Annotated[
     str,
@@ -129,13 +132,13 @@ def criterion(
     threshold: Thresholds = None,
     confidence: Confidences = None,
     metric: MetricName = "rms",
-    window: WindowName = "record",
-    alpha: ExperimentalFraction = 1.0,
+    window: WindowIfGiven = None,
+    alpha: FractionIfGiven = None,
     model: ModelFile = None,
-    method: MethodName = _PAPERS_METHOD,
+    method: MethodName = None,
     assurance: Assurance = None,
     distribution: DistributionName = None,
-    joint: Joint = False,
+    joint: Joint = None,
     law: LawName = "table",
     steps: Steps = None,
     chains: Chains = None,
@@ -146,20 +149,20 @@ def criterion(
 ) -> None:
     """Derive how much amplitude error and delay a test may have."""
     from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, known
-    from reliab.criterion.methods import any_method_of
+    from reliab.criterion.methods import RECOMMENDED, method_of
 
-    chosen = any_method_of(method, assurance=assurance, distribution=distribution, steps=steps)
     printed, given = law in OF_MANY_MOTIONS, any((motions, results, ellipses))
+    settings = {"assurance": assurance, "distribution": distribution, "steps": steps, "chains": chains}
+    check_thresholds(threshold)
     fitted = None if printed else known(FITTED, law)
+    criteria: list[Criterion] = []
+    if printed:
+        criteria = [printed_criterion(law, threshold, confidence, metric, method, settings, joint=joint)]
+        source = {"--sets": sets, "--model": model, "--window": window, "--alpha": alpha}
+        check_printed_source(law, source, given=given, drawn=figures is not None or compare)
+    del settings["chains"]
+    chosen = None if printed else method_of(method or RECOMMENDED, **settings)
     check_files(chosen, chains, figures)
-    if printed and given and figures is None and not compare:
-        raise InputError(
-            "A printed law needs no motions",
-            value=f"{law} with a source of ellipses",
-            remedy="Leave the source out, or give --figures or --compare",
-        )
-    found = [printed_criterion(law, threshold, confidence, metric, method, joint=joint)] if printed else []
-    fits: list[HierarchicalFit] = []
     dataset = None
     if given or not printed:
         dataset = ellipse_dataset(
@@ -176,27 +179,32 @@ def criterion(
             model=model,
         )
         check_room(dataset)
-    if dataset is not None and fitted is not None:
+    derivations: list[Derivation] = []
+    if dataset is not None and fitted is not None and chosen is not None:
         promises = promises_of(dataset, threshold, confidence)
         check_one(len(promises), out)
-        found, fits = derive(dataset, promises, metric, chosen, fitted, chains, joint=joint)
+        criteria, derivations = derive(dataset, promises, metric, chosen, fitted, chains, joint=joint)
     structures = _structures(dataset, f, xi)
-    rows = [row(each, None if printed else dataset, *structure) for structure in structures for each in found]
-    write(found[0], out)
-    posteriors = [fit.diagnostics for fit in fits]
+    rows = [
+        row(criterion, None if printed else dataset, *structure)
+        for structure in structures
+        for criterion in criteria
+    ]
+    write(criteria[0], out)
+    posteriors = [diagnostics for derivation in derivations for diagnostics in derivation.diagnostics]
     drawn = []
     if figures is not None:
-        drawn = _draw(figures, dataset, found, structures, fits)
+        drawn = _draw(figures, dataset, criteria, structures, derivations)
     content: dict[str, Any] = {"criteria": rows, **(rows[0] if len(rows) == 1 else {})}
     content |= {"posteriors": posteriors} if posteriors else {}
     content |= {"figures": drawn} if drawn else {}
     if compare:
-        content["comparison"] = _compared(dataset, structures, found)
+        content["comparison"] = _compared(dataset, structures, criteria)
     if not write_json(content, json_target):
         show(rows, posteriors)
         if compare:
             show_comparison(content["comparison"])
-    _confess(posteriors, chains)
+    _refuse_unconverged(posteriors, chains)
 
 
 def _structures(
@@ -205,11 +213,11 @@ def _structures(
     """Take the structures that are asked for, or all that are there."""
     all_f = [ONE_HERTZ] if dataset is None else dataset["f"].values.tolist()
     all_xi = [TWO_PERCENT] if dataset is None else dataset["xi"].values.tolist()
-    return [(each_f, each_xi) for each_f in f or all_f for each_xi in xi or all_xi]
+    return [(frequency, damping_ratio) for frequency in f or all_f for damping_ratio in xi or all_xi]
 
 
 def _compared(
-    dataset: "xr.Dataset | None", structures: Sequence[tuple[float, float]], found: "Sequence[Criterion]"
+    dataset: "xr.Dataset | None", structures: Sequence[tuple[float, float]], criteria: "Sequence[Criterion]"
 ) -> dict[str, Any]:
     from reliab.cli.criterion_comparison import compare
 
@@ -219,16 +227,18 @@ def _compared(
             value="--compare without a source of ellipses",
             remedy="Give --motions, --results or --ellipses too, real_suite for example",
         )
-    thresholds = list(dict.fromkeys(each.threshold for each in found))
-    return compare(dataset, structures, thresholds, str(found[0].metric), found[0].confidence)
+    thresholds = list(dict.fromkeys(criterion.threshold for criterion in criteria))
+    first = criteria[0]
+    curve = first.provenance.curve
+    return compare(dataset, structures, thresholds, str(first.metric), first.confidence, curve)
 
 
 def _draw(
     folder: Path,
     dataset: "xr.Dataset | None",
-    found: "Sequence[Criterion]",
+    criteria: "Sequence[Criterion]",
     structures: Sequence[tuple[float, float]],
-    fits: "Sequence[HierarchicalFit]",
+    derivations: "Sequence[Derivation]",
 ) -> list[str]:
     from reliab.cli.criterion_figures import draw_all
 
@@ -238,16 +248,16 @@ def _draw(
             value="--figures without a source of ellipses",
             remedy="Give --motions, --results or --ellipses too, real_suite for example",
         )
-    return draw_all(folder, dataset, found, structures, fits)
+    return draw_all(folder, dataset, criteria, structures, derivations)
 
 
-def _confess(posteriors: Sequence[dict[str, Any]], chains: Path | None) -> None:
-    """End with an error where a posterior cannot be relied on; what was found is written all the same."""
-    failed = [each for each in posteriors if not each["converged"]]
+def _refuse_unconverged(posteriors: Sequence[Mapping[str, Any]], chains: Path | None) -> None:
+    """End with an error where a posterior cannot be relied on, after everything has been written."""
+    failed = [posterior for posterior in posteriors if not posterior["converged"]]
     if failed:
-        complaints = " ".join(sentence for each in failed for sentence in each["complaints"])
+        complaints = " ".join(sentence for posterior in failed for sentence in posterior["complaints"])
         again = f"{2 * failed[0]['steps']}"
-        where = f"Go on with --chains {chains} --steps {again}" if chains else f"Give --steps {again}"
+        where = f"Resume with --chains {chains} --steps {again}" if chains else f"Give --steps {again}"
         message = (
             f"THE POSTERIOR HAS NOT CONVERGED, and no limit above may be relied on. {complaints} {where}."
         )

@@ -12,7 +12,14 @@ if TYPE_CHECKING:
 
     from reliab.criterion import Criterion
 
-_HEADINGS = ("f [Hz]", "ξ [-]", "error [-]", "confidence [-]", "a [-]", "b [ms²]", "|A − 1| ≤", "d ≤ [ms]")
+_HEADINGS = (
+    *("f [Hz]", "ξ [-]", "error [-]", "confidence [-]", "a [-]", "b [ms²]"),
+    *("|A − 1| alone ≤", "lag alone ≤ [ms]", "lead alone ≤ [ms]"),
+)
+_CURVES = {
+    "inscribed": "inscribed in the motions' boundaries",
+    "ellipse": "fitted to the motions' boundaries by least squares, as in the paper",
+}
 _DIAGNOSTICS = {
     "parameter": "left",
     "mean": "right",
@@ -47,10 +54,28 @@ def row(
     """
     from reliab.criterion.summary import describe_sample, summarise
 
-    found = summarise(criterion, frequency, damping_ratio)
-    if dataset is not None and frequency in dataset["f"] and damping_ratio in dataset["xi"]:
-        found.update(describe_sample(dataset, criterion, frequency, damping_ratio))
-    return found
+    summary = summarise(criterion, frequency, damping_ratio)
+    if criterion.population is None:
+        summary.update(_kept_by(criterion, summary))
+    elif dataset is not None and frequency in dataset["f"] and damping_ratio in dataset["xi"]:
+        summary.update(describe_sample(dataset, criterion, frequency, damping_ratio))
+    return summary
+
+
+def _kept_by(criterion: "Criterion", summary: Mapping[str, Any]) -> dict[str, Any]:
+    """Measure on the real motions that ship with the package how many keep a printed law."""
+    from reliab.criterion.printed_share import printed_share
+    from reliab.shipped import shipped
+    from reliab.sweep import open_ellipses
+
+    real = open_ellipses(shipped("datasets", "real_suite/ellipses.nc"), window=criterion.provenance.window)
+    kept = printed_share(criterion, real, summary["f"], summary["xi"])
+    sentence = (
+        f"Of {kept['n_motions']} real motions, {kept['share']:.0%} have a boundary that contains this ellipse at "
+        f"f = {kept['f']:g} Hz and ξ = {kept['xi']:g}, where the paper states {criterion.confidence:.0%}; measured "
+        "on the ellipses of datasets/real_suite, for all structures by `reliab run validation`."
+    )
+    return {"kept_by": kept, "warnings": [sentence, *summary["warnings"]]}
 
 
 def check_one(count: int, out: Path | None) -> None:
@@ -117,22 +142,36 @@ def show(rows: Sequence[Mapping[str, Any]], posteriors: Sequence[Mapping[str, An
     """
     first = rows[0]
     shown = table(
-        f"(A − 1)²/a + d²/b ≤ 1 from {first['n_motions']} motions of {first['n_events']} earthquakes",
+        f"(A − 1)²/a + d²/b ≤ 1 from {first['n_motions']} {first['motions']} of {first['n_events']} earthquakes",
         dict.fromkeys(_HEADINGS, "right"),
     )
     for each in rows:
         shown.add_row(
             *(f"{each[key]:g}" for key in ("f", "xi", "threshold", "confidence")),
             *(f"{each[key]:.3g}" for key in ("a", "b", "amplitude_limit", "delay_limit_ms")),
+            "-" if each["lead_limit_ms"] is None else f"{each['lead_limit_ms']:.3g}",
         )
     terminal = console()
-    for each in posteriors:
-        _show_posterior(each)
+    for posterior in posteriors:
+        _show_posterior(posterior)
     terminal.print(shown)
     together = "a and b together" if first["joint"] else "a and b each for itself"
     terminal.print(f"Method: {first['method']}, {together}. Law: {first['law']}.", highlight=False)
+    for sentence in _definitions(first):
+        terminal.print(sentence, markup=False, highlight=False)
     for warning in dict.fromkeys(warning for each in rows for warning in each["warnings"]):
         terminal.print(f"Note: {warning}", markup=False, highlight=False)
+
+
+def _definitions(first: Mapping[str, Any]) -> tuple[str, ...]:
+    """Say what the limits and the error mean, in the order in which a reader asks."""
+    from reliab.vocabulary import LABELS
+
+    return (
+        "Each limit alone is that of a test without the other error; a test with both must lie inside the ellipse.",
+        f"Error: {LABELS[first['metric']].long_name}. Window: {first['window']}. "
+        f"Experimental fraction α: {first['alpha']:g}. Ellipses: {_CURVES[first['curve']]}.",
+    )
 
 
 def _show_posterior(posterior: Mapping[str, Any]) -> None:

@@ -18,6 +18,7 @@ def compare(
     thresholds: Sequence[float],
     metric: str,
     confidence: float,
+    curve: str,
 ) -> dict[str, Any]:
     """Compare distributions of a and b at structures, and laws over all structures of the dataset.
 
@@ -33,6 +34,8 @@ def compare(
         Which error.
     confidence : float
         Share of the motions by which laws are made equal.
+    curve : str
+        Which ellipses, inscribed or fitted.
 
     Returns
     -------
@@ -58,15 +61,15 @@ def compare(
     distributions: list[dict[str, Any]] = []
     with progress_bar("Comparing distributions") as progress:
         for done, (f, xi, threshold) in enumerate(jobs, start=1):
-            distributions += _distributions(dataset, f, xi, threshold, metric)
+            distributions += _distributions(dataset, f, xi, threshold, metric, curve)
             progress(done, len(jobs))
     several = dataset.sizes["f"] * dataset.sizes["xi"] > 1
-    laws = [row for each in thresholds for row in _laws(dataset, each, metric, confidence)] if several else []
+    laws = [row for each in thresholds for row in _laws(dataset, each, metric, confidence, curve)] if several else []
     return {"distributions": distributions, "laws": laws}
 
 
 def _distributions(
-    dataset: "xr.Dataset", f: float, xi: float, threshold: float, metric: str
+    dataset: "xr.Dataset", f: float, xi: float, threshold: float, metric: str, curve: str
 ) -> list[dict[str, Any]]:
     from dataclasses import asdict
 
@@ -74,7 +77,7 @@ def _distributions(
     from reliab.criterion.distribution_comparison import compare_distributions
     from reliab.criterion.goodness_of_fit import lognormality
 
-    sample = sample_of(dataset, frequency=f, damping_ratio=xi, threshold=threshold, metric=metric)
+    sample = sample_of(dataset, frequency=f, damping_ratio=xi, threshold=threshold, metric=metric, curve=curve)
     where = {"f": f, "xi": xi, "threshold": threshold}
     return [
         {
@@ -90,10 +93,14 @@ def _distributions(
     ]
 
 
-def _laws(dataset: "xr.Dataset", threshold: float, metric: str, confidence: float) -> list[dict[str, Any]]:
+def _laws(
+    dataset: "xr.Dataset", threshold: float, metric: str, confidence: float, curve: str
+) -> list[dict[str, Any]]:
     from reliab.criterion.law_comparison import compare_laws
 
-    found = compare_laws(dataset, threshold=threshold, metric=metric, confidence=confidence)
+    found = compare_laws(
+        dataset, threshold=threshold, metric=metric, confidence=confidence, curve=curve
+    )
     return [
         {"threshold": threshold, **{str(k): v for k, v in row.items()}} for row in found.to_dict("records")
     ]

@@ -1,6 +1,6 @@
 """What `reliab criterion` is asked for, checked, and derived from ellipses."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,20 +12,20 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from reliab.criterion import Criterion
-    from reliab.criterion.bayes.posterior_criterion import HierarchicalFit
+    from reliab.criterion.derivation import Derivation
     from reliab.criterion.laws import FittedLaw
-    from reliab.criterion.methods import HierarchicalPosterior, Method
+    from reliab.criterion.methods import Method
 
 _NINETY_FIVE = 0.95
 
 
-def check_files(method: "Method | HierarchicalPosterior", chains: Path | None, figures: Path | None) -> None:
+def check_files(method: "Method | None", chains: Path | None, figures: Path | None) -> None:
     """Refuse files that cannot be used, before anything long is begun.
 
     Parameters
     ----------
-    method : Method or HierarchicalPosterior
-        What the confidence means.
+    method : Method or None
+        What the confidence means; None for a printed law.
     chains, figures : pathlib.Path or None
         File of the chains and folder of the figures.
 
@@ -34,11 +34,12 @@ def check_files(method: "Method | HierarchicalPosterior", chains: Path | None, f
     InputError
         If the method samples no chains, or the folder is a file.
     """
-    from reliab.criterion.derivation import require_no_chains
-    from reliab.criterion.methods import HierarchicalPosterior
-
-    if not isinstance(method, HierarchicalPosterior):
-        require_no_chains(chains, method.name)
+    if chains is not None and method is not None and not method.samples_chains:
+        raise InputError(
+            "Only the hierarchical methods sample chains",
+            value=f"--chains with {method.name}",
+            remedy="Leave it out, or choose --method hierarchical or hierarchical_robust",
+        )
     if figures is not None and figures.exists() and not figures.is_dir():
         raise InputError("Figures go into a folder", value=figures, remedy="Name another folder")
 
@@ -68,13 +69,13 @@ def derive(
     dataset: "xr.Dataset",
     promises: Sequence[tuple[float, float]],
     metric: str,
-    method: "Method | HierarchicalPosterior",
+    method: "Method",
     law: "FittedLaw",
     chains: Path | None,
     *,
-    joint: bool,
-) -> "tuple[list[Criterion], list[HierarchicalFit]]":
-    """Derive a criterion for each promise; one posterior serves all that share an error.
+    joint: bool | None,
+) -> "tuple[list[Criterion], list[Derivation]]":
+    """Derive a criterion for each promise; what is learned at one error serves all its confidences.
 
     Parameters
     ----------
@@ -84,42 +85,39 @@ def derive(
         Errors and shares of ground motions [-].
     metric : str
         Which error.
-    method : Method or HierarchicalPosterior
+    method : Method
         What the confidence means.
     law : type of Law
         How limits depend on the structure.
     chains : pathlib.Path or None
         File of the chains.
-    joint : bool
-        Whether a and b hold together.
+    joint : bool or None
+        Whether a and b hold together; None leaves it to the method.
 
     Returns
     -------
     criteria : list of Criterion
         One for each promise.
-    fits : list of HierarchicalFit
-        One for each error, for the hierarchical methods.
+    derivations : list of Derivation
+        One for each error.
     """
-    from reliab.criterion import derive_criterion
-    from reliab.criterion.methods import HierarchicalPosterior
+    from reliab.criterion.derivation import Derivation
 
-    if isinstance(method, HierarchicalPosterior):
-        thresholds = list(dict.fromkeys(threshold for threshold, _ in promises))
-        fits = dict(zip(thresholds, _fits(dataset, method, thresholds, metric, law, chains), strict=True))
-        return [fits[error].criterion(share, joint=joint) for error, share in promises], list(fits.values())
-    found = [
-        derive_criterion(
-            dataset,
-            threshold=error,
-            metric=metric,
-            confidence=share,
-            method=method,
-            joint=joint,
-            law=law,
-        )
-        for error, share in promises
-    ]
-    return found, []
+    derivations: dict[float, Derivation] = {}
+    for threshold, _ in promises:
+        if threshold not in derivations:
+            with progress_bar(f"Learning at {threshold:g}") as progress:
+                derivations[threshold] = Derivation.of(
+                    dataset,
+                    method=method,
+                    law=law,
+                    threshold=threshold,
+                    metric=metric,
+                    chains=chains,
+                    progress=progress,
+                )
+    criteria = [derivations[threshold].criterion(share, joint=joint) for threshold, share in promises]
+    return criteria, list(derivations.values())
 
 
 def printed_criterion(
@@ -127,9 +125,10 @@ def printed_criterion(
     threshold: list[float] | None,
     confidence: list[float] | None,
     metric: str,
-    method: str,
+    method: str | None,
+    settings: Mapping[str, object],
     *,
-    joint: bool,
+    joint: bool | None,
 ) -> "Criterion":
     """Take a printed law, which promises one thing only.
 
@@ -139,6 +138,8 @@ def printed_criterion(
         Its name.
     threshold, confidence, metric, method, joint
         As given as options.
+    settings : mapping
+        Options of methods by their names, None where not given.
 
     Returns
     -------
@@ -152,45 +153,54 @@ def printed_criterion(
     """
     from reliab.criterion import published_criterion
 
-    found = published_criterion(law)
-    for each in threshold or [found.threshold]:
-        found.law.validity.require_error(each, metric)
-    others = [each for each in confidence or [] if each != found.confidence]
-    if others or method != found.method or joint:
+    criterion = published_criterion(law)
+    for error in threshold or [criterion.threshold]:
+        criterion.law.validity.require_error(error, metric)
+    strange = [f"--confidence {share:g}" for share in confidence or [] if share != criterion.confidence]
+    strange += ["--joint"] if joint else []
+    strange += [f"--method {method}"] if method not in {None, criterion.method} else []
+    strange += [f"--{name} {value}" for name, value in settings.items() if value is not None]
+    if strange:
         raise InputError(
-            f"A printed law states {found.confidence:.0%} by the quantile of each limit, and nothing else",
-            value=f"confidence {others[0]:g}" if others else "--joint" if joint else f"method {method}",
+            f"A printed law states {criterion.confidence:.0%} by the quantile of each limit, and nothing else",
+            value=", ".join(strange),
             remedy="Leave these out, or derive a criterion from ellipses",
         )
-    return found
+    return criterion
 
 
-def _fits(
-    dataset: "xr.Dataset",
-    method: "HierarchicalPosterior",
-    thresholds: Sequence[float],
-    metric: str,
-    law: "FittedLaw",
-    chains: Path | None,
-) -> "list[HierarchicalFit]":
-    """Sample one posterior for each error, which serves all confidences."""
-    from reliab.criterion.bayes.posterior_criterion import fit_hierarchical
+def check_printed_source(law: str, options: Mapping[str, object], *, given: bool, drawn: bool) -> None:
+    """Refuse a source of motions, or options of one, that a printed law would not use.
 
-    found = []
-    for each in thresholds:
-        with progress_bar(f"Sampling the posterior at {each:g}") as progress:
-            found.append(
-                fit_hierarchical(
-                    dataset,
-                    method,
-                    threshold=each,
-                    metric=metric,
-                    law=law,
-                    chains=chains,
-                    progress=progress,
-                )
-            )
-    return found
+    Parameters
+    ----------
+    law : str
+        The law.
+    options : mapping
+        Options of sources by their names, None where not given.
+    given : bool
+        Whether a source is given.
+    drawn : bool
+        Whether figures or a comparison are asked for, which need one.
+
+    Raises
+    ------
+    InputError
+        If so.
+    """
+    if given and not drawn:
+        raise InputError(
+            "A printed law needs no motions",
+            value=f"{law} with a source of ellipses",
+            remedy="Leave the source out, or give --figures or --compare",
+        )
+    unused = [name for name, value in options.items() if value is not None]
+    if unused and not given:
+        raise InputError(
+            "A printed law is for whole records and a wholly experimental structure, as in the paper",
+            value=f"{law} with {', '.join(unused)}",
+            remedy="Leave these out, or derive a criterion from ellipses",
+        )
 
 
 def check_room(dataset: "xr.Dataset") -> None:

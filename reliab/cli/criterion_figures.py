@@ -12,15 +12,16 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from reliab.criterion import Criterion
-    from reliab.criterion.bayes.posterior_criterion import HierarchicalFit
+    from reliab.criterion.derivation import Derivation
+    from reliab.criterion.methods.hierarchical import HierarchicalFit
 
 
 def draw_all(
     folder: Path,
     dataset: "xr.Dataset",
-    found: "Sequence[Criterion]",
+    criteria: "Sequence[Criterion]",
     structures: Sequence[tuple[float, float]],
-    fits: "Sequence[HierarchicalFit]",
+    derivations: "Sequence[Derivation]",
 ) -> list[str]:
     """Draw every structure and posterior into a folder, as SVG; keep posteriors for ArviZ's own plots.
 
@@ -30,12 +31,12 @@ def draw_all(
         Where the figures go; made if need be.
     dataset : xarray.Dataset
         Ellipses of the motions.
-    found : sequence of Criterion
+    criteria : sequence of Criterion
         The criteria.
     structures : sequence of (float, float)
         Natural frequencies [Hz] and damping ratios [-].
-    fits : sequence of HierarchicalFit
-        Sampled posteriors, one for each error.
+    derivations : sequence of Derivation
+        What they were derived from, one for each error.
 
     Returns
     -------
@@ -54,17 +55,17 @@ def draw_all(
             value="none of those that are asked for",
             remedy=f"Choose f among {_listed(dataset, 'f')} and ξ among {_listed(dataset, 'xi')}",
         )
-    errors = list(dict.fromkeys((each.threshold, str(each.metric)) for each in found))
+    errors = list(dict.fromkeys((criterion.threshold, str(criterion.metric)) for criterion in criteria))
     jobs = [(*structure, *error) for structure in there for error in errors]
     names = []
     with progress_bar("Drawing") as progress:
         for done, (f, xi, threshold, metric) in enumerate(jobs, start=1):
-            alike = [each for each in found if (each.threshold, str(each.metric)) == (threshold, metric)]
+            alike = [criterion for criterion in criteria if (criterion.threshold, str(criterion.metric)) == (threshold, metric)]
             drawn = _plane(dataset, alike, f, xi)
             names.append(_write(folder, f"criterion_f{f:g}_xi{xi:g}_{metric}{threshold:g}.svg", drawn))
             progress(done, len(jobs))
-    for fit in fits:
-        error = f"{fit.metric}{fit.threshold:g}"
+    for fit in (part for derivation in derivations for part in derivation.learned if part.diagnostics):
+        error = f"{fit.grid.metric}{fit.grid.threshold:g}{'' if fit.grid.side == Side.LAG else f'_{fit.grid.side}'}"
         for name, drawn in _posterior_figures(fit).items():
             names.append(_write(folder, f"{name}_{error}.svg", drawn))
         names.append(f"posterior_{error}.nc")
@@ -84,7 +85,12 @@ def _plane(dataset: "xr.Dataset", alike: "Sequence[Criterion]", f: float, xi: fl
 
     first = alike[0]
     sample = sample_of(
-        dataset, frequency=f, damping_ratio=xi, threshold=first.threshold, metric=str(first.metric)
+        dataset,
+        frequency=f,
+        damping_ratio=xi,
+        threshold=first.threshold,
+        metric=str(first.metric),
+        curve=first.provenance.curve,
     )
     named = {}
     for each in alike:

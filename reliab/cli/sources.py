@@ -1,9 +1,10 @@
 """Where ellipses come from: a file of them, stored results, or records that are simulated here and now."""
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from reliab.cli.options import FIVE_PERCENT, ONE_HERTZ, TWO_PERCENT
+from reliab.cli.options import FIVE_PERCENT
 from reliab.cli.output import progress_bar
 from reliab.errors import InputError
 
@@ -11,6 +12,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from reliab.vocabulary import Metric
+
+_RECORD, _WHOLE = "record", 1.0
 
 
 def ellipse_dataset(
@@ -23,8 +26,8 @@ def ellipse_dataset(
     xi: list[float] | None,
     threshold: list[float] | None,
     metric: str,
-    window: str,
-    alpha: float,
+    window: str | None,
+    alpha: float | None,
     model: Path | None = None,
     first_order: bool = False,
 ) -> "xr.Dataset":
@@ -43,10 +46,13 @@ def ellipse_dataset(
         hold, by default and where one that is asked for is not among them.
     threshold : list of float or None
         Errors on the boundary [-].
-    metric, window : str
-        Error of the whole test, and where it is taken.
-    alpha : float
-        Experimental fraction [-], for records.
+    metric : str
+        Error of the whole test.
+    window : str or None
+        Part of the record over which the error is computed; None leaves it to the source, which is the whole
+        record for records.
+    alpha : float or None
+        Experimental fraction [-]; 1 for records unless given. Stored results and files must be of that fraction.
     model : pathlib.Path or None
         Model with effects instead of structures, for records.
     first_order : bool
@@ -60,7 +66,7 @@ def ellipse_dataset(
     Raises
     ------
     InputError
-        If not exactly one source is given, or a model without records.
+        If not exactly one source is given, or an option that the source cannot serve.
     """
     from reliab import api
     from reliab.motions import load_motions
@@ -85,13 +91,21 @@ def ellipse_dataset(
             value="--first-order without --motions",
             remedy="Give --motions, or leave --first-order out",
         )
+    if sets is not None and motions is None:
+        raise InputError(
+            "Sets are those of a catalogue of ground motions",
+            value=f"--sets {' '.join(sets)} without --motions",
+            remedy="Give the folder of the catalogue with --motions",
+        )
+    check_thresholds(threshold)
     if metric not in list(Metric):
         raise InputError("The metric is rms or mte", value=metric, remedy="Choose one of these")
     if ellipses is not None:
-        return _read(ellipses, f, xi, threshold, Metric(metric))
+        return _of_fraction(_read(ellipses, f, xi, threshold, Metric(metric), window), alpha, ellipses)
     thresholds = tuple(threshold or (FIVE_PERCENT,))
     if results is not None:
-        return _stored(results, f, xi, thresholds, Metric(metric), window)
+        traced = _stored(results, f, xi, thresholds, Metric(metric), window or _RECORD)
+        return _of_fraction(traced, alpha, results)
     suite = load_motions(*(motions or []), sets=sets)
     with progress_bar("Reading spectra" if first_order else "Tracing boundaries") as progress:
         return api.ellipses(
@@ -100,16 +114,43 @@ def ellipse_dataset(
             xi=xi,
             threshold=thresholds,
             metric=[metric],
-            window=window,
-            alpha=alpha,
+            window=window or _RECORD,
+            alpha=_WHOLE if alpha is None else alpha,
             model=model,
             first_order=first_order,
             progress=progress,
         )
 
 
+def check_thresholds(threshold: list[float] | None) -> None:
+    """Refuse errors that are not positive and finite.
+
+    Parameters
+    ----------
+    threshold : list of float or None
+        Errors on the boundary [-].
+
+    Raises
+    ------
+    InputError
+        If one is zero, negative or not finite.
+    """
+    for error in threshold or []:
+        if not 0.0 < error < math.inf:
+            raise InputError(
+                "The error threshold must be positive and finite",
+                value=f"--threshold {error:g}",
+                remedy="Give a fraction, 0.05 for 5 %",
+            )
+
+
 def _read(
-    path: Path, f: list[float] | None, xi: list[float] | None, threshold: list[float] | None, metric: "Metric"
+    path: Path,
+    f: list[float] | None,
+    xi: list[float] | None,
+    threshold: list[float] | None,
+    metric: "Metric",
+    window: str | None,
 ) -> "xr.Dataset":
     from reliab.criterion import read_ellipses
     from reliab.shipped import or_shipped
@@ -117,14 +158,49 @@ def _read(
 
     path = or_shipped(path, "datasets", "ellipses.nc")
     if path.suffix == ".nc":
-        return _among(open_ellipses(path), f, xi)
-    return read_ellipses(
-        path,
-        frequency=(f or [ONE_HERTZ])[0],
-        damping_ratio=(xi or [TWO_PERCENT])[0],
-        threshold=(threshold or [FIVE_PERCENT])[0],
-        metric=metric,
-    )
+        return _among(open_ellipses(path, window=window), f, xi)
+    if window is not None:
+        raise InputError(
+            "A table of ellipses in CSV does not know over which window its errors were computed",
+            value=f"--window {window}",
+            remedy="Leave it out, or give --motions, --results or a file of ellipses in NetCDF",
+        )
+    dataset = read_ellipses(path)
+    for name, wanted in (("f", f), ("xi", xi), ("threshold", threshold), ("metric", [str(metric)])):
+        _require_column(dataset, name, wanted, path)
+    return _among(dataset, f, xi)
+
+
+def _require_column(
+    dataset: "xr.Dataset", name: str, wanted: "list[float] | list[str] | None", path: Path
+) -> None:
+    """Refuse to relabel a table that is of one structure and error."""
+    import numpy as np
+
+    held = dataset[name].values
+    numeric = held.dtype.kind == "f"
+    for value in wanted or []:
+        known = np.isclose(held, value, rtol=1e-9).any() if numeric else value in held.tolist()
+        if not known and held.size == 1:
+            raise InputError(
+                f"A table of ellipses answers for the {name} for which they were traced, and for no other",
+                value=f"{value} for {path.name}, whose {name} is {held[0]}",
+                remedy=f"Leave --{name} out, or add the column {name} to the table if its ellipses are of another",
+                where=str(path),
+            )
+
+
+def _of_fraction(dataset: "xr.Dataset", alpha: float | None, path: Path) -> "xr.Dataset":
+    """Refuse another experimental fraction than that of the stored boundaries."""
+    stored = float(dataset.attrs.get("experimental_fraction", _WHOLE))
+    if alpha is not None and not math.isclose(alpha, stored, rel_tol=1e-9):
+        raise InputError(
+            "The experimental fraction is that with which the boundaries were computed",
+            value=f"--alpha {alpha:g}, where it is {stored:g}",
+            remedy="Leave --alpha out, or give --motions, whose boundaries are computed for any fraction",
+            where=str(path),
+        )
+    return dataset
 
 
 def _stored(

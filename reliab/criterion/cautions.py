@@ -1,61 +1,109 @@
 """What a user should know before relying on a criterion, in plain sentences."""
 
-from collections.abc import Sequence
-
 import xarray as xr
 
-from reliab.criterion.ellipse_sample import EllipseSample
+from reliab.criterion.ellipse_sample import names_along
 from reliab.criterion.goodness_of_fit import objection
 from reliab.criterion.methods import Method
+from reliab.criterion.sample_grid import SampleGrid
+from reliab.vocabulary import Side
 
 _FEW_EVENTS = 30
+_SHORTFALL = 0.005  # of a plug-in quantile, from which it is worth a sentence
 
 
-def caution_of(ellipses: xr.Dataset) -> tuple[str, ...]:
-    """Take what a dataset of ellipses says against itself, in its attribute `caution`; nothing by default."""
-    return (str(ellipses.attrs["caution"]),) if "caution" in ellipses.attrs else ()
-
-
-def without_promise(method: str, confidence: float, structures: int) -> tuple[str, ...]:
-    """Say that a method can promise nothing at some structures; nothing where there are none.
-
-    Examples
-    --------
-    >>> without_promise("conformal", 0.99, 1)
-    ('Too few motions or earthquakes for conformal at 0.99: the limits are zero, and no test is accepted.',)
-    """
-    if not structures:
-        return ()
-    few = f"Too few motions or earthquakes for {method} at {confidence:g}"
-    return (f"{few}: the limits are zero, and no test is accepted.",)
-
-
-def cautions_of(samples: Sequence[Sequence[EllipseSample]], offered: int, method: Method) -> tuple[str, ...]:
+def cautions_of(
+    ellipses: xr.Dataset, grid: SampleGrid, method: Method, confidence: float, empty: int
+) -> tuple[str, ...]:
     """Say what limits the criterion of a grid of structures.
 
     Parameters
     ----------
-    samples : sequence of sequence of EllipseSample
+    ellipses : xarray.Dataset
+        The dataset, which may say something against itself in its attribute `caution`.
+    grid : SampleGrid
         Motions of every structure.
-    offered : int
-        Motions of the dataset.
     method : Method
         What the confidence means.
+    confidence : float
+        Stated share of the motions.
+    empty : int
+        Number of structures at which the limits are zero.
 
     Returns
     -------
     tuple of str
-        Sentences: motions left out, few earthquakes, lognormality rejected where the method needs it.
+        Sentences, the gravest first.
     """
-    cells = [sample for row in samples for sample in row]
-    fewest = min(sample.n_events for sample in cells)
-    found = (_left_out(cells, offered, method), few_events(fewest), *_not_lognormal(cells, method))
-    return tuple(sentence for sentence in found if sentence)
+    sentences = (
+        _without_promise(grid, method, confidence, empty),
+        str(ellipses.attrs.get("caution", "")),
+        _fitted(grid, method),
+        _left_out(grid, method),
+        few_events(grid.fewest_events),
+        "" if empty else _beyond_the_earthquakes(grid, method, confidence),
+        "" if empty else _shortfall(grid, method, confidence),
+        *_not_lognormal(grid, method),
+    )
+    return tuple(sentence for sentence in sentences if sentence)
 
 
-def _left_out(cells: Sequence[EllipseSample], offered: int, method: Method) -> str:
-    fewest = min(sample.n_motions for sample in cells)
-    if fewest == offered:
+def few_leads(ellipses: xr.Dataset, *, leads: bool) -> tuple[str, ...]:
+    """Say why a criterion has no limits for leads; nothing where it has."""
+    if leads:
+        return ()
+    if Side.LEAD not in names_along(ellipses, "side"):
+        return ("These ellipses are of lags alone: the criterion says nothing of an actuator that leads.",)
+    return ("Too few motions have a boundary for leads: the criterion says nothing of an actuator that leads.",)
+
+
+def _without_promise(grid: SampleGrid, method: Method, confidence: float, empty: int) -> str:
+    if not empty:
+        return ""
+    motions, events = grid.fewest_motions, grid.fewest_events
+    carried = method.carried_confidence(motions, events)
+    return (
+        f"Too few motions or earthquakes for {method.name} at {confidence:g}: {motions} motions of "
+        f"{_earthquakes(events)} carry {carried:.3g} at most, so that the limits are zero and no test is accepted."
+    )
+
+
+def _fitted(grid: SampleGrid, method: Method) -> str:
+    if grid.curve == method.curve:
+        return ""
+    return (
+        "These are ellipses fitted to the boundaries, not inscribed in them: a test inside may exceed the error "
+        "where the boundary runs inside its ellipse."
+    )
+
+
+def _beyond_the_earthquakes(grid: SampleGrid, method: Method, confidence: float) -> str:
+    events = grid.fewest_events
+    if confidence <= events / (events + 1.0) + 1e-9 or method.distribution_free:
+        return ""
+    return (
+        f"{_earthquakes(events).capitalize()} carry {events / (events + 1.0):.3g} by themselves; at {confidence:g} "
+        "the limits rest on the shape of a fitted distribution."
+    )
+
+
+def _shortfall(grid: SampleGrid, method: Method, confidence: float) -> str:
+    share = method.mean_share(confidence, grid.fewest_motions)
+    if confidence - share < _SHORTFALL:
+        return ""
+    return (
+        f"The quantile of a distribution fitted to {grid.fewest_motions} motions is exceeded by {share:.3g} of "
+        f"further ones on average, not by {confidence:g}; dirichlet and predictive allow for it."
+    )
+
+
+def _earthquakes(events: int) -> str:
+    return "one earthquake" if events == 1 else f"{events} earthquakes"
+
+
+def _left_out(grid: SampleGrid, method: Method) -> str:
+    fewest = grid.fewest_motions
+    if fewest == grid.n_motions or method.samples_chains:  # a hierarchical model draws what motions lack
         return ""
     consequence = (
         "which narrows the fitted distribution, so that its lower quantile may lie a little too high; "
@@ -64,8 +112,8 @@ def _left_out(cells: Sequence[EllipseSample], offered: int, method: Method) -> s
         else "so that this is on the safe side"
     )
     return (
-        f"Up to {offered - fewest} of {offered} motions have no ellipse at some structure and were left out "
-        f"there: their boundaries reach beyond five damping ratios of amplitude error, {consequence}."
+        f"Up to {grid.n_motions - fewest} of {grid.n_motions} motions have no ellipse at some structure and were "
+        f"left out there: their boundaries reach beyond five damping ratios of amplitude error, {consequence}."
     )
 
 
@@ -89,11 +137,11 @@ def few_events(fewest: int) -> str:
     """
     if fewest >= _FEW_EVENTS:
         return ""
-    noun = "one earthquake" if fewest == 1 else f"{fewest} earthquakes"
-    return f"The motions come from {noun} only, and motions of one earthquake are alike."
+    return f"The motions come from {_earthquakes(fewest)} only, and motions of one earthquake are alike."
 
 
-def _not_lognormal(cells: Sequence[EllipseSample], method: Method) -> list[str]:
+def _not_lognormal(grid: SampleGrid, method: Method) -> list[str]:
+    cells = grid.cells
     if not method.assumes_lognormality:
         return []
     objections = [(objection(sample.a, "a"), objection(sample.b, "b")) for sample in cells]

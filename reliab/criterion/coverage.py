@@ -14,8 +14,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from reliab.criterion.ellipse_sample import EllipseSample
-from reliab.criterion.joint import limits
-from reliab.criterion.methods import Method
+from reliab.criterion.methods import Method, limits
 from reliab.progress import Progress, silent
 
 _FURTHER = 200_000  # motions that stand for the population

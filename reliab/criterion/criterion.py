@@ -1,18 +1,17 @@
 """The criterion: how much amplitude error and delay a test may have."""
 
-import json
-from dataclasses import asdict, dataclass, field
-from typing import Any
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reliab.criterion.laws import OF_MANY_MOTIONS, Law, known, law_from_dict, law_to_dict
+from reliab.criterion.criterion_file import PLAIN, from_text, to_text
+from reliab.criterion.laws import OF_MANY_MOTIONS, Law, known
 from reliab.criterion.methods.method import checked_share
 from reliab.criterion.population import Population
-from reliab.criterion.provenance import SCHEMA_VERSION, Provenance
+from reliab.criterion.provenance import Provenance
 from reliab.errors import InputError
-from reliab.vocabulary import Metric
+from reliab.vocabulary import Metric, Side
 
 _MILLISECONDS = 1e3
 
@@ -27,7 +26,9 @@ class Criterion:
     Parameters
     ----------
     law : Law
-        Limits a [-] and b [ms²] of a structure.
+        Limits a [-] and b [ms²] of a structure for an actuator that is late, d ≥ 0.
+    lead_law : Law, optional
+        The same for an actuator that is early, d < 0; None where nothing is known of leads.
     threshold : float
         Error of the whole test [-].
     metric : str
@@ -40,8 +41,13 @@ class Criterion:
         Whether a and b hold together with the stated confidence, or each for itself.
     provenance : Provenance
         Where the criterion comes from.
-    population : Population, optional
+    population, lead_population : Population, optional
         The motions behind it, from which probabilities follow; a published law has none.
+
+    Raises
+    ------
+    InputError
+        If the confidence is no share, the threshold not positive and finite, or the law for another error.
 
     Examples
     --------
@@ -53,6 +59,7 @@ class Criterion:
     """
 
     law: Law
+    lead_law: Law | None = None
     threshold: float
     metric: str
     confidence: float
@@ -60,9 +67,12 @@ class Criterion:
     joint: bool
     provenance: Provenance
     population: Population | None = field(default=None, compare=False)
+    lead_population: Population | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
-        self.law.validity.require_error(self.threshold, self.metric)
+        for law in (self.law, self.lead_law):
+            if law is not None:
+                law.validity.require_error(self.threshold, self.metric)
         checked_share(self.confidence, "confidence")
         if not 0.0 < self.threshold < np.inf:
             raise InputError(
@@ -72,7 +82,7 @@ class Criterion:
             )
 
     def limits(
-        self, frequency: ArrayLike, damping_ratio: ArrayLike
+        self, frequency: ArrayLike, damping_ratio: ArrayLike, side: str = Side.LAG
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Ellipse parameters of structures.
 
@@ -80,49 +90,57 @@ class Criterion:
         ----------
         frequency, damping_ratio : array_like
             Structures [Hz, -], broadcast against each other.
+        side : str, optional
+            "lag" for an actuator that is late, "lead" for one that is early.
 
         Returns
         -------
         a, b : numpy.ndarray
-            Limits [-] and [ms²].
+            Limits [-] and [ms²], finite; zero where no test is accepted.
 
         Raises
         ------
         InputError
-            If a structure lies where the law does not hold.
+            If a structure lies where the law does not hold, or the criterion says nothing of leads.
         """
-        return self.law.limits(frequency, damping_ratio)
+        return self._law(side).limits(frequency, damping_ratio)
 
     def index(
         self, amplitude: ArrayLike, delay: ArrayLike, frequency: ArrayLike, damping_ratio: ArrayLike
     ) -> NDArray[np.float64]:
         """Index of reliability (A − 1)²/a + d²/b; a test is reliable up to 1.
 
+        A negative delay is a lead and has limits of its own. The paper's printed laws have d² and no limits
+        for leads: they count a lead as a lag of the same size.
+
         Parameters
         ----------
         amplitude : array_like
             Amplitude index A [-].
         delay : array_like
-            Equivalent delay d [s].
+            Equivalent delay d [s], negative for a lead.
         frequency, damping_ratio : array_like
             The structure [Hz, -]; all four are broadcast against each other.
 
         Returns
         -------
         numpy.ndarray
-            The index [-]; infinite where a limit is zero.
+            The index [-]; infinite where a limit is zero, since no test is accepted there.
 
         Raises
         ------
         InputError
-            If a structure lies where the law does not hold.
+            If an index of the test is not finite, a structure lies where the law does not hold, or a test
+            leads and the criterion says nothing of leads.
         """
-        a, b = self.limits(frequency, damping_ratio)
-        offset = np.asarray(amplitude, dtype=np.float64) - 1.0
-        milliseconds = _MILLISECONDS * np.asarray(delay, dtype=np.float64)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            index = offset**2 / a + milliseconds**2 / b
-        return np.where((a > 0.0) & (b > 0.0), index, np.inf)
+        offset, milliseconds, f, xi = _broadcast(amplitude, delay, frequency, damping_ratio)
+        index = np.empty(offset.shape)
+        for side, chosen in _sides(milliseconds):
+            a, b = self.limits(f[chosen], xi[chosen], side)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                sums = offset[chosen] ** 2 / a + milliseconds[chosen] ** 2 / b
+            index[chosen] = np.where((a > 0.0) & (b > 0.0), sums, np.inf)
+        return index
 
     def probability(
         self, amplitude: ArrayLike, delay: ArrayLike, frequency: ArrayLike, damping_ratio: ArrayLike
@@ -134,7 +152,7 @@ class Criterion:
         amplitude : array_like
             Amplitude index A [-].
         delay : array_like
-            Equivalent delay d [s].
+            Equivalent delay d [s], negative for a lead.
         frequency, damping_ratio : array_like
             The structure [Hz, -]; all four are broadcast against each other.
 
@@ -146,7 +164,8 @@ class Criterion:
         Raises
         ------
         InputError
-            If the structure lies outside of what was simulated, or no motions stand behind the criterion.
+            If the structure lies outside of what was simulated, no motions stand behind the criterion, or
+            those there are say nothing of leads.
         """
         if self.population is None:
             raise InputError(
@@ -154,20 +173,34 @@ class Criterion:
                 value=f"the published law {self.law.name}",
                 remedy="Derive a criterion from motions, a results store or a table of ellipses",
             )
-        return self.population.probability(amplitude, delay, frequency, damping_ratio)
+        offset, milliseconds, f, xi = _broadcast(amplitude, delay, frequency, damping_ratio)
+        probability = np.empty(offset.shape)
+        for side, chosen in _sides(milliseconds):
+            population = self.population if side == Side.LAG else self.lead_population
+            if population is None:
+                raise _no_leads()
+            probability[chosen] = population.probability(
+                1.0 + offset[chosen], milliseconds[chosen] / _MILLISECONDS, f[chosen], xi[chosen]
+            )
+        return probability
+
+    def _law(self, side: str) -> Law:
+        if side == Side.LAG:
+            return self.law
+        if self.lead_law is not None:
+            return self.lead_law
+        if self.law.counts_leads_as_lags:
+            return self.law
+        raise _no_leads()
 
     def to_json(self) -> str:
         """Serialise with provenance; `from_json` reads it back."""
-        content = {
-            "schema_version": SCHEMA_VERSION,
-            **{
-                name: getattr(self, name) for name in ("threshold", "metric", "confidence", "method", "joint")
-            },
-            "law": law_to_dict(self.law),
-            "population": None if self.population is None else self.population.to_dict(),
-            "provenance": asdict(self.provenance),
-        }
-        return json.dumps(content, indent=2, ensure_ascii=False)
+        return to_text(
+            {name: getattr(self, name) for name in PLAIN},
+            {name: getattr(self, name) for name in ("law", "lead_law")},
+            {name: getattr(self, name) for name in ("population", "lead_population")},
+            self.provenance,
+        )
 
     @classmethod
     def from_json(cls, text: str) -> "Criterion":
@@ -186,17 +219,41 @@ class Criterion:
         Raises
         ------
         InputError
-            If the text is not such JSON, or of a newer schema.
+            If the text is not such JSON, of another schema, lacks a key or has one too many, or holds a number
+            that is not finite or limits that are no table.
         """
-        content = _checked_content(text)
-        provenance, population = content.pop("provenance"), content.pop("population")
-        provenance["warnings"] = tuple(provenance["warnings"])
-        return cls(
-            law=law_from_dict(content.pop("law")),
-            provenance=Provenance(**provenance),
-            population=None if population is None else Population.from_dict(population),
-            **content,
-        )
+        return cls(**from_text(text))
+
+
+def _broadcast(
+    amplitude: ArrayLike, delay: ArrayLike, frequency: ArrayLike, damping_ratio: ArrayLike
+) -> tuple[NDArray[np.float64], ...]:
+    """A − 1 [-], d [ms], f [Hz] and ξ [-] in one shape."""
+    arrays = np.broadcast_arrays(
+        *(np.asarray(values, dtype=np.float64) for values in (amplitude, delay, frequency, damping_ratio))
+    )
+    for name, values in (("amplitude A", arrays[0]), ("delay d", arrays[1])):
+        if not np.isfinite(values).all():
+            raise InputError(
+                f"The {name} of a test must be finite",
+                value=values[~np.isfinite(values)].flat[0],
+                remedy="Check the recordings from which it was computed",
+            )
+    return arrays[0] - 1.0, _MILLISECONDS * arrays[1], arrays[2], arrays[3]
+
+
+def _sides(milliseconds: NDArray[np.float64]) -> list[tuple[str, NDArray[np.bool_]]]:
+    """Sides of the tests with their delays, those with tests only."""
+    lead = milliseconds < 0.0
+    return [(side, chosen) for side, chosen in ((Side.LAG, ~lead), (Side.LEAD, lead)) if chosen.any()]
+
+
+def _no_leads() -> InputError:
+    return InputError(
+        "A test that leads (d < 0) is judged by limits for leads",
+        value="a criterion that was derived from lags alone",
+        remedy="Derive it again from records, stored results or ellipses that hold both sides",
+    )
 
 
 def published_criterion(name: str) -> Criterion:
@@ -236,21 +293,3 @@ def published_criterion(name: str) -> Criterion:
         provenance=Provenance(source=f"Guo and others (2017), {law.equation}", n_motions=100, n_events=19),
     )
 
-
-def _checked_content(text: str) -> dict[str, Any]:
-    try:
-        content = json.loads(text)
-        schema = content.pop("schema_version")
-    except (ValueError, AttributeError, KeyError, TypeError) as error:
-        raise InputError(
-            "A criterion must be JSON as written by `reliab criterion --out`",
-            value=str(error),
-            remedy="Write it again with this version",
-        ) from error
-    if schema != SCHEMA_VERSION:
-        raise InputError(
-            f"The schema of a criterion must be version {SCHEMA_VERSION}",
-            value=schema,
-            remedy="Use the version of reliab that wrote it, or derive it again",
-        )
-    return dict(content)

@@ -1,37 +1,39 @@
 """From a dataset of ellipses to a criterion."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, Self
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
-from reliab.criterion.bayes.posterior_criterion import fit_hierarchical
-from reliab.criterion.cautions import caution_of, cautions_of, without_promise
+from reliab.criterion.cautions import cautions_of, few_leads
 from reliab.criterion.criterion import Criterion
-from reliab.criterion.ellipse_sample import EllipseSample, position, sample_of
-from reliab.criterion.joint import limits
+from reliab.criterion.ellipse_sample import names_along, position
+from reliab.criterion.law_scaling import contained_alike
 from reliab.criterion.laws import FITTED, FittedLaw, Law, Table, known
-from reliab.criterion.methods import HIERARCHICAL, RECOMMENDED, HierarchicalPosterior, Method, any_method_of
-from reliab.criterion.population import Population
-from reliab.criterion.provenance import Provenance, records_checksum
+from reliab.criterion.meaning import require_meaning
+from reliab.criterion.methods import RECOMMENDED, Learned, Method, method_of
+from reliab.criterion.methods.method import checked_share
+from reliab.criterion.provenance import Provenance, kind_of_motions, records_checksum
+from reliab.criterion.sample_grid import SampleGrid
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
-from reliab.vocabulary import Metric
+from reliab.vocabulary import CurveName, Metric, Side
 
 
 def derive_criterion(
     ellipses: xr.Dataset,
     *,
-    method: Method | HierarchicalPosterior | str = RECOMMENDED,
+    method: Method | str = RECOMMENDED,
     assurance: float | None = None,
     distribution: str | None = None,
     steps: int | None = None,
     chains: str | Path | None = None,
     frequency: float | None = None,
     damping_ratio: float | None = None,
-    joint: bool = True,
+    joint: bool | None = None,
     law: FittedLaw | str = Table,
     threshold: float = 0.05,
     metric: str = Metric.RMS,
@@ -41,25 +43,29 @@ def derive_criterion(
 ) -> Criterion:
     """Derive a criterion from the ellipses of many ground motions.
 
-    Limits are derived for every structure of the dataset, and a law is fitted to them. A fitted law
-    misses some of them a little; all its limits are therefore scaled by one factor, so that on average
-    over the structures as many of the motions are contained as by the limits themselves.
+    Limits are derived for every structure of the dataset, for lags and, where the dataset has them, for
+    leads, and a law is fitted to them. A fitted law misses some of them a little; all its limits are therefore
+    scaled by one factor, so that on average over the structures as many of the motions are contained as by the
+    limits themselves.
 
     Parameters
     ----------
     ellipses : xarray.Dataset
         As `reliab.sweep.trace_ellipses` or `reliab.criterion.read_ellipses` make it.
-    method : Method or HierarchicalPosterior or str, optional
-        What the confidence means, or its name; the recommended one by default.
+    method : Method or str, optional
+        What the confidence means, or its name; the recommended one by default. The paper's is "quantile";
+        it rests on ellipses fitted to the boundaries, every other method on
+        ellipses inscribed in them where the dataset has those.
     assurance, distribution, steps : optional
         Settings of a method that is given by its name, where it has them.
     chains : str or pathlib.Path, optional
-        For the hierarchical methods, the HDF5 file of the chains; a run that stopped, or was too short, goes
-        on where it ended.
+        For the hierarchical methods, the HDF5 file of the chains; with it an interrupted run resumes, and a run
+        that was too short is lengthened.
     frequency, damping_ratio : float, optional
         The only structure to derive it for [Hz, -], one of the dataset's; all of them by default.
     joint : bool, optional
-        Whether a and b hold together, or each for itself.
+        Whether a and b hold together, or each for itself; by default together, and for the paper's
+        "quantile" each for itself.
     law : type of Law or str, optional
         How the limits depend on the structure, or its name; by default they are kept as a table.
     threshold : float, optional
@@ -76,7 +82,8 @@ def derive_criterion(
     Returns
     -------
     Criterion
-        Valid for the structures of the dataset and between them.
+        Valid for the structures of the dataset and between them. Its limits are zero, with a reason among its
+        warnings, where the motions and earthquakes cannot carry the confidence.
 
     Warns
     -----
@@ -86,8 +93,9 @@ def derive_criterion(
     Raises
     ------
     InputError
-        If the dataset has no such threshold or metric, or too few motions, the method has no such
-        setting, or can promise nothing with so few that a law could be fitted to.
+        If the dataset has no such threshold or metric, or too few motions, an actuator that does not move
+        would pass at the threshold, the method has no such setting, or nothing can be promised that a law
+        could be fitted to.
 
     Examples
     --------
@@ -96,72 +104,208 @@ def derive_criterion(
     >>> from reliab.criterion import read_ellipses
     >>> from reliab.shipped import shipped
     >>> ellipses = read_ellipses(shipped("datasets", "paper/table2.csv"))
-    >>> criterion = derive_criterion(ellipses, method="quantile", joint=False)
+    >>> criterion = derive_criterion(ellipses, method="quantile")
     >>> a, b = criterion.limits(1.0, 0.02)
     >>> print(f"{a:.2e} {b:.3f}")
     5.29e-05 1.048
     """
     settings = {"assurance": assurance, "distribution": distribution, "steps": steps}
-    method = any_method_of(method, **settings) if isinstance(method, str) else method
-    law = known(FITTED, law) if isinstance(law, str) else law
-    ordered = _only(ellipses, "f", frequency).pipe(_only, "xi", damping_ratio)
-    if isinstance(method, HierarchicalPosterior):
-        fit = fit_hierarchical(
-            ordered,
-            method,
-            threshold=threshold,
-            metric=str(metric),
-            law=law,
-            chains=chains,
-            progress=progress,
-        )
-        fit.posterior.warn_unless_converged()
-        return fit.criterion(confidence, joint=joint, source=source)
-    require_no_chains(chains, method.name)
-    samples = _samples(ordered, threshold, str(metric))
-    found = np.array([[limits(each, method, confidence, joint=joint) for each in row] for row in samples])
-    empty = int((found <= 0.0).any(axis=-1).sum())
-    if empty and law is not Table:
-        raise InputError(
-            "A law is fitted where the method can promise something at every structure",
-            value=f"too few motions for {method.name} at {confidence:g} at {empty} structures",
-            remedy="Give more motions or a lower confidence, or choose another method",
-        )
-    fitted: Law = law.fit(ordered["f"].values, ordered["xi"].values, found[..., 0], found[..., 1])
-    if law is not Table:
-        fitted = _contained_alike(law, fitted, samples, found)
-    return Criterion(
-        law=fitted,
+    derivation = Derivation.of(
+        ellipses,
+        method=method_of(method, **settings) if isinstance(method, str) else method,
+        law=known(FITTED, law) if isinstance(law, str) else law,
+        frequency=frequency,
+        damping_ratio=damping_ratio,
         threshold=threshold,
         metric=str(metric),
-        confidence=confidence,
-        method=method.name,
-        joint=joint,
-        population=Population.of(ordered, threshold=threshold, metric=str(metric)),
-        provenance=Provenance(
-            source=source,
-            n_motions=ellipses.sizes["motion"],
-            n_events=int(np.unique(ellipses["event"]).size),
-            records_checksum=records_checksum(ellipses),
-            window=str(ellipses.attrs.get("window", "unknown")),
-            settings=method.settings,
-            warnings=(
-                *without_promise(method.name, confidence, empty),
-                *caution_of(ellipses),
-                *cautions_of(samples, ellipses.sizes["motion"], method),
-            ),
-        ),
+        chains=None if chains is None else Path(chains),
+        progress=progress,
     )
+    criterion = derivation.criterion(confidence, joint=joint, source=source)
+    derivation.warn_unless_converged()
+    return criterion
 
 
-def require_no_chains(chains: str | Path | None, method: str) -> None:
-    """Refuse a file of chains for a method that samples none."""
-    if chains is not None:
-        raise InputError(
-            "Only the hierarchical methods sample chains",
-            value=f"chains for {method}",
-            remedy=f"Leave them out, or choose {' or '.join(HIERARCHICAL)}",
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _LearnedSide:
+    """One side of the boundaries: its motions, and what a method learned from them."""
+
+    grid: SampleGrid
+    learned: Learned
+
+    def law(self, kind: FittedLaw, method: Method, confidence: float, *, joint: bool) -> tuple[Law, int]:
+        """Fit a law to the limits; return it with the number of structures at which they are zero."""
+        limits = self.learned.limits(confidence, joint=joint)
+        for row, column in np.ndindex(limits.shape[:2]):
+            sample = self.grid.samples[row][column]
+            if not method.carries(confidence, sample.n_motions, sample.n_events):
+                limits[row, column] = 0.0
+        empty = int((limits <= 0.0).any(axis=-1).sum())
+        if empty and kind is not Table:
+            raise InputError(
+                "A law is fitted where the method can promise something at every structure",
+                value=f"too few motions or earthquakes for {method.name} at {confidence:g} at {empty} structures",
+                remedy="Give more motions or a lower confidence, or keep the limits as a table",
+            )
+        grid = self.grid.frequencies, self.grid.damping_ratios
+        law: Law = kind.fit(*grid, limits[..., 0], limits[..., 1])
+        return (law if kind is Table else contained_alike(kind, law, self.grid, limits)), empty
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Derivation:
+    """What was learned from ellipses, from which criteria follow at any confidence.
+
+    Parameters
+    ----------
+    ellipses : xarray.Dataset
+        The ellipses of the structures that are asked for.
+    method : Method
+        What the confidence means.
+    law : type of Law
+        How the limits depend on the structure.
+    lag : _LearnedSide
+        What was learned of actuators that are late.
+    lead : _LearnedSide, optional
+        The same of actuators that are early, where the ellipses have that side.
+    """
+
+    ellipses: xr.Dataset
+    method: Method
+    law: FittedLaw
+    lag: _LearnedSide
+    lead: _LearnedSide | None
+
+    @classmethod
+    def of(
+        cls,
+        ellipses: xr.Dataset,
+        *,
+        method: Method,
+        law: FittedLaw = Table,
+        frequency: float | None = None,
+        damping_ratio: float | None = None,
+        threshold: float,
+        metric: str,
+        chains: Path | None = None,
+        progress: Progress = silent,
+    ) -> Self:
+        """Learn from ellipses; the parameters are those of :func:`derive_criterion`."""
+        chosen = _only(ellipses, "f", frequency).pipe(_only, "xi", damping_ratio)
+        require_meaning(chosen, threshold=threshold, metric=metric)
+        curves = names_along(chosen, "curve")
+        error = {
+            "threshold": threshold,
+            "metric": metric,
+            "curve": method.curve if method.curve in curves else str(CurveName.ELLIPSE),
+        }
+        sides = {}
+        for side in names_along(chosen, "side"):
+            try:
+                grid = SampleGrid.of(chosen, side=side, **error)  # type: ignore[arg-type]
+            except InputError:
+                if side == Side.LAG:
+                    raise
+                continue  # too few motions have a boundary on this side; the criterion then says so
+            learned = method.learn(grid, law=law.name, chains=chains, progress=progress)
+            sides[side] = _LearnedSide(grid=grid, learned=learned)
+        if Side.LAG not in sides:
+            raise InputError(
+                "A criterion is derived from boundaries of actuators that are late",
+                value=f"ellipses of {', '.join(names_along(chosen, 'side'))} alone",
+                remedy="Trace the boundaries of both sides",
+            )
+        return cls(
+            ellipses=chosen, method=method, law=law, lag=sides[Side.LAG], lead=sides.get(str(Side.LEAD))
         )
+
+    @property
+    def diagnostics(self) -> list[Mapping[str, Any]]:
+        """Convergence of sampled posteriors, one for each side; empty for methods that sample none."""
+        return [each.learned.diagnostics for each in self._sides if each.learned.diagnostics is not None]
+
+    @property
+    def learned(self) -> list[Learned]:
+        """What was learned of each side, lags first."""
+        return [each.learned for each in self._sides]
+
+    @property
+    def _sides(self) -> list[_LearnedSide]:
+        return [self.lag] if self.lead is None else [self.lag, self.lead]
+
+    def criterion(
+        self,
+        confidence: float,
+        *,
+        joint: bool | None = None,
+        source: str = "ellipses of ground motions",
+    ) -> Criterion:
+        """Derive a criterion.
+
+        Parameters
+        ----------
+        confidence : float
+            Share of ground motions, in (0, 1).
+        joint : bool, optional
+            Whether a and b hold together; by default as the method means it.
+        source : str, optional
+            Where the ellipses came from, in words.
+
+        Returns
+        -------
+        Criterion
+            With whatever should be known of it among its warnings.
+        """
+        checked_share(confidence, "confidence")
+        joint = self.method.joint_by_default if joint is None else joint
+        laws = [each.law(self.law, self.method, confidence, joint=joint) for each in self._sides]
+        grid = self.lag.grid
+        return Criterion(
+            law=laws[0][0],
+            lead_law=None if self.lead is None else laws[1][0],
+            threshold=grid.threshold,
+            metric=grid.metric,
+            confidence=confidence,
+            method=self.method.name,
+            joint=joint,
+            population=grid.population,
+            lead_population=None if self.lead is None else self.lead.grid.population,
+            provenance=self._provenance(confidence, laws[0][1], source),
+        )
+
+    def _provenance(self, confidence: float, empty: int, source: str) -> Provenance:
+        carried = self.method.carried_confidence(self.lag.grid.fewest_motions, self.lag.grid.fewest_events)
+        return Provenance(
+            source=source,
+            motions=kind_of_motions(self.ellipses["event"].values.tolist()),
+            n_motions=self.ellipses.sizes["motion"],
+            n_events=int(np.unique(self.ellipses["event"]).size),
+            records_checksum=records_checksum(self.ellipses),
+            window=str(self.ellipses.attrs.get("window", "unknown")),
+            experimental_fraction=float(self.ellipses.attrs.get("experimental_fraction", 1.0)),
+            curve=self.lag.grid.curve,
+            settings={
+                **self.method.settings,
+                **self.lag.learned.settings,
+                "carried_confidence": carried,
+                **({"converged": self.converged} if self.diagnostics else {}),
+            },
+            warnings=(
+                *(sentence for each in self._sides for sentence in each.learned.warnings),
+                *cautions_of(self.ellipses, self.lag.grid, self.method, confidence, empty),
+                *few_leads(self.ellipses, leads=self.lead is not None),
+            ),
+        )
+
+    @property
+    def converged(self) -> bool:
+        """Whether every posterior that was sampled can be relied on."""
+        return all(bool(each["converged"]) for each in self.diagnostics)
+
+    def warn_unless_converged(self) -> None:
+        """Issue a :class:`~reliab.sampling.ConvergenceWarning` where a posterior cannot be relied on."""
+        for each in self.learned:
+            each.warn_unless_converged()
 
 
 def _only(ellipses: xr.Dataset, name: str, value: float | None) -> xr.Dataset:
@@ -169,45 +313,3 @@ def _only(ellipses: xr.Dataset, name: str, value: float | None) -> xr.Dataset:
     if value is None:
         return ellipses.sortby(name)
     return ellipses.isel({name: [position(ellipses, name, value)]})
-
-
-def _samples(ellipses: xr.Dataset, threshold: float, metric: str) -> list[list[EllipseSample]]:
-    return [
-        [
-            sample_of(ellipses, frequency=f, damping_ratio=xi, threshold=threshold, metric=metric)
-            for xi in ellipses["xi"].values.tolist()
-        ]
-        for f in ellipses["f"].values.tolist()
-    ]
-
-
-def _contained_alike(
-    law: FittedLaw, fitted: Law, samples: Sequence[Sequence[EllipseSample]], found: NDArray[np.float64]
-) -> Law:
-    """Scale a law so that it contains as many motions as the limits that it was fitted to."""
-    cells = [each for row in samples for each in row]
-    contained = [np.mean(room(s, *pair) >= 1.0) for s, pair in zip(cells, found.reshape(-1, 2), strict=True)]
-    rooms = [room(s, *(float(limit) for limit in fitted.limits(s.frequency, s.damping_ratio))) for s in cells]
-    factor = np.quantile(np.concatenate(rooms), 1.0 - np.mean(contained), method="lower")
-    frequencies = [row[0].frequency for row in samples]
-    damping_ratios = [each.damping_ratio for each in samples[0]]
-    a, b = fitted.limits(np.asarray(frequencies)[:, None], np.asarray(damping_ratios)[None, :])
-    return law.fit(frequencies, damping_ratios, factor * a, factor * b)
-
-
-def room(sample: EllipseSample, a: float, b: float) -> NDArray[np.float64]:
-    """Factor by which limits could grow before a motion's own ellipse no longer contains theirs.
-
-    Parameters
-    ----------
-    sample : EllipseSample
-        The motions.
-    a, b : float
-        The limits [-] and [ms²], positive.
-
-    Returns
-    -------
-    array of float, shape (motions,)
-        Factors on a and b; a motion contains the limits where its factor is at least 1.
-    """
-    return np.minimum(sample.a / a, sample.b / b)

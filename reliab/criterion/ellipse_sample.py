@@ -7,9 +7,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from reliab.errors import InputError
+from reliab.vocabulary import LABELS, CurveName, Dimension, Side
 
 FEWEST_MOTIONS = 3
 """A spread cannot be learned from fewer."""
+
+_ALIKE = 1e-6  # relative differences below that are rounding, not ground motions
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -36,7 +39,8 @@ class EllipseSample:
     Raises
     ------
     InputError
-        If there are fewer than three motions, or a parameter is not positive and finite.
+        If there are fewer than three motions, a parameter is not positive and finite, or it is the same under
+        all motions.
 
     Examples
     --------
@@ -74,6 +78,12 @@ class EllipseSample:
                     remedy="Leave the motion out, or trace its boundary again",
                     where=str(self.motions[wrong][0]),
                 )
+            if np.ptp(np.log(values)) < _ALIKE:
+                raise InputError(
+                    f"The ellipse parameter {name} must differ between ground motions",
+                    value=f"{values.size} times {values[0]:g}",
+                    remedy="Give different ground motions, each one once",
+                )
 
     @property
     def log_a(self) -> NDArray[np.float64]:
@@ -97,44 +107,55 @@ class EllipseSample:
 
     @property
     def correlation(self) -> float:
-        """Correlation coefficient of a and b, the paper's 0.9774; NaN when one of them is constant."""
-        with np.errstate(invalid="ignore", divide="ignore"):
-            return float(np.corrcoef(self.a, self.b)[0, 1])
+        """Correlation coefficient of a and b, the paper's 0.9774."""
+        return float(np.corrcoef(self.a, self.b)[0, 1])
 
 
 def sample_of(
-    ellipses: xr.Dataset, *, frequency: float, damping_ratio: float, threshold: float, metric: str
+    ellipses: xr.Dataset,
+    *,
+    frequency: float,
+    damping_ratio: float,
+    threshold: float,
+    metric: str,
+    curve: str = CurveName.ELLIPSE,
+    side: str = Side.LAG,
 ) -> EllipseSample:
     """Take the ellipses of one structure at one error from a dataset.
 
     Parameters
     ----------
     ellipses : xarray.Dataset
-        Variables `a` [-] and `b` [ms²] over (motion, f, xi, threshold, metric, curve, side) with the
-        coordinate `event`; motions without an ellipse there are left out (see `is_ellipse`).
-    frequency, damping_ratio, threshold, metric
-        The structure [Hz, -], the error on the boundary [-] and its name, all in the dataset.
+        `a` [-] and `b` [ms²] over (motion, f, xi, threshold, metric, curve, side), with the coordinate
+        `event`.
+    frequency : float
+        Natural frequency of the structure [Hz].
+    damping_ratio : float
+        Its damping ratio [-].
+    threshold : float
+        Error on the boundaries [-].
+    metric : str
+        Which error.
+    curve : str, optional
+        Which ellipses: fitted to the boundaries by least squares, or inscribed.
+    side : str, optional
+        Side of the boundaries: "lag" or "lead".
 
     Returns
     -------
     EllipseSample
-        The sample.
+        Every motion for which both parameters are positive and finite.
 
     Raises
     ------
     InputError
-        If the dataset has no such structure, threshold or metric.
+        If the dataset lacks the structure, the error, the curve or the side, or too few motions have an
+        ellipse there.
     """
-    wanted = {"f": frequency, "xi": damping_ratio, "threshold": threshold}
-    chosen = {name: position(ellipses, name, value) for name, value in wanted.items()}
-    names = [str(name) for name in ellipses["metric"].values]
-    if metric not in names:
-        raise InputError(
-            "The ellipses must have been traced for the metric",
-            value=metric,
-            remedy=f"Choose among {', '.join(names)}",
-        )
-    cell = ellipses.isel(chosen).sel(metric=metric, curve="ellipse", side="lag")
+    cell = of_curve(ellipses, curve, side)
+    for name, value in (("f", frequency), ("xi", damping_ratio), ("threshold", threshold)):
+        cell = cell.isel({name: position(cell, name, value)})
+    cell = cell.isel(metric=position_of_name(cell, "metric", metric))
     known = is_ellipse(cell["a"].values, cell["b"].values)
     return EllipseSample(
         a=cell["a"].values[known].astype(np.float64),
@@ -145,6 +166,58 @@ def sample_of(
         damping_ratio=damping_ratio,
         threshold=threshold,
         metric=metric,
+    )
+
+
+def of_curve(ellipses: xr.Dataset, curve: str, side: str) -> xr.Dataset:
+    """Take one kind of ellipse and one side of the boundaries from a dataset.
+
+    Parameters
+    ----------
+    ellipses : xarray.Dataset
+        Over motions, structures and errors. Without the dimension `curve` its ellipses are those fitted by
+        least squares; without the dimension `side` they are of lags.
+    curve, side : str
+        Names of `CurveName` and `Side`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Without both dimensions.
+
+    Raises
+    ------
+    InputError
+        If the dataset has no such ellipses.
+    """
+    for name, value in ((Dimension.CURVE, curve), (Dimension.SIDE, side)):
+        if name in ellipses.dims:
+            ellipses = ellipses.isel({name: position_of_name(ellipses, name, value)})
+        elif value not in names_along(ellipses, name):
+            raise _absent(name, value, names_along(ellipses, name))
+    return ellipses
+
+
+def names_along(ellipses: xr.Dataset, name: str) -> list[str]:
+    """Names along the dimension `curve`, `side` or `metric`; older files hold fitted ellipses of lags only."""
+    if name in ellipses.coords:
+        return [str(value) for value in np.atleast_1d(ellipses[name].values)]
+    return [str({Dimension.CURVE: CurveName.ELLIPSE, Dimension.SIDE: Side.LAG}[Dimension(name)])]
+
+
+def position_of_name(ellipses: xr.Dataset, name: str, value: str) -> int:
+    """Find a name along the dimension `curve`, `side` or `metric`, or say which there are."""
+    names = names_along(ellipses, name)
+    if value not in names:
+        raise _absent(name, value, names)
+    return names.index(value)
+
+
+def _absent(name: str, value: str, names: list[str]) -> InputError:
+    return InputError(
+        f"The ellipses must have been traced for the {LABELS[str(name)].long_name}",
+        value=value,
+        remedy=f"Choose among {', '.join(names)}, or trace the boundaries again",
     )
 
 
@@ -198,6 +271,6 @@ def position(ellipses: xr.Dataset, name: str, value: float) -> int:
         raise InputError(
             f"The ellipses must have been traced for the {ellipses[name].attrs.get('long_name', name)}",
             value=f"{value:g}",
-            remedy=f"Choose among {', '.join(f'{each:g}' for each in values)}",
+            remedy=f"Choose among {', '.join(f'{value:g}' for value in values)}",
         )
     return int(close[0])

@@ -27,7 +27,8 @@ class EventComponents:
     @property
     def event_share(self) -> NDArray[np.float64]:
         """Share of the variance that lies between earthquakes [-], the intraclass correlation."""
-        return np.asarray(self.between / (self.between + self.within))
+        total = self.between + self.within
+        return np.asarray(self.between / np.where(total > 0.0, total, 1.0))
 
 
 def event_components(values: NDArray[np.float64], events: NDArray[np.str_]) -> EventComponents:
@@ -42,7 +43,7 @@ def event_components(values: NDArray[np.float64], events: NDArray[np.str_]) -> E
     Parameters
     ----------
     values : array of float, shape (motions, ...)
-        Values, not all equal.
+        Values.
     events : array of str, shape (motions,)
         Earthquake of each motion.
 
@@ -80,7 +81,9 @@ def event_components(values: NDArray[np.float64], events: NDArray[np.str_]) -> E
     between = np.maximum((explained / (k - 1) - within) / mean_size, 0.0)
     within = np.where(between > 0.0, within, total / (n - 1))
     variance_of_mean = between * (sizes**2).sum() / n**2 + within / n
-    effective = np.maximum((between + within) / variance_of_mean, _FEWEST_EFFECTIVE)
+    varied = variance_of_mean > 0.0  # equal values are worth as many motions as there are
+    effective = np.where(varied, (between + within) / np.where(varied, variance_of_mean, 1.0), float(n))
+    effective = np.maximum(effective, _FEWEST_EFFECTIVE)
     return EventComponents(
         between=np.asarray(between), within=np.asarray(within), effective_number=np.asarray(effective)
     )

@@ -11,9 +11,11 @@ from scipy.stats import multivariate_normal, norm
 
 from reliab.criterion.distribution_comparison import leave_one_event_out
 from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, FittedLaw, Law
+from reliab.criterion.methods import Scatter
 from reliab.criterion.population import Population
 from reliab.criterion.scaling import scales
 from reliab.errors import InputError
+from reliab.vocabulary import CurveName
 
 _PRINTED_CONFIDENCE = 0.95
 
@@ -46,15 +48,14 @@ class _Motions:
         """Limits that a law states, shape (F, X, 2).
 
         A law that is fitted is fitted, as a criterion is, to the limits of each structure that hold for a
-        and b together (`reliab.criterion.joint`).
+        and b together (:class:`~reliab.criterion.methods.Scatter`).
         """
         if isinstance(law, Law):
             grid = self.frequencies[:, None], self.damping_ratios[None, :]
             return np.asarray(np.log(np.stack(law.limits(*grid), axis=-1)) - self.scale)
-        centre, spread = self.values.mean(axis=0), self.values.std(axis=0)
-        worse = ((self.values - centre) / spread).min(axis=-1)
-        depth = np.quantile(worse, 1.0 - confidence, axis=0)
-        return self._fitted(law, centre + spread * depth[..., None])
+        scatter = Scatter.of(self.values)
+        depth = np.quantile(scatter.worse(self.values), 1.0 - confidence, axis=0)
+        return self._fitted(law, scatter.at(depth))
 
     def _fitted(self, law: FittedLaw, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Fit a law to ln α and ln β of the grid and evaluate it there, shape (F, X, 2)."""
@@ -76,6 +77,7 @@ def compare_laws(
     threshold: float = 0.05,
     metric: str = "rms",
     confidence: float = 0.95,
+    curve: str = CurveName.ELLIPSE,
     laws: Mapping[str, FittedLaw | Law] | None = None,
 ) -> pd.DataFrame:
     """Compare laws by held-out log score and by the region that they accept at equal coverage.
@@ -95,6 +97,8 @@ def compare_laws(
         Which error.
     confidence : float, optional
         Share of held-out motions.
+    curve : str, optional
+        Which ellipses, fitted or inscribed.
     laws : mapping of str to law, optional
         By default all that are fitted, and those printed for many motions that hold at all structures.
 
@@ -123,7 +127,7 @@ def compare_laws(
     >>> bool((scores["new"] > scores["old"]).all())
     True
     """
-    population = Population.of(ellipses, threshold=threshold, metric=metric)
+    population = Population.of(ellipses, threshold=threshold, metric=metric, curve=curve)
     values = np.stack([population.log_alpha, population.log_beta], axis=-1)
     if not np.isfinite(values).all():
         raise InputError(

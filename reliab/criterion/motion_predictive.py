@@ -22,8 +22,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import elementwise
-from scipy.special import ndtr, owens_t
-from scipy.stats import norm, skew, t
+from scipy.special import ndtr, ndtri, owens_t
+from scipy.stats import t
 
 from reliab.criterion.event_components import event_components
 
@@ -31,8 +31,9 @@ CONCENTRATION = 20.0
 """Number of motions that the fitted shape counts."""
 
 _STEEPEST_SKEWNESS = 0.99  # a skew-normal distribution has less than 0.9953
-_EXTREME = 1e-15
-_REACH = 50.0
+_EXTREME = 1e-300
+_TAIL = 6.0  # standard deviations beyond which a tail is continued by its asymptote
+_NARROWEST = 1e-9  # spread of equal values, which have none
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -109,18 +110,34 @@ class MotionPredictive:
             Probabilities, shape (quantities,).
         """
         at = np.broadcast_to(np.asarray(x, dtype=np.float64), self.location.shape)
-        base = self._base(at)
+        base, above = self._base(at)
         weight = self.effective_number / (self.effective_number + self.concentration)
-        return np.asarray(weight * self._empirical(at, base) + (1.0 - weight) * base)
+        return np.asarray(weight * self._empirical(at, base, above) + (1.0 - weight) * base)
 
     def quantile(self, probability: float) -> NDArray[np.float64]:
-        """Value that a further motion stays below with the given probability, shape (quantities,)."""
-        low, high = self.ordered[0] - _REACH * self.scale, self.ordered[-1] + _REACH * self.scale
+        """Value that a further motion stays below with the given probability, shape (quantities,).
+
+        Parameters
+        ----------
+        probability : float
+            In (0, 1).
+
+        Returns
+        -------
+        numpy.ndarray
+            Finite values, shape (quantities,); a larger probability never gives a smaller one.
+        """
+        quantities = np.arange(self.location.size)
 
         def excess(x: NDArray[np.float64], quantity: NDArray[np.int64]) -> NDArray[np.float64]:
             return self._only(quantity).cumulative(x) - probability
 
-        root = elementwise.find_root(excess, (low, high), args=(np.arange(low.size),))
+        bracket = elementwise.bracket_root(
+            excess, self.ordered[0] - self.scale, self.ordered[-1] + self.scale, args=(quantities,)
+        )
+        root = elementwise.find_root(excess, bracket.bracket, args=(quantities,))
+        if not (bracket.success & root.success).all():
+            raise ArithmeticError(f"No quantile at the probability {probability} of {self}.")
         return np.asarray(root.x, dtype=np.float64)
 
     def _only(self, quantity: NDArray[np.int64]) -> "MotionPredictive":
@@ -132,16 +149,20 @@ class MotionPredictive:
     @cached_property
     def _tails(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """What the base has below the smallest and above the greatest value."""
-        return self._base(self.ordered[0]), np.maximum(1.0 - self._base(self.ordered[-1]), _EXTREME)
+        below, above = self._base(self.ordered[0])[0], self._base(self.ordered[-1])[1]
+        return np.maximum(below, _EXTREME), np.maximum(above, _EXTREME)
 
-    def _base(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        standardised = (x - self.location) / self.scale
-        share = ndtr(standardised) - 2.0 * owens_t(standardised, self.shape)  # skew-normal
-        normal = norm.ppf(np.clip(share, _EXTREME, 1.0 - _EXTREME))
-        widening = np.sqrt(1.0 + 1.0 / self.effective_number)
-        return np.asarray(t.cdf(normal / widening, self.effective_number - 1.0))
+    def _base(self, x: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Share of the base below x, and above it."""
+        normal = _normal_score((x - self.location) / self.scale, self.shape)
+        degrees = self.effective_number - 1.0
+        # The sample's own spread lacks that of its mean, which a further value has twice (t of a further value).
+        student = normal / np.sqrt((self.effective_number + 1.0) / degrees)
+        return np.asarray(t.cdf(student, degrees)), np.asarray(t.sf(student, degrees))
 
-    def _empirical(self, x: NDArray[np.float64], base: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _empirical(
+        self, x: NDArray[np.float64], base: NDArray[np.float64], above: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
         """Ranks over n + 1, linear between motions and in proportion to the base beyond them."""
         n = self.ordered.shape[0]
         below = (self.ordered <= x).sum(axis=0)
@@ -152,17 +173,36 @@ class MotionPredictive:
         gap = np.where(right > left, right - left, 1.0)
         inner = below + np.clip((x - left) / gap, 0.0, 1.0)
         least, beyond = self._tails
-        lower, upper = base / least, n + 1.0 - np.minimum((1.0 - base) / beyond, 1.0)
+        lower, upper = np.minimum(base / least, 1.0), n + 1.0 - np.minimum(above / beyond, 1.0)
         return np.asarray(np.where(below == 0, lower, np.where(below == n, upper, inner)) / (n + 1.0))
+
+
+def _normal_score(x: NDArray[np.float64], shape: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Standard normal value with the same share below it as a standard skew-normal value x has.
+
+    Where a tail of the skew-normal distribution is too small to be computed, its asymptote goes on: it
+    falls as that of a normal distribution with the spread 1/sqrt(1 + shape²) on the short side, and with
+    the spread 1 on the long side.
+    """
+    steepness = [np.hypot(1.0, np.maximum(sign * shape, 0.0)) for sign in (1.0, -1.0)]
+    low, high = -_TAIL / steepness[0], _TAIL / steepness[1]
+    inner = np.clip(x, low, high)
+    turn = 2.0 * owens_t(inner, shape)
+    below, above = ndtr(inner) - turn, ndtr(-inner) + turn
+    score = np.where(below < above, ndtri(np.minimum(below, 0.5)), -ndtri(np.minimum(above, 0.5)))
+    beyond = steepness[0] * np.minimum(x - low, 0.0) + steepness[1] * np.maximum(x - high, 0.0)
+    return np.asarray(score + beyond)
 
 
 def _skew_normal_of_moments(
     values: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Location, scale and shape of the skew-normal distribution with the sample's first three moments."""
-    skewness = np.clip(skew(values, axis=0), -_STEEPEST_SKEWNESS, _STEEPEST_SKEWNESS)
+    deviation = values - values.mean(axis=0)
+    spread = np.maximum(deviation.std(axis=0), _NARROWEST)
+    skewness = ((deviation / spread) ** 3).mean(axis=0).clip(-_STEEPEST_SKEWNESS, _STEEPEST_SKEWNESS)
     ratio = (2.0 * np.abs(skewness) / (4.0 - np.pi)) ** (2.0 / 3.0)
     delta = np.sign(skewness) * np.sqrt(np.pi / 2.0 * ratio / (1.0 + ratio))
-    scale = values.std(axis=0) / np.sqrt(1.0 - 2.0 * delta**2 / np.pi)
+    scale = spread / np.sqrt(1.0 - 2.0 * delta**2 / np.pi)
     location = values.mean(axis=0) - scale * delta * np.sqrt(2.0 / np.pi)
     return location, scale, delta / np.sqrt(1.0 - delta**2)

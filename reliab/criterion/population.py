@@ -1,5 +1,6 @@
 """The motions behind a criterion: how probably a test stays below the error threshold."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -7,12 +8,15 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from reliab.criterion.ellipse_sample import FEWEST_MOTIONS, is_ellipse, position
+from reliab.criterion.ellipse_sample import FEWEST_MOTIONS, is_ellipse, of_curve, position, position_of_name
+from reliab.criterion.file_keys import require_keys
 from reliab.criterion.interpolation import tents
+from reliab.criterion.laws.checks import checked_grid
 from reliab.criterion.laws.validity import Validity
 from reliab.criterion.motion_predictive import MotionPredictive
 from reliab.criterion.scaling import scales
 from reliab.errors import InputError
+from reliab.vocabulary import CurveName, Side
 
 _DIGITS = 5
 _MILLISECONDS = 1e3
@@ -34,7 +38,8 @@ class Population:
     Raises
     ------
     InputError
-        If fewer than three motions have an ellipse at some structure.
+        If fewer than three motions have an ellipse at some structure, or the arrays are not of one shape with
+        an increasing grid and finite logarithms (or NaN for both parameters).
     """
 
     frequencies: NDArray[np.float64]
@@ -44,6 +49,7 @@ class Population:
     events: NDArray[np.str_]
 
     def __post_init__(self) -> None:
+        self._check_shapes()
         fewest = int(np.isfinite(self.log_alpha).sum(axis=0).min())
         if fewest < FEWEST_MOTIONS:
             raise InputError(
@@ -52,15 +58,42 @@ class Population:
                 remedy="Give more motions, a smaller threshold or less damping",
             )
 
+    def _check_shapes(self) -> None:
+        """Refuse what a broken file may hold."""
+        frequencies = checked_grid("natural frequencies", self.frequencies)
+        damping_ratios = checked_grid("damping ratios", self.damping_ratios)
+        shape = (self.events.size, frequencies.size, damping_ratios.size)
+        alike = self.events.ndim == 1 and self.log_alpha.shape == self.log_beta.shape == shape
+        if not alike or (np.isfinite(self.log_alpha) != np.isfinite(self.log_beta)).any():
+            raise InputError(
+                "The motions behind a criterion must have a pair of ellipse parameters for each structure",
+                value=f"shapes {self.log_alpha.shape} and {self.log_beta.shape} for {shape}",
+                remedy="Derive the criterion again",
+            )
+        if np.isinf(self.log_alpha).any() or np.isinf(self.log_beta).any():
+            raise InputError(
+                "The ellipse parameters of motions must be finite",
+                value="inf",
+                remedy="Derive the criterion again",
+            )
+
     @classmethod
-    def of(cls, ellipses: xr.Dataset, *, threshold: float, metric: str) -> Self:
+    def of(
+        cls,
+        ellipses: xr.Dataset,
+        *,
+        threshold: float,
+        metric: str,
+        curve: str = CurveName.ELLIPSE,
+        side: str = Side.LAG,
+    ) -> Self:
         """Take the ellipses of one threshold and metric from a dataset.
 
         Parameters
         ----------
         ellipses : xarray.Dataset
             `a` [-] and `b` [ms²] over (motion, f, xi, threshold, metric, curve, side).
-        threshold, metric
+        threshold, metric, curve, side
             One of the dataset's.
 
         Returns
@@ -68,7 +101,8 @@ class Population:
         Population
             All motions and structures.
         """
-        chosen = ellipses.sel(metric=metric, curve="ellipse", side="lag")
+        chosen = of_curve(ellipses, curve, side)
+        chosen = chosen.isel(metric=position_of_name(chosen, "metric", metric))
         chosen = chosen.isel(threshold=position(chosen, "threshold", threshold))
         chosen = chosen.sortby(["f", "xi"]).transpose("motion", "f", "xi", ...)
         a, b = chosen["a"].values, chosen["b"].values
@@ -159,9 +193,24 @@ class Population:
         }
 
     @classmethod
-    def from_dict(cls, content: dict[str, Any]) -> Self:
-        """Make a population from what `to_dict` gave."""
-        arrays = {name: np.asarray(content[name], dtype=np.float64) for name in content if name != "events"}
+    def from_dict(cls, content: Mapping[str, Any]) -> Self:
+        """Make a population from what `to_dict` gave.
+
+        Raises
+        ------
+        InputError
+            If a key is missing or unknown, or holds something else.
+        """
+        needed = ("frequencies", "damping_ratios", "events", "log_alpha", "log_beta")
+        require_keys(content, needed, "The motions behind a criterion")
+        try:
+            arrays = {name: np.asarray(content[name], dtype=np.float64) for name in needed if name != "events"}
+        except (TypeError, ValueError) as error:
+            raise InputError(
+                "The motions behind a criterion must be numbers in rows of one length",
+                value=str(error),
+                remedy="Derive the criterion again",
+            ) from error
         return cls(events=np.asarray(content["events"], dtype=np.str_), **arrays)
 
 

@@ -1,6 +1,8 @@
 """Where a criterion comes from: enough to derive it again."""
 
 import hashlib
+import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import version
@@ -8,9 +10,12 @@ from typing import Any
 
 import xarray as xr
 
-SCHEMA_VERSION = 1
-"""Version of the JSON of a criterion."""
+from reliab.vocabulary import CurveName
 
+SCHEMA_VERSION = 2
+"""Version of the JSON of a criterion; the first knew neither leads nor inscribed ellipses."""
+
+_SYNTHETIC = re.compile(r"SYN\d{3,}")  # as `reliab.motions.synthetic` names its earthquakes
 _PACKAGES = ("reliab", "numpy", "scipy", "xarray")
 
 
@@ -32,14 +37,20 @@ class Provenance:
     ----------
     source : str
         Where the ellipses came from, in words.
+    motions : str
+        What shook the structures, "ground motions" or "synthetic ground motions", for headlines.
     n_motions, n_events : int
-        Motions and earthquakes behind the criterion; 0 for a law taken from a publication.
+        Motions and earthquakes behind the criterion.
     records_checksum : str
         SHA-256 over the sorted checksums of all records (or over a and b where records are unknown).
     window : str
         Stretch of the record over which the error was taken.
     packages : dict of str to str
         Package versions.
+    experimental_fraction : float
+        Share α of the stiffness in the laboratory [-] for which the boundaries were computed.
+    curve : str
+        Ellipses behind the limits: "inscribed" in the motions' boundaries, or "ellipse", fitted to them.
     settings : dict
         Parameters of the method.
     warnings : tuple of str
@@ -47,13 +58,41 @@ class Provenance:
     """
 
     source: str
+    motions: str = "ground motions"
     n_motions: int = 0
     n_events: int = 0
     records_checksum: str = ""
     window: str = "record"
+    experimental_fraction: float = 1.0
+    curve: str = CurveName.ELLIPSE
     packages: dict[str, str] = field(default_factory=installed_versions)
     settings: dict[str, Any] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+
+
+def kind_of_motions(events: Sequence[str]) -> str:
+    """Say whether motions are those of the built-in synthetic suite, by the names of their earthquakes.
+
+    Parameters
+    ----------
+    events : sequence of str
+        Names of the earthquakes.
+
+    Returns
+    -------
+    str
+        "synthetic ground motions" if all are synthetic, "partly synthetic ground motions" if some are, and
+        "ground motions" otherwise.
+
+    Examples
+    --------
+    >>> kind_of_motions(["SYN001", "SYN002"]), kind_of_motions(["KOBE", "SYN002"]), kind_of_motions(["KOBE"])
+    ('synthetic ground motions', 'partly synthetic ground motions', 'ground motions')
+    """
+    synthetic = [_SYNTHETIC.fullmatch(event) is not None for event in events]
+    if synthetic and all(synthetic):
+        return "synthetic ground motions"
+    return "partly synthetic ground motions" if any(synthetic) else "ground motions"
 
 
 def records_checksum(ellipses: xr.Dataset) -> str:

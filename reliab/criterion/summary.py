@@ -23,8 +23,10 @@ def summarise(criterion: Criterion, frequency: float, damping_ratio: float) -> d
     Returns
     -------
     dict
-        Limits `a` [-] and `b` [ms²], their roots `amplitude_limit` [-] and `delay_limit_ms` [ms], what
-        was asked for, and what stands behind it; ready for JSON.
+        Limits `a` [-] and `b` [ms²] of lags, `a_lead` and `b_lead` of leads (None where the criterion has
+        none); `amplitude_limit` [-], `delay_limit_ms` and `lead_limit_ms` [ms], the largest amplitude error,
+        lag and lead of a test that has no other error; what was asked for, and what stands behind it; ready for
+        JSON.
 
     Examples
     --------
@@ -34,9 +36,13 @@ def summarise(criterion: Criterion, frequency: float, damping_ratio: float) -> d
     (0.0073, 1.02)
     """
     a, b = (float(limit) for limit in criterion.limits(frequency, damping_ratio))
+    lead = (None, None) if criterion.lead_law is None else criterion.lead_law.limits(frequency, damping_ratio)
+    a_lead, b_lead = (None if limit is None else float(limit) for limit in lead)
     return {
         "a": a,
         "b": b,
+        "a_lead": a_lead,
+        "b_lead": b_lead,
         "f": frequency,
         "xi": damping_ratio,
         "threshold": criterion.threshold,
@@ -49,6 +55,11 @@ def summarise(criterion: Criterion, frequency: float, damping_ratio: float) -> d
         "equation": criterion.law.equation,
         "amplitude_limit": float(np.sqrt(a)),
         "delay_limit_ms": float(np.sqrt(b)),
+        "lead_limit_ms": None if b_lead is None else float(np.sqrt(b_lead)),
+        "window": criterion.provenance.window,
+        "alpha": criterion.provenance.experimental_fraction,
+        "curve": criterion.provenance.curve,
+        "motions": criterion.provenance.motions,
         "n_motions": criterion.provenance.n_motions,
         "n_events": criterion.provenance.n_events,
         "warnings": list(criterion.provenance.warnings),
@@ -72,7 +83,7 @@ def describe_sample(
     Returns
     -------
     dict
-        `correlation` of a and b (None where one is constant), `n_motions` and `n_events` with an ellipse
+        `correlation` of a and b, `n_motions` and `n_events` with an ellipse
         there, and the parameters of the lognormal distributions fitted to a and b.
     """
     sample = sample_of(
@@ -81,10 +92,11 @@ def describe_sample(
         damping_ratio=damping_ratio,
         threshold=criterion.threshold,
         metric=criterion.metric,
+        curve=criterion.provenance.curve,
     )
     fits = {"a": Lognormal.fit(sample.a), "b": Lognormal.fit(sample.b)}
     return {
-        "correlation": sample.correlation if np.isfinite(sample.correlation) else None,
+        "correlation": sample.correlation,
         "n_motions": sample.n_motions,
         "n_events": sample.n_events,
         "lognormal": {name: {"mu": fit.mu, "sigma": fit.sigma} for name, fit in fits.items()},

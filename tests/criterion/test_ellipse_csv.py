@@ -36,7 +36,7 @@ def test_without_names_every_row_is_an_event(tmp_path):
 
 def test_structures_and_thresholds_may_stand_in_the_table(tmp_path):
     rows = [
-        f"{m},{f},{xi},{threshold},{f * 1e-4},{k + 1}"
+        f"{m},{f},{xi},{threshold},{f * (k + 1) * 1e-4},{k + 1}"
         for k, m in enumerate("xyz")
         for f in (1, 2)
         for xi in (0.02, 0.05)
@@ -47,7 +47,7 @@ def test_structures_and_thresholds_may_stand_in_the_table(tmp_path):
         "motion": 3, "f": 2, "xi": 2, "threshold": 2, "metric": 1, "curve": 1,
     }  # fmt: skip
     sample = sample_of(table, frequency=2.0, damping_ratio=0.05, threshold=0.1, metric="rms")
-    np.testing.assert_allclose(sample.a, 2e-4)
+    np.testing.assert_allclose(sample.a, [2e-4, 4e-4, 6e-4])
 
 
 def test_a_motion_that_is_missing_in_a_cell_is_left_out_there(tmp_path):

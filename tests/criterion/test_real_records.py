@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from reliab.boundary.first_order import first_order_ellipse
-from reliab.criterion.bayes import Ensembles, sample
-from reliab.criterion.bayes.posterior_criterion import hierarchical_model
 from reliab.criterion.law_comparison import compare_laws
+from reliab.criterion.methods.hierarchical.fit import hierarchical_model
 from reliab.criterion.motion_terms import gain_of_terms
 from reliab.loop.excitation import Excitation
 from reliab.loop.structure import Structure
 from reliab.motions import load_motions
 from reliab.paper import audit
+from reliab.sampling import Ensembles, sample
 from reliab.shipped import shipped
 from reliab.sweep import EllipseRequest, trace_ellipses
 

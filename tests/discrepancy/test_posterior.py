@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from reliab.criterion.bayes import Ensembles, sample
 from reliab.discrepancy.adding.likelihood_surface import LikelihoodSurface
 from reliab.discrepancy.adding.posterior import SMALLEST_AGREEMENT, sample_posterior
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
@@ -20,6 +19,7 @@ from reliab.discrepancy.spectra.segment import cut_segments
 from reliab.errors import InputError
 from reliab.loop.effects import find_effect
 from reliab.loop.hybrid_test import HybridTest, Motion3, Specimen, load
+from reliab.sampling import Ensembles, sample
 
 RATE, NOISE = 256.0, 2.0
 SPECIMEN = Specimen(stiffness=2000.0)
@@ -164,7 +164,7 @@ def test_a_run_goes_on_where_it_ended(damped, tmp_path):
         sample_posterior(other, fitted_to(other, "viscous_damping"), out=tmp_path / "chains.h5")
 
 
-@pytest.mark.filterwarnings("ignore::reliab.criterion.bayes.ConvergenceWarning")
+@pytest.mark.filterwarnings("ignore::reliab.sampling.ConvergenceWarning")
 @pytest.mark.parametrize("trials", [pytest.param(6), pytest.param(200, marks=pytest.mark.slow)])
 def test_intervals_cover_the_truth_as_often_as_they_say(damped, trials):
     problem, fitted, _ = damped

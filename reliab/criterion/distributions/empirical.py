@@ -16,6 +16,9 @@ _NORMAL_QUARTILES = 1.349  # interquartile range of the standard normal distribu
 class Empirical(NormalKernels):
     """Kernel estimate of the logarithm's density with Silverman's bandwidth.
 
+    Where half of the values or more are equal, the quartiles know no spread, and the standard deviation
+    stands for it alone.
+
     References
     ----------
     Silverman, B. W. (1986). *Density estimation for statistics and data analysis*, equation (3.31).
@@ -32,7 +35,8 @@ class Empirical(NormalKernels):
     @classmethod
     def _of_maximum_likelihood(cls, values: NDArray[np.float64]) -> Self:
         logarithms = np.log(values)
-        spread = min(logarithms.std(), iqr(logarithms) / _NORMAL_QUARTILES)
+        quartiles = iqr(logarithms) / _NORMAL_QUARTILES
+        spread = min(logarithms.std(), quartiles) if quartiles > 0.0 else logarithms.std()
         bandwidth = 0.9 * spread * values.size**-0.2
         return cls(
             weights=np.full(values.size, 1.0 / values.size),

@@ -6,6 +6,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from reliab.criterion.laws.checks import checked_limits
 from reliab.criterion.laws.validity import Validity
 
 Limits = tuple[NDArray[np.float64], NDArray[np.float64]]
@@ -21,10 +22,13 @@ class Law(ABC):
         How the law is called on the command line.
     equation : str
         The law in the paper's notation.
+    counts_leads_as_lags : bool
+        Whether the law, as it is printed, holds for delays of either sign.
     """
 
     name: ClassVar[str]
     equation: ClassVar[str]
+    counts_leads_as_lags: ClassVar[bool] = False
 
     @property
     @abstractmethod
@@ -49,14 +53,17 @@ class Law(ABC):
         Raises
         ------
         InputError
-            If a structure lies where the law does not hold.
+            If a structure lies where the law does not hold, or a limit there is negative or not finite.
         """
         self.validity.require(frequency, damping_ratio)
         f, xi = np.broadcast_arrays(
             np.asarray(frequency, dtype=np.float64), np.asarray(damping_ratio, dtype=np.float64)
         )
         a, b = self._limits(f, xi)
-        return np.broadcast_to(a, f.shape), np.broadcast_to(b, f.shape)
+        return (
+            checked_limits("a", np.broadcast_to(a, f.shape), f.shape),
+            checked_limits("b", np.broadcast_to(b, f.shape), f.shape),
+        )
 
     @abstractmethod
     def _limits(self, f: NDArray[np.float64], xi: NDArray[np.float64]) -> Limits:

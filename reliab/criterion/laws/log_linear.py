@@ -7,8 +7,10 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from reliab.criterion.laws.checks import checked_coefficients, checked_grid, checked_limits
 from reliab.criterion.laws.law import Law, Limits
 from reliab.criterion.laws.validity import Validity
+from reliab.errors import InputError
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,12 +23,26 @@ class LogLinearLaw(Law):
         Factors of the terms.
     frequency, damping_ratio : tuple of float
         Least and greatest value [Hz, -] of the structures that the law was fitted to.
+
+    Raises
+    ------
+    InputError
+        If a coefficient is not finite, there are not as many as terms, or a range is empty.
     """
 
     coefficients_a: tuple[float, ...]
     coefficients_b: tuple[float, ...]
     frequency: tuple[float, float]
     damping_ratio: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        for name, bounds in (("natural frequencies", self.frequency), ("damping ratios", self.damping_ratio)):
+            checked_grid(name, np.unique(bounds))
+        terms = self._terms(np.ones(1), np.ones(1))
+        for name, each, of_law in zip(
+            ("a", "b"), (self.coefficients_a, self.coefficients_b), terms, strict=True
+        ):
+            checked_coefficients(name, each, of_law.shape[-1])
 
     @classmethod
     def fit(cls, frequencies: ArrayLike, damping_ratios: ArrayLike, a: ArrayLike, b: ArrayLike) -> Self:
@@ -43,12 +59,19 @@ class LogLinearLaw(Law):
         -------
         LogLinearLaw
             The law, valid within the grid; terms that the grid cannot tell apart share their effect.
+
+        Raises
+        ------
+        InputError
+            If a limit is zero, negative or not finite.
         """
         grid_f, grid_xi = (
             np.asarray(frequencies, dtype=np.float64),
             np.asarray(damping_ratios, dtype=np.float64),
         )
         f, xi = (each.ravel() for each in np.meshgrid(grid_f, grid_xi, indexing="ij"))
+        for name, limits in (("a", a), ("b", b)):
+            _require_positive(checked_limits(name, limits, (grid_f.size, grid_xi.size)))
         coefficients = (
             np.linalg.lstsq(terms, np.log(np.ravel(limits) / reference), rcond=None)[0]
             for terms, limits, reference in zip(
@@ -85,3 +108,12 @@ class LogLinearLaw(Law):
     @abstractmethod
     def _references(f: NDArray[np.float64], xi: NDArray[np.float64]) -> Limits:
         """Return a₀ [-] and b₀ [ms²]."""
+
+
+def _require_positive(limits: NDArray[np.float64]) -> None:
+    if (limits == 0.0).any():
+        raise InputError(
+            "A law of f and ξ is fitted to limits that are positive at every structure",
+            value=f"limits of zero at {int((limits == 0.0).sum())} structures",
+            remedy="Give more motions or a lower confidence, or keep the limits as a table",
+        )

@@ -1,7 +1,7 @@
 """Laws by the names they have on the command line, and to and from JSON."""
 
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from typing import Any, Final, TypeVar, cast
 
 from reliab.criterion.laws.dimensionless import Dimensionless
@@ -45,7 +45,12 @@ def law_to_dict(law: Law) -> dict[str, Any]:
 
     Examples
     --------
-    >>> law = Power(coefficients_a=(0.0,), coefficients_b=(1.0,), frequency=(1, 2), damping_ratio=(0.02, 0.1))
+    >>> law = Power(
+    ...     coefficients_a=(-1.0, 0.0, 2.0),
+    ...     coefficients_b=(1.0, -2.0, 2.0),
+    ...     frequency=(1, 2),
+    ...     damping_ratio=(0.02, 0.1),
+    ... )
     >>> law_from_dict(law_to_dict(law)) == law
     True
     """
@@ -68,17 +73,25 @@ def law_from_dict(content: Mapping[str, Any]) -> Law:
     Raises
     ------
     InputError
-        If there is no law of that name.
+        If there is no law of that name, or its parameters are missing, unknown or wrong.
     """
     parameters = {key: _tuples(value) for key, value in content.items() if key != "name"}
-    return known(LAWS, content.get("name"))(**parameters)
+    law = known(LAWS, content.get("name"))
+    needed = {each.name for each in fields(cast("Any", law))}
+    if parameters.keys() != needed:
+        raise InputError(
+            f"The law {law.name} has the parameters {', '.join(sorted(needed)) or 'none'}",
+            value=", ".join(sorted(parameters.keys() ^ needed)) + " missing or unknown",
+            remedy="Derive the criterion again",
+        )
+    return law(**parameters)
 
 
 def known(laws: Mapping[str, LawKind], name: object) -> LawKind:
     """Take a law by its name, or say which there are."""
-    if name not in laws:
+    if not isinstance(name, str) or name not in laws:
         raise InputError("The law must be known", value=name, remedy=f"Choose among {', '.join(laws)}")
-    return laws[str(name)]
+    return laws[name]
 
 
 def _tuples(value: object) -> object:

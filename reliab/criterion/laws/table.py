@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reliab.criterion.interpolation import tents
+from reliab.criterion.laws.checks import checked_grid, checked_limits
 from reliab.criterion.laws.law import Law, Limits
 from reliab.criterion.laws.validity import Validity
 from reliab.criterion.scaling import scales
@@ -23,7 +24,12 @@ class Table(Law):
     frequencies, damping_ratios : tuple of float
         The grid [Hz, -], increasing.
     a, b : tuple of tuple of float
-        Limits [-] and [ms²], shape (frequencies, damping ratios).
+        Limits [-] and [ms²], shape (frequencies, damping ratios); zero where no test is accepted.
+
+    Raises
+    ------
+    InputError
+        If the grid does not increase, or a limit is negative or not finite.
 
     Examples
     --------
@@ -39,6 +45,12 @@ class Table(Law):
     damping_ratios: tuple[float, ...]
     a: tuple[tuple[float, ...], ...]
     b: tuple[tuple[float, ...], ...]
+
+    def __post_init__(self) -> None:
+        frequencies = checked_grid("natural frequencies", self.frequencies)
+        damping_ratios = checked_grid("damping ratios", self.damping_ratios)
+        for name, limits in (("a", self.a), ("b", self.b)):
+            checked_limits(name, limits, (frequencies.size, damping_ratios.size))
 
     @classmethod
     def fit(cls, frequencies: ArrayLike, damping_ratios: ArrayLike, a: ArrayLike, b: ArrayLike) -> Self:

@@ -7,32 +7,37 @@ needs most earthquakes. `hierarchical` learns all structures together, from a po
 """
 
 from reliab.criterion.methods.bootstrap import Bootstrap
+from reliab.criterion.methods.bound import BoundMethod, limits
 from reliab.criterion.methods.conformal import Conformal
 from reliab.criterion.methods.dirichlet import Dirichlet
-from reliab.criterion.methods.hierarchical import HIERARCHICAL, HierarchicalPosterior
-from reliab.criterion.methods.method import Method
+from reliab.criterion.methods.hierarchical import HierarchicalNormal, HierarchicalRobust
+from reliab.criterion.methods.joint import Scatter
+from reliab.criterion.methods.method import Learned, Method
 from reliab.criterion.methods.order_statistic import OrderStatistic
 from reliab.criterion.methods.posterior import Posterior
 from reliab.criterion.methods.predictive import Predictive
 from reliab.criterion.methods.quantile import Quantile
-from reliab.criterion.methods.registry import METHODS, RECOMMENDED, any_method_of, method_of
+from reliab.criterion.methods.registry import METHODS, RECOMMENDED, method_of
 from reliab.criterion.methods.tolerance import Tolerance, tolerance_factor
 
 __all__ = [
-    "HIERARCHICAL",
     "METHODS",
     "RECOMMENDED",
     "Bootstrap",
+    "BoundMethod",
     "Conformal",
     "Dirichlet",
-    "HierarchicalPosterior",
+    "HierarchicalNormal",
+    "HierarchicalRobust",
+    "Learned",
     "Method",
     "OrderStatistic",
     "Posterior",
     "Predictive",
     "Quantile",
+    "Scatter",
     "Tolerance",
-    "any_method_of",
+    "limits",
     "method_of",
     "tolerance_factor",
 ]

@@ -7,11 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm
 
-from reliab.criterion.methods.method import Method, checked_share
+from reliab.criterion.methods.bound import BoundMethod
+from reliab.criterion.methods.method import checked_share
 
 
 @dataclass(frozen=True, kw_only=True)
-class Bootstrap(Method):
+class Bootstrap(BoundMethod):
     """Lower bootstrap bound of the plug-in quantile, earthquakes drawn with all their motions.
 
     Definition: the lognormal (1 − confidence) quantile is computed for many suites made of

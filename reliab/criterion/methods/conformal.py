@@ -6,11 +6,11 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.criterion.methods.method import Method
+from reliab.criterion.methods.bound import BoundMethod
 
 
 @dataclass(frozen=True, kw_only=True)
-class Conformal(Method):
+class Conformal(BoundMethod):
     """Hierarchical conformal bound.
 
     Definition: a motion of a further earthquake exceeds the bound with at least the stated
@@ -35,6 +35,12 @@ class Conformal(Method):
 
     name: ClassVar[str] = "conformal"
     exchangeable: ClassVar[str] = "earthquakes, and the motions within each, of any distribution"
+    distribution_free: ClassVar[bool] = True
+
+    def carried_confidence(self, n_motions: int, n_events: int) -> float:
+        """K/(K + 1): the further earthquake may be the worst of all."""
+        del n_motions
+        return n_events / (n_events + 1.0)
 
     def _lower_bound(
         self, logarithms: NDArray[np.float64], events: NDArray[np.str_], confidence: float

@@ -6,12 +6,12 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.criterion.methods.method import Method
+from reliab.criterion.methods.bound import BoundMethod
 from reliab.criterion.motion_predictive import CONCENTRATION, MotionPredictive
 
 
 @dataclass(frozen=True, kw_only=True)
-class Dirichlet(Method):
+class Dirichlet(BoundMethod):
     """Predictive quantile under a Dirichlet process with a skew-normal base.
 
     Definition: given these motions, the probability that a motion of a further earthquake exceeds the

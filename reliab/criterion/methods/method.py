@@ -1,17 +1,61 @@
 """What a stated confidence can mean: the interface of every method."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any, ClassVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.criterion.sample_grid import SampleGrid
 from reliab.errors import InputError
+from reliab.progress import Progress, silent
+from reliab.vocabulary import CurveName
+
+
+class Learned(ABC):
+    """What a method has learned from the motions of a grid of structures."""
+
+    @abstractmethod
+    def limits(self, confidence: float, *, joint: bool) -> NDArray[np.float64]:
+        """Limits of every structure.
+
+        Parameters
+        ----------
+        confidence : float
+            Share of ground motions, in (0, 1), which the motions can carry.
+        joint : bool
+            Whether a and b hold together, or each for itself.
+
+        Returns
+        -------
+        array of float, shape (F, X, 2)
+            a [-] and b [ms²], finite; zero where nothing can be promised.
+        """
+
+    @property
+    def diagnostics(self) -> Mapping[str, Any] | None:
+        """Convergence of a sampled posterior, ready for JSON; None for a method that samples none."""
+        return None
+
+    @property
+    def settings(self) -> Mapping[str, Any]:
+        """What was learned with, beside the method's own settings."""
+        return {}
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Plain sentences that a user should know."""
+        return ()
+
+    def warn_unless_converged(self) -> None:
+        """Issue a :class:`~reliab.sampling.ConvergenceWarning` where a posterior cannot be relied on."""
 
 
 class Method(ABC):
-    """A lower bound on a quantity over ground motions.
+    """What a confidence over ground motions means, and how limits follow from the motions.
 
     A criterion is safe when it is small: at a confidence of 95 % it is a bound that 95 % of the
     motions exceed, the paper's 5 % quantile. How this is meant is the method's definition.
@@ -22,10 +66,22 @@ class Method(ABC):
         How the method is called on the command line.
     exchangeable : str
         What has to be interchangeable for the method to keep its promise.
+    curve : str
+        Which ellipses it rests on: those inscribed in the boundaries, or the paper's, fitted to them.
+    joint_by_default : bool
+        Whether a and b hold together unless one says otherwise; in the paper each holds for itself.
+    distribution_free : bool
+        Whether the promise needs no shape of the distribution over motions.
+    samples_chains : bool
+        Whether it samples a posterior whose chains can be kept in a file.
     """
 
     name: ClassVar[str]
     exchangeable: ClassVar[str]
+    curve: ClassVar[str] = CurveName.INSCRIBED
+    joint_by_default: ClassVar[bool] = True
+    distribution_free: ClassVar[bool] = False
+    samples_chains: ClassVar[bool] = False
 
     @property
     def assumes_lognormality(self) -> bool:
@@ -37,37 +93,83 @@ class Method(ABC):
         """Parameters of the method, ready for JSON."""
         return asdict(cast("Any", self))
 
-    def lower_bound(
-        self, logarithms: NDArray[np.float64], events: NDArray[np.str_], confidence: float
-    ) -> float:
-        """Bound that the stated share of the motions exceeds.
+    def carried_confidence(self, n_motions: int, n_events: int) -> float:
+        """Highest confidence that so many motions can carry; beyond it a criterion accepts nothing.
+
+        The lowest value under K earthquakes is exceeded with the probability K/(K + 1), whatever the
+        distribution. Beyond that a fitted shape has to carry the tail. It does so down to an exceedance of
+        about (2/(K + 1))²: in simulations with normal, skewed and heavy-tailed motions (one to three from each
+        earthquake, a and b together) the true exceedance there is about 1.1 to 2.5 times the stated one, and
+        the ratio grows further beyond it. One earthquake carries nothing, since nobody knows how others differ.
 
         Parameters
         ----------
-        logarithms : array of float, shape (motions,)
-            Logarithms of the quantity.
-        events : array of str, shape (motions,)
-            Earthquake of each motion.
-        confidence : float
-            Stated share of the motions, in (0, 1).
+        n_motions, n_events : int
+            Numbers of motions and of their earthquakes, at least 1.
 
         Returns
         -------
         float
-            Logarithm of the bound; minus infinity when the motions are too few for the promise.
+            A share of ground motions in [0, 1).
+
+        Examples
+        --------
+        >>> from reliab.criterion.methods import Dirichlet
+        >>> [round(Dirichlet().carried_confidence(3 * events, events), 3) for events in (1, 3, 8, 19)]
+        [0.0, 0.75, 0.951, 0.99]
+        """
+        del n_motions
+        return 1.0 - (2.0 / (n_events + 1.0)) ** 2
+
+    def carries(self, confidence: float, n_motions: int, n_events: int) -> bool:
+        """Whether so many motions and earthquakes carry a confidence."""
+        return confidence <= self.carried_confidence(n_motions, n_events) * (1.0 + 1e-12)
+
+    def mean_share(self, confidence: float, n_motions: int) -> float:
+        """Share of further motions that really exceed the bound, on average, where it falls short by design.
+
+        Parameters
+        ----------
+        confidence : float
+            Stated share, in (0, 1).
+        n_motions : int
+            Number of motions that were learned from.
+
+        Returns
+        -------
+        float
+            The stated share, for every method that allows for how few motions there are.
+        """
+        del n_motions
+        return confidence
+
+    @abstractmethod
+    def learn(
+        self, grid: SampleGrid, *, law: str, chains: Path | None = None, progress: Progress = silent
+    ) -> Learned:
+        """Learn from the motions of a grid of structures.
+
+        Parameters
+        ----------
+        grid : SampleGrid
+            The motions.
+        law : str
+            Name of the law that is going to be fitted to the limits.
+        chains : Path, optional
+            HDF5 file of the chains of a sampled posterior.
+        progress : callable, optional
+            Called with finished and all steps.
+
+        Returns
+        -------
+        Learned
+            From which limits follow at any confidence.
 
         Raises
         ------
         InputError
-            If the confidence lies outside of (0, 1).
+            If the method samples no chains, or cannot serve the law.
         """
-        return self._lower_bound(logarithms, events, checked_share(confidence, "confidence"))
-
-    @abstractmethod
-    def _lower_bound(
-        self, logarithms: NDArray[np.float64], events: NDArray[np.str_], confidence: float
-    ) -> float:
-        """Bound for a checked confidence."""
 
 
 def checked_share(share: float, what: str) -> float:

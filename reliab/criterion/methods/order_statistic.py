@@ -7,11 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import binom
 
-from reliab.criterion.methods.method import Method, checked_share
+from reliab.criterion.methods.bound import BoundMethod
+from reliab.criterion.methods.method import checked_share
 
 
 @dataclass(frozen=True, kw_only=True)
-class OrderStatistic(Method):
+class OrderStatistic(BoundMethod):
     """Distribution-free tolerance bound.
 
     Definition: in at least a share `assurance` of all suites, at least the stated share of the motions
@@ -39,11 +40,17 @@ class OrderStatistic(Method):
 
     name: ClassVar[str] = "order_statistic"
     exchangeable: ClassVar[str] = "motions, each counted as independent, of any distribution"
+    distribution_free: ClassVar[bool] = True
 
     assurance: float = 0.95
 
     def __post_init__(self) -> None:
         checked_share(self.assurance, "assurance")
+
+    def carried_confidence(self, n_motions: int, n_events: int) -> float:
+        """Share that the smallest of n motions promises with the assurance, (1 − assurance)^(1/n)."""
+        del n_events
+        return float((1.0 - self.assurance) ** (1.0 / n_motions))
 
     def _lower_bound(
         self, logarithms: NDArray[np.float64], events: NDArray[np.str_], confidence: float

@@ -6,12 +6,13 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.criterion.bayes.normal_inverse_chi_squared import NormalInverseChiSquared
-from reliab.criterion.methods.method import Method, checked_share
+from reliab.criterion.methods.bound import BoundMethod
+from reliab.criterion.methods.method import checked_share
+from reliab.sampling.normal_inverse_chi_squared import NormalInverseChiSquared
 
 
 @dataclass(frozen=True, kw_only=True)
-class Posterior(Method):
+class Posterior(BoundMethod):
     """Lower credible bound of the (1 − confidence) quantile of a lognormal distribution.
 
     Definition: given these motions, the probability is `assurance` that at least the stated share of

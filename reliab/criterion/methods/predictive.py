@@ -6,12 +6,12 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.criterion.bayes.normal_inverse_chi_squared import NormalInverseChiSquared
-from reliab.criterion.methods.method import Method
+from reliab.criterion.methods.bound import BoundMethod
+from reliab.sampling.normal_inverse_chi_squared import NormalInverseChiSquared
 
 
 @dataclass(frozen=True, kw_only=True)
-class Predictive(Method):
+class Predictive(BoundMethod):
     """Posterior-predictive quantile of a lognormal distribution.
 
     Definition: given these motions, the probability that one further motion exceeds the bound is the

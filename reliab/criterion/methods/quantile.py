@@ -5,14 +5,16 @@ from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import norm, t
 
 from reliab.criterion.distributions import DISTRIBUTIONS, Lognormal
-from reliab.criterion.methods.method import Method
+from reliab.criterion.methods.bound import BoundMethod
 from reliab.errors import InputError
+from reliab.vocabulary import CurveName
 
 
 @dataclass(frozen=True, kw_only=True)
-class Quantile(Method):
+class Quantile(BoundMethod):
     """Plug-in quantile: the fitted distribution is taken for the true one.
 
     Definition: the bound is the (1 − confidence) quantile of the distribution of maximum likelihood.
@@ -39,6 +41,8 @@ class Quantile(Method):
 
     name: ClassVar[str] = "quantile"
     exchangeable: ClassVar[str] = "motions, each counted as independent"
+    curve: ClassVar[str] = CurveName.ELLIPSE
+    joint_by_default: ClassVar[bool] = False
 
     distribution: str = Lognormal.name
 
@@ -55,10 +59,19 @@ class Quantile(Method):
         """Whether the promise needs lognormal motions."""
         return self.distribution == Lognormal.name
 
+    def mean_share(self, confidence: float, n_motions: int) -> float:
+        """Share of further motions that exceed the quantile of a lognormal fit to n motions, on average.
+
+        With mean m and standard deviation s (divisor n) of the logarithms, the bound is m − z s, and a further
+        value lies above it with the probability T(z √((n − 1)/(n + 1))) of Student's t, n − 1 degrees of freedom.
+        """
+        return float(t.cdf(norm.ppf(confidence) * np.sqrt((n_motions - 1) / (n_motions + 1)), n_motions - 1))
+
     def _lower_bound(
         self, logarithms: NDArray[np.float64], events: NDArray[np.str_], confidence: float
     ) -> float:
         del events
         centre = logarithms.mean()  # the families scale, and this keeps the exponential in range
         fitted = DISTRIBUTIONS[self.distribution].fit(np.exp(logarithms - centre))
-        return float(centre + np.log(fitted.quantile(1.0 - confidence)))
+        with np.errstate(divide="ignore"):  # a quantile of zero, below what a number can hold
+            return float(centre + np.log(fitted.quantile(1.0 - confidence)))

@@ -6,7 +6,7 @@ from typing import Any, Final, cast
 from reliab.criterion.methods.bootstrap import Bootstrap
 from reliab.criterion.methods.conformal import Conformal
 from reliab.criterion.methods.dirichlet import Dirichlet
-from reliab.criterion.methods.hierarchical import HIERARCHICAL, HierarchicalPosterior
+from reliab.criterion.methods.hierarchical import HierarchicalNormal, HierarchicalRobust
 from reliab.criterion.methods.method import Method
 from reliab.criterion.methods.order_statistic import OrderStatistic
 from reliab.criterion.methods.posterior import Posterior
@@ -16,16 +16,17 @@ from reliab.criterion.methods.tolerance import Tolerance
 from reliab.errors import InputError
 
 METHODS: Final[dict[str, type[Method]]] = {
-    each.name: each
-    for each in (
+    method.name: method
+    for method in (
         *(Quantile, Tolerance, Posterior, Predictive),
         *(Dirichlet, OrderStatistic, Conformal, Bootstrap),
+        *(HierarchicalNormal, HierarchicalRobust),
     )
 }
 """Every method by its name."""
 
 RECOMMENDED: Final = Dirichlet.name
-"""The method to rely on, used jointly for a and b."""
+"""The method to rely on, used jointly for a and b: the default everywhere."""
 
 
 def method_of(name: str, **settings: object) -> Method:
@@ -55,55 +56,18 @@ def method_of(name: str, **settings: object) -> Method:
     """
     if name not in METHODS:
         raise InputError("The method must be known", value=name, remedy=f"Choose among {', '.join(METHODS)}")
-    return METHODS[name](**_settings_of(METHODS[name], name, settings))
-
-
-def any_method_of(name: str, **settings: object) -> Method | HierarchicalPosterior:
-    """Make the method of a name, one for each structure alone or for all structures at once.
-
-    Parameters
-    ----------
-    name : str
-        One of `METHODS` or `HIERARCHICAL`.
-    **settings
-        As for :func:`method_of`.
-
-    Returns
-    -------
-    Method or HierarchicalPosterior
-        The method.
-
-    Raises
-    ------
-    InputError
-        As for :func:`method_of`.
-
-    Examples
-    --------
-    >>> any_method_of("hierarchical", steps=400)
-    HierarchicalPosterior(robust=False, assurance=None, steps=400)
-    """
-    if name in HIERARCHICAL:
-        given: dict[str, Any] = _settings_of(HierarchicalPosterior, name, settings)
-        return HierarchicalPosterior(robust=HIERARCHICAL[name], **given)
-    if name not in METHODS:
-        every = ", ".join((*METHODS, *HIERARCHICAL))
-        raise InputError("The method must be known", value=name, remedy=f"Choose among {every}")
-    return method_of(name, **settings)
-
-
-def _settings_of(kind: type, name: str, settings: dict[str, object]) -> dict[str, object]:
-    """Keep settings that are given, or say that a method has no such thing."""
     given = {key: value for key, value in settings.items() if value is not None}
-    known = {each.name for each in fields(cast("Any", kind))}
-    for unknown in given.keys() - known:
-        takers = [each for each, one in _ALL.items() if unknown in {f.name for f in fields(cast("Any", one))}]
+    for unknown in given.keys() - _parameters(name):
+        takers = [method for method in METHODS if unknown in _parameters(method)]
         raise InputError(
             f"The method {name} has no {unknown}",
             value=given[unknown],
             remedy=f"Leave it out, or choose among {', '.join(takers)}",
         )
-    return given
+    kind: Any = METHODS[name]
+    made: Method = kind(**given)
+    return made
 
 
-_ALL: Final[dict[str, type]] = {**METHODS, **dict.fromkeys(HIERARCHICAL, HierarchicalPosterior)}
+def _parameters(name: str) -> set[str]:
+    return {parameter.name for parameter in fields(cast("Any", METHODS[name]))}

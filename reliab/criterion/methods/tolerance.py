@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import nct, norm
 
-from reliab.criterion.methods.method import Method, checked_share
+from reliab.criterion.methods.bound import BoundMethod
+from reliab.criterion.methods.method import checked_share
 
 
 def tolerance_factor(n: int, proportion: float, assurance: float) -> float:
@@ -44,7 +45,7 @@ def tolerance_factor(n: int, proportion: float, assurance: float) -> float:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Tolerance(Method):
+class Tolerance(BoundMethod):
     """One-sided tolerance bound of a lognormal distribution.
 
     Definition: in a share `assurance` of all suites that could have been drawn, at least the stated

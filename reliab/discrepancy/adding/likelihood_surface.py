@@ -17,9 +17,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.criterion.bayes import Model, Parameter
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
+from reliab.sampling import Model, Parameter
 
 Array = NDArray[np.float64]
 

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.criterion.bayes import Ensembles, PosteriorSample, sample
 from reliab.discrepancy.adding.likelihood_surface import LikelihoodSurface, log_density, simulated
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import MODEL_ERROR, ModelSpace
 from reliab.progress import Progress, silent
+from reliab.sampling import Ensembles, PosteriorSample, sample
 
 Array = NDArray[np.float64]
 

@@ -10,10 +10,10 @@ import numpy as np
 from matplotlib import MatplotlibDeprecationWarning
 from matplotlib.figure import Figure
 
-from reliab.criterion.bayes import PosteriorSample
-from reliab.criterion.bayes.diagnostics import inference_data, quiet_arviz
 from reliab.report.axes import name_axes, plain
 from reliab.report.style import BLUE, blank, line, panels, styled
+from reliab.sampling import PosteriorSample
+from reliab.sampling.diagnostics import inference_data, quiet_arviz
 
 _ROW = 26.0
 _CELL = 30.0

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from reliab.criterion.bayes import PosteriorSample
 from reliab.report.figures.posterior_diagnostics import pairs, ranks, traces
 from reliab.report.style import svg
+from reliab.sampling import PosteriorSample
 
 NAMES = ("mean of a", "mean of b", "spread")
 ENSEMBLES = 4

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from reliab.criterion import derive_criterion
-from reliab.criterion.bayes import ConvergenceWarning
 from reliab.criterion.methods import method_of
 from reliab.report.document import Remark
 from reliab.report.kinds.criterion import criterion_report
+from reliab.sampling import ConvergenceWarning
 
 
 def report(ellipses, *, method="dirichlet", coverage=None, confidences=(0.95, 0.8), **changes):

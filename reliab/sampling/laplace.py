@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from reliab.criterion.bayes.model import Model
+from reliab.sampling.model import Model
 
 _DIFFERENCE = 1e-3  # of the spread of the prior
 _FARTHEST = 6.0

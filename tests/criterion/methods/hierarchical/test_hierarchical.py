@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from reliab.criterion import Criterion, derive_criterion
-from reliab.criterion.bayes import ConvergenceWarning
-from reliab.criterion.bayes.laplace import Laplace
-from reliab.criterion.bayes.posterior_criterion import fit_hierarchical, hierarchical_model
 from reliab.criterion.laws import Dimensionless, Exponential, Power
 from reliab.criterion.methods import HierarchicalPosterior, Predictive, any_method_of
+from reliab.criterion.methods.hierarchical.fit import fit_hierarchical, hierarchical_model
 from reliab.errors import InputError
+from reliab.sampling import ConvergenceWarning
+from reliab.sampling.laplace import Laplace
 
 ERROR = {"threshold": 0.05, "metric": "rms"}
 GRID = np.array([0.5, 1.0, 2.0])[:, None], np.array([0.02, 0.05])

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.criterion.bayes.covariance import normal_log_density
+from reliab.criterion.methods.hierarchical.covariance import normal_log_density
 
 EVENT: Final = "event"
 MOTION: Final = "motion"

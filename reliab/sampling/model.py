@@ -62,7 +62,7 @@ class Model(ABC):
 
     @property
     def moves(self) -> emcee.moves.Move | list[tuple[emcee.moves.Move, float]] | None:
-        """How walkers move; None leaves it to :func:`reliab.criterion.bayes.sample`."""
+        """How walkers move; None leaves it to :func:`reliab.sampling.sample`."""
         return None
 
     def draw_prior(self, count: int, rng: np.random.Generator) -> NDArray[np.float64]:
@@ -104,8 +104,8 @@ def prior_predictive(model: Model, *, count: int = 1000, seed: int = 2017) -> ND
     Before any record is seen, 95 % of the motions have an α between 0.0007 and 330; nothing is ruled out
     that a structure could do:
 
-    >>> from reliab.criterion.bayes import NormalCell
-    >>> drawn = prior_predictive(NormalCell(values=np.zeros(20)), count=4000)
+    >>> from reliab.sampling import NormalValues
+    >>> drawn = prior_predictive(NormalValues(values=np.zeros(20)), count=4000)
     >>> [f"{each:.0e}" for each in np.exp(np.quantile(drawn, [0.025, 0.5, 0.975]))]
     ['7e-04', '4e-01', '3e+02']
     """

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.stats import kstest
 
-from reliab.criterion.bayes import BivariateLognormal, NormalCell
-from reliab.criterion.bayes.calibration import DRAWS, calibration_ranks, uniformity
-from reliab.criterion.bayes.hierarchical import Hierarchical
-from reliab.criterion.bayes.model import prior_predictive
+from reliab.criterion.methods.hierarchical.model import Hierarchical
+from reliab.sampling import BivariateLognormal, NormalValues
+from reliab.sampling.calibration import DRAWS, calibration_ranks, uniformity
+from reliab.sampling.model import prior_predictive
 
 EVENTS = np.repeat([f"E{number}" for number in range(6)], 2)
 
@@ -23,7 +23,7 @@ def hierarchical(**options):
 
 
 MODELS = {
-    "normal_cell": (NormalCell(values=np.zeros(12)), 200),
+    "normal_values": (NormalValues(values=np.zeros(12)), 200),
     "bivariate_lognormal": (BivariateLognormal(pairs=np.zeros((12, 2))), 300),
     "hierarchical": (hierarchical(), 1000),
     "hierarchical_curved": (hierarchical(curved=True), 1000),
@@ -38,7 +38,7 @@ def deviation(ranks):
     return min(1.0, p_values.min() * p_values.size)
 
 
-@pytest.mark.parametrize("name", ["normal_cell", "bivariate_lognormal", "hierarchical"])
+@pytest.mark.parametrize("name", ["normal_values", "bivariate_lognormal", "hierarchical"])
 def test_ranks_are_uniform_over_a_few_fits(name):
     model, steps = MODELS[name]
     fits = 10 if name == "hierarchical" else 40
@@ -56,7 +56,7 @@ def test_ranks_are_uniform_over_many_fits(name):
 
 
 def test_a_wrong_posterior_is_found_out():
-    class Overconfident(NormalCell):
+    class Overconfident(NormalValues):
         def log_likelihood(self, theta):
             return 4.0 * super().log_likelihood(theta)
 

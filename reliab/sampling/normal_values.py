@@ -6,15 +6,15 @@ from typing import ClassVar, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.criterion.bayes.model import Model, Parameter
-from reliab.criterion.bayes.normal_inverse_chi_squared import NormalInverseChiSquared
+from reliab.sampling.model import Model, Parameter
+from reliab.sampling.normal_inverse_chi_squared import NormalInverseChiSquared
 
 WEAK_PRIOR: Final = NormalInverseChiSquared(mean=-1.0, mean_weight=0.1, degrees_of_freedom=3.0, variance=0.4)
 """Prior of ln α or ln β: worth a tenth of a motion for the mean and three motions for the spread."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class NormalCell(Model):
+class NormalValues(Model):
     """Independent normal values ln α or ln β with unknown μ and σ, sampled as (μ, ln σ).
 
     Prior: σ² ~ ν₀σ₀²/χ²(ν₀) with ν₀ = 3 and σ₀² = 0.4, μ | σ² ~ N(−1, σ²/0.1), unless another one is
@@ -29,12 +29,12 @@ class NormalCell(Model):
 
     Examples
     --------
-    >>> model = NormalCell(values=np.array([-1.0, 0.0, 1.0]))
+    >>> model = NormalValues(values=np.array([-1.0, 0.0, 1.0]))
     >>> model.log_likelihood(np.array([[0.0, 0.0], [5.0, 0.0]])).tolist()
     [-1.0, -38.5]
     """
 
-    name: ClassVar[str] = "normal_cell"
+    name: ClassVar[str] = "normal_values"
 
     values: NDArray[np.float64]
     prior: NormalInverseChiSquared = WEAK_PRIOR

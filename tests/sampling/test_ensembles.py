@@ -3,19 +3,19 @@
 import numpy as np
 import pytest
 
-from reliab.criterion.bayes import (
+from reliab.errors import InputError
+from reliab.sampling import (
     BivariateLognormal,
     ConvergenceWarning,
     Ensembles,
-    NormalCell,
+    NormalValues,
     sample,
 )
-from reliab.criterion.bayes.diagnostics import inference_data
-from reliab.errors import InputError
+from reliab.sampling.diagnostics import inference_data
 
-MODEL = NormalCell(values=np.random.default_rng(1).normal(size=30))
+MODEL = NormalValues(values=np.random.default_rng(1).normal(size=30))
 QUICK = Ensembles(steps=40, thin=2, walkers=8)
-SHORT = pytest.mark.filterwarnings("ignore::reliab.criterion.bayes.ConvergenceWarning")
+SHORT = pytest.mark.filterwarnings("ignore::reliab.sampling.ConvergenceWarning")
 
 
 @SHORT
@@ -48,7 +48,7 @@ def test_a_run_goes_on_until_it_has_converged_and_no_further():
 def test_a_file_of_other_data_is_refused(tmp_path):
     sample(MODEL, QUICK, file=tmp_path / "run.h5")
     with pytest.raises(InputError, match="began with"):
-        sample(NormalCell(values=MODEL.values + 1.0), QUICK, file=tmp_path / "run.h5")
+        sample(NormalValues(values=MODEL.values + 1.0), QUICK, file=tmp_path / "run.h5")
 
 
 @SHORT

@@ -9,12 +9,12 @@ from pathlib import Path
 import emcee
 import numpy as np
 
-from reliab.criterion.bayes.diagnostics import FEWEST_ENSEMBLES
-from reliab.criterion.bayes.laplace import Laplace
-from reliab.criterion.bayes.model import Model
-from reliab.criterion.bayes.posterior_sample import PosteriorSample
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
+from reliab.sampling.diagnostics import FEWEST_ENSEMBLES
+from reliab.sampling.laplace import Laplace
+from reliab.sampling.model import Model
+from reliab.sampling.posterior_sample import PosteriorSample
 
 _BLOCKS = 20  # reports of progress from one ensemble
 _START = 2.0  # spread of the first walkers, in spreads of the approximate posterior
@@ -105,8 +105,8 @@ def sample(
 
     Examples
     --------
-    >>> from reliab.criterion.bayes import NormalCell
-    >>> model = NormalCell(values=np.random.default_rng(1).normal(-1.0, 0.6, 100))
+    >>> from reliab.sampling import NormalValues
+    >>> model = NormalValues(values=np.random.default_rng(1).normal(-1.0, 0.6, 100))
     >>> posterior = sample(model, Ensembles(steps=800, walkers=16))
     >>> posterior.converged, bool(abs(posterior.flat[:, 0].mean() - model.values.mean()) < 0.01)
     (True, True)

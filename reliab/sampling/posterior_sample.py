@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from reliab.criterion.bayes.diagnostics import ConvergenceWarning, Diagnostics, diagnose, inference_data
+from reliab.sampling.diagnostics import ConvergenceWarning, Diagnostics, diagnose, inference_data
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

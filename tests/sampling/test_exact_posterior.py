@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from reliab.criterion.bayes import Ensembles, NormalCell, sample
-from reliab.criterion.bayes.normal_cell import WEAK_PRIOR
-from reliab.criterion.bayes.normal_inverse_chi_squared import NormalInverseChiSquared
+from reliab.sampling import Ensembles, NormalValues, sample
+from reliab.sampling.normal_inverse_chi_squared import NormalInverseChiSquared
+from reliab.sampling.normal_values import WEAK_PRIOR
 
 SHARES = np.array([0.05, 0.25, 0.5, 0.75, 0.95])
 VALUES = np.random.default_rng(2017).normal(-0.8, 0.6, 40)
@@ -15,7 +15,7 @@ VALUES = np.random.default_rng(2017).normal(-0.8, 0.6, 40)
 @pytest.fixture(scope="module", params=["reference", "weak"])
 def posteriors(request):
     prior = NormalInverseChiSquared.reference_prior() if request.param == "reference" else WEAK_PRIOR
-    sampled = sample(NormalCell(values=VALUES, prior=prior), Ensembles(steps=1200, walkers=16))
+    sampled = sample(NormalValues(values=VALUES, prior=prior), Ensembles(steps=1200, walkers=16))
     return sampled, NormalInverseChiSquared.posterior(VALUES, prior)
 
 
@@ -51,7 +51,7 @@ def test_predictive_quantiles_are_exact_within_monte_carlo_error(posteriors):
 
 
 def test_the_density_is_that_of_the_conjugate_posterior():
-    model = NormalCell(values=VALUES)
+    model = NormalValues(values=VALUES)
     exact = NormalInverseChiSquared.posterior(VALUES, WEAK_PRIOR)
     mu, log_sigma = np.random.default_rng(1).normal([-0.8, -0.5], 0.3, (20, 2)).T
     variance = np.exp(2.0 * log_sigma)

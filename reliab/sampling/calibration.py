@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chisquare
 
-from reliab.criterion.bayes.model import Model
-from reliab.criterion.bayes.sampling import Ensembles, draw
 from reliab.progress import Progress, silent
+from reliab.sampling.ensembles import Ensembles, draw
+from reliab.sampling.model import Model
 
 DRAWS = 99
 """Draws of a posterior among which the true parameter is ranked."""
@@ -48,8 +48,8 @@ def calibration_ranks(
 
     Examples
     --------
-    >>> from reliab.criterion.bayes import NormalCell
-    >>> calibration_ranks(NormalCell(values=np.zeros(10)), fits=2, steps=200).shape
+    >>> from reliab.sampling import NormalValues
+    >>> calibration_ranks(NormalValues(values=np.zeros(10)), fits=2, steps=200).shape
     (2, 2)
     """
     rng = np.random.default_rng(seed)

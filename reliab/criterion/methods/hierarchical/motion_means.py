@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.criterion.bayes.covariance import normal_log_density, squares_of
+from reliab.criterion.methods.hierarchical.covariance import normal_log_density, squares_of
 
 _NODES: Final = 7  # Gauss-Hermite nodes along each of two directions
 _ROUNDS: Final = 6  # reweighted means that place them

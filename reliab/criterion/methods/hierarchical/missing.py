@@ -10,9 +10,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.criterion.bayes.hierarchical import Hierarchical
-from reliab.criterion.bayes.laplace import Laplace
-from reliab.criterion.bayes.strata import (
+from reliab.criterion.methods.hierarchical.model import Hierarchical
+from reliab.criterion.methods.hierarchical.strata import (
     EVENT,
     FREQUENCY,
     FREQUENCY_SLOPE,
@@ -21,6 +20,7 @@ from reliab.criterion.bayes.strata import (
     REMAINDER,
     Grid,
 )
+from reliab.sampling.laplace import Laplace
 
 _ROUNDS = 2
 

@@ -3,9 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.criterion.bayes.hierarchical import Hierarchical
-from reliab.criterion.bayes.posterior_sample import PosteriorSample
+from reliab.criterion.methods.hierarchical.model import Hierarchical
+from reliab.criterion.methods.joint import Scatter
 from reliab.criterion.scaling import scales
+from reliab.sampling.posterior_sample import PosteriorSample
 
 _DRAWS = 2000
 _MOTIONS = 40  # for each draw, each of an earthquake of its own
@@ -21,7 +22,7 @@ def posterior_limits(
     joint: bool,
     assurance: float | None = None,
     seed: int = 2017,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+) -> NDArray[np.float64]:
     """Limits that the stated share of motions of further earthquakes exceeds.
 
     Parameters
@@ -42,28 +43,30 @@ def posterior_limits(
 
     Returns
     -------
-    a, b : array of float, shape (F, X)
-        Limits [-] and [ms²].
+    array of float, shape (F, X, 2)
+        Limits a [-] and b [ms²].
     """
     rng = np.random.default_rng(seed)
     drawn = model.draw_motions(posterior.spread_out(_DRAWS), np.arange(_MOTIONS), rng)
     motions = drawn.reshape(-1, *drawn.shape[2:])
-    centre, spread = motions.mean(axis=0), motions.std(axis=0)
+    scatter = Scatter.of(motions)
 
     def quantile(values: NDArray[np.float64]) -> NDArray[np.float64]:
-        standard = (values - centre) / spread
-        standing = standard.min(axis=-1, keepdims=True) if joint else standard
-        return np.asarray(np.quantile(standing, 1.0 - confidence, axis=0))
+        standing = scatter.worse(values)[..., None] if joint else scatter.standard(values)
+        depths = np.quantile(standing, 1.0 - confidence, axis=0)
+        return np.broadcast_to(depths, scatter.centre.shape)
 
     if assurance is None:
         depth = quantile(motions)
     else:
         # The quantile of a finite population scatters by itself, which makes the bound a little lower.
-        each = np.arange(_POPULATION)
+        numbers = np.arange(_POPULATION)
         populations = (
-            model.draw_motions(theta[None], each, rng)[0] for theta in posterior.spread_out(_POPULATIONS)
+            model.draw_motions(theta[None], numbers, rng)[0] for theta in posterior.spread_out(_POPULATIONS)
         )
-        depth = np.quantile(np.stack([quantile(one) for one in populations]), 1.0 - assurance, axis=0)
-    limits = centre + spread * depth
-    scale_a, scale_b = scales(model.frequencies[:, None], model.damping_ratios[None, :])
-    return scale_a * np.exp(limits[..., 0]), scale_b * np.exp(limits[..., 1])
+        depth = np.quantile(
+            np.stack([quantile(population) for population in populations]), 1.0 - assurance, axis=0
+        )
+    logarithms = scatter.centre + scatter.spread * depth
+    scale = scales(model.frequencies[:, None], model.damping_ratios[None, :])
+    return np.asarray(np.stack(scale, axis=-1) * np.exp(logarithms))

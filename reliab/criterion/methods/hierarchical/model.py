@@ -7,14 +7,13 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.criterion.bayes.covariance import (
+from reliab.criterion.methods.hierarchical.covariance import (
     covariance_of,
     covariance_parameters,
     factor_of,
 )
-from reliab.criterion.bayes.model import Model, Parameter
-from reliab.criterion.bayes.motion_means import MotionMeans
-from reliab.criterion.bayes.strata import (
+from reliab.criterion.methods.hierarchical.motion_means import MotionMeans
+from reliab.criterion.methods.hierarchical.strata import (
     EVENT,
     FREQUENCY,
     FREQUENCY_SLOPE,
@@ -27,6 +26,7 @@ from reliab.criterion.bayes.strata import (
     weights_of_motion_mean,
 )
 from reliab.errors import InputError
+from reliab.sampling.model import Model, Parameter
 
 _TYPICAL = {EVENT: 0.3, MOTION: 0.4, MOTION_SLOPE: 0.2, FREQUENCY: 0.4, FREQUENCY_SLOPE: 0.2, REMAINDER: 0.1}
 _PAIR = 2

@@ -1,0 +1,78 @@
+"""Thresholds at which an actuator that does not move would pass, so that its indices mean nothing."""
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from reliab.criterion.ellipse_sample import position
+from reliab.errors import InputError
+
+REST = "error_at_rest"
+"""Variable of the ellipses: error of the whole test with an actuator at rest, over (motion, f, xi, metric)."""
+
+MOST_AT_REST = 0.05
+"""Largest share of motions under which an actuator at rest may keep the threshold."""
+
+
+def share_at_rest(errors: NDArray[np.float64], threshold: float) -> NDArray[np.float64]:
+    """Share of motions under which an actuator at rest keeps a threshold.
+
+    Parameters
+    ----------
+    errors : array of float, shape (motions, ...)
+        Errors of the whole test with an actuator that does not move [-]; NaN where unknown.
+    threshold : float
+        Error [-].
+
+    Returns
+    -------
+    numpy.ndarray
+        Shares of the motions with a known error, in the trailing shape; 0 where none is known.
+
+    Examples
+    --------
+    >>> share_at_rest(np.array([[0.15, 0.3], [0.25, np.nan], [0.4, 0.2]]), 0.2).round(2).tolist()
+    [0.33, 0.5]
+    """
+    known = np.isfinite(errors)
+    kept = (known & (errors <= threshold)).sum(axis=0)
+    return np.asarray(kept / np.maximum(known.sum(axis=0), 1))
+
+
+def require_meaning(ellipses: xr.Dataset, *, threshold: float, metric: str) -> None:
+    """Refuse a threshold that an actuator at rest keeps under more than one motion in twenty.
+
+    The amplitude and the delay of a test that hardly moves say nothing of its error. Ellipses without
+    `error_at_rest` (older files, tables in CSV) cannot be checked.
+
+    Parameters
+    ----------
+    ellipses : xarray.Dataset
+        Ellipses of the structures that are asked for.
+    threshold : float
+        Error [-].
+    metric : str
+        Which error.
+
+    Raises
+    ------
+    InputError
+        If an actuator at rest would pass; the message names the structure where it does most often.
+    """
+    if REST not in ellipses:
+        return
+    errors = ellipses[REST].sel(metric=metric).transpose("motion", "f", "xi")
+    position(ellipses, "threshold", threshold)
+    shares = share_at_rest(errors.values.astype(np.float64), threshold)
+    if shares.max() <= MOST_AT_REST:
+        return
+    row, column = np.unravel_index(int(shares.argmax()), shares.shape)
+    f, xi = float(errors["f"].values[row]), float(errors["xi"].values[column])
+    raise InputError(
+        "An actuator that does not move must exceed the error threshold under at least 95 % of the motions",
+        value=(
+            f"{shares.max():.0%} of the motions under which it stays below {threshold:g} at f = {f:g} Hz and "
+            f"ξ = {xi:g}"
+        ),
+        remedy="Give a smaller threshold, at which amplitude and delay still tell good tests from bad ones",
+    )

@@ -1,0 +1,133 @@
+"""Methods that take each structure for itself: a lower bound of one quantity over ground motions."""
+
+from abc import abstractmethod
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.criterion.ellipse_sample import EllipseSample
+from reliab.criterion.methods.joint import Scatter
+from reliab.criterion.methods.method import Learned, Method, checked_share
+from reliab.criterion.sample_grid import SampleGrid
+from reliab.errors import InputError
+from reliab.progress import Progress, silent
+
+
+class BoundMethod(Method):
+    """A lower bound of the logarithm of a, of b, or of the worse of the two."""
+
+    def lower_bound(
+        self, logarithms: NDArray[np.float64], events: NDArray[np.str_], confidence: float
+    ) -> float:
+        """Bound that the stated share of the motions exceeds.
+
+        Parameters
+        ----------
+        logarithms : array of float, shape (motions,)
+            Logarithms of the quantity.
+        events : array of str, shape (motions,)
+            Earthquake of each motion.
+        confidence : float
+            Stated share of the motions, in (0, 1).
+
+        Returns
+        -------
+        float
+            Logarithm of the bound; minus infinity when the motions are too few for the promise.
+
+        Raises
+        ------
+        InputError
+            If the confidence lies outside of (0, 1).
+        """
+        return self._lower_bound(logarithms, events, checked_share(confidence, "confidence"))
+
+    @abstractmethod
+    def _lower_bound(
+        self, logarithms: NDArray[np.float64], events: NDArray[np.str_], confidence: float
+    ) -> float:
+        """Bound for a checked confidence."""
+
+    def learn(
+        self, grid: SampleGrid, *, law: str, chains: Path | None = None, progress: Progress = silent
+    ) -> Learned:
+        """Take the motions as they are; see :meth:`Method.learn`."""
+        del law, progress
+        if chains is not None:
+            raise InputError(
+                "Only the hierarchical methods sample chains",
+                value=f"chains for {self.name}",
+                remedy="Leave them out, or choose hierarchical or hierarchical_robust",
+            )
+        return _Bounds(method=self, grid=grid)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Bounds(Learned):
+    method: BoundMethod
+    grid: SampleGrid
+
+    def limits(self, confidence: float, *, joint: bool) -> NDArray[np.float64]:
+        """Limits of every structure, shape (F, X, 2)."""
+        return np.array(
+            [
+                [limits(sample, self.method, confidence, joint=joint) for sample in row]
+                for row in self.grid.samples
+            ]
+        )
+
+
+def limits(
+    sample: EllipseSample, method: BoundMethod, confidence: float, *, joint: bool = False
+) -> tuple[float, float]:
+    """Derive limits a and b at a confidence from the motions of one structure.
+
+    Each for itself, as in the paper, a share `confidence` of the motions has a larger a, and the same
+    share, but not the same motions, a larger b. *Jointly*, the share holds for both together
+    (:class:`~reliab.criterion.methods.joint.Scatter`).
+
+    Parameters
+    ----------
+    sample : EllipseSample
+        Ellipses of one structure at one error.
+    method : BoundMethod
+        What the confidence means.
+    confidence : float
+        Stated share of the motions, in (0, 1).
+    joint : bool, optional
+        Whether a and b hold together.
+
+    Returns
+    -------
+    a, b : float
+        The limits [-] and [ms²], finite; zero where the motions are too few for the method's promise
+        (:meth:`Method.carried_confidence`).
+
+    Examples
+    --------
+    >>> from reliab.criterion.methods import Quantile
+    >>> logarithms = np.random.default_rng(1).multivariate_normal([0, 0], [[1.0, 0.5], [0.5, 1.0]], 5000)
+    >>> a, b = np.exp(logarithms.T)
+    >>> names = np.arange(5000).astype(str)
+    >>> sample = EllipseSample(
+    ...     a=a, b=b, motions=names, events=names,
+    ...     frequency=1.0, damping_ratio=0.02, threshold=0.05, metric="rms",
+    ... )
+    >>> for joint in (False, True):
+    ...     least_a, least_b = limits(sample, Quantile(), 0.9, joint=joint)
+    ...     print(round(float(((a >= least_a) & (b >= least_b)).mean()), 2))
+    0.84
+    0.91
+    """
+    if not method.carries(checked_share(confidence, "confidence"), sample.n_motions, sample.n_events):
+        return 0.0, 0.0
+    logarithms = np.stack([sample.log_a, sample.log_b], axis=-1)
+    if not joint:
+        bounds = [method.lower_bound(values, sample.events, confidence) for values in logarithms.T]
+        return float(np.exp(bounds[0])), float(np.exp(bounds[1]))
+    scatter = Scatter.of(logarithms)
+    depth = method.lower_bound(scatter.worse(logarithms), sample.events, confidence)
+    a, b = np.exp(scatter.at(np.asarray(depth)))
+    return float(a), float(b)

@@ -1,0 +1,81 @@
+"""Ellipses of ground motions over a grid of structures: what limits are learned from."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from reliab.criterion.ellipse_sample import EllipseSample, sample_of
+from reliab.criterion.population import Population
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SampleGrid:
+    """Ellipses at one error, of one curve, on one side of the boundaries.
+
+    Parameters
+    ----------
+    samples : tuple of tuple of EllipseSample
+        Motions of each structure, shape (frequencies, damping ratios).
+    population : Population
+        The same motions with gaps where they have no ellipse.
+    n_motions : int
+        Number of motions that were offered.
+    threshold : float
+        Error on the boundaries [-].
+    metric, curve, side : str
+        Which error, which ellipses, and which side.
+    """
+
+    samples: tuple[tuple[EllipseSample, ...], ...]
+    population: Population
+    n_motions: int
+    threshold: float
+    metric: str
+    curve: str
+    side: str
+
+    @classmethod
+    def of(cls, ellipses: xr.Dataset, *, threshold: float, metric: str, curve: str, side: str) -> Self:
+        """Take the ellipses of one error, curve and side from a dataset, in increasing order of f and ξ.
+
+        Raises
+        ------
+        InputError
+            If the dataset has none, or too few motions have an ellipse at some structure.
+        """
+        chosen = {"threshold": threshold, "metric": metric, "curve": curve, "side": side}
+        population = Population.of(ellipses, **chosen)  # type: ignore[arg-type]
+        samples = tuple(
+            tuple(sample_of(ellipses, frequency=f, damping_ratio=xi, **chosen) for xi in damping_ratios)  # type: ignore[arg-type]
+            for damping_ratios in [population.damping_ratios.tolist()]
+            for f in population.frequencies.tolist()
+        )
+        return cls(samples=samples, population=population, n_motions=ellipses.sizes["motion"], **chosen)  # type: ignore[arg-type]
+
+    @property
+    def cells(self) -> list[EllipseSample]:
+        """Motions of each structure, the damping ratio varying fastest."""
+        return [sample for row in self.samples for sample in row]
+
+    @property
+    def frequencies(self) -> NDArray[np.float64]:
+        """Natural frequencies [Hz], shape (F,), increasing."""
+        return self.population.frequencies
+
+    @property
+    def damping_ratios(self) -> NDArray[np.float64]:
+        """Damping ratios [-], shape (X,), increasing."""
+        return self.population.damping_ratios
+
+    @property
+    def fewest_events(self) -> int:
+        """Least number of earthquakes at a structure."""
+        return min(sample.n_events for sample in self.cells)
+
+    @property
+    def fewest_motions(self) -> int:
+        """Least number of motions with an ellipse at a structure."""
+        return min(sample.n_motions for sample in self.cells)

@@ -1,0 +1,118 @@
+"""Whatever the motions, limits are finite, not negative, and never wider at a higher confidence."""
+
+import warnings
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from reliab.criterion.distributions import DISTRIBUTIONS
+from reliab.criterion.ellipse_sample import EllipseSample
+from reliab.criterion.methods import METHODS, limits, method_of
+from reliab.criterion.motion_predictive import MotionPredictive
+from reliab.errors import InputError
+
+EXAMPLES = 6
+CONFIDENCES = (0.3, 0.6, 0.75, 0.9, 0.95, 0.99, 0.995, 0.999)
+EVERY = {
+    **{name: method_of(name) for name in METHODS},
+    **{f"quantile, {name}": method_of("quantile", distribution=name) for name in DISTRIBUTIONS},
+}
+
+
+def sample_of(logarithms, events):
+    number = np.arange(len(logarithms)).astype(np.str_)
+    return EllipseSample(
+        a=1e-4 * np.exp(logarithms[:, 0]),
+        b=np.exp(logarithms[:, 1]),
+        motions=number,
+        events=np.asarray(events).astype(np.str_),
+        frequency=1.0,
+        damping_ratio=0.02,
+        threshold=0.05,
+        metric="rms",
+    )
+
+
+@st.composite
+def small_samples(draw):
+    """Two to six records of one to four earthquakes, scattered, rounded so that there are ties, or outlying."""
+    motions = draw(st.integers(3, 6))
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    logarithms = draw(st.sampled_from([0.01, 0.5, 3.0])) * rng.normal(size=(motions, 2))
+    logarithms = logarithms.round(draw(st.sampled_from([0, 1, 12])))
+    if draw(st.booleans()):
+        logarithms[:, 1] = logarithms[:, 0]
+    return logarithms, rng.integers(draw(st.integers(1, 4)), size=motions)
+
+
+@pytest.mark.parametrize("joint", [True, False], ids=["joint", "each"])
+@pytest.mark.parametrize("method", EVERY.values(), ids=EVERY)
+@settings(max_examples=EXAMPLES, deadline=None, derandomize=True)
+@given(given_motions=small_samples())
+def test_limits_are_finite_and_never_wider_at_a_higher_confidence(method, joint, given_motions):
+    try:
+        sample = sample_of(*given_motions)
+    except InputError:
+        return  # all motions alike
+    found = np.array([limits(sample, method, confidence, joint=joint) for confidence in CONFIDENCES])
+    assert np.isfinite(found).all()
+    assert (found >= 0.0).all()
+    for lower, higher in pairwise(found):
+        assert (higher <= lower * (1.0 + 1e-6)).all()
+
+
+@pytest.mark.parametrize("method", EVERY.values(), ids=EVERY)
+@settings(max_examples=EXAMPLES, deadline=None, derandomize=True)
+@given(given_motions=small_samples())
+def test_bounds_beyond_what_the_motions_carry_fall_all_the_same(method, given_motions):
+    """The methods by themselves: minus infinity is a bound, NaN and plus infinity are none."""
+    logarithms, events = given_motions
+    values = logarithms[:, 0]
+    if np.ptp(values) == 0.0:
+        return
+    bounds = [method.lower_bound(values, events.astype(np.str_), confidence) for confidence in CONFIDENCES]
+    assert all(bound < np.inf for bound in bounds)
+    for lower, higher in pairwise(bounds):
+        assert higher <= lower + 1e-6 * np.ptp(values)
+
+
+@settings(max_examples=20, deadline=None, derandomize=True)
+@given(given_motions=small_samples())
+def test_a_predictive_quantile_is_always_there(given_motions):
+    logarithms, events = given_motions
+    learned = MotionPredictive.fit(logarithms, events.astype(np.str_))
+    quantiles = np.array([learned.quantile(1.0 - confidence) for confidence in CONFIDENCES])
+    assert np.isfinite(quantiles).all()
+    assert (np.diff(quantiles, axis=0) <= 1e-9).all()
+    np.testing.assert_allclose(learned.cumulative(logarithms.min(axis=0) - 1e12), 0.0, atol=1e-2)
+
+
+def test_two_earthquakes_carry_no_99_percent():
+    """Six records of two earthquakes gave d ≤ 1.05, 0.866 and then 3.18 ms at 95, 99 and 99.9 %."""
+    for seed in range(30):
+        rng = np.random.default_rng(seed)
+        sample = sample_of(0.5 * rng.normal(size=(6, 2)), np.repeat([0, 1], 3))
+        assert limits(sample, method_of("dirichlet"), 0.99, joint=True) == (0.0, 0.0)
+        assert min(limits(sample, method_of("dirichlet"), 0.5, joint=True)) > 0.0
+
+
+def test_motions_that_are_all_alike_are_refused():
+    logarithms = np.random.default_rng(1).normal(size=(5, 2))
+    logarithms[:, 1] = 0.3
+    with pytest.raises(InputError, match="b must differ between ground motions"):
+        sample_of(logarithms, range(5))
+
+
+@pytest.mark.parametrize("name", ["dirichlet", "quantile", "predictive", "tolerance", "bootstrap"])
+def test_one_earthquake_carries_nothing(name):
+    sample = sample_of(np.random.default_rng(1).normal(size=(40, 2)), np.zeros(40))
+    assert limits(sample, method_of(name), 0.5) == (0.0, 0.0)
+
+
+def test_ties_have_an_empirical_distribution():
+    with warnings.catch_warnings(action="error"):
+        fitted = DISTRIBUTIONS["empirical"].fit([1.0, 2.0, 2.0, 2.0, 2.0, 2.0])
+        assert 0.0 < float(fitted.quantile(0.05)) < 2.0
