@@ -71,7 +71,9 @@ def _rows(validation: "CrossValidation", over: tuple[str, ...]) -> list[dict[str
 
     rows = []
     for line in tabulate(validation, over).to_dict(orient="records"):
-        row = {name: line[name] for name in ("candidate", "confidence", "f", "xi") if name in line}
+        row: dict[str, Any] = {
+            str(name): line[name] for name in ("candidate", "confidence", "f", "xi") if name in line
+        }
         for name in RATES:
             ends = {"rate": name, "low": f"{name}_low", "high": f"{name}_high"}
             row[name] = {end: _number(line[key]) for end, key in ends.items()}

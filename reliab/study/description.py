@@ -1,84 +1,123 @@
-"""What a study asks for: the tables and keys of its TOML file.
+"""What a study asks for: the tables of its TOML file, and which of them its kind knows.
 
-A key that is not known, or a value that is not allowed, is refused with its place and what is allowed.
+A key or a table that the kind of the study does not know, or a value that is not allowed, is refused with its
+place and what is allowed; so is everything that would only be noticed after hours of simulation.
 """
 
 import datetime as dt
 import hashlib
-import tomllib
 from collections.abc import Sequence
-from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal, Self, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
+from reliab.criterion.laws import FITTED, known
+from reliab.criterion.methods import RECOMMENDED, any_method_of
 from reliab.errors import InputError
+from reliab.indices.window import Window
+
+_Value = TypeVar("_Value")
+
+
+def _distinct(values: tuple[_Value, ...]) -> tuple[_Value, ...]:
+    if not values:
+        message = "at least one value is needed"
+        raise ValueError(message)
+    if len(set(values)) < len(values):
+        message = "each value is given once"
+        raise ValueError(message)
+    return values
+
+
+def _window(text: str) -> str:
+    return Window.parse(text).label
+
+
+def _method(name: str) -> str:
+    any_method_of(name)
+    return name
+
+
+def _law(name: str) -> str:
+    known(FITTED, name)
+    return name
+
 
 Share = Annotated[float, Field(gt=0.0, lt=1.0)]
-Positive = Annotated[float, Field(gt=0.0)]
+Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+Shares = Annotated[tuple[Share, ...], AfterValidator(_distinct)]
+Positives = Annotated[tuple[Positive, ...], AfterValidator(_distinct)]
+Names = Annotated[tuple[str, ...], AfterValidator(_distinct)]
 
 
-class _Table(BaseModel):
+class Table(BaseModel):
+    """A table of a study: its keys and no others."""
+
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class MotionsTable(_Table):
-    """`[motions]`: which ground motions; or which results of theirs, a store or "real_suite"."""
+class RecordsTable(Table):
+    """`[motions]`: which records."""
 
-    sources: tuple[str, ...] | None = None
-    sets: tuple[str, ...] | None = None
+    sources: Names | None = None
+    sets: Names | None = None
+
+
+class MotionsTable(RecordsTable):
+    """`[motions]`: which records; or which results of theirs, a store or "real_suite"."""
+
     results: str | None = None
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
-        if self.sources is not None and self.results is not None:
-            message = "sources and results exclude each other"
+        if self.results is not None and (self.sources is not None or self.sets is not None):
+            message = "results exclude sources and sets"
             raise ValueError(message)
         return self
 
 
-class StructuresTable(_Table):
+class StructuresTable(Table):
     """`[structures]`: which structures."""
 
-    f: tuple[Positive, ...] = (1.0,)
-    xi: tuple[Share, ...] = (0.02,)
+    f: Positives = (1.0,)
+    xi: Shares = (0.02,)
     experimental_fraction: Annotated[float, Field(gt=0.0, le=1.0)] = 1.0
 
 
-class ErrorsTable(_Table):
-    """`[errors]`: which errors of the whole test, and where they are taken."""
+class ErrorsTable(Table):
+    """`[errors]`: which errors of the whole test, and over which part of the record they are computed."""
 
-    thresholds: tuple[Positive, ...] = (0.05,)
-    metrics: tuple[Literal["rms", "mte"], ...] = ("rms",)
-    window: str = "record"
+    thresholds: Positives = (0.05,)
+    metrics: Annotated[tuple[Literal["rms", "mte"], ...], AfterValidator(_distinct)] = ("rms",)
+    window: Annotated[str, AfterValidator(_window)] = "record"
 
 
-class CriterionTable(_Table):
+class CriterionTable(Table):
     """`[criterion]`: what the criterion promises."""
 
-    confidences: tuple[Share, ...] = (0.95,)
-    method: str = "dirichlet"
+    confidences: Shares = (0.95,)
+    method: Annotated[str, AfterValidator(_method)] = RECOMMENDED
     joint: bool = True
-    law: str = "table"
+    law: Annotated[str, AfterValidator(_law)] = "table"
 
 
-class ValidationTable(_Table):
+class TransferTable(Table):
+    """`[validation]`: how a criterion is judged on the motions of another suite."""
+
+    confidences: Shares = (0.50, 0.60, 0.70, 0.80, 0.90, 0.95, 0.99)
+    trials: Annotated[int, Field(ge=64, le=65536)] = 512
+
+
+class ValidationTable(TransferTable):
     """`[validation]`: how the criterion is put to the test."""
 
-    schemes: tuple[Literal["leave_one_event_out", "k_fold", "random_halves"], ...] = ("leave_one_event_out",)
-    confidences: tuple[Share, ...] = (0.50, 0.60, 0.70, 0.80, 0.90, 0.95, 0.99)
-    trials: Annotated[int, Field(ge=64, le=65536)] = 512
-    held_out: str | None = None
+    schemes: Annotated[
+        tuple[Literal["leave_one_event_out", "k_fold", "random_halves"], ...], AfterValidator(_distinct)
+    ] = ("leave_one_event_out",)
 
 
-class CampaignTable(_Table):
-    """`[campaign]`: a measured campaign."""
-
-    folder: str
-
-
-class Study(_Table):
-    """A study.
+class Study(Table):
+    """A study; each kind adds the tables that it knows.
 
     Attributes
     ----------
@@ -88,20 +127,15 @@ class Study(_Table):
         What is done: see the modules of `reliab.study.kinds`.
     purpose : str
         A sentence or two on what it is for.
-    date : str
-        Date of the report, fixed so that its bytes are.
+    date : datetime.date or None
+        Date of the report, given where its bytes are to be reproducible; the day on which the report is
+        written by default.
     """
 
     title: str
-    kind: Literal["criterion", "paper", "validation", "suites", "audit", "discrepancy", "blind_evaluation"]
+    kind: str
     purpose: str = ""
-    date: dt.date = dt.date(2026, 1, 1)
-    motions: MotionsTable = MotionsTable()
-    structures: StructuresTable = StructuresTable()
-    errors: ErrorsTable = ErrorsTable()
-    criterion: CriterionTable = CriterionTable()
-    validation: ValidationTable = ValidationTable()
-    campaign: CampaignTable | None = None
+    date: dt.date | None = None
 
     def on(self, sources: Sequence[str] | None, sets: Sequence[str] | None) -> Self:
         """Return the same study on other ground motions.
@@ -115,72 +149,61 @@ class Study(_Table):
         -------
         Study
             The study.
+
+        Raises
+        ------
+        InputError
+            If the study is of no ground motions.
         """
-        known = self.motions
-        chosen = MotionsTable(
-            sources=known.sources if sources is None else tuple(sources),
-            sets=known.sets if sets is None else tuple(sets),
-            results=known.results if sources is None else None,
+        raise InputError(
+            f"A study of the kind {self.kind} is not one of ground motions",
+            value=f"motions {', '.join(sources or sets or ())}",
+            remedy="Leave it out",
         )
-        return self.model_copy(update={"motions": chosen})
 
     def digest(self) -> str:
         """Return the SHA-256 of everything that the study asks for."""
         return hashlib.sha256(self.model_dump_json().encode()).hexdigest()
 
     @property
-    def provenance(self) -> dict[str, str]:
+    def provenance(self) -> dict[str, object]:
         """What the study's report is known by."""
         return {"study": self.title, "study, SHA-256": self.digest()}
 
 
-def read_study(path: str | Path) -> Study:
-    """Read a study.
+class RecordsStudy(Study):
+    """A study of records."""
 
-    Parameters
-    ----------
-    path : str or pathlib.Path
-        Its TOML file.
+    motions: RecordsTable = RecordsTable()
 
-    Returns
-    -------
-    Study
-        The study.
-
-    Raises
-    ------
-    InputError
-        If the file is missing, no TOML, or a key or value is not allowed; all faults at once.
-    """
-    path = Path(path)
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(
-            "A study is a TOML file",
-            value=error.strerror,
-            remedy="Name one that exists; `reliab run --list` lists those that are shipped",
-            where=str(path),
-        ) from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(
-            "A study must be valid TOML", value=error, remedy="Mend the file", where=str(path)
-        ) from None
-    try:
-        return Study.model_validate(content)
-    except ValidationError as error:
-        raise InputError(
-            "A study holds known keys with allowed values",
-            value="; ".join(_fault(each) for each in error.errors()),
-            remedy="Compare with the studies that are shipped",
-            where=str(path),
-        ) from None
+    def on(self, sources: Sequence[str] | None, sets: Sequence[str] | None) -> Self:
+        """Return the same study on other records."""
+        present = self.motions.model_dump()
+        if sources is not None and "results" in present:
+            present["results"] = None
+        changed = {"sources": sources and tuple(sources), "sets": sets and tuple(sets)}
+        tables = {**present, **{name: value for name, value in changed.items() if value is not None}}
+        try:
+            motions = type(self.motions).model_validate(tables)
+        except ValueError as error:
+            raise InputError(
+                "Only a catalogue of records has sets",
+                value="--sets for a study of stored results",
+                remedy="Give the records with --motions, or leave --sets out",
+            ) from error
+        return self.model_copy(update={"motions": motions})
 
 
-def _fault(error: object) -> str:
-    """One fault with the place of its key."""
-    details = dict(error)  # type: ignore[call-overload]
-    place = ".".join(str(part) for part in details["loc"]) or "the file"
-    if details["type"] == "extra_forbidden":
-        return f"{place} is not a known key"
-    return f"{place}: {details['msg'][0].lower()}{details['msg'][1:]}, not {details['input']!r}"
+class SimulatedStudy(RecordsStudy):
+    """A study that simulates records, or takes results that are stored."""
+
+    structures: StructuresTable = StructuresTable()
+    errors: ErrorsTable = ErrorsTable()
+
+
+class CriterionStudy(SimulatedStudy):
+    """A study that derives criteria and puts them to the test."""
+
+    motions: MotionsTable = MotionsTable()
+    criterion: CriterionTable = CriterionTable()
+    validation: ValidationTable = ValidationTable()

@@ -5,17 +5,14 @@ from pathlib import Path
 from typing import Final
 
 from reliab.report import write_pdf
-from reliab.shipped import shipped
-from reliab.study.description import Study, read_study
+from reliab.study.description import Study
 from reliab.study.kinds import KINDS
-from reliab.study.stages import RunFolder, Stage, study_of
-from reliab.study.steps import Material, Show, quietly
+from reliab.study.material import Show, quietly
+from reliab.study.reading import study_from
+from reliab.study.stages import RunFolder, Stage, date_of, study_of
 
 REPORT: Final = "report.pdf"
 """File of the report in the folder of a run."""
-
-DEFAULT_STUDY: Final = "quick"
-"""The study that is run where none is named."""
 
 
 def run_study(
@@ -48,10 +45,10 @@ def run_study(
     InputError
         If the study asks for what is not there, or the folder holds something else.
     """
-    kind, material = KINDS[study.kind], Material(study)
+    stages = list(KINDS[study.kind].stages(study, show))
     folder = RunFolder(Path(out), study=study.model_dump(mode="json"))
-    stages = list(kind.stages(material, show))
-    for stage in (*stages, _reporting(study, [name for each in stages for name in each.writes])):
+    results = [name for stage in stages for name in stage.writes]
+    for stage in (*stages, _reporting(study, results)):
         tell(stage.name, folder.perform(stage))
     return folder.path / REPORT
 
@@ -75,39 +72,8 @@ def write_report(folder: str | Path) -> Path:
         If nothing was run there, or the run is not finished.
     """
     folder = Path(folder)
-    study = Study.model_validate(study_of(folder))
-    _report(study, folder)
+    _report(study_from(study_of(folder), where=str(folder)), folder)
     return folder / REPORT
-
-
-def open_study(name: str | Path) -> Study:
-    """Read a study from its file, or one that ships by its name.
-
-    Parameters
-    ----------
-    name : str or pathlib.Path
-        A TOML file, or a name such as ``quick``.
-
-    Returns
-    -------
-    Study
-        The study.
-
-    Raises
-    ------
-    InputError
-        If there is none, or its file is not allowed.
-    """
-    path = Path(name)
-    if not path.exists() and not path.suffix and len(path.parts) == 1:
-        path = shipped("studies", f"{name}.toml")
-    return read_study(path)
-
-
-def shipped_studies() -> dict[str, Study]:
-    """Return every study that ships, by its name."""
-    folder = shipped("studies", f"{DEFAULT_STUDY}.toml").parent
-    return {path.stem: read_study(path) for path in sorted(folder.glob("*.toml"))}
 
 
 def _reporting(study: Study, reads: list[str]) -> Stage:
@@ -120,4 +86,5 @@ def _reporting(study: Study, reads: list[str]) -> Stage:
 
 
 def _report(study: Study, folder: Path) -> None:
-    write_pdf(KINDS[study.kind].report(study, folder), folder / REPORT, date=study.date)
+    document = KINDS[study.kind].report(study, folder)
+    write_pdf(document, folder / REPORT, date=study.date or date_of(folder))

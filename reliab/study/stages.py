@@ -1,17 +1,23 @@
 """Stages of a run: each is done once, and again only when what it depends on has changed.
 
 A run folder holds the results as files and `manifest.json`, which remembers for each stage the digest
-of its inputs and of the files that it wrote. A stage is written to a temporary place and renamed, and
-enters the manifest last, so that a run that is killed continues where it was.
+of its inputs, which the code of the package is one of, and of the files that it wrote, the day, and the
+packages with which they were made. A stage enters the manifest as done when its files are written, so that an
+interrupted run resumes where it was; what was begun with other inputs or other code is removed first.
 """
 
+import datetime as dt
 import hashlib
 import json
+import shutil
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
+import reliab
+from reliab.criterion.provenance import installed_versions
 from reliab.errors import InputError
 
 MANIFEST = "manifest.json"
@@ -94,16 +100,37 @@ class RunFolder:
             Whether work was done.
         """
         inputs = self._digest_inputs(stage)
-        known = self._manifest["stages"].get(stage.name)
-        if known and known["inputs"] == inputs and known["files"] == self._digest_files(stage.writes):
+        entries = self._manifest["stages"]
+        entry = entries.get(stage.name, {})
+        if entry.get("inputs") == inputs and entry.get("files") == self._digest_files(stage.writes):
             return False
+        if entry and entry["inputs"] != inputs:
+            self._remove(stage.writes)
+        entries[stage.name] = {"inputs": inputs}
+        self._write()
         stage.work(self.path)
-        self._manifest["stages"][stage.name] = {"inputs": inputs, "files": self._digest_files(stage.writes)}
+        entries[stage.name] = {
+            "inputs": inputs,
+            "files": self._digest_files(stage.writes),
+            "date": dt.datetime.now(tz=dt.UTC).date().isoformat(),
+            "packages": installed_versions(),
+        }
         self._write()
         return True
 
+    def _remove(self, names: Sequence[str]) -> None:
+        for path in (self.path / name for name in names):
+            if path.is_dir():
+                shutil.rmtree(path)
+            else:
+                path.unlink(missing_ok=True)
+
     def _digest_inputs(self, stage: Stage) -> str:
-        content = {"inputs": dict(stage.inputs), "reads": self._digest_files(stage.reads)}
+        content = {
+            "inputs": dict(stage.inputs),
+            "reads": self._digest_files(stage.reads),
+            "code": code_digest(),
+        }
         return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()
 
     def _digest_files(self, names: Sequence[str]) -> dict[str, str]:
@@ -144,6 +171,59 @@ def study_of(path: Path) -> dict[str, Any]:
     return dict(study)
 
 
+def made_with(path: Path) -> dict[str, object]:
+    """Return the packages with which the results of a run were made.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        A run folder.
+
+    Returns
+    -------
+    dict
+        Versions by package, under "packages"; where stages were run with different ones, by stage.
+    """
+    packages = {name: entry.get("packages", {}) for name, entry in _results(path).items()}
+    distinct = list({json.dumps(each, sort_keys=True): each for each in packages.values()}.values())
+    if not distinct:
+        return {}
+    return {"packages": distinct[0] if len(distinct) == 1 else packages}
+
+
+def date_of(path: Path) -> dt.date:
+    """Return the day on which the last results of a run were made.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        A run folder.
+
+    Returns
+    -------
+    datetime.date
+        The day.
+    """
+    days = [entry["date"] for entry in _results(path).values() if "date" in entry]
+    return dt.date.fromisoformat(max(days)) if days else dt.datetime.now(tz=dt.UTC).date()
+
+
+def _results(path: Path) -> dict[str, dict[str, Any]]:
+    """Entries of the stages that made results; the report is none."""
+    return {name: entry for name, entry in _read(path).get("stages", {}).items() if name != "report"}
+
+
+@cache
+def code_digest() -> str:
+    """SHA-256 of the package's own code: what it computes may change with any of its files."""
+    package = Path(reliab.__file__).parent
+    digests = hashlib.sha256()
+    for file in sorted(package.rglob("*.py")):
+        digests.update(str(file.relative_to(package)).encode())
+        digests.update(file.read_bytes())
+    return digests.hexdigest()
+
+
 def _read(path: Path) -> dict[str, Any]:
     try:
         return dict(json.loads((path / MANIFEST).read_text(encoding="utf-8")))
@@ -164,12 +244,12 @@ def digest(path: Path) -> str:
     str
         The digest in hexadecimal.
     """
-    found = hashlib.sha256()
+    total = hashlib.sha256()
     files = sorted(path.rglob("*")) if path.is_dir() else [path]
     for file in files:
         if file.is_file():
-            found.update(str(file.relative_to(path)).encode())
+            total.update(str(file.relative_to(path)).encode())
             with file.open("rb") as stream:
                 while chunk := stream.read(_CHUNK):
-                    found.update(chunk)
-    return found.hexdigest() if any(file.is_file() for file in files) else ""
+                    total.update(chunk)
+    return total.hexdigest() if any(file.is_file() for file in files) else ""

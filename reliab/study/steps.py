@@ -1,9 +1,7 @@
 """Steps that studies share: simulate, trace, derive, cross-validate; each a stage with its files."""
 
 import json
-from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
-from functools import cached_property
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -11,94 +9,37 @@ import xarray as xr
 
 from reliab.api import ellipses, simulate
 from reliab.criterion import Criterion, derive_criterion
-from reliab.criterion.laws import OF_MANY_MOTIONS
-from reliab.criterion.methods import Quantile, method_of
+from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, known
+from reliab.criterion.methods import Quantile, any_method_of
 from reliab.errors import InputError
-from reliab.motions import Motion, MotionSuite, load_motions
-from reliab.progress import Progress, silent
-from reliab.shipped import or_shipped
-from reliab.study.description import Study
-from reliab.study.stages import Stage, digest
-from reliab.sweep import open_ellipses, open_results, write_ellipses
+from reliab.motions import load_motions
+from reliab.study.description import CriterionStudy, CriterionTable, ErrorsTable, SimulatedStudy
+from reliab.study.material import RESULTS, Material, Show, named
+from reliab.study.stages import Stage
+from reliab.sweep import open_ellipses, write_ellipses
 from reliab.validation.cross_validation import (
     Candidate,
     CrossValidation,
     Derived,
     Printed,
     cross_validate,
+    folds_of,
 )
-from reliab.validation.cross_validation.schemes import folds_of
 from reliab.vocabulary import Metric
 
-Show = Callable[[str], AbstractContextManager[Progress]]
-"""Shows the progress of what it is told the name of."""
-
-RESULTS: Final = "results.zarr"
 ELLIPSES: Final = "ellipses.nc"
 CRITERIA: Final = "criteria.json"
+VALIDATION: Final = "validation.json"
 CASES: Final = "cases.nc"
 
 _HELD_OUT = "held_out"
 _PAPER_ERROR = (0.05, str(Metric.RMS))
 
 
-def quietly(what: str) -> AbstractContextManager[Progress]:
-    """Show nothing."""
-    del what
-    return nullcontext(silent)
-
-
-class Material:
-    """What a study works on, loaded when it is first needed.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-    """
-
-    def __init__(self, study: Study) -> None:
-        self.study = study
-
-    @cached_property
-    def motions(self) -> MotionSuite:
-        """The ground motions."""
-        asked = self.study.motions
-        return load_motions(*(asked.sources or ("synthetic",)), sets=asked.sets)
-
-    @cached_property
-    def stored(self) -> Path | None:
-        """Results that are there already, if the study names some."""
-        name = self.study.motions.results
-        return None if name is None else or_shipped(Path(name), "datasets", "results.nc")
-
-    @cached_property
-    def checksums(self) -> list[str]:
-        """What the ground motions, or the stored results, are known by."""
-        if self.stored is not None:
-            return [digest(self.stored)]
-        return [motion.checksum for motion in self.motions]
-
-    def results(self, folder: Path) -> xr.Dataset:
-        """Results of the study's structures."""
-        opened = open_results(self.stored or folder / RESULTS, window=self.study.errors.window)
-        structures = self.study.structures
-        try:
-            return opened.sel(f=list(structures.f), xi=list(structures.xi), method="nearest", tolerance=1e-9)
-        except KeyError:
-            raise InputError(
-                "Stored results answer for the structures that they hold",
-                value=f"f = {list(structures.f)}, xi = {list(structures.xi)}",
-                remedy=f"Choose among f = {opened['f'].values.tolist()}, xi = {opened['xi'].values.tolist()},"
-                " or give ground motions",
-            ) from None
-
-
-def simulation(material: Material, show: Show) -> list[Stage]:
+def simulation(study: SimulatedStudy, material: Material, show: Show) -> list[Stage]:
     """Simulate the study's motions, unless results are given."""
     if material.stored is not None:
         return []
-    study = material.study
 
     def work(folder: Path) -> None:
         path = folder / RESULTS
@@ -122,19 +63,18 @@ def simulation(material: Material, show: Show) -> list[Stage]:
     return [Stage(name="simulate", inputs=inputs, writes=(RESULTS,), work=work)]
 
 
-def tracing(material: Material, show: Show) -> Stage:
+def tracing(study: SimulatedStudy, material: Material, show: Show) -> Stage:
     """Trace the boundaries in the results."""
-    study = material.study
 
     def work(folder: Path) -> None:
         with show("Tracing boundaries") as progress:
-            found = ellipses(
+            traced = ellipses(
                 material.results(folder),
                 threshold=study.errors.thresholds,
                 metric=study.errors.metrics,
                 progress=progress,
             )
-        write_ellipses(found, folder / ELLIPSES)
+        write_ellipses(traced, folder / ELLIPSES)
 
     inputs = {
         "results": material.checksums,
@@ -145,92 +85,149 @@ def tracing(material: Material, show: Show) -> Stage:
     return Stage(name="trace", inputs=inputs, reads=reads, writes=(ELLIPSES,), work=work)
 
 
-def derivation(study: Study) -> Stage:
-    """Derive the study's criteria, one for each error and confidence; the first is the study's own."""
+@dataclass(frozen=True, kw_only=True)
+class Derivation:
+    """Criteria of a run, and why others could not be derived.
+
+    Attributes
+    ----------
+    criteria : tuple of Criterion
+        One for each error and confidence that the motions carry; the first is the study's own.
+    refusals : tuple of str
+        A sentence for each error and confidence that they do not carry.
+    """
+
+    criteria: tuple[Criterion, ...]
+    refusals: tuple[str, ...]
+
+
+def derivation(errors: ErrorsTable, criterion: CriterionTable) -> Stage:
+    """Derive the study's criteria, one for each error and confidence that the motions carry."""
 
     def work(folder: Path) -> None:
-        found = open_ellipses(folder / ELLIPSES)
-        criteria = [
-            derive_criterion(
-                found,
-                threshold=threshold,
-                metric=metric,
-                confidence=confidence,
-                method=study.criterion.method,
-                joint=study.criterion.joint,
-                law=study.criterion.law,
-            )
-            for metric in study.errors.metrics
-            for threshold in study.errors.thresholds
-            for confidence in study.criterion.confidences
-        ]
-        text = json.dumps([json.loads(each.to_json()) for each in criteria], ensure_ascii=False)
+        traced = open_ellipses(folder / ELLIPSES)
+        criteria, refusals = [], []
+        for metric, threshold, confidence in (
+            (metric, threshold, confidence)
+            for metric in errors.metrics
+            for threshold in errors.thresholds
+            for confidence in criterion.confidences
+        ):
+            try:
+                derived = derive_criterion(
+                    traced,
+                    threshold=threshold,
+                    metric=metric,
+                    confidence=confidence,
+                    method=criterion.method,
+                    joint=criterion.joint,
+                    law=criterion.law,
+                )
+            except InputError as refusal:
+                refusals.append(
+                    f"No criterion for {100 * threshold:g} % {metric.upper()} at {100 * confidence:g} %: "
+                    f"{refusal}"
+                )
+            else:
+                criteria.append(json.loads(derived.to_json()))
+        content = {"criteria": criteria, "refusals": refusals}
+        text = json.dumps(content, ensure_ascii=False, allow_nan=False)
         (folder / CRITERIA).write_text(text, encoding="utf-8")
 
-    inputs = study.model_dump(include={"errors", "criterion"})
+    inputs = {"errors": errors.model_dump(), "criterion": criterion.model_dump()}
     return Stage(name="derive", inputs=inputs, reads=(ELLIPSES,), writes=(CRITERIA,), work=work)
 
 
-def criteria_of(folder: Path) -> list[Criterion]:
+def derivation_of(folder: Path) -> Derivation:
     """Read the criteria of a run."""
     content = json.loads((folder / CRITERIA).read_text(encoding="utf-8"))
-    return [Criterion.from_json(json.dumps(each)) for each in content]
+    return Derivation(
+        criteria=tuple(Criterion.from_json(json.dumps(criterion)) for criterion in content["criteria"]),
+        refusals=tuple(content["refusals"]),
+    )
 
 
-def judgement(material: Material, show: Show) -> Stage:
+def judgement(study: CriterionStudy, material: Material, show: Show) -> Stage:
     """Judge the study's criterion, the paper's way to derive one, and the printed ones."""
-    study = material.study
     threshold, metric = study.errors.thresholds[0], study.errors.metrics[0]
 
     def work(folder: Path) -> None:
-        known = open_ellipses(folder / ELLIPSES)
+        traced = open_ellipses(folder / ELLIPSES)
+        refusals: dict[str, str] = {}
         for scheme in study.validation.schemes:
-            with show(f"Cross-validating, {scheme.replace('_', ' ')}") as progress:
-                found = cross_validate(
-                    known,
-                    folds_of(scheme, known["event"].values),
-                    candidates(study),
-                    scheme=scheme,
-                    confidences=study.validation.confidences,
-                    threshold=threshold,
-                    metric=metric,
-                    results=material.results(folder),
-                    trials=study.validation.trials,
-                    progress=progress,
-                )
-            found.counts.to_netcdf(folder / _counts_file(scheme), engine="h5netcdf")
+            try:
+                with show(f"Cross-validating, {scheme.replace('_', ' ')}") as progress:
+                    validation = cross_validate(
+                        traced,
+                        folds_of(scheme, traced["event"].values),
+                        candidates(study.errors, study.criterion),
+                        scheme=scheme,
+                        confidences=study.validation.confidences,
+                        threshold=threshold,
+                        metric=metric,
+                        truth=material.truth(folder),
+                        trials=study.validation.trials,
+                        progress=progress,
+                    )
+            except InputError as refusal:
+                refusals[scheme] = f"Not put to the test by {scheme.replace('_', ' ')}: {refusal}"
+                (folder / _counts_file(scheme)).unlink(missing_ok=True)
+            else:
+                validation.counts.to_netcdf(folder / _counts_file(scheme), engine="h5netcdf")
+        (folder / VALIDATION).write_text(json.dumps(refusals, ensure_ascii=False), encoding="utf-8")
 
     inputs = study.model_dump(include={"errors", "criterion", "validation"})
-    writes = [_counts_file(scheme) for scheme in study.validation.schemes]
+    writes = [VALIDATION, *(_counts_file(scheme) for scheme in study.validation.schemes)]
     return Stage(name="validate", inputs=inputs, reads=(ELLIPSES,), writes=writes, work=work)
 
 
-def candidates(study: Study) -> list[Candidate]:
-    """Criteria that a study puts to the test; the first is its own."""
-    asked = study.criterion
-    own = Derived(name=asked.method, method=method_of(asked.method), joint=asked.joint)
+def candidates(errors: ErrorsTable, criterion: CriterionTable) -> list[Candidate]:
+    """Criteria that a study puts to the test; the first is its own, with its own law."""
+    label = criterion.method if criterion.law == "table" else f"{criterion.method}, {criterion.law}"
+    own = Derived(
+        name=label,
+        method=any_method_of(criterion.method),
+        joint=criterion.joint,
+        law=known(FITTED, criterion.law),
+    )
     paper = Derived(name="quantile", method=Quantile(), joint=False)
-    found: list[Candidate] = [own] if own == paper else [own, paper]
-    if (study.errors.thresholds[0], study.errors.metrics[0]) == _PAPER_ERROR:
-        found += [Printed(name=law.name, law=law) for law in OF_MANY_MOTIONS.values()]
-    return found
+    judged: list[Candidate] = [own] if own == paper else [own, paper]
+    if (errors.thresholds[0], errors.metrics[0]) == _PAPER_ERROR:
+        judged += [Printed(name=law.name, law=law) for law in OF_MANY_MOTIONS.values()]
+    return judged
 
 
-def validation_of(study: Study, folder: Path, scheme: str) -> CrossValidation:
-    """Read the cross-validation of a run."""
-    counts = opened(folder / _counts_file(scheme))
-    threshold, metric = study.errors.thresholds[0], study.errors.metrics[0]
-    return CrossValidation(counts=counts, scheme=scheme, threshold=threshold, metric=metric)
+def validations_of(study: CriterionStudy, folder: Path) -> dict[str, CrossValidation]:
+    """Read the cross-validations of a run by their schemes; those that could not be made are missing."""
+    return {
+        scheme: CrossValidation(
+            counts=opened(folder / _counts_file(scheme)),
+            scheme=scheme,
+            threshold=study.errors.thresholds[0],
+            metric=study.errors.metrics[0],
+            truth="simulated",
+        )
+        for scheme in study.validation.schemes
+        if scheme not in _refused(folder)
+    }
+
+
+def refusals_of(folder: Path) -> list[str]:
+    """Say what could not be done in a run, and why: a sentence each."""
+    return [*derivation_of(folder).refusals, *_refused(folder).values()]
+
+
+def _refused(folder: Path) -> dict[str, str]:
+    return dict(json.loads((folder / VALIDATION).read_text(encoding="utf-8")))
 
 
 def _counts_file(scheme: str) -> str:
     return f"validation_{scheme}.nc"
 
 
-def paper_cases(material: Material, name: str) -> Stage:
+def paper_cases(sources: tuple[str, ...], name: str) -> Stage:
     """Run the paper's four cases under a motion that is held out."""
-    held_out = load_motions(*(material.study.motions.sources or ()), sets=[_HELD_OUT])
-    motion = named(held_out, name)
+    motion = named(load_motions(*sources, sets=[_HELD_OUT]), name)
 
     def work(folder: Path) -> None:
         from reliab.paper.cases import cases_dataset, run_paper_cases
@@ -238,17 +235,6 @@ def paper_cases(material: Material, name: str) -> Stage:
         cases_dataset(run_paper_cases(motion), motion).to_netcdf(folder / CASES, engine="h5netcdf")
 
     return Stage(name="cases", inputs={"motion": motion.checksum}, writes=(CASES,), work=work)
-
-
-def named(motions: MotionSuite, name: str) -> Motion:
-    """Take a motion by its name, or say that it is missing."""
-    if name not in motions.names:
-        raise InputError(
-            f"This study needs the motion {name}",
-            value=f"{len(motions)} motions without it",
-            remedy="Give a folder whose catalogue names it, with --motions",
-        )
-    return motions[motions.names.index(name)]
 
 
 def opened(path: Path) -> xr.Dataset:

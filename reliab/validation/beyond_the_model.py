@@ -31,6 +31,12 @@ from reliab.vocabulary import Metric
 
 RATE_HZ = 1024.0
 
+TEST_COLUMNS = (
+    *("motion", "event", "rig", "f", "xi", "alpha"),
+    *("A", "d", "error", "predicted", "accepted", "good"),
+)
+"""Columns of the tests."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Rig:

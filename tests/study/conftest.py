@@ -4,7 +4,7 @@ import pytest
 
 from reliab.motions.synthetic import synthetic_suite
 from reliab.motions.writing import write_suite
-from reliab.study import Study
+from reliab.study import study_from
 
 
 @pytest.fixture(scope="session")
@@ -16,10 +16,11 @@ def suite_folder(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def small_study(suite_folder):
-    return Study.model_validate(
+    return study_from(
         {
             "title": "A small study",
             "kind": "criterion",
+            "date": "2026-01-01",
             "motions": {"sources": [str(suite_folder)]},
             "structures": {"f": [1.0], "xi": [0.02, 0.05]},
             "criterion": {"confidences": [0.8, 0.6], "method": "quantile", "joint": False},

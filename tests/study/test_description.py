@@ -18,13 +18,40 @@ def test_every_shipped_study_is_valid_and_says_what_it_is_for():
     ("content", "named"),
     [
         ('title = "x"', "kind"),
+        ('title = "x"\nkind = "criterion"\n[structures]\nf = []', r"structures\.f: at least one value"),
+        (
+            'title = "x"\nkind = "criterion"\n[structures]\nf = [1.0, 1.0]',
+            r"structures\.f: each value is given",
+        ),
+        ('title = "x"\nkind = "criterion"\n[motions]\nsources = []', r"motions\.sources: at least one"),
+        (
+            'title = "x"\nkind = "criterion"\n[errors]\nwindow = "soon"',
+            r"errors\.window: .*number of seconds",
+        ),
+        ('title = "x"\nkind = "criterion"\n[criterion]\nmethod = "magic"', r"criterion\.method: .*dirichlet"),
+        ('title = "x"\nkind = "criterion"\n[criterion]\nlaw = "magic"', r"criterion\.law: .*dimensionless"),
+        (
+            'title = "x"\nkind = "criterion"\n[validation]\nheld_out = "K"',
+            r"validation\.held_out is not a known key",
+        ),
+        ('title = "x"\nkind = "criterion"\n[campaign]\nfolder = "rig_a"', "campaign is not a known table"),
+        ('title = "x"\nkind = "discrepancy"', "campaign is missing"),
+        (
+            'title = "x"\nkind = "discrepancy"\n[campaign]\nfolder = "a"\n[motions]\n[criterion]\n',
+            "motions is not a known table; criterion is not a known table",
+        ),
+        (
+            'title = "x"\nkind = "audit"\n[motions]\nresults = "real_suite"',
+            r"motions\.results is not a known key",
+        ),
+        ('title = "x"\nkind = "suites"\n[validation]\nschemes = ["k_fold"]', r"validation\.schemes is not"),
         ('title = "x"\nkind = "magic"', "criterion"),
         ('title = "x"\nkind = "criterion"\nspeed = 3', "speed is not a known key"),
         ('title = "x"\nkind = "criterion"\n[structures]\nf = [-1.0]', r"structures\.f\.0"),
         ('title = "x"\nkind = "criterion"\n[errors]\nmetrics = ["max"]', "'rms' or 'mte'"),
         (
             'title = "x"\nkind = "criterion"\n[motions]\nsources = ["a"]\nresults = "b"',
-            "sources and results exclude each other",
+            "results exclude sources and sets",
         ),
         ("title = ", "TOML"),
     ],
@@ -49,3 +76,11 @@ def test_other_motions_change_the_digest_and_displace_stored_results():
     assert other.motions.sources == ("elsewhere",)
     assert other.motions.results is None
     assert other.digest() != study.digest()
+
+
+def test_a_study_of_no_ground_motions_takes_none():
+    for name in ("hidden_effect", "blind_evaluation"):
+        with pytest.raises(InputError, match="not one of ground motions"):
+            open_study(name).on(["elsewhere"], None)
+    with pytest.raises(InputError, match="sets"):
+        open_study("quick").on(None, ["far_field"])

@@ -31,6 +31,8 @@ def criterion_report(
     ellipses: xr.Dataset,
     criteria: Sequence[Criterion],
     coverage: pd.DataFrame | None = None,
+    population: str = "ground motions",
+    real_motions: Mapping[str, float] | None = None,
     provenance: Mapping[str, object],
     notes: Sequence[Prose] = (),
     purpose: str = "",
@@ -51,6 +53,11 @@ def criterion_report(
         Shares of held-out motions that criteria contain, one row each: `candidate` (name), `confidence`
         (stated), `f` [Hz] (NaN for all structures together), `rate`, `low`, `high` [-], as
         :func:`reliab.report.kinds.rates.rates_table` makes it.
+    population : str, optional
+        What the ground motions are, "synthetic ground motions" where they are no real ones.
+    real_motions : mapping of str to float, optional
+        How many of the real motions that ship contain the first criterion, where it was derived from others:
+        `rate`, `low`, `high` [-], `n_motions` and `n_events`.
     provenance : mapping
         What the report can be made again from, by name: the hash of the study, seeds, …
     notes : sequence of Prose, optional
@@ -66,7 +73,7 @@ def criterion_report(
     told = Told(ellipses=ellipses, criteria=tuple(criteria))
     chosen = told.criterion
     fraction = float(ellipses.attrs.get("experimental_fraction", 1.0))
-    blocks: list[Block] = [result_section(told), motions_section(told)]
+    blocks: list[Block] = [result_section(told, population), motions_section(told)]
     if coverage is not None and len(coverage):
         blocks.append(rates_section(coverage, confidence=chosen.confidence))
     blocks += [
@@ -77,20 +84,20 @@ def criterion_report(
     return Document(
         kind="Reliability criterion",
         title=title,
-        verdict=_verdict(told),
-        facts={**_facts(told, coverage), "Purpose": purpose},
+        verdict=_verdict(told, population),
+        facts={**_facts(told, coverage), **_real(real_motions), "Purpose": purpose},
         blocks=tuple(blocks),
         provenance=provenance_of(provenance, chosen.provenance),
         sources=SOURCES,
     )
 
 
-def _verdict(told: Told) -> Prose:
+def _verdict(told: Told, population: str) -> Prose:
     chosen, (f, xi), (a, b) = told.criterion, told.structure, told.limits
     return (
         *prose("At {f:g} Hz and $xi = {xi:g}$, a test keeps ", f=f, xi=xi),
         *error_below(chosen.metric, chosen.threshold),
-        f" for {percent(chosen.confidence)} of ground motions while ",
+        f" for {percent(chosen.confidence)} of {population} while ",
         ellipse(a, b),
         *prose(
             " with $d$ in ms: at most {amplitude} of amplitude error, or {delay:.2f} ms of delay.",
@@ -98,6 +105,18 @@ def _verdict(told: Told) -> Prose:
             delay=np.sqrt(b),
         ),
     )
+
+
+def _real(share: Mapping[str, float] | None) -> dict[str, Prose]:
+    """Say how many real motions contain a criterion that was derived from others."""
+    if share is None:
+        return {}
+    sentence = (
+        f"{percent(share['rate'])} of {share['n_motions']:g} real motions of {share['n_events']:g} other "
+        "earthquakes contain this criterion by their simulated errors (95 % interval "
+        f"{percent(share['low'])} to {percent(share['high'])})"
+    )
+    return {"On real motions": sentence}
 
 
 def _facts(told: Told, coverage: pd.DataFrame | None) -> dict[str, Prose]:

@@ -36,7 +36,7 @@ _UNCONVERGED = (
 )
 
 
-def result_section(told: Told) -> Section:
+def result_section(told: Told, population: str = "ground motions") -> Section:
     """State the criterion at one structure, then over all."""
     chosen = told.criterion
     f, xi = told.structure
@@ -68,7 +68,7 @@ def result_section(told: Told) -> Section:
         blocks.insert(1, Remark(text=zero))
     if any(each.provenance.settings.get("converged") is False for each in told.criteria):
         blocks.insert(0, Remark(text=_UNCONVERGED))
-    title = f"Criterion for {percent(chosen.confidence)} of ground motions"
+    title = f"Criterion for {percent(chosen.confidence)} of {population}"
     return Section(title=title, blocks=tuple(blocks), label="sec:result")
 
 

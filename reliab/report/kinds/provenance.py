@@ -22,7 +22,7 @@ def provenance_of(given: Mapping[str, object], criterion: Provenance | None = No
     """
     lines = {name: _line(value) for name, value in given.items()}
     if criterion is None:
-        return {**lines, "packages": _line(installed_versions())}
+        return {"packages": _line(installed_versions()), **lines}
     settings = _line(criterion.settings)
     derived = {
         "source": criterion.source,

@@ -11,7 +11,11 @@ from reliab.report.figures.rates import calibration_curve, coverage_by_frequency
 from reliab.report.kinds.wording import PERCENT, law_in_words, percent
 from reliab.report.numbers import Fixed, Shortest
 from reliab.report.prose import prose
-from reliab.validation.cross_validation.judge import CrossValidation
+from reliab.validation.cross_validation import CrossValidation
+from reliab.validation.cross_validation.tabulation import tabulate
+
+MEASURES = ("containment", "false_safe", "accepted_share")
+"""Rates that reports show."""
 
 
 def rates_table(validation: CrossValidation) -> pd.DataFrame:
@@ -28,19 +32,13 @@ def rates_table(validation: CrossValidation) -> pd.DataFrame:
         Columns `measure` ("containment", "false_safe" or "accepted_share"), `candidate`, `confidence`
         (stated), `f` [Hz] (NaN over all structures), `rate`, `low` and `high` [-].
     """
-    measures = {
-        "containment": validation.containment,
-        "false_safe": validation.false_safe,
-        "accepted_share": validation.accepted_share,
-    }
-    tables = [
-        rates(over).to_dataframe().reset_index().assign(measure=name)
-        for name, rates in measures.items()
-        for over in (("f", "xi"), ("xi",))
-    ]
     columns = ["measure", "candidate", "confidence", "f", "rate", "low", "high"]
-    judged = pd.concat(tables, ignore_index=True).dropna(subset="rate")
-    return judged.reindex(columns=columns).reset_index(drop=True)
+    parts = []
+    for table in (tabulate(validation, over) for over in (("f", "xi"), ("xi",))):
+        for measure in MEASURES:
+            ends = {"rate": table[measure], "low": table[f"{measure}_low"], "high": table[f"{measure}_high"]}
+            parts.append(table.assign(measure=measure, **ends).reindex(columns=columns))
+    return pd.concat(parts, ignore_index=True).dropna(subset="rate").reset_index(drop=True)
 
 
 def rates_section(rates: pd.DataFrame, *, confidence: float, division: str = "") -> Section:
@@ -68,7 +66,8 @@ def rates_section(rates: pd.DataFrame, *, confidence: float, division: str = "")
     opening = Paragraph(
         text=prose(
             "{explained}; the criterion was derived from other earthquakes than those that it was held "
-            "against. A motion contains a criterion when its own ellipse is larger in both $a$ and $b$. "
+            "against. A motion contains a criterion when the simulated error under it stays below the "
+            "threshold along the whole edge of the criterion. "
             "Intervals resample earthquakes @davison1997.",
             explained=explained,
         )
@@ -134,9 +133,9 @@ def _table(overall: pd.DataFrame, mark: str) -> Table:
             *columns,
         ),
         caption=(
-            "Rates over all structures with their 95 % intervals: motions whose ellipse contains the "
-            "criterion; tests that are accepted although their error is too large, of those accepted; good "
-            "tests that are accepted, of those good."
+            "Rates over all structures with their 95 % intervals: motions that contain the criterion; tests "
+            "that are accepted although their error is too large, of those accepted; good tests that are "
+            "accepted, of those good."
         ),
         label=f"tab:rates{mark}",
     )

@@ -10,37 +10,39 @@ from reliab.report import Document
 from reliab.shipped import shipped
 from reliab.study.description import Study
 from reliab.study.kinds.kind import Kind
-from reliab.study.stages import Stage, digest
-from reliab.study.steps import Material, Show
+from reliab.study.material import Show
+from reliab.study.stages import Stage, digest, made_with
 
 EVALUATION: Final = "evaluation.json"
 
 
-class BlindEvaluationStudy(Kind):
-    """Diagnoses of blind campaigns against what was hidden in them; the campaigns themselves do not ship."""
+def stages(study: Study, show: Show) -> Sequence[Stage]:
+    """Take the figures that ship; the campaigns themselves do not."""
+    del study, show
+    figures = shipped("datasets", f"campaigns/{EVALUATION}")
 
-    name = "blind_evaluation"
+    def work(folder: Path) -> None:
+        shutil.copyfile(figures, folder / EVALUATION)
 
-    @staticmethod
-    def stages(material: Material, show: Show) -> Sequence[Stage]:
-        """Take the figures that ship."""
-        del material, show
-        figures = shipped("datasets", f"campaigns/{EVALUATION}")
+    inputs = {"figures": digest(figures)}
+    return (Stage(name="figures", inputs=inputs, writes=(EVALUATION,), work=work),)
 
-        def work(folder: Path) -> None:
-            shutil.copyfile(figures, folder / EVALUATION)
 
-        inputs = {"figures": digest(figures)}
-        return (Stage(name="figures", inputs=inputs, writes=(EVALUATION,), work=work),)
+def report(study: Study, folder: Path) -> Document:
+    """Report the figures of every run."""
+    from reliab.report.kinds.blind_evaluation import blind_evaluation_report
 
-    @staticmethod
-    def report(study: Study, folder: Path) -> Document:
-        """Report the figures of every run."""
-        from reliab.report.kinds.blind_evaluation import blind_evaluation_report
+    return blind_evaluation_report(
+        title=study.title,
+        runs=json.loads((folder / EVALUATION).read_text(encoding="utf-8"))["runs"],
+        provenance={
+            **study.provenance,
+            "figures, SHA-256": digest(folder / EVALUATION),
+            **made_with(folder),
+        },
+        notes=(study.purpose,) if study.purpose else (),
+    )
 
-        return blind_evaluation_report(
-            title=study.title,
-            runs=json.loads((folder / EVALUATION).read_text(encoding="utf-8"))["runs"],
-            provenance={**study.provenance, "figures, SHA-256": digest(folder / EVALUATION)},
-            notes=(study.purpose,) if study.purpose else (),
-        )
+
+KIND: Final = Kind(name="blind_evaluation", tables=Study, stages=stages, report=report)
+"""Diagnoses of blind campaigns against what was hidden in them."""

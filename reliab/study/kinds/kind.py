@@ -1,59 +1,34 @@
-"""What a kind of study is: stages, and a report of what they leave behind."""
+"""What a kind of study is: the tables that it knows, its stages, and a report of what they leave behind."""
 
-from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar
+from typing import Any
 
 from reliab.report import Document
 from reliab.study.description import Study
+from reliab.study.material import Show
 from reliab.study.stages import Stage
-from reliab.study.steps import Material, Show
 
 
-class Kind(ABC):
+@dataclass(frozen=True, kw_only=True)
+class Kind:
     """A kind of study.
 
-    Attributes
+    Parameters
     ----------
     name : str
         What a study's file calls it.
+    tables : type of Study
+        The study with exactly the tables and keys that the kind knows.
+    stages : callable
+        Takes such a study and what shows progress; gives the stages before the report, in their order. It
+        refuses what can be refused before the first of them is run.
+    report : callable
+        Takes such a study and its run folder; gives the report. Nothing is simulated any more.
     """
 
-    name: ClassVar[str]
-
-    @staticmethod
-    @abstractmethod
-    def stages(material: Material, show: Show) -> Sequence[Stage]:
-        """Stages before the report, in their order.
-
-        Parameters
-        ----------
-        material : Material
-            What the study works on.
-        show : callable
-            Shows progress.
-
-        Returns
-        -------
-        sequence of Stage
-            The stages.
-        """
-
-    @staticmethod
-    @abstractmethod
-    def report(study: Study, folder: Path) -> Document:
-        """Report on a finished run; nothing is simulated any more.
-
-        Parameters
-        ----------
-        study : Study
-            The study.
-        folder : pathlib.Path
-            Its run folder.
-
-        Returns
-        -------
-        Document
-            The report.
-        """
+    name: str
+    tables: type[Study]
+    stages: Callable[[Any, Show], Sequence[Stage]]
+    report: Callable[[Any, Path], Document]

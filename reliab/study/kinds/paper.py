@@ -6,15 +6,13 @@ from typing import Final
 
 from reliab.errors import InputError
 from reliab.report import Document
-from reliab.study.description import Study
+from reliab.study.description import SimulatedStudy
 from reliab.study.kinds.kind import Kind
-from reliab.study.stages import Stage
+from reliab.study.material import Material, Show, named
+from reliab.study.stages import Stage, made_with
 from reliab.study.steps import (
     CASES,
     ELLIPSES,
-    Material,
-    Show,
-    named,
     opened,
     paper_cases,
     simulation,
@@ -28,40 +26,35 @@ _EXAMPLE_MOTION = "KOBE/NIS000"
 _CASES_MOTION = "KOBE/KJM000"
 
 
-class PaperStudy(Kind):
-    """Every table, figure and numbered equation of the paper beside what is printed."""
-
-    name = "paper"
-
-    @staticmethod
-    def stages(material: Material, show: Show) -> Sequence[Stage]:
-        """Simulate and trace all structures, then the example and the four cases."""
-        if material.study.motions.sources is None:
-            raise InputError(
-                "The paper is reproduced from the records of its Table 2",
-                value="no ground motions",
-                remedy="Give the folder of the records with --motions",
-            )
-        return (
-            _example(material, show),
-            paper_cases(material, _CASES_MOTION),
-            *simulation(material, show),
-            tracing(material, show),
+def stages(study: SimulatedStudy, show: Show) -> Sequence[Stage]:
+    """Simulate and trace all structures, then the example and the four cases."""
+    if study.motions.sources is None:
+        raise InputError(
+            "The paper is reproduced from the records of its Table 2",
+            value="no ground motions",
+            remedy="Give the folder of the records with --motions",
         )
+    material = Material(study)
+    return (
+        _example(material, show),
+        paper_cases(study.motions.sources, _CASES_MOTION),
+        *simulation(study, material, show),
+        tracing(study, material, show),
+    )
 
-    @staticmethod
-    def report(study: Study, folder: Path) -> Document:
-        """Report the reproduction."""
-        from reliab.report.kinds.paper import paper_report
 
-        return paper_report(
-            title=study.title,
-            example=opened(folder / EXAMPLE),
-            ellipses=open_ellipses(folder / ELLIPSES),
-            cases=opened(folder / CASES),
-            purpose=study.purpose,
-            provenance=study.provenance,
-        )
+def report(study: SimulatedStudy, folder: Path) -> Document:
+    """Report the reproduction."""
+    from reliab.report.kinds.paper import paper_report
+
+    return paper_report(
+        title=study.title,
+        example=opened(folder / EXAMPLE),
+        ellipses=open_ellipses(folder / ELLIPSES),
+        cases=opened(folder / CASES),
+        purpose=study.purpose,
+        provenance={**study.provenance, **made_with(folder)},
+    )
 
 
 def _example(material: Material, show: Show) -> Stage:
@@ -76,3 +69,7 @@ def _example(material: Material, show: Show) -> Stage:
 
     inputs = {"motion": named(material.motions, _EXAMPLE_MOTION).checksum}
     return Stage(name="example", inputs=inputs, writes=(EXAMPLE,), work=work)
+
+
+KIND: Final = Kind(name="paper", tables=SimulatedStudy, stages=stages, report=report)
+"""Every table, figure and numbered equation of the paper beside what is printed."""

@@ -9,84 +9,93 @@ import pandas as pd
 import xarray as xr
 
 from reliab.criterion.provenance import records_checksum
+from reliab.errors import InputError
 from reliab.report import Document
 from reliab.shipped import shipped
-from reliab.study.description import Study
+from reliab.study.description import CriterionTable, SimulatedStudy, TransferTable
 from reliab.study.kinds.kind import Kind
-from reliab.study.stages import Stage, digest
+from reliab.study.material import REAL, SYNTHETIC, Material, Show
+from reliab.study.stages import Stage, digest, made_with
 from reliab.study.steps import (
     CRITERIA,
     ELLIPSES,
-    Material,
-    Show,
     candidates,
-    criteria_of,
     derivation,
+    derivation_of,
     opened,
     simulation,
     tracing,
 )
-from reliab.sweep import open_ellipses
-from reliab.validation.cross_validation import CrossValidation, Fold, cross_validate
+from reliab.sweep import open_ellipses, open_results
+from reliab.validation.cross_validation import (
+    CrossValidation,
+    StoredTruth,
+    cross_validate,
+    from_another,
+)
+from reliab.validation.earthquakes import earthquakes_among
 
 MEASURES: Final = "measures.csv"
 SPECTRA: Final = "spectra.nc"
 TRANSFER: Final = "transfer.nc"
 
-_REFERENCE = "real_suite"
-_NAMES = ("real", "compared")
+_NAME = "real"
 
 
-class SuitesStudy(Kind):
+class SuitesStudy(SimulatedStudy):
     """A suite beside the real one: measures, spectra, ellipses, criteria, and their transfer."""
 
-    name = "suites"
+    criterion: CriterionTable = CriterionTable()
+    validation: TransferTable = TransferTable()
 
-    @staticmethod
-    def stages(material: Material, show: Show) -> Sequence[Stage]:
-        """Measure, simulate, trace, derive; then judge on the real motions."""
-        return (
-            _measuring(material, show),
-            *simulation(material, show),
-            tracing(material, show),
-            derivation(material.study),
-            _transfer(material.study, show),
-        )
 
-    @staticmethod
-    def report(study: Study, folder: Path) -> Document:
-        """Compare the suites."""
-        from reliab.report.kinds.rates import rates_table
-        from reliab.report.kinds.suites import suites_report
+def stages(study: SuitesStudy, show: Show) -> Sequence[Stage]:
+    """Measure, simulate, trace, derive; then judge on the real motions."""
+    material = Material(study)
+    return (
+        _measuring(material, show),
+        *simulation(study, material, show),
+        tracing(study, material, show),
+        derivation(study.errors, study.criterion),
+        _transfer(study, show),
+    )
 
-        real, own = _reference(study), open_ellipses(folder / ELLIPSES)
-        names = (_NAMES[0], study.motions.sources[0] if study.motions.sources else _NAMES[1])
-        transfer = CrossValidation(
-            counts=opened(folder / TRANSFER),
-            scheme=f"{names[1]} to {names[0]}",
-            threshold=study.errors.thresholds[0],
-            metric=study.errors.metrics[0],
-        )
-        return suites_report(
-            title=study.title,
-            measures={
-                names[0]: _with_ellipses(pd.read_csv(_shipped(MEASURES)), real, study),
-                names[1]: _with_ellipses(pd.read_csv(folder / MEASURES), own, study),
-            },
-            spectra={
-                names[0]: opened(_shipped(SPECTRA))["spectral_acceleration"],
-                names[1]: opened(folder / SPECTRA)["spectral_acceleration"],
-            },
-            limits=_limits(study, folder, real, names),
-            coverage=rates_table(transfer),
-            confidence=study.criterion.confidences[0],
-            provenance={
-                **study.provenance,
-                f"records of {names[0]}, SHA-256": records_checksum(real),
-                f"records of {names[1]}, SHA-256": records_checksum(own),
-            },
-            purpose=study.purpose,
-        )
+
+def report(study: SuitesStudy, folder: Path) -> Document:
+    """Compare the suites."""
+    from reliab.report.kinds.rates import rates_table
+    from reliab.report.kinds.suites import suites_report
+
+    real, compared = _reference(study), open_ellipses(folder / ELLIPSES)
+    names = (_NAME, (study.motions.sources or (SYNTHETIC,))[0])
+    transfer = CrossValidation(
+        counts=opened(folder / TRANSFER),
+        scheme=f"{names[1]} to {names[0]}",
+        threshold=study.errors.thresholds[0],
+        metric=study.errors.metrics[0],
+        truth="simulated",
+    )
+    return suites_report(
+        title=f"{study.title}: {Material(study).population}",
+        measures={
+            names[0]: _with_ellipses(pd.read_csv(_shipped(MEASURES)), real, study),
+            names[1]: _with_ellipses(pd.read_csv(folder / MEASURES), compared, study),
+        },
+        spectra={
+            names[0]: opened(_shipped(SPECTRA))["spectral_acceleration"],
+            names[1]: opened(folder / SPECTRA)["spectral_acceleration"],
+        },
+        limits=_limits(study, folder, real, names),
+        coverage=rates_table(transfer),
+        confidence=study.criterion.confidences[0],
+        provenance={
+            **study.provenance,
+            f"records of {names[0]}, SHA-256": records_checksum(real),
+            f"records of {names[1]}, SHA-256": records_checksum(compared),
+            **made_with(folder),
+        },
+        purpose=study.purpose,
+    )
 
 
 def _measuring(material: Material, show: Show) -> Stage:
@@ -101,40 +110,52 @@ def _measuring(material: Material, show: Show) -> Stage:
     return Stage(name="measure", inputs=inputs, writes=(MEASURES, SPECTRA), work=work)
 
 
-def _transfer(study: Study, show: Show) -> Stage:
-    """Learn from the suite, judge on the real motions."""
+def _transfer(study: SuitesStudy, show: Show) -> Stage:
+    """Learn from the suite, judge on the real motions, never by motions of the same earthquake."""
 
     def work(folder: Path) -> None:
-        real = _reference(study)
-        everything = np.ones(real.sizes["motion"], dtype=np.bool_)
+        real, learned = _reference(study), open_ellipses(folder / ELLIPSES)
+        events, checksums = (learned[name].values.tolist() for name in ("event", "checksum"))
+        among = np.array([name or "" for name in earthquakes_among(events, checksums, real)], dtype=np.str_)
+        shared = [name if name in among else None for name in real["event"].values.tolist()]
         with show("Judging on the real motions") as progress:
-            found = cross_validate(
+            validation = cross_validate(
                 real,
-                [Fold(name="all", learned=~everything, judged=everything)],
-                candidates(study)[:1],
+                from_another(shared, among),
+                candidates(study.errors, study.criterion)[:1],
                 scheme="transfer",
                 confidences=study.validation.confidences,
                 threshold=study.errors.thresholds[0],
                 metric=study.errors.metrics[0],
+                truth=StoredTruth(open_results(_shipped("results.nc"))),
                 trials=study.validation.trials,
-                learn_from=open_ellipses(folder / ELLIPSES),
+                learn_from=learned,
                 progress=progress,
             )
-        found.counts.to_netcdf(folder / TRANSFER, engine="h5netcdf")
+        validation.counts.to_netcdf(folder / TRANSFER, engine="h5netcdf")
 
     inputs = {
         **study.model_dump(include={"structures", "errors", "criterion", "validation"}),
-        "real": digest(_shipped(ELLIPSES)),
+        "real": [digest(_shipped(name)) for name in (ELLIPSES, "results.nc")],
     }
     return Stage(name="transfer", inputs=inputs, reads=(ELLIPSES, CRITERIA), writes=(TRANSFER,), work=work)
 
 
-def _reference(study: Study) -> xr.Dataset:
+def _reference(study: SuitesStudy) -> xr.Dataset:
     structures = study.structures
-    return open_ellipses(_shipped(ELLIPSES)).sel(f=list(structures.f), xi=list(structures.xi))
+    try:
+        return open_ellipses(_shipped(ELLIPSES)).sel(
+            f=list(structures.f), xi=list(structures.xi), method="nearest", tolerance=1e-9
+        )
+    except KeyError:
+        raise InputError(
+            "The real suite answers for the structures that its results hold",
+            value=f"f = {list(structures.f)}, xi = {list(structures.xi)}",
+            remedy="Choose among 0.25, 0.5, … 2 Hz and 0.02, 0.03, … 0.1",
+        ) from None
 
 
-def _with_ellipses(measures: pd.DataFrame, ellipses: xr.Dataset, study: Study) -> pd.DataFrame:
+def _with_ellipses(measures: pd.DataFrame, ellipses: xr.Dataset, study: SuitesStudy) -> pd.DataFrame:
     """Add a and b of the study's first structure and error."""
     at = ellipses.sel(
         f=study.structures.f[0],
@@ -143,16 +164,17 @@ def _with_ellipses(measures: pd.DataFrame, ellipses: xr.Dataset, study: Study) -
         metric=study.errors.metrics[0],
         curve="ellipse",
     )
-    own = pd.DataFrame({"motion": at["motion"].values, "a": at["a"].values, "b": at["b"].values})
-    return measures.merge(own, on="motion", validate="one_to_one")
+    fitted = pd.DataFrame({"motion": at["motion"].values, "a": at["a"].values, "b": at["b"].values})
+    return measures.merge(fitted, on="motion", validate="one_to_one")
 
 
-def _limits(study: Study, folder: Path, real: xr.Dataset, names: tuple[str, str]) -> pd.DataFrame:
+def _limits(study: SuitesStudy, folder: Path, real: xr.Dataset, names: tuple[str, str]) -> pd.DataFrame:
     """Limits of both suites' criteria at every structure."""
-    (candidate, *_), own = candidates(study), criteria_of(folder)[0]
-    law = candidate.learn(real, own.threshold, own.metric, own.confidence)
+    candidate, derived = candidates(study.errors, study.criterion)[0], derivation_of(folder).criteria[0]
+    learned = candidate.learn(real, derived.threshold, derived.metric, [derived.confidence])
+    laws = (learned[derived.confidence].law.limits, derived.limits)
     rows = []
-    for suite, limits in zip(names, (law.limits, own.limits), strict=True):
+    for suite, limits in zip(names, laws, strict=True):
         for f in study.structures.f:
             for xi in study.structures.xi:
                 a, b = limits(f, xi)
@@ -161,4 +183,8 @@ def _limits(study: Study, folder: Path, real: xr.Dataset, names: tuple[str, str]
 
 
 def _shipped(file: str) -> Path:
-    return shipped("datasets", f"{_REFERENCE}/{file}")
+    return shipped("datasets", f"{REAL}/{file}")
+
+
+KIND: Final = Kind(name="suites", tables=SuitesStudy, stages=stages, report=report)
+"""Whether a suite may stand in for real motions."""

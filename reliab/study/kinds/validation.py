@@ -11,23 +11,23 @@ from reliab.criterion.provenance import records_checksum
 from reliab.loop.structure import Structure
 from reliab.motions import Motion, MotionSuite, load_motions
 from reliab.report import Document
-from reliab.study.description import Study
+from reliab.study.description import CriterionStudy, ValidationTable
 from reliab.study.kinds.kind import Kind
-from reliab.study.stages import Stage
+from reliab.study.material import SYNTHETIC, Material, Show
+from reliab.study.stages import Stage, made_with
 from reliab.study.steps import (
     CASES,
     CRITERIA,
     ELLIPSES,
-    Material,
-    Show,
-    criteria_of,
     derivation,
+    derivation_of,
     judgement,
     opened,
     paper_cases,
+    refusals_of,
     simulation,
     tracing,
-    validation_of,
+    validations_of,
 )
 from reliab.sweep import open_ellipses
 
@@ -37,73 +37,94 @@ _MOTIONS_BEYOND = 20
 _RIG_DELAY = 0.8  # of the delay that the criterion tolerates
 
 
-class ValidationStudy(Kind):
+class CasesTable(ValidationTable):
+    """`[validation]`: how criteria are put to the test, and under which motion the paper's cases are run."""
+
+    held_out: str | None = None
+
+
+class ValidationStudy(CriterionStudy):
     """Whether criteria keep their promise."""
 
-    name = "validation"
+    validation: CasesTable = CasesTable()
 
-    @staticmethod
-    def stages(material: Material, show: Show) -> Sequence[Stage]:
-        """Derive and judge; then leave the model's comfort; then the paper's cases where they can be run."""
-        held_out = _held_out(material.study)
-        cases = [] if held_out is None else [paper_cases(material, held_out)]
-        return (
-            *simulation(material, show),
-            tracing(material, show),
-            derivation(material.study),
-            judgement(material, show),
-            _beyond(material, show),
-            *cases,
-        )
 
-    @staticmethod
-    def report(study: Study, folder: Path) -> Document:
-        """Report containment, false-safe rate and accepted share of every scheme, and what lies beyond."""
-        from reliab.report.kinds.rates import rates_table
-        from reliab.report.kinds.validation import validation_report
-        from reliab.validation.generalisation import tabulate
+def stages(study: ValidationStudy, show: Show) -> Sequence[Stage]:
+    """Derive and judge; then leave the model's comfort; then the paper's cases where they can be run."""
+    material = Material(study, results=study.motions.results)
+    held_out = _held_out(study)
+    cases = [] if held_out is None else [paper_cases(study.motions.sources or (), held_out)]
+    return (
+        *simulation(study, material, show),
+        tracing(study, material, show),
+        derivation(study.errors, study.criterion),
+        judgement(study, material, show),
+        _beyond(study, material, show),
+        *cases,
+    )
 
-        judged = {scheme: validation_of(study, folder, scheme) for scheme in study.validation.schemes}
-        return validation_report(
-            title=study.title,
-            rates={scheme.replace("_", " "): rates_table(found) for scheme, found in judged.items()},
-            confidence=study.criterion.confidences[0],
-            experimental_fraction=study.structures.experimental_fraction,
-            window=study.errors.window,
-            verdicts=tabulate(judged[study.validation.schemes[0]]),
-            beyond=pd.read_csv(folder / BEYOND),
-            cases=opened(folder / CASES) if _held_out(study) else None,
-            provenance={
-                **study.provenance,
-                "records, SHA-256": records_checksum(open_ellipses(folder / ELLIPSES)),
-            },
+
+def report(study: ValidationStudy, folder: Path) -> Document:
+    """Report containment, false-safe rate and accepted share of every scheme, and what lies beyond."""
+    from reliab.report.kinds.no_criterion import no_criterion_report
+    from reliab.report.kinds.rates import rates_table
+    from reliab.report.kinds.validation import validation_report
+    from reliab.validation.cross_validation.tabulation import tabulate
+
+    validations, traced = validations_of(study, folder), open_ellipses(folder / ELLIPSES)
+    title = f"{study.title}: {Material(study, results=study.motions.results).population}"
+    provenance = {**study.provenance, "records, SHA-256": records_checksum(traced), **made_with(folder)}
+    if not validations:
+        return no_criterion_report(
+            title=title,
+            ellipses=traced,
+            reasons=refusals_of(folder),
+            provenance=provenance,
             purpose=study.purpose,
         )
+    return validation_report(
+        title=title,
+        rates={
+            scheme.replace("_", " "): rates_table(validation) for scheme, validation in validations.items()
+        },
+        confidence=study.criterion.confidences[0],
+        experimental_fraction=study.structures.experimental_fraction,
+        window=study.errors.window,
+        verdicts=tabulate(next(iter(validations.values()))),
+        beyond=pd.read_csv(folder / BEYOND),
+        cases=opened(folder / CASES) if _held_out(study) else None,
+        provenance=provenance,
+        notes=refusals_of(folder),
+        purpose=study.purpose,
+    )
 
 
-def _held_out(study: Study) -> str | None:
+def _held_out(study: ValidationStudy) -> str | None:
     """Return the motion of the paper's cases, where there are records that may hold it."""
     return study.validation.held_out if study.motions.sources else None
 
 
-def _beyond(material: Material, show: Show) -> Stage:
+def _beyond(study: ValidationStudy, material: Material, show: Show) -> Stage:
     """Try actuators that are no constant gain and delay."""
-    study = material.study
     # Without records the rigs are tried under the suite that is built in.
-    suite = material.motions if study.motions.sources else load_motions("synthetic")
+    suite = material.motions if study.motions.sources else load_motions(SYNTHETIC)
     structure = Structure(frequency=study.structures.f[0], damping_ratio=study.structures.xi[0])
 
     def work(folder: Path) -> None:
-        from reliab.validation.beyond_the_model import rigs_of_delay, try_rigs
+        from reliab.validation.beyond_the_model import TEST_COLUMNS, rigs_of_delay, try_rigs
 
-        criterion = criteria_of(folder)[0]
+        criteria = derivation_of(folder).criteria
+        if not criteria:
+            pd.DataFrame(columns=list(TEST_COLUMNS)).to_csv(folder / BEYOND, index=False)
+            return
+        criterion = criteria[0]
         _, b = criterion.limits(structure.frequency, structure.damping_ratio)
         rigs = rigs_of_delay(_RIG_DELAY * 1e-3 * float(b) ** 0.5)
         with show("Trying other rigs") as progress:
-            found = try_rigs(
+            tests = try_rigs(
                 _spread(suite), [structure], rigs, criterion, count=_MOTIONS_BEYOND, progress=progress
             )
-        found.to_csv(folder / BEYOND, index=False)
+        tests.to_csv(folder / BEYOND, index=False)
 
     inputs = {"motions": [motion.checksum for motion in _spread(suite)], "structure": repr(structure)}
     return Stage(name="beyond the model", inputs=inputs, reads=(CRITERIA,), writes=(BEYOND,), work=work)
@@ -112,3 +133,7 @@ def _beyond(material: Material, show: Show) -> Stage:
 def _spread(suite: MotionSuite) -> list[Motion]:
     """Take some of the motions, spread over the suite."""
     return list(islice(suite, 0, None, max(1, len(suite) // _MOTIONS_BEYOND)))[:_MOTIONS_BEYOND]
+
+
+KIND: Final = Kind(name="validation", tables=ValidationStudy, stages=stages, report=report)
+"""Whether criteria keep their promise."""

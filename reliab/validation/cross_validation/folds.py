@@ -176,7 +176,7 @@ def from_another(recognised: Sequence[str | None], events: NDArray[np.str_]) -> 
     recognised : sequence of str or None
         Earthquake of each motion that is judged, as the other suite names it; None where it has none of it.
     events : array of str, shape (motions of the other suite,)
-        Earthquake of each motion that may be learned from.
+        Earthquake of each motion that may be learned from, under the same names; empty where it has another.
 
     Yields
     ------
@@ -185,7 +185,8 @@ def from_another(recognised: Sequence[str | None], events: NDArray[np.str_]) -> 
     """
     names = np.array([name or "" for name in recognised], dtype=np.str_)
     for name in np.unique(names):
-        yield Fold(name=str(name) or "other earthquakes", learned=events != name, judged=names == name)
+        learned = events != name if name else np.ones(events.size, dtype=np.bool_)
+        yield Fold(name=str(name) or "other earthquakes", learned=learned, judged=names == name)
 
 
 def _distinct(events: NDArray[np.str_], fewest: int) -> NDArray[np.str_]:

@@ -1,0 +1,158 @@
+"""What a study works on: its ground motions, or results of theirs that are stored."""
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from functools import cached_property
+from pathlib import Path
+from typing import Final
+
+import xarray as xr
+
+from reliab.errors import InputError
+from reliab.indices.window import Window
+from reliab.motions import Motion, MotionSuite, load_motions
+from reliab.progress import Progress, silent
+from reliab.shipped import or_shipped
+from reliab.study.description import RecordsStudy, SimulatedStudy
+from reliab.study.stages import digest
+from reliab.sweep import open_results
+from reliab.validation.cross_validation import StoredTruth
+
+Show = Callable[[str], AbstractContextManager[Progress]]
+"""Shows the progress of what it is told the name of."""
+
+RESULTS: Final = "results.zarr"
+SYNTHETIC: Final = "synthetic"
+REAL: Final = "real_suite"
+
+
+def quietly(what: str) -> AbstractContextManager[Progress]:
+    """Show nothing."""
+    del what
+    return nullcontext(silent)
+
+
+class Records:
+    """Ground motions of a study, loaded when they are first needed.
+
+    Parameters
+    ----------
+    study : RecordsStudy
+        The study.
+    """
+
+    def __init__(self, study: RecordsStudy) -> None:
+        self._asked = study.motions
+
+    @cached_property
+    def motions(self) -> MotionSuite:
+        """The ground motions."""
+        return load_motions(*(self._asked.sources or (SYNTHETIC,)), sets=self._asked.sets)
+
+    @cached_property
+    def checksums(self) -> list[str]:
+        """What the ground motions are known by."""
+        return [motion.checksum for motion in self.motions]
+
+    @property
+    def population(self) -> str:
+        """What the ground motions are, in words: "ground motions" where the user brought them."""
+        sources = self._asked.sources or (SYNTHETIC,)
+        return "synthetic ground motions" if sources == (SYNTHETIC,) else "ground motions"
+
+
+class Material(Records):
+    """Ground motions of a study that simulates, or stored results.
+
+    Parameters
+    ----------
+    study : SimulatedStudy
+        The study.
+    results : str or None, optional
+        A store of results, or the name of one that ships, that takes the place of simulations.
+
+    Raises
+    ------
+    InputError
+        If stored results are of other structures, another window or another experimental fraction.
+    """
+
+    def __init__(self, study: SimulatedStudy, *, results: str | None = None) -> None:
+        super().__init__(study)
+        self._study = study
+        self.stored = None if results is None else or_shipped(Path(results), "datasets", "results.nc")
+        if self.stored is not None:
+            self._check_stored()
+
+    @cached_property
+    def checksums(self) -> list[str]:
+        """What the ground motions, or the stored results, are known by."""
+        return [digest(self.stored)] if self.stored is not None else super().checksums
+
+    @property
+    def population(self) -> str:
+        """What the ground motions are, in words."""
+        if self.stored is None:
+            return super().population
+        return "real ground motions" if self.is_real_suite else "ground motions"
+
+    @property
+    def is_real_suite(self) -> bool:
+        """Whether the study works on the results of real ground motions that ship."""
+        return self.stored is not None and self.stored == or_shipped(Path(REAL), "datasets", "results.nc")
+
+    def results(self, folder: Path) -> xr.Dataset:
+        """Results of the study's structures, stored or simulated in its run folder.
+
+        Parameters
+        ----------
+        folder : pathlib.Path
+            The run folder.
+
+        Returns
+        -------
+        xarray.Dataset
+            The results.
+        """
+        window = Window.parse(self._study.errors.window).label
+        return self._chosen(open_results(self.stored or folder / RESULTS, window=window))
+
+    def truth(self, folder: Path) -> StoredTruth:
+        """Return the true errors of tests under the motions, read from the results."""
+        return StoredTruth(self.results(folder))
+
+    def _chosen(self, results: xr.Dataset) -> xr.Dataset:
+        structures = self._study.structures
+        f, xi = list(structures.f), list(structures.xi)
+        return results.sel(f=f, xi=xi, method="nearest", tolerance=1e-9)
+
+    def _check_stored(self) -> None:
+        results = open_results(self.stored or "", window=Window.parse(self._study.errors.window).label)
+        structures = self._study.structures
+        fraction = float(results.attrs["experimental_fraction"])
+        if fraction != structures.experimental_fraction:
+            raise InputError(
+                "Stored results answer for the experimental fraction with which they were simulated",
+                value=f"{structures.experimental_fraction:g}, stored is {fraction:g}",
+                remedy="Give ground motions instead, or that fraction",
+            )
+        try:
+            self._chosen(results)
+        except KeyError:
+            raise InputError(
+                "Stored results answer for the structures that they hold",
+                value=f"f = {list(structures.f)}, xi = {list(structures.xi)}",
+                remedy=f"Choose among f = {results['f'].values.tolist()}, "
+                f"xi = {results['xi'].values.tolist()}, or give ground motions",
+            ) from None
+
+
+def named(motions: MotionSuite, name: str) -> Motion:
+    """Take a motion by its name, or say that it is missing."""
+    if name not in motions.names:
+        raise InputError(
+            f"This study needs the motion {name}",
+            value=f"{len(motions)} motions without it",
+            remedy="Give a folder whose catalogue names it, with --motions",
+        )
+    return motions[motions.names.index(name)]

@@ -1,0 +1,134 @@
+"""Reading studies from their TOML files."""
+
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from pydantic import ValidationError
+
+from reliab.errors import InputError
+from reliab.shipped import shipped
+from reliab.study.description import Study
+from reliab.study.kinds import KINDS
+
+DEFAULT_STUDY: Final = "quick"
+"""The study that is run where none is named."""
+
+
+def read_study(path: str | Path) -> Study:
+    """Read a study.
+
+    Parameters
+    ----------
+    path : str or pathlib.Path
+        Its TOML file.
+
+    Returns
+    -------
+    Study
+        The study, with the tables of its kind.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, no TOML, or a key or value is not allowed; all faults at once.
+    """
+    path = Path(path)
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(
+            "A study is a TOML file",
+            value=error.strerror,
+            remedy="Name one that exists; `reliab run --list` lists those that are shipped",
+            where=str(path),
+        ) from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(
+            "A study must be valid TOML", value=error, remedy="Mend the file", where=str(path)
+        ) from None
+    return study_from(content, where=str(path))
+
+
+def study_from(content: Mapping[str, Any], *, where: str = "") -> Study:
+    """Make a study of its tables.
+
+    Parameters
+    ----------
+    content : mapping
+        Keys and tables, as in the TOML file.
+    where : str, optional
+        The file, for messages.
+
+    Returns
+    -------
+    Study
+        The study, with the tables of its kind.
+
+    Raises
+    ------
+    InputError
+        If its kind is not known, or a key, a table or a value is not allowed; all faults at once.
+    """
+    name = content.get("kind")
+    if name not in KINDS:
+        raise InputError(
+            "A study says of which kind it is",
+            value=f"kind = {name!r}" if name is not None else "no key kind",
+            remedy=f"Choose among {', '.join(KINDS)}",
+            where=where,
+        )
+    tables = KINDS[name].tables
+    try:
+        return tables.model_validate(content)
+    except ValidationError as error:
+        raise InputError(
+            "A study holds the keys that its kind knows, with allowed values",
+            value="; ".join(_fault(details) for details in error.errors()),
+            remedy=f"A study of the kind {name} knows {', '.join(tables.model_fields)}",
+            where=where,
+        ) from None
+
+
+def open_study(name: str | Path) -> Study:
+    """Read a study from its file, or one that ships by its name.
+
+    Parameters
+    ----------
+    name : str or pathlib.Path
+        A TOML file, or a name such as ``quick``.
+
+    Returns
+    -------
+    Study
+        The study.
+
+    Raises
+    ------
+    InputError
+        If there is none, or its file is not allowed.
+    """
+    path = Path(name)
+    if not path.exists() and not path.suffix and len(path.parts) == 1:
+        path = shipped("studies", f"{name}.toml")
+    return read_study(path)
+
+
+def shipped_studies() -> dict[str, Study]:
+    """Return every study that ships, by its name."""
+    folder = shipped("studies", f"{DEFAULT_STUDY}.toml").parent
+    return {path.stem: read_study(path) for path in sorted(folder.glob("*.toml"))}
+
+
+def _fault(error: object) -> str:
+    """One fault with the place of its key."""
+    details = dict(error)  # type: ignore[call-overload]
+    place = ".".join(str(part) for part in details["loc"]) or "the file"
+    if details["type"] == "extra_forbidden":
+        what = "table" if isinstance(details["input"], Mapping) else "key"
+        return f"{place} is not a known {what}"
+    if details["type"] == "missing":
+        return f"{place} is missing"
+    message = details["msg"].removeprefix("Value error, ")
+    return f"{place}: {message[0].lower()}{message[1:]}, not {details['input']!r}"

@@ -1,0 +1,118 @@
+"""How many of the real ground motions that ship contain a criterion that was derived from others."""
+
+import json
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from reliab.criterion import Criterion
+from reliab.errors import InputError
+from reliab.shipped import shipped
+from reliab.study.description import CriterionStudy
+from reliab.study.material import REAL, Material
+from reliab.study.stages import Stage, digest
+from reliab.study.steps import CRITERIA, ELLIPSES, derivation_of
+from reliab.sweep import open_ellipses, open_results
+from reliab.validation.cross_validation import CrossValidation, Fold, Printed, StoredTruth, cross_validate
+from reliab.validation.earthquakes import earthquakes_among
+
+REAL_MOTIONS: Final = "real_motions.json"
+
+
+def on_real_motions(study: CriterionStudy, material: Material) -> list[Stage]:
+    """Judge the study's criterion on the real motions that ship, unless it was derived from them.
+
+    Parameters
+    ----------
+    study : CriterionStudy
+        The study.
+    material : Material
+        What it works on.
+
+    Returns
+    -------
+    list of Stage
+        One stage, or none where the shipped results answer for no such structure, error or window.
+    """
+    results = shipped("datasets", f"{REAL}/results.nc")
+    alike = study.errors.window == "record" and study.structures.experimental_fraction == 1.0
+    if material.is_real_suite or not alike:
+        return []
+
+    def work(folder: Path) -> None:
+        criteria = derivation_of(folder).criteria
+        judged = _judged(criteria[0], folder) if criteria else None
+        content = None if judged is None else _content(judged)
+        (folder / REAL_MOTIONS).write_text(json.dumps(content), encoding="utf-8")
+
+    return [
+        Stage(
+            name="real motions",
+            inputs={"real": digest(results)},
+            reads=(CRITERIA, ELLIPSES),
+            writes=(REAL_MOTIONS,),
+            work=work,
+        )
+    ]
+
+
+def real_share(path: Path) -> dict[str, float] | None:
+    """Read how many real motions contain the criterion of a run.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        The file of the stage.
+
+    Returns
+    -------
+    dict or None
+        `rate`, `low`, `high` [-] (95 % interval over earthquakes), `n_motions` and `n_events`; None where it
+        was not judged.
+    """
+    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
+
+
+def _judged(criterion: Criterion, folder: Path) -> CrossValidation | None:
+    """Judge a criterion on the real motions of earthquakes that it was not learned from."""
+    learned = open_ellipses(folder / ELLIPSES)
+    real = open_ellipses(shipped("datasets", f"{REAL}/ellipses.nc"))
+    nodes = [np.intersect1d(np.round(learned[name], 9), np.round(real[name], 9)) for name in ("f", "xi")]
+    known = {
+        *earthquakes_among(learned["event"].values.tolist(), learned["checksum"].values.tolist(), real)
+    } - {None}
+    kept = ~np.isin(real["event"].values, [name for name in known if name])
+    if not (nodes[0].size and nodes[1].size and kept.any()):
+        return None
+    thresholds = real["threshold"].values
+    nearest = float(thresholds[np.argmin(np.abs(thresholds - criterion.threshold))])
+    of_structures = real.sel(f=nodes[0], xi=nodes[1], method="nearest").sel(threshold=[nearest])
+    try:
+        return cross_validate(
+            of_structures.assign_coords(threshold=[criterion.threshold]),
+            [Fold(name="all", learned=np.zeros(kept.size, dtype=np.bool_), judged=kept)],
+            [Printed(name="criterion", law=criterion.law, confidence=criterion.confidence)],
+            scheme="real motions",
+            confidences=(criterion.confidence,),
+            threshold=criterion.threshold,
+            metric=criterion.metric,
+            truth=StoredTruth(open_results(shipped("datasets", f"{REAL}/results.nc"))),
+            trials=64,
+        )
+    except InputError:
+        return None
+
+
+def _content(validation: CrossValidation) -> dict[str, float] | None:
+    """Rate with its interval, and how many motions it is of."""
+    counts = validation.counts.sum(["f", "xi"]).squeeze(["candidate", "confidence"])
+    judged = counts["judged"].values > 0
+    if not judged.any():
+        return None
+    rate = validation.containment()
+    return {
+        **{name: float(rate[name].item()) for name in ("rate", "low", "high")},
+        "n_motions": int(judged.sum()),
+        "n_events": len(set(counts["event"].values[judged].tolist())),
+    }
