@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import fft
 from scipy.stats import norm, qmc
 
 from reliab.rebuilt_error.error_statistics import mean_square, sweep_draws
@@ -126,7 +127,7 @@ class NoiseShare:
 
 
 def share_of_noise(
-    noise: SensorNoise, recursion: Recursion, error: Array, generator: np.random.Generator
+    noise: SensorNoise, structure: WholeStructure, error: Array, generator: np.random.Generator
 ) -> NoiseShare:
     """Noise in the mean square and peak of a rebuilt error.
 
@@ -134,8 +135,8 @@ def share_of_noise(
     ----------
     noise : SensorNoise
         The sensor's noise.
-    recursion : Recursion
-        From x_c − x_m to the error.
+    structure : WholeStructure
+        The structure, which filters it.
     error : numpy.ndarray
         Rebuilt x_m − x_I from smoothed histories [m], shape (n,).
     generator : numpy.random.Generator
@@ -146,32 +147,33 @@ def share_of_noise(
     NoiseShare
         The shares; zero where they are negligible.
     """
-    size = error.size
-    impulse = np.zeros(size)
-    impulse[: noise.filter.size] = noise.filter[:size]
-    answer = respond(recursion, impulse)[0] - impulse
-    white = noise.weights[0] * float(answer**2 @ (1.0 - np.arange(size) / size))
-    first = _passed(noise, recursion, size, generator)
-    if np.sqrt(max(white, mean_square(first))) <= _NEGLIGIBLE * np.sqrt(mean_square(error)):
-        return NoiseShare(white=0.0, in_square=np.zeros(1), in_peak=np.zeros(1), deviation=0.0)
-    top = float(np.abs(error).max())
+    every = min(thinning(structure, noise.time_step), max(int(0.3 / (noise.band * noise.time_step)), 1))
+    coarse = np.ascontiguousarray(error[::every])
+    recursion = Recursion.of_displacement(structure, every * noise.time_step)
+    points = fft.next_fast_len(2 * coarse.size, real=True)
+    frequency = fft.rfftfreq(points, every * noise.time_step)
+    density = noise.passed(frequency) / every
+    amplitude = np.sqrt(0.5 * points * density)
+    top, square = float(np.abs(coarse).max()), mean_square(coarse)
     in_square, in_peak, power = [], [], []
-    for _ in range(_NOISE_HISTORIES):
-        noisy = _passed(noise, recursion, size, generator)
+    for count in range(_NOISE_HISTORIES):
+        normal = generator.standard_normal((2, amplitude.size))
+        sample = fft.irfft((normal[0] + 1j * normal[1]) * amplitude, points)[: coarse.size]
+        noisy = respond(recursion, sample)[0] - sample
         power.append(mean_square(noisy))
-        in_square.append(mean_square(error + noisy) - mean_square(error))
-        in_peak.append(float(np.abs(error + noisy).max()) - top)
+        if count == 0 and np.sqrt(power[0]) <= _NEGLIGIBLE * np.sqrt(square):
+            return NoiseShare(white=0.0, in_square=np.zeros(1), in_peak=np.zeros(1), deviation=0.0)
+        in_square.append(mean_square(coarse + noisy) - square)
+        in_peak.append(float(np.abs(coarse + noisy).max()) - top)
+    mean_power = float(np.mean(power))
+    gain = np.abs(structure.error_transfer(2j * np.pi * frequency) - 1.0) ** 2
+    white = gain * density * noise.weights[0] / noise.density(frequency)
     return NoiseShare(
-        white=white,
+        white=mean_power * float(white.sum() / (gain * density).sum()),
         in_square=np.array(in_square),
         in_peak=np.array(in_peak),
-        deviation=float(np.sqrt(np.mean(power))),
+        deviation=float(np.sqrt(mean_power)),
     )
-
-
-def _passed(noise: SensorNoise, recursion: Recursion, size: int, generator: np.random.Generator) -> Array:
-    sample = noise.samples(size, generator)
-    return np.asarray(respond(recursion, sample)[0] - sample)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

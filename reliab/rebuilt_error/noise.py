@@ -13,6 +13,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import fft
 from scipy.signal import fftconvolve, firwin, kaiserord
 
 Array = NDArray[np.float64]
@@ -77,7 +78,10 @@ class SensorNoise:
         return np.asarray(firwin(taps | 1, edge / nyquist, window=("kaiser", beta)))
 
     def smooth(self, values: Array) -> Array:
-        """Filter a history without delay; beyond its ends it is continued point-symmetrically.
+        """Filter a history without delay.
+
+        Beyond its ends the history is continued point-symmetrically about the end of a straight line through
+        the nearest samples, so that the noise of the last sample is not continued with it.
 
         Parameters
         ----------
@@ -92,17 +96,26 @@ class SensorNoise:
         reach = self.filter.size // 2
         if reach == 0 or reach > _REACH * values.size:
             return values
-        before = 2.0 * values[0] - values[reach:0:-1]
-        after = 2.0 * values[-1] - values[-2 : -reach - 2 : -1]
+        before = 2.0 * _end_of_line(values[reach::-1]) - values[reach:0:-1]
+        after = 2.0 * _end_of_line(values[-reach - 1 :]) - values[-2 : -reach - 2 : -1]
         return np.asarray(fftconvolve(np.concatenate([before, values, after]), self.filter, mode="valid"))
 
-    def samples(self, size: int, generator: np.random.Generator) -> Array:
-        """Draw one history of the noise that the filter lets pass, shape (size,)."""
-        frequency: Array = np.fft.rfftfreq(2 * size, self.time_step).astype(np.float64)
-        passed = np.abs(np.fft.rfft(self.filter, 2 * size)) if self.filter.size <= size else 1.0
-        normal = generator.standard_normal((2, frequency.size))
-        spectrum = (normal[0] + 1j * normal[1]) * np.sqrt(self.density(frequency) * size) * passed
-        return np.asarray(np.fft.irfft(spectrum, 2 * size)[:size])
+    def passed(self, frequency: Array) -> Array:
+        """Return the density [m²] of the noise that the filter lets pass at frequencies [Hz]."""
+        reach = self.filter.size // 2
+        if reach == 0:
+            return self.density(frequency)
+        points = fft.next_fast_len(max(8 * self.filter.size, 4096), real=True)
+        gain = np.abs(fft.rfft(self.filter, points))
+        places = frequency * (self.time_step * points)
+        return np.asarray(self.density(frequency) * np.interp(places, np.arange(gain.size), gain) ** 2)
+
+
+def _end_of_line(values: Array) -> float:
+    """Last value of the straight line of least squares through values."""
+    place = np.arange(values.size) - 0.5 * (values.size - 1)
+    slope = float(place @ values) / float(place @ place)
+    return float(values.mean()) + slope * float(place[-1])
 
 
 def estimate_noise(command: Array, measured: Array, time_step: float) -> SensorNoise:
