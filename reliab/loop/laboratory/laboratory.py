@@ -9,11 +9,10 @@ from numpy.typing import NDArray
 from reliab.errors import InputError
 from reliab.loop.effects import Setting
 from reliab.loop.hybrid_test.plan import STATES, Plan, plan
-from reliab.loop.laboratory.difference_equations import exact_step, runge_kutta_step
-from reliab.loop.laboratory.march import Events, NumericalStep, PlantStep, follow_load, march
+from reliab.loop.laboratory.march import Events, NumericalStep, PlantStep, march
 from reliab.loop.laboratory.rig import Rig
 from reliab.loop.partition.partition import Partition
-from reliab.loop.structures import Frame
+from reliab.loop.structures.response import exact_step, undivided_response
 from reliab.loop.transfer_systems import Plant
 
 Array = NDArray[np.float64]
@@ -109,12 +108,12 @@ def run_laboratory(
     --------
     >>> from reliab.loop.structure import Structure
     >>> from reliab.loop.partition.partition import Partition
-    >>> from reliab.loop.transfer_systems import FirstOrderLag
+    >>> from reliab.loop.transfer_systems import first_order_lag
     >>> shaken = np.sin(2 * np.pi * np.arange(0.0, 10.0, 0.01))
     >>> partition = Partition.of(Structure(frequency=1.0, damping_ratio=0.05), mass=1000.0)
-    >>> run = run_laboratory(partition, Rig(transfer_system=FirstOrderLag(time=0.001)), shaken, 0.01)
+    >>> run = run_laboratory(partition, Rig(transfer_system=first_order_lag(0.001)), shaken, 0.01)
     >>> run.lost, run.measured.size
-    (False, 40551)
+    (False, 40920)
     """
     h = 1.0 / rate
     times = h * np.arange(int((ground.size - 1) * step * rate + 1e-6) + 1)
@@ -154,23 +153,6 @@ def run_laboratory(
     )
 
 
-def undivided_response(frame: Frame, ground: Array, step: float) -> Array:
-    """Exact displacements of the undivided linear structure [m], shape (degrees of freedom, samples).
-
-    Parameters
-    ----------
-    frame : Frame
-        The structure.
-    ground : numpy.ndarray
-        Ground acceleration [m/s²], linear between samples, shape (samples,).
-    step : float
-        Step [s].
-    """
-    loads = np.concatenate([np.zeros(frame.size), -frame.influence])[:, np.newaxis]
-    transition, early, late = exact_step(frame.state_matrix, loads, step)
-    return follow_load(transition, early[:, 0].copy(), late[:, 0].copy(), ground)
-
-
 def _check(partition: Partition, rig: Rig, plant: Plant, seed: int | None, emulate: bool) -> None:  # noqa: FBT001
     sensors = rig.sensors
     if seed is None and (sensors.displacement_noise > 0.0 or sensors.force_noise > 0.0):
@@ -200,7 +182,7 @@ def _numerical_step(partition: Partition, h: float, emulate: bool) -> NumericalS
     loads[n:, 0] = -np.linalg.solve(mass, partition.frame.mass @ partition.frame.influence)
     loads[n:, 1] = -np.linalg.solve(mass, partition.interface)
     if emulate:
-        transition, early, middle, late = runge_kutta_step(dynamics, loads, h)
+        transition, early, middle, late = _runge_kutta_step(dynamics, loads, h)
     else:
         transition, early, late = exact_step(dynamics, loads, h)
         middle = np.zeros_like(early)
@@ -227,6 +209,7 @@ def _plant_step(partition: Partition, plant: Plant, h: float) -> PlantStep:
         displacement=np.array(plant.displacement),
         velocity=np.array(plant.velocity),
         force=np.array(plant.force),
+        displacement_of_command=plant.displacement_of_command,
         force_of_command=plant.force_of_command,
         contains_nonlinear=plant.contains_nonlinear,
         dynamics=plant.dynamics - np.outer(plant.differenced, plant.velocity),
@@ -266,3 +249,20 @@ def _noise(rig: Rig, seed: int | None, samples: int) -> Array:
         return np.zeros((2, samples))
     draws = np.random.default_rng(seed).standard_normal((1 if sensors.common_noise else 2, samples))
     return np.ascontiguousarray(draws * np.array([[sensors.displacement_noise], [sensors.force_noise]]))
+
+
+def _runge_kutta_step(dynamics: Array, loads: Array, step: float) -> tuple[Array, Array, Array, Array]:
+    """Transition of the classical Runge-Kutta method, and the effects of loads at begin, middle and end."""
+    n = dynamics.shape[0]
+    a = step * dynamics
+    eye = np.eye(n)
+    k1 = a
+    k2 = a @ (eye + 0.5 * k1)
+    k3 = a @ (eye + 0.5 * k2)
+    k4 = a @ (eye + k3)
+    transition = eye + (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0
+    early = (eye + a + 0.5 * a @ a + 0.25 * a @ a @ a) / 6.0
+    middle = (4.0 * eye + 2.0 * a + 0.5 * a @ a) / 6.0
+    late = eye / 6.0
+    b = step * loads
+    return transition, early @ b, middle @ b, late @ b

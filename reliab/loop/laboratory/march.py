@@ -42,6 +42,7 @@ class PlantStep(NamedTuple):
     displacement: Array
     velocity: Array
     force: Array
+    displacement_of_command: float
     force_of_command: float
     contains_nonlinear: bool
     dynamics: Array
@@ -108,7 +109,7 @@ def march(  # noqa: C901, PLR0915 - one compiled loop; what it calls costs more 
         for i in range(states):
             motion[2] += numerical.accelerated[i] * z[i]
         motion[2] += numerical.accelerated[states] * ground[k] + numerical.accelerated[states + 1] * received
-        x, v = 0.0, 0.0
+        x, v = plant.displacement_of_command * arrived, 0.0
         for i in range(order):
             x += plant.displacement[i] * w[i]
             v += plant.velocity[i] * w[i]
@@ -205,22 +206,3 @@ def _cut_off(w: Array, row: Array, limit: float) -> None:
     for i in range(w.size):
         if row[i] == 1.0:
             w[i] = min(max(w[i], -limit), limit)
-
-
-@compiled
-def follow_load(transition: Array, early: Array, late: Array, ground: Array) -> Array:
-    """Displacements of a linear system under a load that is linear in every step, shape (n, samples)."""
-    states, samples = transition.shape[0], ground.size
-    z, z_next = np.zeros(states), np.zeros(states)
-    moved = np.zeros((states // 2, samples))
-    for k in range(samples - 1):
-        for i in range(states):
-            total = early[i] * ground[k] + late[i] * ground[k + 1]
-            for j in range(states):
-                total += transition[i, j] * z[j]
-            z_next[i] = total
-        for i in range(states):
-            z[i] = z_next[i]
-        for i in range(states // 2):
-            moved[i, k + 1] = z[i]
-    return moved

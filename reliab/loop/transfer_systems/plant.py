@@ -29,8 +29,8 @@ class Plant:
         Rows of the piston's displacement [m] and velocity [m/s], shape (states,).
     force : numpy.ndarray
         Row of the specimen's force [N], nonlinear effects left out unless `contains_nonlinear`.
-    force_of_command : float
-        Direct part of the command in that force [N/m].
+    displacement_of_command, force_of_command : float
+        Direct part of the command in the displacement [-] and in that force [N/m].
     contains_nonlinear : bool
         Whether the force row holds the force of nonlinear effects too.
     delay : float
@@ -46,6 +46,7 @@ class Plant:
     displacement: Array
     velocity: Array
     force: Array
+    displacement_of_command: float = 0.0
     force_of_command: float = 0.0
     contains_nonlinear: bool = False
     delay: float = 0.0
@@ -68,8 +69,3 @@ class TransferSystem(ABC):
     @abstractmethod
     def transfer(self, s: NDArray[np.complex128], specimen: Specimen) -> NDArray[np.complex128]:
         """Measured over sent displacement [-] at s [rad/s] with a linear specimen."""
-
-    @property
-    @abstractmethod
-    def static_gain(self) -> float:
-        """Nominal gain [-] that a model inverse undoes at rest."""

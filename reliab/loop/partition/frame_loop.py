@@ -1,0 +1,301 @@
+"""One partitioned frame under one ground motion, ready to be solved for any actuator.
+
+The pole pairs of the test answer for every cell (engine "pole"). Where what they leave out matters for the record
+at hand, and the test is stable, the cell is solved in the frequency domain (engine "spectral"), which is exact and
+the oracle of the other.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property, partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.errors import InputError
+from reliab.loop.deviation import Deviation, peak_of_history, summary
+from reliab.loop.engine import Engine
+from reliab.loop.excitation import Excitation
+from reliab.loop.partition.critical_delay import critical_delay
+from reliab.loop.partition.loop_poles import PoleLoop, pole_loop, transfer
+from reliab.loop.partition.mode_recursion import LANES, recursion, track
+from reliab.loop.partition.partition import Partition
+from reliab.loop.spectral import respond
+from reliab.loop.structure import Structure
+from reliab.loop.structures import undivided_response
+
+Array = NDArray[np.float64]
+
+REDUCTION_TOLERANCE = 1e-3
+"""Largest relative error of RMS^R that the reduction to pole pairs may cause [-]."""
+
+_PHASE_STEP = 0.09  # rad of the governing mode in a step: its sampled peak is then within 1e-3
+_FASTEST_PHASE_STEP = 0.6  # rad of the highest mode, of which the response holds little
+_SHORTEST_STEP = 0.002
+_LONGEST_STEP = 0.01
+_COMPARED = 61
+_HIGHEST = 100.0  # Hz, above which records hold nothing
+_NO_DEVIATION = 1e-9
+_AT_REST = 1e-12  # gain of an actuator that does not move
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FrameCells:
+    """Actuators of given gains and delays before one partitioned frame.
+
+    Parameters
+    ----------
+    partition : Partition
+        The partitioned frame.
+    gain, delay : numpy.ndarray
+        Actuator gain k_p [-], positive, and delay τ [s], negative for a lead, shape (cells,) each.
+    output : numpy.ndarray, optional
+        Weights of the degrees of freedom in the response whose error counts; by default it is the measured
+        interface displacement.
+
+    Raises
+    ------
+    InputError
+        If a gain or delay is outside its range.
+    """
+
+    partition: Partition
+    gain: Array
+    delay: Array
+    output: Array | None = None
+
+    def __post_init__(self) -> None:
+        sound = np.isfinite(self.gain) & np.isfinite(self.delay) & (self.gain > 0.0)
+        if not sound.all():
+            raise InputError(
+                "Actuator gains must be positive and finite, delays finite",
+                value=f"{self.gain[~sound][0]:g} and {self.delay[~sound][0]:g} s",
+                remedy="Give gains as measured over command amplitude and delays in seconds",
+            )
+
+    @cached_property
+    def stable(self) -> NDArray[np.bool_]:
+        """Whether the delay of each cell is below the critical delay, as every lead is."""
+        gains, places = np.unique(self.gain, return_inverse=True)
+        limits = np.array([critical_delay(self.partition, gain)[0] for gain in gains.tolist()])
+        return np.asarray(self.delay < limits[places])
+
+    @cached_property
+    def poles(self) -> PoleLoop:
+        """Poles and residues of each cell."""
+        return pole_loop(self.partition, self.gain, self.delay, self.output)
+
+    @cached_property
+    def frequencies(self) -> Array:
+        """Frequencies [Hz] at which the reduction is compared with the exact loop, shape (bands,)."""
+        modes = self.partition.frame.modes.frequency
+        return np.geomspace(0.1 * modes[0], max(_HIGHEST, 4.0 * modes[0]), _COMPARED)
+
+    @cached_property
+    def reduction(self) -> tuple[Array, Array]:
+        """Squared modulus of what the reduction loses and of what is sought [s⁴], shape (bands, cells)."""
+        s = 2j * np.pi * self.frequencies
+        exact = transfer(self.partition, self.gain, self.delay, s, self.output)
+        ideal = transfer(self.partition, np.ones(1), np.zeros(1), s, self.output)
+        lost = np.abs(exact - self.poles.transfer(s)) ** 2
+        sought = np.maximum(np.abs(exact - ideal), _NO_DEVIATION * np.abs(ideal)) ** 2
+        return np.where(np.isfinite(lost), lost, np.inf), sought
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FrameLoop:
+    """A partitioned frame under one ground motion.
+
+    Parameters
+    ----------
+    excitation : Excitation
+        Record and window.
+    partition : Partition
+        The partitioned frame, with a linear specimen.
+    output : numpy.ndarray, optional
+        Weights of the degrees of freedom in the response whose error counts, as of a floor or a drift of the
+        numerical substructure; by default it is the measured interface displacement.
+    engine : Engine, optional
+        How the test is solved; "automatic", "pole" or "spectral".
+
+    Raises
+    ------
+    InputError
+        If the specimen is nonlinear, the engine is another, or the output does not fit.
+
+    Examples
+    --------
+    >>> from reliab.loop.laboratory.benchmark import benchmark_partition
+    >>> record = np.sin(2 * np.pi * np.arange(0, 20, 0.01))
+    >>> excitation = Excitation(acceleration=record, time_step=0.01)
+    >>> loop = FrameLoop(excitation=excitation, partition=benchmark_partition(1))
+    >>> found = loop.deviation(loop.cells(gain=1.0, delay=0.002))
+    >>> (found.peak / found.ideal_peak).round(3)
+    array([0.062])
+    """
+
+    excitation: Excitation
+    partition: Partition
+    output: Array | None = None
+    engine: Engine = Engine.AUTOMATIC
+
+    def __post_init__(self) -> None:
+        if self.partition.effects:
+            raise InputError(
+                "A boundary of a frame needs a linear specimen",
+                value=", ".join(effect.name for effect in self.partition.effects),
+                remedy="Run the digital laboratory for a nonlinear one",
+            )
+        if self.engine not in {Engine.AUTOMATIC, Engine.POLE, Engine.SPECTRAL}:
+            raise InputError("A frame is solved by the engines automatic, pole or spectral", value=self.engine)
+        if self.output is not None and np.shape(self.output) != (self.partition.frame.size,):
+            raise InputError(
+                f"An output needs {self.partition.frame.size} weights", value=np.shape(self.output)
+            )
+
+    @property
+    def structure(self) -> Structure:
+        """One-mode structure that sets the scale of gains and delays: the mode that governs the error.
+
+        Its frequency and damping ratio are those of the mode, its experimental fraction the specimen's share of
+        the mode's spring, so that errors of the actuator matter as much as in the frame.
+        """
+        modes, frame = self.partition.frame.modes, self.partition.frame
+        share = np.abs(self.partition.impedance_shares)
+        seen = self.partition.interface if self.output is None else self.output
+        moved = np.abs(seen @ modes.shapes) * np.abs(modes.shapes.T @ frame.mass @ frame.influence)
+        sensitivity = share / np.maximum(frame.damping_ratios, 1e-4) * moved / modes.circular_frequency**2
+        place = int(np.argmax(sensitivity))
+        # Amplitude errors count as far as the specimen's share of the mode; ξ/α is their scale.
+        scale = float(frame.damping_ratios[place] / max(min(share[place], 1.0), 1e-3))
+        return Structure(
+            frequency=float(modes.frequency[place]), damping_ratio=float(np.clip(scale, 1e-4, 0.5))
+        )
+
+    def cells(self, *, gain: object, delay: object) -> FrameCells:
+        """Actuators before this frame; gain [-] and delay [s] are broadcast and flattened."""
+        gains, delays = np.broadcast_arrays(np.asarray(gain, dtype=float), np.asarray(delay, dtype=float))
+        return FrameCells(
+            partition=self.partition, gain=gains.ravel(), delay=delays.ravel(), output=self.output
+        )
+
+    @cached_property
+    def step(self) -> float:
+        """Step [s], a part of the record's, that suits the modes."""
+        fastest = self.partition.frame.modes.circular_frequency[-1]
+        longest = min(
+            _LONGEST_STEP,
+            _PHASE_STEP / self.structure.circular_frequency,
+            max(_SHORTEST_STEP, _FASTEST_PHASE_STEP / fastest),
+        )
+        return self.excitation.time_step / int(np.ceil(self.excitation.time_step / longest - 1e-9))
+
+    @cached_property
+    def _sampled(self) -> tuple[Array, int]:
+        """Ground acceleration at the steps up to the end of the window, and the step at which it begins."""
+        begin, end = self.excitation.window
+        times = self.step * np.arange(round(end / self.step) + 1)
+        recorded = self.excitation.time_step * np.arange(self.excitation.acceleration.size)
+        return np.interp(times, recorded, self.excitation.acceleration), round(begin / self.step)
+
+    @cached_property
+    def ideal(self) -> Array:
+        """Exact response of the output [m] at the steps."""
+        floors = undivided_response(self.partition.frame, self._sampled[0], self.step)
+        seen = self.partition.interface if self.output is None else self.output
+        return np.ascontiguousarray(seen @ floors)
+
+    @property
+    def ideal_peak(self) -> float:
+        """Largest exact response [m] in the window."""
+        return peak_of_history(self.ideal[self._sampled[1] :])
+
+    @cached_property
+    def _band_power(self) -> Array:
+        frequencies = self.cells(gain=1.0, delay=0.0).frequencies
+        half = np.sqrt(frequencies[1] / frequencies[0])
+        return self.excitation.band_power(np.append(frequencies / half, frequencies[-1] * half))
+
+    def reduction_error(self, cells: FrameCells) -> Array:
+        """Relative error of RMS^R that the reduction causes for this record [-], shape (cells,)."""
+        lost, sought = cells.reduction
+        with np.errstate(invalid="ignore"):
+            error = np.sqrt(self._band_power @ lost / np.maximum(self._band_power @ sought, 1e-300))
+        return np.where(np.isnan(error), np.inf, error)
+
+    def deviation(self, cells: FrameCells) -> Deviation:
+        """Deviation of the output from that of the undivided frame over the window.
+
+        Parameters
+        ----------
+        cells : FrameCells
+            The actuators, before this loop's frame.
+
+        Returns
+        -------
+        Deviation
+            Mean square and peak of each cell. Beyond every threshold (infinite) where the test is unstable and
+            its poles could not be followed.
+
+        Raises
+        ------
+        InputError
+            If the spectral engine is asked for an unstable test.
+        """
+        if self.engine is Engine.SPECTRAL:
+            return self._exact(cells)
+        found = self._reduced(cells)
+        if self.engine is Engine.POLE:
+            return found
+        again = (self.reduction_error(cells) > REDUCTION_TOLERANCE) & cells.stable
+        if again.any():
+            exact = self._exact(self.cells(gain=cells.gain[again], delay=cells.delay[again]))
+            found.mean_square[again], found.peak[again] = exact.mean_square, exact.peak
+        return found
+
+    def at_rest(self) -> Deviation:
+        """Deviation of an actuator that does not move; infinite where the test is then unstable."""
+        if self.output is not None:
+            return self._reduced(self.cells(gain=_AT_REST, delay=0.0))
+        ideal = self.ideal[self._sampled[1] :]
+        square = float(np.trapezoid(ideal**2)) / (ideal.size - 1)
+        return Deviation(
+            mean_square=np.array([square]), peak=np.array([self.ideal_peak]), ideal_peak=self.ideal_peak
+        )
+
+    def _reduced(self, cells: FrameCells) -> Deviation:
+        ground, first = self._sampled
+        coefficients = recursion(cells.poles, self.step)
+        missing = -cells.gain.size % LANES
+        filled = np.concatenate([coefficients, np.repeat(coefficients[..., -1:], missing, axis=-1)], axis=-1)
+        with np.errstate(all="ignore"):  # a violently unstable cell may overflow
+            tracks = track(ground, self.ideal, first, np.ascontiguousarray(filled))[:, : cells.gain.size]
+            return summary(tracks, float(ground.size - 1 - first), self.ideal_peak)
+
+    def _exact(self, cells: FrameCells) -> Deviation:
+        if not cells.stable.all():
+            worst = int(np.argmin(cells.stable))
+            limit, frequency = critical_delay(self.partition, float(cells.gain[worst]))
+            raise InputError(
+                f"The spectral engine needs a delay below the critical delay, which is {1e3 * limit:.6g} ms "
+                f"(at {frequency:.3g} Hz) for k_p = {cells.gain[worst]:g}",
+                value=f"{1e3 * cells.delay[worst]:.6g} ms",
+                remedy="Use a stepping engine for an unstable test",
+            )
+
+        def response(gain: float, delay: float) -> tuple[Array, float]:
+            function = partial(_column, self.partition, gain, delay, self.output)
+            return respond(self.excitation, function, longest=self.step)
+
+        ideal, step = response(1.0, 0.0)
+        squares, peaks = np.empty(cells.gain.size), np.empty(cells.gain.size)
+        for cell, (gain, delay) in enumerate(zip(cells.gain.tolist(), cells.delay.tolist(), strict=True)):
+            strayed = response(gain, delay)[0] - ideal
+            squares[cell] = np.trapezoid(strayed**2, dx=step) / self.excitation.window_duration
+            peaks[cell] = peak_of_history(strayed)
+        return Deviation(mean_square=squares, peak=peaks, ideal_peak=peak_of_history(ideal))
+
+
+def _column(
+    partition: Partition, gain: float, delay: float, output: Array | None, s: NDArray[np.complex128]
+) -> NDArray[np.complex128]:
+    return transfer(partition, np.array([gain]), np.array([delay]), s, output)[:, 0]

@@ -1,0 +1,128 @@
+"""Many actuators before one frame, stepped side by side: one recursion of two states for each pole pair.
+
+A pair z' = pz + a_g with residue r is exact for a ground acceleration that is linear in each step. With
+E = e^(ph) and the weights F₀, F₁ of both ends of a step its displacement y = −2Re(rz) obeys::
+
+    y₊₊ = 2Re(E)y₊ − |E|²y − 2Re(rF₁)a₊₊ − 2Re(rF₀ − rE*F₁)a₊ + 2Re(rE*F₀)a
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.compiled import compiled
+from reliab.loop.blocks import ramp_weights
+from reliab.loop.deviation import TRACKS, follow
+from reliab.loop.partition.loop_poles import PoleLoop
+
+Array = NDArray[np.float64]
+
+LANES = 64
+"""Cells that advance side by side."""
+
+_COEFFICIENTS = 6
+
+
+def recursion(loop: PoleLoop, step: float) -> Array:
+    """Coefficients of every pair and of the rest.
+
+    Parameters
+    ----------
+    loop : PoleLoop
+        Poles and residues, one column per cell.
+    step : float
+        Step h [s].
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (modes + 1, 6, cells): of the last two displacements, of the ground at the end of this step, at
+        its begin and a step before, and what the displacement a step before the record must be so that its
+        first sample is taken for a jump.
+    """
+    early, late, decay = ramp_weights(loop.poles, step)
+    r, back = loop.residues, loop.residues * decay.conj()
+    jump = 2.0 * (back * late).real
+    squared = np.abs(decay) ** 2
+    pairs = np.stack(
+        [
+            2.0 * decay.real,
+            -squared,
+            -2.0 * (r * late).real,
+            jump - 2.0 * (r * early).real,
+            2.0 * (back * early).real,
+            jump / squared,
+        ],
+        axis=1,
+    )
+    return np.concatenate([pairs, _rest(loop, step)[np.newaxis]])
+
+
+def _rest(loop: PoleLoop, step: float) -> Array:
+    """Coefficients of the rest, a first-order lag or a multiple of the ground, shape (6, cells)."""
+    rest = np.zeros((_COEFFICIENTS, loop.rest.size))
+    lags = loop.rest_time > 0.0
+    rest[2] = -loop.rest
+    if lags.any():
+        pole = -1.0 / loop.rest_time[lags]
+        early, late, decay = ramp_weights(pole, step)
+        static = -loop.rest[lags] * pole
+        rest[0, lags], rest[2, lags], rest[3, lags] = decay, -static * late, -static * early
+    return rest
+
+
+@compiled
+def track(ground: Array, ideal: Array, first: int, coefficients: Array) -> Array:
+    """Step cells from rest and track their deviation from the sample `first` on, shape (tracks, cells).
+
+    Parameters
+    ----------
+    ground, ideal : numpy.ndarray
+        Ground acceleration [m/s²] and exact response [m] at the steps, shape (steps,).
+    first : int
+        First step of the window, which ends with the record.
+    coefficients : numpy.ndarray
+        Of `recursion`, shape (pairs, 6, cells), cells a multiple of `LANES`.
+    """
+    cells = coefficients.shape[2]
+    tracks = np.empty((TRACKS, cells))
+    for begin in range(0, cells, LANES):
+        lanes = slice(begin, begin + LANES)
+        tracks[:, lanes] = _track_lanes(ground, ideal, first, coefficients[:, :, lanes])
+    return tracks
+
+
+@compiled
+def _track_lanes(ground: Array, ideal: Array, first: int, coefficients: Array) -> Array:
+    pairs, last = coefficients.shape[0], ground.size - 1
+    k = np.empty((pairs, _COEFFICIENTS, LANES))
+    k[:] = coefficients
+    t = np.zeros((TRACKS, LANES))
+    x, y, total = np.zeros((pairs, LANES)), np.zeros((pairs, LANES)), np.zeros(LANES)
+    # y lies one step before x; it starts where a jump at the first sample puts it. A rest without lag is the
+    # row whose only number is that of the present ground.
+    for p in range(pairs):
+        for j in range(LANES):
+            y[p, j] = k[p, 5, j] * ground[0]
+            x[p, j] = k[p, 2, j] * ground[0] if k[p, 0, j] == 0.0 else 0.0
+            total[j] += x[p, j]
+    for i in range(last + 1):
+        if i > 0:
+            now, before = ground[i], ground[i - 1]
+            earlier = ground[i - 2] if i > 1 else 0.0
+            for j in range(LANES):
+                total[j] = 0.0
+            for p in range(pairs):
+                for j in range(LANES):
+                    moved = k[p, 0, j] * x[p, j] + k[p, 1, j] * y[p, j]
+                    moved += k[p, 2, j] * now + k[p, 3, j] * before + k[p, 4, j] * earlier
+                    y[p, j] = x[p, j]
+                    x[p, j] = moved
+                    total[j] += moved
+        if i >= first:
+            weight = 0.5 if i in (first, last) else 1.0  # noqa: PLR6201 - compiled
+            exact = ideal[i]
+            for j in range(LANES):
+                track_of = (t[0, j], t[1, j], t[2, j], t[3, j], t[4, j], t[5, j])
+                track_of = follow(track_of, total[j] - exact, weight)
+                t[0, j], t[1, j], t[2, j], t[3, j], t[4, j], t[5, j] = track_of
+    return t

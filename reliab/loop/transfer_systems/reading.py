@@ -1,0 +1,157 @@
+"""Identified models from elsewhere: objects of SciPy and python-control, and MATLAB files."""
+
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from scipy import signal
+from scipy.io import loadmat
+from scipy.io.matlab import MatReadError
+
+from reliab.errors import InputError
+from reliab.loop.transfer_systems.transfer_function import TransferFunction, coefficients_of
+
+_FORMS: Final = (("num", "den"), ("numerator", "denominator"), ("b", "a"))
+
+
+def transfer_function_of(model: Any, delay: float = 0.0) -> TransferFunction:  # noqa: ANN401 - any library's
+    """Return the transfer function of a model of SciPy or python-control.
+
+    Parameters
+    ----------
+    model : object
+        A continuous-time `scipy.signal.lti` of any form, or a single-input, single-output `TransferFunction` or
+        `StateSpace` of python-control (which need not be installed here).
+    delay : float, optional
+        Pure delay [s] beside it.
+
+    Returns
+    -------
+    TransferFunction
+        The same transfer function.
+
+    Raises
+    ------
+    InputError
+        If the model is in discrete time, has several channels, or is of another kind.
+
+    Examples
+    --------
+    >>> transfer_function_of(signal.ZerosPolesGain([], [-100.0], 100.0)).denominator
+    (1.0, 100.0)
+    """
+    if getattr(model, "dt", None) not in {None, 0}:
+        raise InputError(
+            "A transfer system must be a model in continuous time",
+            value=f"a sampling step of {model.dt} s",
+            remedy="Convert it first, with d2c in MATLAB or python-control",
+        )
+    if hasattr(model, "A") and hasattr(model, "B"):
+        b = np.atleast_2d(np.asarray(model.B))
+        c = np.atleast_2d(np.asarray(model.C))
+        if b.shape[1] != 1 or c.shape[0] != 1:
+            raise InputError(
+                "A transfer system has one input and one output", value=f"{b.shape[1]} and {c.shape[0]}"
+            )
+        numerator, denominator = signal.ss2tf(np.asarray(model.A), b, c, np.atleast_2d(np.asarray(model.D)))
+        return TransferFunction(
+            numerator=_without_rounding(numerator[0]), denominator=coefficients_of(denominator), delay=delay
+        )
+    if hasattr(model, "zeros") and hasattr(model, "gain") and hasattr(model, "poles"):
+        return TransferFunction.from_poles(model.zeros, model.poles, float(model.gain), delay=delay)
+    if hasattr(model, "num") and hasattr(model, "den"):
+        return TransferFunction(
+            numerator=_single(model.num), denominator=_single(model.den), delay=delay
+        )
+    raise InputError(
+        "A model must be one of scipy.signal or python-control",
+        value=type(model).__name__,
+        remedy="Give numerator and denominator, or zeros, poles and gain",
+    )
+
+
+def _without_rounding(numerator: np.ndarray) -> tuple[float, ...]:
+    """Coefficients of which leading ones that are rounding of zero are removed."""
+    small = np.abs(numerator) <= 1e-12 * np.abs(numerator).max()
+    return coefficients_of(np.where(np.cumprod(small), 0.0, numerator))
+
+
+def _single(coefficients: Any) -> tuple[float, ...]:  # noqa: ANN401 - any library's
+    """Coefficients of one channel, which python-control nests in two lists."""
+    channel = coefficients
+    while len(channel) and np.ndim(channel[0]) > 0:
+        if len(channel) != 1:
+            raise InputError("A transfer system has one input and one output", value=f"{len(channel)} channels")
+        channel = channel[0]
+    return coefficients_of(channel)
+
+
+def read_matlab(path: str | Path, variable: str | None = None, delay: float = 0.0) -> TransferFunction:
+    """Read an identified model from a MATLAB file.
+
+    Parameters
+    ----------
+    path : str or pathlib.Path
+        A .mat file up to version 7 with `num` and `den`, with `z`, `p` and `k`, or with `A`, `B`, `C`, `D`, as
+        variables or as fields of a structure.
+    variable : str, optional
+        The structure, where the file holds one.
+    delay : float, optional
+        Pure delay [s] beside it.
+
+    Returns
+    -------
+    TransferFunction
+        The transfer function.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or holds none of these; the message lists what it holds.
+    """
+    try:
+        content = loadmat(str(path), squeeze_me=True, struct_as_record=False)
+    except (OSError, ValueError, NotImplementedError, MatReadError) as error:
+        raise InputError(
+            "A MATLAB file must be readable",
+            value=str(error).strip().splitlines()[0],
+            remedy="Save it in MATLAB with the option -v7",
+            where=str(path),
+        ) from None
+    names = [name for name in content if not name.startswith("__")]
+    if variable is not None and variable not in content:
+        raise InputError(
+            f"The file holds {', '.join(names) or 'nothing'}",
+            value=f"no {variable}",
+            remedy="Name one of these",
+            where=str(path),
+        )
+    held = content if variable is None else vars(content[variable]) if hasattr(
+        content[variable], "_fieldnames"
+    ) else {}
+    for numerator, denominator in _FORMS:
+        if numerator in held and denominator in held:
+            return TransferFunction(
+                numerator=coefficients_of(held[numerator]),
+                denominator=coefficients_of(held[denominator]),
+                delay=delay,
+            )
+    if {"z", "p", "k"} <= set(held):
+        return TransferFunction.from_poles(
+            np.atleast_1d(held["z"]), np.atleast_1d(held["p"]), float(held["k"]), delay=delay
+        )
+    if {"A", "B", "C", "D"} <= set(held):
+        order = np.atleast_2d(held["A"]).shape[0]
+        matrices = (
+            np.asarray(held["A"], dtype=float).reshape(order, order),
+            np.asarray(held["B"], dtype=float).reshape(order, -1),
+            np.asarray(held["C"], dtype=float).reshape(-1, order),
+        )
+        direct = np.asarray(held["D"], dtype=float).reshape(matrices[2].shape[0], matrices[1].shape[1])
+        return transfer_function_of(signal.StateSpace(*matrices, direct), delay)
+    raise InputError(
+        "A MATLAB file must hold num and den, or z, p and k, or A, B, C and D",
+        value=", ".join(name for name in held if not name.startswith("_")) or "none of them",
+        remedy="Objects of toolboxes cannot be read: save [num, den] = tfdata(model, 'v') instead",
+        where=str(path),
+    )
