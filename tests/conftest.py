@@ -1,8 +1,15 @@
 """Fixtures shared by all rooms."""
 
+import json
+import unicodedata
 from pathlib import Path
 
 import pytest
+import typst
+
+from reliab.report.content import CONTENT_FILE, files_of
+from reliab.report.document import Document
+from reliab.report.pdf import templates
 
 _SHARED = Path(__file__).resolve().parents[2] / "shared"
 
@@ -19,3 +26,54 @@ def shared_folder() -> Path:
 def real_motions_folder(shared_folder: Path) -> Path:
     """The folder of real ground-motion records."""
     return shared_folder / "motions"
+
+
+@pytest.fixture(scope="session")
+def set_without_warnings():
+    """Function that sets a report as PDF, of which typst has nothing to warn."""
+
+    def check(document):
+        content = files_of(document) if isinstance(document, Document) else document
+        files = {**templates(), **content}
+        inputs = {"date": "2026-01-01", "version": "0"}
+        pdf, warnings = typst.compile_with_warnings(
+            files, ignore_system_fonts=True, format="pdf", sys_inputs=inputs
+        )
+        assert warnings == []
+        return pdf
+
+    return check
+
+
+@pytest.fixture(scope="session")
+def text_of(set_without_warnings):
+    """Function that sets a report as PDF and returns what a reader reads in it, pieces joined by blanks."""
+
+    def read(document):
+        set_without_warnings(document)
+        files = files_of(document) if isinstance(document, Document) else document
+        content = json.loads(files[CONTENT_FILE])
+        words = " ".join(_words(content))
+        return " ".join(unicodedata.normalize("NFKC", words).replace("\u200b", "").split())
+
+    return read
+
+
+def _words(content):
+    """Every text of a report's content, in its order; a sentence with formulas stays one."""
+    if isinstance(content, list):
+        if content and all(isinstance(piece, dict) and piece.get("kind") in _PIECES for piece in content):
+            yield "".join(piece.get("text", piece.get("source", "")) for piece in content)
+        else:
+            for part in content:
+                yield from _words(part)
+    elif isinstance(content, dict):
+        for name, part in content.items():
+            if name in _READ or isinstance(part, list | dict):
+                yield from _words(part)
+    elif isinstance(content, str):
+        yield content
+
+
+_PIECES = ("text", "math", "strong", "source", "reference")
+_READ = ("text", "digits", "title", "unit", "math", "heading", "caption", "verdict")

@@ -11,7 +11,7 @@ _PARAMETERS = 2
 
 
 def exponential(frequencies: ArrayLike, b: ArrayLike) -> tuple[float, float]:
-    """Fit k₁ and k₂ of equation (13), b = k₁ e^(−k₂f), by least squares of b itself; NaN of fewer than two values.
+    """Fit k₁ and k₂ of equation (13), b = k₁ e^(−k₂f), by least squares of b; NaN of one value.
 
     Examples
     --------

@@ -1,6 +1,7 @@
 """Figures and PDF reports of finished results; nothing is simulated here."""
 
+from reliab.report.content import save_content, saved_content
 from reliab.report.document import Document
 from reliab.report.pdf import write_pdf
 
-__all__ = ["Document", "write_pdf"]
+__all__ = ["Document", "save_content", "saved_content", "write_pdf"]

@@ -173,3 +173,29 @@ class Whole(Number):
 
     def _write(self, value: float) -> Written:
         return Fixed(decimals=0)(value)
+
+
+def in_line(written: Written) -> str:
+    """Write a number within a text, its power of ten by raised digits.
+
+    Parameters
+    ----------
+    written : Written
+        The number as it is written.
+
+    Returns
+    -------
+    str
+        The text.
+
+    Examples
+    --------
+    >>> in_line(Significant()(5.29e-5)), in_line(Significant()(1.048))
+    ('5.29·10⁻⁵', '1.05')
+    """
+    if written.exponent is None:
+        return written.digits
+    return f"{written.digits}·10{str(written.exponent).translate(_RAISED)}"
+
+
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

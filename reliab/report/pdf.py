@@ -5,6 +5,7 @@ machine.
 """
 
 import datetime as dt
+from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, Final, cast
@@ -19,13 +20,13 @@ from reliab.report.document import Document
 _NAMES: Final = ("main.typ", "page.typ", "parts.typ", "table.typ")
 
 
-def write_pdf(document: Document, path: Path, *, date: dt.date) -> None:
+def write_pdf(document: Document | Mapping[str, bytes], path: Path, *, date: dt.date) -> None:
     """Write a report as PDF; identical input gives identical bytes.
 
     Parameters
     ----------
-    document : Document
-        The report.
+    document : Document or mapping of str to bytes
+        The report, or its content as :func:`reliab.report.content.saved_content` gives it.
     path : pathlib.Path
         The file, replaced if it is there.
     date : datetime.date
@@ -50,13 +51,13 @@ def write_pdf(document: Document, path: Path, *, date: dt.date) -> None:
         ) from None
 
 
-def compiled_report(document: Document, *, date: dt.date) -> bytes:
+def compiled_report(document: Document | Mapping[str, bytes], *, date: dt.date) -> bytes:
     """Set a report as PDF.
 
     Parameters
     ----------
-    document : Document
-        The report.
+    document : Document or mapping of str to bytes
+        The report, or its content.
     date : datetime.date
         Its date.
 
@@ -65,14 +66,15 @@ def compiled_report(document: Document, *, date: dt.date) -> bytes:
     bytes
         The PDF.
     """
-    made = typst.compile(
-        cast("Any", {**templates(), **files_of(document)}),  # typst's type hints know of no dict
+    content = files_of(document) if isinstance(document, Document) else document
+    pdf = typst.compile(
+        cast("Any", {**templates(), **content}),  # typst's type hints know of no dict
         ignore_system_fonts=True,
         format="pdf",
         sys_inputs={"date": date.isoformat(), "version": __version__},
         timestamp=dt.datetime.combine(date, dt.time(), tzinfo=dt.UTC),
     )
-    return bytes(made)
+    return bytes(pdf)
 
 
 def templates() -> dict[str, bytes]:

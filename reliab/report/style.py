@@ -8,7 +8,9 @@ in fonts that come with matplotlib, identifiers are salted, no date is written.
 
 import functools
 import io
+import warnings
 from collections.abc import Callable
+from textwrap import fill
 from typing import Any, Final, ParamSpec
 
 import matplotlib as mpl
@@ -17,6 +19,8 @@ import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
+
+from reliab.errors import InputError
 
 COLUMN_WIDTH: Final = 160.0
 """Width of the text column of a report [mm]."""
@@ -30,6 +34,7 @@ SEQUENTIAL: Final = "cividis"
 """Colour map that rises evenly in lightness, also for colour-blind readers and in grey print."""
 
 _MILLIMETRES_PER_INCH: Final = 25.4
+_NOTE_HEIGHT, _NOTE_LINE = 20.0, 90  # [mm], [characters]
 _DASHES: Final[tuple[Any, ...]] = ("-", (0, (5, 1.6)), (0, (1.2, 1.2)), (0, (6, 1.4, 1.2, 1.4)), (0, (9, 3)))
 _MARKERS: Final = ("o", "s", "^", "D", "v", "P")
 _COLOURS: Final = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, BROWN)
@@ -80,6 +85,9 @@ _Arguments = ParamSpec("_Arguments")
 def styled(draw: Callable[_Arguments, Figure]) -> Callable[_Arguments, Figure]:
     """Draw a figure in the style of the reports, whatever style the caller uses.
 
+    A figure that cannot be drawn must not cost the results that it shows: a note stands in its place,
+    and a :class:`FigureWarning` says why.
+
     Parameters
     ----------
     draw : callable
@@ -94,9 +102,30 @@ def styled(draw: Callable[_Arguments, Figure]) -> Callable[_Arguments, Figure]:
     @functools.wraps(draw)
     def in_style(*args: _Arguments.args, **kwargs: _Arguments.kwargs) -> Figure:
         with mpl.rc_context({**mpl.rcParamsDefault, **RC}):
-            return draw(*args, **kwargs)
+            try:
+                return draw(*args, **kwargs)
+            except (InputError, Warning):
+                raise
+            except Exception as error:  # noqa: BLE001 - whatever fails, the rest of the report stands
+                reason = f"{type(error).__name__}: {error}"
+                name = getattr(draw, "__name__", "figure").replace("_", " ")
+                warnings.warn(
+                    f"The figure “{name}” could not be drawn ({reason})", FigureWarning, stacklevel=2
+                )
+                return _note(f"This figure could not be drawn ({reason}).")
 
     return in_style
+
+
+class FigureWarning(UserWarning):
+    """A figure could not be drawn; everything else is there."""
+
+
+def _note(text: str) -> Figure:
+    """Make a figure that holds a sentence only."""
+    figure = Figure(figsize=(COLUMN_WIDTH / _MILLIMETRES_PER_INCH, _NOTE_HEIGHT / _MILLIMETRES_PER_INCH))
+    figure.text(0.5, 0.5, fill(text, _NOTE_LINE), ha="center", va="center", color=VERMILION)
+    return figure
 
 
 def panels(

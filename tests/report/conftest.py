@@ -1,19 +1,9 @@
 """Small results from which reports are made."""
 
-import datetime as dt
-import json
-import unicodedata
-
 import numpy as np
 import pandas as pd
 import pytest
-import typst
 import xarray as xr
-
-from reliab.report.content import CONTENT_FILE, files_of
-from reliab.report.pdf import templates
-
-DATE = dt.date(2026, 1, 1)
 
 
 @pytest.fixture(scope="session")
@@ -74,52 +64,3 @@ def rates():
         for rate in (factor * confidence,)
     ]
     return pd.DataFrame(rows)
-
-
-@pytest.fixture(scope="session")
-def set_without_warnings():
-    """Function that sets a report as PDF, of which typst has nothing to warn."""
-
-    def check(document):
-        files = {**templates(), **files_of(document)}
-        inputs = {"date": DATE.isoformat(), "version": "0"}
-        pdf, warnings = typst.compile_with_warnings(
-            files, ignore_system_fonts=True, format="pdf", sys_inputs=inputs
-        )
-        assert warnings == []
-        return pdf
-
-    return check
-
-
-@pytest.fixture(scope="session")
-def text_of(set_without_warnings):
-    """Function that sets a report as PDF and returns what a reader reads in it, pieces joined by blanks."""
-
-    def read(document):
-        set_without_warnings(document)
-        content = json.loads(files_of(document)[CONTENT_FILE])
-        words = " ".join(_words(content))
-        return " ".join(unicodedata.normalize("NFKC", words).replace("\u200b", "").split())
-
-    return read
-
-
-def _words(content):
-    """Every text of a report's content, in its order; a sentence with formulas stays one."""
-    if isinstance(content, list):
-        if content and all(isinstance(piece, dict) and piece.get("kind") in _PIECES for piece in content):
-            yield "".join(piece.get("text", piece.get("source", "")) for piece in content)
-        else:
-            for part in content:
-                yield from _words(part)
-    elif isinstance(content, dict):
-        for name, part in content.items():
-            if name in _READ or isinstance(part, list | dict):
-                yield from _words(part)
-    elif isinstance(content, str):
-        yield content
-
-
-_PIECES = ("text", "math", "strong", "source", "reference")
-_READ = ("text", "digits", "title", "unit", "math", "heading", "caption", "verdict")

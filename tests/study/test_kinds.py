@@ -1,11 +1,15 @@
 """Every kind of study ends in a report with its verdict."""
 
 import json
+import shutil
 
 import pytest
 
 from reliab.errors import InputError
-from reliab.study import open_study, run_study, study_from
+from reliab.shipped import shipped
+from reliab.study import open_study, run_study, study_from, write_report
+from reliab.study.kinds import KINDS
+from reliab.study.kinds.discrepancy import CampaignTable
 
 
 def small(name, suite_folder, **tables):
@@ -23,22 +27,73 @@ def small(name, suite_folder, **tables):
     return study_from({**study.model_dump(), **changes, **tables})
 
 
-@pytest.mark.parametrize("name", ["validation", "synthetic_vs_real"])
-def test_shipped_studies_run_on_other_motions(name, suite_folder, tmp_path):
-    report = run_study(small(name, suite_folder), tmp_path / "run")
-    assert report.read_bytes().startswith(b"%PDF")
+def text_of_run(study, folder, text_of):
+    """What a reader reads in the report of a finished run."""
+    assert (folder / "report.pdf").read_bytes().startswith(b"%PDF")
+    return text_of(KINDS[study.kind].report(study, folder))
 
 
-def test_a_campaign_is_diagnosed(tmp_path):
-    report = run_study(open_study("hidden_effect"), tmp_path / "run")
-    assert report.read_bytes().startswith(b"%PDF")
-    found = json.loads((tmp_path / "run" / "diagnosis.json").read_text(encoding="utf-8"))
-    assert found["verdict"] in {"named", "no_missing_effect", "unknown_effect", "not_identifiable"}
+@pytest.mark.parametrize(
+    ("name", "sentences"),
+    [
+        ("validation", ("held-out earthquakes", "Actuators that are no constant gain and delay")),
+        ("synthetic_vs_real", ("Response spectra", "Criteria of the suites")),
+    ],
+)
+def test_shipped_studies_run_on_other_motions(name, sentences, suite_folder, tmp_path, text_of):
+    study = small(name, suite_folder)
+    run_study(study, tmp_path / "run")
+    text = text_of_run(study, tmp_path / "run", text_of)
+    assert study.title in text
+    assert all(sentence in text for sentence in sentences)
 
 
-def test_what_blind_campaigns_showed_is_reported(tmp_path):
-    report = run_study(open_study("blind_evaluation"), tmp_path / "run")
-    assert report.read_bytes().startswith(b"%PDF")
+def test_a_campaign_is_diagnosed_and_reported_from_the_folder_alone(tmp_path, text_of):
+    campaign = tmp_path / "campaign"
+    shutil.copytree(shipped("datasets", "campaigns/rig_a"), campaign)
+    study = open_study("hidden_effect")
+    study = study.model_copy(update={"campaign": CampaignTable(folder=str(campaign))})
+    folder = tmp_path / "run"
+    first = run_study(study, folder).read_bytes()
+    diagnosis = json.loads((folder / "diagnosis.json").read_text(encoding="utf-8"))
+    assert diagnosis["verdict"] in {"named", "no_missing_effect", "unknown_effect", "not_identifiable"}
+    shutil.rmtree(campaign)
+    (folder / "report.pdf").unlink()
+    assert write_report(folder).read_bytes() == first
+    text = text_of_run(study, folder, text_of)
+    assert study.title in text or study.purpose in text
+    assert "held-out tests" in text
+
+
+def test_figures_that_fail_cost_a_diagnosis_nothing_else(tmp_path, monkeypatch):
+    def fail(*_args, **_kwargs):
+        raise ValueError("Number of rows must be positive")
+
+    monkeypatch.setattr("reliab.report.kinds.discrepancy.discrepancy_report", fail)
+    monkeypatch.setattr("reliab.study.kinds.discrepancy._diagnosed", lambda *_: Namespace())
+    study = open_study("hidden_effect")
+    with pytest.raises(ValueError, match="rows"):
+        run_study(study, tmp_path / "run")
+    assert json.loads((tmp_path / "run" / "diagnosis.json").read_text(encoding="utf-8")) == {
+        "verdict": "named"
+    }
+
+
+class Namespace:
+    """A diagnosis that is only its result."""
+
+    diagnosis, posteriors = None, ()
+
+    def as_dict(self):
+        return {"verdict": "named"}
+
+
+def test_what_blind_campaigns_showed_is_reported(tmp_path, text_of):
+    study = open_study("blind_evaluation")
+    run_study(study, tmp_path / "run")
+    text = text_of_run(study, tmp_path / "run", text_of)
+    assert study.title in text
+    assert "campaigns" in text
 
 
 @pytest.mark.parametrize("name", ["paper2017", "table2_audit"])
@@ -49,6 +104,9 @@ def test_studies_of_the_paper_need_its_records(name, tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["paper2017", "table2_audit"])
-def test_studies_of_the_paper_run_on_its_records(name, real_motions_folder, tmp_path):
+def test_studies_of_the_paper_run_on_its_records(name, real_motions_folder, tmp_path, text_of):
     study = open_study(name).on([str(real_motions_folder)], None)
-    assert run_study(study, tmp_path / "run").read_bytes().startswith(b"%PDF")
+    run_study(study, tmp_path / "run")
+    text = text_of_run(study, tmp_path / "run", text_of)
+    assert "74 of the 100 rows" in text or "74 of 100 rows" in text
+    assert "3 rows" in text or "only 3" in text

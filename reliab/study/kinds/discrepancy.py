@@ -1,12 +1,12 @@
 """Studies of a measured campaign: where it disagrees with its model, what is missing, the proof."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from reliab.report import Document
+from reliab.report import Document, save_content, saved_content
 from reliab.shipped import shipped
 from reliab.study.description import Study, Table
 from reliab.study.kinds.kind import Kind
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from reliab.discrepancy import Addition
 
 DIAGNOSIS: Final = "diagnosis.json"
+CONTENT: Final = "report"
 
 
 class CampaignTable(Table):
@@ -32,7 +33,7 @@ class DiscrepancyStudy(Study):
 
 
 def stages(study: DiscrepancyStudy, show: Show) -> Sequence[Stage]:
-    """Diagnose the campaign."""
+    """Diagnose the campaign, write the result, then draw what the report shows of it."""
     campaign = _folder(study)
 
     def work(folder: Path) -> None:
@@ -40,15 +41,27 @@ def stages(study: DiscrepancyStudy, show: Show) -> Sequence[Stage]:
             content = _diagnosed(campaign, digest(campaign)).as_dict()
         (folder / DIAGNOSIS).write_text(json.dumps(content, indent=2, ensure_ascii=False), encoding="utf-8")
 
+    def draw(folder: Path) -> None:
+        with show("Drawing"):
+            save_content(_document(study, campaign, folder), folder / CONTENT)
+
     inputs = {"campaign": digest(campaign)}
-    return (Stage(name="diagnose", inputs=inputs, writes=(DIAGNOSIS,), work=work),)
+    described = study.model_dump(mode="json")
+    return (
+        Stage(name="diagnose", inputs=inputs, writes=(DIAGNOSIS,), work=work),
+        Stage(name="draw", inputs={**inputs, **described}, reads=(DIAGNOSIS,), writes=(CONTENT,), work=draw),
+    )
 
 
-def report(study: DiscrepancyStudy, folder: Path) -> Document:
-    """Report the diagnosis; it is made again where it was made in another process."""
+def report(study: DiscrepancyStudy, folder: Path) -> Mapping[str, bytes]:
+    """Report the diagnosis from what was drawn; the campaign need not be there any more."""
+    del study
+    return saved_content(folder / CONTENT)
+
+
+def _document(study: DiscrepancyStudy, campaign: Path, folder: Path) -> Document:
     from reliab.report.kinds.discrepancy import discrepancy_report
 
-    campaign = _folder(study)
     addition = _diagnosed(campaign, digest(campaign))
     return discrepancy_report(
         addition.diagnosis,

@@ -1,6 +1,6 @@
 """What a kind of study is: the tables that it knows, its stages, and a report of what they leave behind."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -25,10 +25,11 @@ class Kind:
         Takes such a study and what shows progress; gives the stages before the report, in their order. It
         refuses what can be refused before the first of them is run.
     report : callable
-        Takes such a study and its run folder; gives the report. Nothing is simulated any more.
+        Takes such a study and its run folder; gives the report, or its content as
+        :func:`reliab.report.content.saved_content` reads it. Nothing is simulated any more.
     """
 
     name: str
     tables: type[Study]
     stages: Callable[[Any, Show], Sequence[Stage]]
-    report: Callable[[Any, Path], Document]
+    report: Callable[[Any, Path], Document | Mapping[str, bytes]]

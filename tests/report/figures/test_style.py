@@ -9,6 +9,7 @@ from matplotlib.colors import to_rgb
 
 from reliab.criterion import derive_criterion
 from reliab.criterion.methods import method_of
+from reliab.errors import InputError
 from reliab.motions import Motion
 from reliab.paper.cases import cases_dataset, run_paper_cases
 from reliab.paper.example import run_paper_example
@@ -16,7 +17,7 @@ from reliab.paper.printed import EXAMPLE, PrintedTables
 from reliab.report.document import Figure, Section
 from reliab.report.kinds.criterion import criterion_report
 from reliab.report.kinds.paper import paper_report
-from reliab.report.style import line, panels, styled, svg
+from reliab.report.style import FigureWarning, line, panels, styled, svg
 
 UNIT = re.compile(r"\[[^\]]+\]$")
 
@@ -107,3 +108,23 @@ def test_a_drawing_depends_on_nothing_else():
     first = svg(draw())
     with mpl.rc_context({"font.size": 30.0, "svg.hashsalt": "other", "axes.grid": False}):
         assert svg(draw()) == first
+
+
+def test_a_figure_that_fails_leaves_a_note_and_a_warning():
+    @styled
+    def rows_of_nothing():
+        return panels(0, 1)
+
+    with pytest.warns(FigureWarning, match="rows of nothing"):
+        figure = rows_of_nothing()
+    assert "could not be drawn" in figure.texts[0].get_text()
+    assert svg(figure).startswith(b"<?xml")
+
+
+def test_bad_input_to_a_figure_is_no_failure_of_the_figure():
+    @styled
+    def refuse():
+        raise InputError("A rule", value=1, remedy="None")
+
+    with pytest.raises(InputError, match="A rule"):
+        refuse()

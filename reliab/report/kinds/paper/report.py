@@ -25,9 +25,12 @@ from reliab.report.kinds.paper.figures import (
 )
 from reliab.report.kinds.provenance import provenance_of
 from reliab.report.kinds.wording import PERCENT, percent
-from reliab.report.numbers import Fixed, Shortest, Significant
+from reliab.report.numbers import Fixed, Shortest, Significant, in_line
 from reliab.report.prose import Prose, prose
 from reliab.report.sources import SOURCES
+
+_SHORT = {"^Equation": "Eq.", "^Figure": "Fig.", "^Text.*": "Text"}
+_UNITS = {"1": "-", "ms2": "ms²", "ms4": "ms⁴", "N m2": "N m²"}
 
 
 def paper_report(
@@ -176,15 +179,15 @@ def _numbers(numbers: pd.DataFrame) -> Section:
                 )
             ),
             Table(
-                frame=shown.assign(item=_unrepeated(shown["item"])),
+                frame=_set(shown),
                 columns=(
                     Column(key="item", heading="Paper"),
                     Column(key="quantity", heading="Quantity", wide=True),
                     Column(key="unit", heading="Unit"),
-                    Column(key="printed", heading="Printed", number=Significant()),
-                    Column(key="from_tables", heading="Its tables", number=Significant()),
-                    Column(key="from_records", heading="Records", number=Significant()),
-                    Column(key="difference", heading="Difference", unit="%", number=relative),
+                    Column(key="printed", heading="Printed"),
+                    Column(key="from_tables", heading="Its tables"),
+                    Column(key="from_records", heading="Records"),
+                    Column(key="difference", heading="Off", unit="%", number=relative),
                     Column(key="finding", heading="Finding", wide=True),
                 ),
                 caption="What the paper prints, what follows from its tables, and what from its records.",
@@ -195,10 +198,18 @@ def _numbers(numbers: pd.DataFrame) -> Section:
     )
 
 
-def _unrepeated(names: pd.Series) -> pd.Series:
-    """Shorten names, and leave out those that repeat the line above."""
-    short = names.str.replace("Equation", "Eq.").str.replace("equation", "eq.").str.replace("Figure", "Fig.")
-    return short.where(names != names.shift(), "")
+def _set(numbers: pd.DataFrame) -> pd.DataFrame:
+    """Numbers and units as they are set; names are short, and not repeated from the line above."""
+    columns = ["printed", "from_tables", "from_records"]
+    names = numbers["item"].replace(_SHORT, regex=True)
+    without = numbers[columns].isna().all(axis=1)
+    return numbers.assign(
+        item=names.where(names != names.shift(), ""),
+        unit=numbers["unit"].replace(_UNITS).where(~without, ""),
+        quantity=numbers["quantity"].str.replace("^R", "ᴿ"),
+        finding=numbers["finding"].str.replace("^R", "ᴿ"),
+        **{name: [in_line(Significant()(value)) for value in numbers[name]] for name in columns},
+    )
 
 
 def _promise(contained: pd.DataFrame) -> Section:
