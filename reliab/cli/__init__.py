@@ -13,6 +13,7 @@ import typer
 from reliab.cli import assess, criterion, diagnose, ellipses, motions, report, simulate, validate
 from reliab.cli import run as run_command
 from reliab.errors import IncompleteError, InputError
+from reliab.stated_value import StatedValue
 
 _BAD_INPUT = 2
 _INCOMPLETE = 3
@@ -81,24 +82,26 @@ def spread(arguments: Sequence[str], command: Any) -> Iterator[str]:  # noqa: AN
     """
     repeated: set[str] = set()
     current: str | None = None
-    first = False
+    first = numeric = False
     for argument in arguments:
         if argument in (commands := getattr(command, "commands", {})):
             command = commands[argument]
             repeated = {name for option in command.params if option.multiple for name in option.opts}
         if argument.startswith("-") and not _is_number(argument) and argument != "-":
             current, first = (argument, True) if argument in repeated else (None, False)
-        elif current is not None and not first:
+        elif first:
+            first, numeric = False, _is_number(argument)
+        elif current is not None and numeric and not _is_number(argument):
+            current = None  # a file after numbers is no number
+        elif current is not None:
             yield current
-        else:
-            first = False
         yield argument
 
 
 def _is_number(text: str) -> bool:
     try:
-        float(text)
-    except ValueError:
+        StatedValue.parse(text)
+    except InputError:
         return False
     return True
 

@@ -3,11 +3,13 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from reliab.cli.options import FIVE_PERCENT, ONE_HERTZ, TWO_PERCENT
 from reliab.cli.output import console, table, write_json
 from reliab.errors import InputError
+from reliab.stated_value import StatedValue
 
 if TYPE_CHECKING:
-    from reliab.criterion import Criterion
+    from reliab.cli.assess_mode import Demand
     from reliab.validation.assessment import Tolerance
 
 _NINETY_FIVE = 0.95
@@ -15,55 +17,45 @@ _BAR = 40
 _MILLISECONDS = 1e3
 
 
-def state_tolerances(
-    f: list[float],
-    xi: float,
-    threshold: float,
-    confidence: list[float] | None,
-    metric: str,
-    criterion: "Criterion | None",
-    figure: Path | None,
-    json_target: str | None,
-) -> None:
+def state_tolerances(demand: "Demand") -> None:
     """Print, draw or write what is tolerable before a test.
 
     Parameters
     ----------
-    f : list of float
-        Natural frequencies [Hz].
-    xi : float
-        Damping ratio [-].
-    threshold : float
-        Error of the whole test [-].
-    confidence : list of float or None
-        Shares of ground motions.
-    metric : str
-        Which error.
-    criterion : Criterion or None
-        A criterion of one's own.
-    figure : pathlib.Path or None
-        File for the chart.
-    json_target : str or None
-        File for JSON, or "-".
+    demand : Demand
+        What is asked.
     """
     from reliab.validation.assessment.design import CONFIDENCES, chart_frequencies, tolerable_errors
+
+    criterion = demand.read_criterion()
 
     def tolerances(frequencies: list[float]) -> "list[Tolerance]":
         return tolerable_errors(
             frequencies,
-            xi,
-            threshold=threshold,
-            confidences=confidence or CONFIDENCES,
-            metric=metric,
+            _exact(demand.xi, "xi") if demand.xi else TWO_PERCENT,
+            threshold=FIVE_PERCENT if demand.threshold is None else demand.threshold,
+            confidences=demand.confidence or CONFIDENCES,
+            metric=demand.metric or "rms",
             criterion=criterion,
         )
 
-    rows, chart = tolerances(f), tolerances(chart_frequencies(criterion))
-    if figure is not None:
-        _draw(chart, figure)
+    rows = tolerances([_exact(each, "f") for each in demand.f or [StatedValue(ONE_HERTZ)]])
+    chart = tolerances(chart_frequencies(criterion))
+    if demand.figure is not None:
+        _draw(chart, demand.figure)
     content = {"design": [each.to_dict() for each in rows], "chart": [each.to_dict() for each in chart]}
-    if not write_json(content, json_target):
+    if not write_json(content, demand.json_target):
         _show_design(rows, chart)
+
+
+def _exact(stated: StatedValue, name: str) -> float:
+    if stated.deviation:
+        raise InputError(
+            "Tolerable errors before a test are those of an exact structure",
+            value=f"--{name} {stated}",
+            remedy="Leave the tolerance out, or give two values",
+        )
+    return stated.value
 
 
 def _draw(chart: "list[Tolerance]", path: Path) -> None:

@@ -1,169 +1,53 @@
-"""The verdict on a test, whether it can be trusted."""
+"""Judge a test by its command and measured displacement."""
 
-from dataclasses import dataclass
-from typing import Any
-
-import numpy as np
+from collections.abc import Mapping
+from pathlib import Path
 
 from reliab.criterion import Criterion
 from reliab.errors import InputError
 from reliab.indices.window import Window
-from reliab.loop.stability import critical_delay, stability_margin
 from reliab.loop.structure import Structure
 from reliab.motions import Motion
+from reliab.stated_value import StatedValue
+from reliab.validation.assessment.alignment import align
+from reliab.validation.assessment.assessment import Assessment
 from reliab.validation.assessment.default_criterion import default_criterion
-from reliab.validation.assessment.improvement import Improvement, improvement
-from reliab.validation.assessment.moving_windows import Windows, track_windows
-from reliab.validation.assessment.own_boundary import OwnBoundary
-from reliab.validation.assessment.placement import Placement, place
+from reliab.validation.assessment.doubts import verdict_of_error
+from reliab.validation.assessment.error_of_test import ErrorOfTest, Question, error_of_test
+from reliab.validation.assessment.faults import Fault, find_faults, repaired
+from reliab.validation.assessment.findings import FaultEffect
+from reliab.validation.assessment.moving_windows import track_windows
+from reliab.validation.assessment.own_motion import place_on_own
+from reliab.validation.assessment.placement import place
+from reliab.validation.assessment.plausibility import require_following
 from reliab.validation.assessment.recording import Recording
-from reliab.validation.assessment.tracking_index import TrackingIndex, track
+from reliab.validation.assessment.spikes import without_spikes
+from reliab.validation.assessment.tracking_index import track
+from reliab.validation.assessment.tracking_measures import measure_tracking
 from reliab.vocabulary import Metric
-
-LEVEL = 0.95
-"""Level of the intervals."""
 
 _FEWEST_PERIODS = 2.0
 _LONGEST_STEP = 0.2  # of a period
-_LARGEST_NOISE = 0.5
-_DRAWS = 200
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class OwnPlacement:
-    """A test against the boundary of its own ground motion.
-
-    Attributes
-    ----------
-    motion : str
-        The ground motion.
-    duration : float
-        Its length [s].
-    error : float
-        Error of a test with this A and d under this motion [-].
-    error_interval : tuple of float
-        Its 95 % interval.
-    index : float
-        1 on the boundary, growing with the square of the distance.
-    index_interval : tuple of float
-        Its 95 % interval, the index growing with the square of the error.
-    probability : float
-        Probability that the error stays below the threshold, over what noise leaves open of A and d.
-    a, b : float
-        Ellipse fitted to the boundary [-] and [ms²].
-    """
-
-    motion: str
-    duration: float
-    error: float
-    error_interval: tuple[float, float]
-    index: float
-    index_interval: tuple[float, float]
-    probability: float
-    a: float
-    b: float
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Assessment:
-    """What is found about a test.
-
-    Attributes
-    ----------
-    recording : Recording
-        The test.
-    structure : Structure
-        The structure under test.
-    criterion : Criterion
-        The criterion.
-    tracking : TrackingIndex
-        A and d with their uncertainty.
-    windows : Windows
-        A and d in moving windows.
-    population : Placement
-        The test against the population of ground motions.
-    own : OwnPlacement or None
-        The test against its own ground motion's boundary, where that is known.
-    """
-
-    recording: Recording
-    structure: Structure
-    criterion: Criterion
-    tracking: TrackingIndex
-    windows: Windows
-    population: Placement
-    own: OwnPlacement | None
-
-    @property
-    def index(self) -> float:
-        """Index of the verdict: of the test's own motion where that is known, else of the population."""
-        return self.population.index if self.own is None else self.own.index
-
-    @property
-    def index_interval(self) -> tuple[float, float]:
-        """95 % interval of the index."""
-        return self.population.index_interval if self.own is None else self.own.index_interval
-
-    @property
-    def reliable(self) -> bool:
-        """Whether the test is accepted."""
-        return self.index <= 1.0
-
-    @property
-    def probability(self) -> float | None:
-        """Probability that the error of the test stays below the threshold."""
-        return self.population.probability if self.own is None else self.own.probability
-
-    @property
-    def stability_margin(self) -> float:
-        """Share of the critical delay that is still free [-]."""
-        late = max(self.tracking.delay, 0.0)
-        return float(stability_margin(self.structure, self.tracking.amplitude, late))
-
-    @property
-    def critical_delay(self) -> float:
-        """Delay [s] at which the loop would lose stability; infinite where none does."""
-        return float(critical_delay(self.structure, self.tracking.amplitude))
-
-    @property
-    def limits(self) -> tuple[float, float]:
-        """Ellipse parameters a [-] and b [ms²] behind the verdict."""
-        behind = self.population if self.own is None else self.own
-        return behind.a, behind.b
-
-    @property
-    def improvement(self) -> Improvement:
-        """What to improve first."""
-        return improvement(self.tracking.amplitude, self.tracking.delay, *self.limits)
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """What should be known before the verdict is relied on."""
-        from reliab.validation.assessment.cautions import cautions
-
-        return cautions(self)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Everything as plain numbers with stable keys; see `reliab.validation.assessment.summary`."""
-        from reliab.validation.assessment.summary import summarise
-
-        return summarise(self)
+_FEW_DRAWS = 2
 
 
 def assess(
     recording: Recording,
     structure: Structure,
     *,
+    stated: Mapping[str, StatedValue] | None = None,
     motion: Motion | None = None,
     criterion: Criterion | None = None,
     threshold: float = 0.05,
     confidence: float = 0.95,
     metric: str = "rms",
     error_window: Window | None = None,
+    model: Path | None = None,
+    assumed: tuple[str, ...] = (),
     taper: str = "hann",
     seed: int = 0,
 ) -> Assessment:
-    """Judge a real test by its command and measured displacement.
+    """Judge a test by its command and measured displacement.
 
     Parameters
     ----------
@@ -171,11 +55,15 @@ def assess(
         The test.
     structure : Structure
         The structure under test.
+    stated : mapping of str to StatedValue, optional
+        Tolerances of its frequency "f" [Hz], damping ratio "xi" and share "alpha", and the "scale" of the
+        sensor of the measured displacement over that of the command; exact by default.
     motion : Motion, optional
-        Its ground motion; the verdict is then by that motion's own boundary, exact by simulation.
+        Its ground motion; the index is then that of this motion's own boundary, exact by simulation, over
+        the part of the record that the test saw.
     criterion : Criterion, optional
         The criterion; by default the one that ships with the package, for the threshold, metric and
-        confidence given. A criterion that is given brings its own.
+        confidence given and for tests of this length. A criterion that is given brings its own.
     threshold : float, optional
         Error of the whole test [-].
     confidence : float, optional
@@ -183,67 +71,104 @@ def assess(
     metric : str, optional
         Which error, "rms" or "mte".
     error_window : Window, optional
-        Stretch of the ground motion over which its error is taken.
+        Part of the ground motion over which the error is computed, instead of the test's own duration.
+    model : pathlib.Path, optional
+        Model of a nonlinear specimen, as `reliab diagnose` writes it.
+    assumed : tuple of str, optional
+        What was not stated and had to be assumed, in sentences; repeated among the warnings.
     taper : str, optional
         Window of the evaluation index.
     seed : int, optional
-        Seed of the bootstrap.
+        Seed of the draws.
 
     Returns
     -------
     Assessment
-        Index, verdict, probability, stability margin and what to improve first.
+        Error of the test with its interval, verdict, index, stability margin and what to improve first.
 
     Raises
     ------
     InputError
-        If the test is too short, sampled too coarsely, or the measured displacement does not follow
-        the command.
+        If the test is too short, sampled too coarsely, has two units or signs, or the measured
+        displacement does not follow the command.
     """
     _check_length(recording, structure)
+    require_following(without_spikes(recording)[0])
     chosen = criterion or default_criterion(
-        structure.frequency, structure.damping_ratio, threshold, confidence, metric=metric
+        structure.frequency,
+        structure.damping_ratio,
+        threshold,
+        confidence,
+        metric=metric,
+        duration=recording.duration,
     )
-    tracking = track(recording, window=taper, seed=seed)
-    _check_following(tracking, recording)
+    question = Question(
+        structure=structure,
+        stated=dict(stated or {}),
+        metric=Metric(chosen.metric),
+        threshold=chosen.threshold,
+        model=model,
+        seed=seed,
+    )
+    faults = _faults(recording, question, taper)
+    clean = repaired(recording, faults)
+    tracking = track(clean, window=taper, seed=seed)
+    error, effects = _errors(recording, faults, question)
     own = None
     if motion is not None:
-        boundary = OwnBoundary(
-            motion=motion,
-            structure=structure,
+        own = place_on_own(
+            motion,
+            structure,
+            tracking,
+            align(clean, error.reference, structure, motion),
             threshold=chosen.threshold,
-            metric=Metric(chosen.metric),
-            window=error_window or Window(),
+            metric=question.metric,
+            window=error_window,
         )
-        own = _own(boundary, tracking)
     return Assessment(
         recording=recording,
         structure=structure,
+        stated=question.stated,
         criterion=chosen,
         tracking=tracking,
-        windows=track_windows(recording, tracking, window=taper),
+        measures=measure_tracking(clean),
+        windows=track_windows(clean, tracking, window=taper),
         population=place(chosen, structure, tracking.amplitude, tracking.delay, tracking.draws),
         own=own,
-    )
-
-
-def _own(boundary: OwnBoundary, tracking: TrackingIndex) -> OwnPlacement:
-    error = float(boundary.error(np.array([tracking.amplitude]), np.array([tracking.delay]))[0])
-    index = boundary.index(tracking.amplitude, tracking.delay)
-    errors = boundary.error(*tracking.draws[:, :_DRAWS])
-    low, high = np.quantile(errors, [0.5 * (1.0 - LEVEL), 0.5 * (1.0 + LEVEL)]).tolist()
-    a, b = boundary.ellipse()
-    return OwnPlacement(
-        motion=boundary.motion.name,
-        duration=boundary.motion.duration,
         error=error,
-        error_interval=(low, high),
-        index=index,
-        index_interval=(index * (low / error) ** 2, index * (high / error) ** 2) if error else (0.0, 0.0),
-        probability=float(np.mean(errors <= boundary.threshold)),
-        a=a,
-        b=b,
+        faults=effects,
+        verdict=verdict_of_error(error, effects, question),
+        assumed=assumed,
     )
+
+
+def _faults(recording: Recording, question: Question, taper: str) -> tuple[Fault, ...]:
+    bridged, *_ = without_spikes(recording)
+    return find_faults(
+        recording,
+        track(bridged, window=taper, draws=_FEW_DRAWS),
+        threshold=question.threshold,
+        experimental_fraction=question.structure.experimental_fraction,
+    )
+
+
+def _errors(
+    recording: Recording, faults: tuple[Fault, ...], question: Question
+) -> tuple[ErrorOfTest, tuple[FaultEffect, ...]]:
+    """Error of the test without what the loop did not feel, and what each fault does to it."""
+    unfelt = [fault for fault in faults if fault.in_loop is False]
+    known = 0.0 if any(fault.kind == "offset" for fault in faults) else None
+    error = error_of_test(repaired(recording, unfelt), question, sensor_offset=known)
+    effects = []
+    for fault in faults:
+        others = [fault] if fault.in_loop is not False else [each for each in unfelt if each is not fault]
+        changed = (
+            error_of_test(repaired(recording, others), question, sensor_offset=known)
+            if fault.repairable
+            else None
+        )
+        effects.append(FaultEffect(fault=fault, otherwise=changed))
+    return error, tuple(effects)
 
 
 def _check_length(recording: Recording, structure: Structure) -> None:
@@ -260,15 +185,5 @@ def _check_length(recording: Recording, structure: Structure) -> None:
             f"A step must be at most {_LONGEST_STEP:g} of a period of the structure",
             value=f"{recording.time_step:g} s at {structure.frequency:g} Hz",
             remedy="Times are in seconds; if they are in milliseconds, give --time-units ms",
-            where=recording.name,
-        )
-
-
-def _check_following(tracking: TrackingIndex, recording: Recording) -> None:
-    if tracking.noise_share > _LARGEST_NOISE or not tracking.amplitude > 0.0:
-        raise InputError(
-            "The measured displacement must follow the command",
-            value=f"{tracking.noise_share:.0%} of it is unrelated to the command",
-            remedy="Check that the columns and their units are the right ones",
             where=recording.name,
         )

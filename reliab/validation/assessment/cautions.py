@@ -1,16 +1,15 @@
 """What should be known before the verdict on a test is relied on, in plain sentences."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reliab.validation.assessment.band import noise_floor
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from reliab.validation.assessment.assess import Assessment
+from reliab.validation.assessment.doubts import ERROR_NAMES
+from reliab.validation.assessment.findings import FaultEffect, Findings
+from reliab.validation.assessment.verdict import Word
+from reliab.vocabulary import Metric
 
 _FEW_PERIODS = 10.0
 _FEW_SAMPLES = 20.0  # of a period
@@ -24,12 +23,12 @@ _NOISIER, _ROUNDING = 10.0, 1e-8  # in power
 _MILLISECONDS = 1e3
 
 
-def cautions(found: "Assessment") -> tuple[str, ...]:
+def cautions(found: Findings) -> tuple[str, ...]:
     """Say what limits a verdict.
 
     Parameters
     ----------
-    found : Assessment
+    found : Findings
         The assessed test.
 
     Returns
@@ -37,17 +36,69 @@ def cautions(found: "Assessment") -> tuple[str, ...]:
     tuple of str
         Sentences; none for a sound test inside the criterion's validity.
     """
-    return tuple(
+    return found.assumed + tuple(
         sentence
-        for group in (_of_columns, _of_signal, _of_constancy, _of_validity, _of_motion)
+        for group in (
+            _of_faults,
+            _of_error,
+            _of_columns,
+            _of_signal,
+            _of_constancy,
+            _of_validity,
+            _of_motion,
+        )
         for sentence in group(found)
     )
 
 
-def _of_columns(found: "Assessment") -> Iterator[str]:
+def _of_faults(found: Findings) -> Iterator[str]:
+    for effect in found.faults:
+        yield " ".join([effect.fault.finding, *_consequence(effect, found)])
+
+
+def _consequence(effect: FaultEffect, found: Findings) -> Iterator[str]:
+    if effect.otherwise is None:
+        return
+    metric = Metric(found.criterion.metric)
+    counted, otherwise = found.error.of(metric).value, effect.otherwise.of(metric).value
+    name = ERROR_NAMES[metric]
+    fault = effect.fault
+    if fault.in_loop is True:
+        yield (
+            f"The command answers it, so that the structure felt it: {name} is {counted:.2%} with it and "
+            f"would be {otherwise:.2%} without."
+        )
+    elif fault.in_loop is False:
+        why = "" if fault.kind == "spike" else "The command does not answer it, so that only the reading is off: "
+        yield f"{why}{name} is {counted:.2%} without it; had the structure felt it, {otherwise:.2%}."
+    else:
+        yield f"{name} is {counted:.2%} as recorded and {otherwise:.2%} without it."
+
+
+def _of_error(found: Findings) -> Iterator[str]:
+    yield from found.error.contradictions
+    by_error, by_index = found.verdict.word, found.verdict_by_index.word
+    if Word.UNDECIDED in (by_error, by_index) or by_error is by_index:
+        return
+    size = found.error.of(Metric(found.criterion.metric)).value
+    basis = (
+        f"{found.criterion.confidence:.0%} of ground motions"
+        if found.own is None
+        else "a gain and a delay alone"
+    )
+    why = (
+        f"the rig does something besides ({found.tracking.unexplained_share:.2%} of its motion)"
+        if found.tracking.unexplained_share > _UNEXPLAINED * float(np.sqrt(found.limits[0]))
+        else "this test's ground motion and length ask more or less than those do"
+    )
+    yield (
+        f"The error of this very test ({size:.2%}) and the index ({found.index:.3g} against 1) disagree: the "
+        f"index speaks of {basis}, the error of what happened; {why}. The verdict is that of the error."
+    )
+
+
+def _of_columns(found: Findings) -> Iterator[str]:
     tracking, recording = found.tracking, found.recording
-    if np.array_equal(recording.command, recording.measured):
-        yield "Command and measured displacement are identical: was one channel exported twice?"
     _, (_, latest) = tracking.interval(0.99)
     if tracking.delay < -_LEAD and latest < 0.0:
         yield (
@@ -67,12 +118,12 @@ def _of_columns(found: "Assessment") -> Iterator[str]:
         )
 
 
-def _noise(values: "NDArray[np.float64]") -> float:
+def _noise(values: NDArray[np.float64]) -> float:
     floor, total = noise_floor(values)
     return floor * values.size / total
 
 
-def _of_signal(found: "Assessment") -> Iterator[str]:
+def _of_signal(found: Findings) -> Iterator[str]:
     recording, tracking = found.recording, found.tracking
     periods = recording.duration * found.structure.frequency
     if periods < _FEW_PERIODS:
@@ -95,7 +146,7 @@ def _of_signal(found: "Assessment") -> Iterator[str]:
         )
 
 
-def _of_constancy(found: "Assessment") -> Iterator[str]:
+def _of_constancy(found: Findings) -> Iterator[str]:
     a, b = found.limits
     windows = found.windows
     late = _MILLISECONDS * windows.delay_range
@@ -112,7 +163,7 @@ def _of_constancy(found: "Assessment") -> Iterator[str]:
         )
 
 
-def _of_validity(found: "Assessment") -> Iterator[str]:
+def _of_validity(found: Findings) -> Iterator[str]:
     structure, carried = found.structure, found.population.carried_from
     if carried is not None and found.own is None:
         yield (
@@ -136,12 +187,19 @@ def _of_validity(found: "Assessment") -> Iterator[str]:
         yield "The delay exceeds the critical one: the loop is unstable."
 
 
-def _of_motion(found: "Assessment") -> Iterator[str]:
-    if found.own is None:
+def _of_motion(found: Findings) -> Iterator[str]:
+    own = found.own
+    if own is None:
         return
-    lasting, shaken = found.recording.duration, found.own.duration
-    if abs(lasting / shaken - 1.0) > _VARYING:
+    place = own.alignment
+    if not place.found:
         yield (
-            f"The test lasts {lasting:.4g} s, its ground motion {shaken:.4g} s; RMS^R is that over the "
-            "ground motion, and falls with its length."
+            f"The test was not found in the record of {own.motion} (best similarity {place.match:.2f} of 1): "
+            "it may be another motion, or another structure. Where in it the test began is unknown; the "
+            "index is that of the part, as long as the test, in which the structure moves most."
+        )
+    elif place.by == "shape of the response":
+        yield (
+            f"The test was found in the record of {own.motion} by the shape of its response; its size "
+            "differs, as where the record was scaled or the unit of the displacements is not metres."
         )

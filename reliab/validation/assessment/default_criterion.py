@@ -11,6 +11,7 @@ from reliab.criterion.methods import RECOMMENDED, method_of
 from reliab.errors import InputError
 from reliab.shipped import shipped
 from reliab.sweep import open_ellipses
+from reliab.validation.assessment.criterion_window import for_duration
 
 _TABLE = "real_suite/ellipses.nc"
 _SOURCE = "the ellipses that ship with the package, of the motions of FEMA P-695"
@@ -24,6 +25,7 @@ def default_criterion(
     *,
     metric: str = "rms",
     without: str | None = None,
+    duration: float | None = None,
 ) -> Criterion:
     """Derive the recommended criterion of one structure from the ellipses that ship with the package.
 
@@ -39,6 +41,8 @@ def default_criterion(
         Which error, "rms" or "mte".
     without : str, optional
         Earthquake that is not learned from, where its motions are to be judged.
+    duration : float, optional
+        Length of the tests that are to be judged [s]; by default errors are those over whole records.
 
     Returns
     -------
@@ -55,7 +59,7 @@ def default_criterion(
         raise InputError("The metric is rms or mte", value=metric, remedy="Choose one of these")
     if without is not None:
         ellipses = ellipses.isel(motion=ellipses["event"].values != without)
-    near = ellipses.sel(
+    near = for_duration(ellipses, duration).sel(
         f=_neighbours(ellipses["f"].values, frequency),
         xi=_neighbours(ellipses["xi"].values, damping_ratio),
         metric=[metric],

@@ -1,6 +1,6 @@
 """The boundary of the test's own ground motion, exact by simulation."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -10,11 +10,9 @@ from scipy.optimize import elementwise
 from reliab.boundary import Contour, Ellipse, motion_contours
 from reliab.errors import InputError
 from reliab.indices.response_error import relative_error
-from reliab.indices.window import Window
 from reliab.loop.engine import Loop
 from reliab.loop.excitation import Excitation
 from reliab.loop.structure import Structure
-from reliab.motions import Motion
 from reliab.vocabulary import Metric
 
 
@@ -24,36 +22,30 @@ class OwnBoundary:
 
     Parameters
     ----------
-    motion : Motion
-        The ground motion of the test.
+    excitation : Excitation
+        The ground motion of the test, with the window of the error.
     structure : Structure
         The structure.
     threshold : float
         Error of the whole test [-].
     metric : Metric
         Which error.
-    window : Window, optional
-        Where the error is taken.
     """
 
-    motion: Motion
+    excitation: Excitation
     structure: Structure
     threshold: float
     metric: Metric
-    window: Window = field(default_factory=Window)
 
     @cached_property
     def _loop(self) -> Loop:
-        acceleration, step = self.motion.acceleration, self.motion.time_step
-        bounds = self.window.bounds(acceleration, step)
-        excitation = Excitation(acceleration=acceleration, time_step=step, window=bounds)
-        return Loop(excitation=excitation, structure=self.structure)
+        return Loop(excitation=self.excitation, structure=self.structure)
 
     def contour(self) -> Contour:
         """Amplitude [-] and delay [s] along the boundary."""
         return motion_contours(self._loop, (self.threshold,), self.metric)[0]
 
-    def ellipse(self) -> tuple[float, float]:
+    def ellipse(self, *, lead: bool = False) -> tuple[float, float]:
         """Parameters a [-] and b [ms²] of the ellipse fitted to the boundary."""
         fit = Ellipse.fit(self.contour())
         return fit.a, fit.b

@@ -9,6 +9,7 @@ from typing import Final
 
 from reliab.errors import InputError
 from reliab.validation.assessment.readers import Columns
+from reliab.vocabulary import STANDARD_GRAVITY
 
 
 class Part(StrEnum):
@@ -17,6 +18,15 @@ class Part(StrEnum):
     TIME = "time"
     COMMAND = "command"
     MEASURED = "measured"
+    GROUND = "ground acceleration"
+    FORCE = "force"
+
+
+DISPLACEMENTS: Final = (Part.TIME, Part.COMMAND, Part.MEASURED)
+"""Parts that columns without names hold, in this order."""
+
+EXTRAS: Final = (Part.GROUND, Part.FORCE)
+"""Parts that are used where a column states them by name, and never asked for."""
 
 
 NAMES: Final[Mapping[Part, tuple[str, ...]]] = {
@@ -28,6 +38,14 @@ NAMES: Final[Mapping[Part, tuple[str, ...]]] = {
     Part.MEASURED: (
         *("measured", "measurement", "meas", "xm", "um", "dm", "actual", "achieved", "feedback"),
         *("response", "output", "lvdt", "temposonic", "fbk"),
+    ),
+    Part.GROUND: (
+        *("groundacceleration", "ground", "ag", "accelerationground", "groundmotion", "agm", "xgdd", "xddg"),
+        *("tableacceleration", "excitation"),
+    ),
+    Part.FORCE: (
+        *("force", "restoringforce", "measuredforce", "forcemeasured", "specimenforce", "loadcell", "fm"),
+        *("actuatorforce", "fe", "reaction"),
     ),
 }
 """Names by which columns are recognised, in small letters and without signs between them."""
@@ -51,9 +69,32 @@ TIMES: Final[Mapping[str, float]] = {
 }
 """Units of time [s]."""
 
-_UNIT = re.compile(r"[\[(]\s*([^\])]+?)\s*[\])]\s*$|(?<=[a-z0-9])_([a-zµ]+)$", re.IGNORECASE)
+ACCELERATIONS: Final[Mapping[str, float]] = {
+    **dict.fromkeys(("m/s2", "m/s^2", "m/s²", "mps2", "ms2"), 1.0),
+    **dict.fromkeys(("cm/s2", "cm/s^2", "cm/s²", "gal"), 1e-2),
+    **dict.fromkeys(("mm/s2", "mm/s^2", "mm/s²"), 1e-3),
+    "g": STANDARD_GRAVITY,
+}
+"""Units of acceleration [m/s²]."""
+
+FORCES: Final[Mapping[str, float]] = {"n": 1.0, "kn": 1e3, "mn": 1e6, "lbf": 4.4482216, "kip": 4448.2216}
+"""Units of force [N]."""
+
+_UNITS: Final[Mapping[Part, Mapping[str, float]]] = {
+    Part.TIME: TIMES,
+    Part.COMMAND: LENGTHS,
+    Part.MEASURED: LENGTHS,
+    Part.GROUND: ACCELERATIONS,
+    Part.FORCE: FORCES,
+}
+
+_UNIT = re.compile(
+    r"[\[(]\s*([^\])]+?)\s*[\])]\s*$|(?<=[a-z0-9])_([a-zµ]+(?:/s(?:\^?2|²)|ps2|s2)?)$", re.IGNORECASE
+)
 _WORDS = re.compile(r"[^a-z0-9]+")
 _SIMILAR = 0.7
+_OTHER_QUANTITIES = {"force", "load", "acceleration", "accel", "acc", "velocity", "vel", "rate", "strain"}
+"""Words of columns that are no displacement."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,7 +114,7 @@ class Found:
 
 
 def recognise(
-    columns: Columns, declared: Mapping[Part, str], *, wanted: Iterable[Part] = tuple(Part)
+    columns: Columns, declared: Mapping[Part, str], *, wanted: Iterable[Part] = DISPLACEMENTS
 ) -> dict[Part, Found]:
     """Find time, command and measured displacement among the columns.
 
@@ -117,14 +158,16 @@ def normal(name: str) -> str:
 
 def _without_unit(name: str) -> str:
     match = _UNIT.search(name.strip())
-    known = match is not None and str(match[1] or match[2]).lower() in {*LENGTHS, *TIMES}
+    known = match is not None and str(match[1] or match[2]).lower() in {
+        unit for units in _UNITS.values() for unit in units
+    }
     return _UNIT.sub("", name.strip()) if known else name
 
 
 def _by_place(columns: Columns) -> dict[Part, Found]:
     names = list(columns.values)
-    parts = list(Part)[-len(names) :]
-    if not 2 <= len(names) <= len(Part):  # noqa: PLR2004 - command and measured at least
+    parts = DISPLACEMENTS[-len(names) :]
+    if not 2 <= len(names) <= len(DISPLACEMENTS):  # noqa: PLR2004 - command and measured at least
         raise InputError(
             "Columns without names must be time, command and measured, or command and measured",
             value=f"{len(names)} columns",
@@ -148,8 +191,7 @@ def _declared(columns: Columns, part: Part, name: str) -> str:
 
 def _by_name(columns: Columns, part: Part) -> str | None:
     exact = [name for name in columns.values if normal(name.rpartition(".")[2]) in NAMES[part]]
-    loose = [name for name in columns.values if _words(name) & set(NAMES[part])]
-    matches = exact or loose
+    matches = exact or [name for name in columns.values if _names_loosely(name, part)]
     if len(matches) > 1:
         raise InputError(
             f"One column must be the {part}",
@@ -165,6 +207,33 @@ def _by_name(columns: Columns, part: Part) -> str | None:
         remedy=_suggestion(columns, part),
         where=columns.path.name,
     )
+
+
+def recognise_extras(columns: Columns) -> dict[Part, Found]:
+    """Find ground acceleration and force where exactly one column states each by its name.
+
+    Parameters
+    ----------
+    columns : Columns
+        The file.
+
+    Returns
+    -------
+    dict of Part to Found
+        What was found; nothing in columns without names.
+    """
+    found: dict[Part, Found] = {}
+    for part in EXTRAS if columns.named else ():
+        names = [name for name in columns.values if normal(name.rpartition(".")[2]) in NAMES[part]]
+        if len(names) == 1:
+            found[part] = Found(name=names[0], unit=_unit(columns, names[0], part))
+    return found
+
+
+def _names_loosely(name: str, part: Part) -> bool:
+    """Whether a word of a name means the part, and none means that it is no displacement."""
+    words = _words(name)
+    return bool(words & set(NAMES[part])) and (part is Part.TIME or not words & _OTHER_QUANTITIES)
 
 
 def _words(name: str) -> set[str]:
@@ -188,7 +257,7 @@ def _listed(columns: Columns) -> str:
 
 
 def _unit(columns: Columns, name: str, part: Part) -> str:
-    known = TIMES if part is Part.TIME else LENGTHS
+    known = _UNITS[part]
     stated = columns.units.get(name, "").strip().lower()
     if stated:
         return stated if stated in known else ""

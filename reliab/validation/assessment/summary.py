@@ -1,23 +1,25 @@
 """What `reliab assess` says about a test: plain numbers with stable keys."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from reliab.validation.assessment.assess import LEVEL
-
-if TYPE_CHECKING:
-    from reliab.validation.assessment.assess import Assessment
+from reliab.rebuilt_error import Estimate, Part, Widening
+from reliab.rebuilt_error.interval import LEVEL as ERROR_LEVEL
+from reliab.validation.assessment.findings import LARGEST_PROBABILITY, FaultEffect, Findings
+from reliab.validation.assessment.tracking_index import LEVEL
+from reliab.validation.assessment.verdict import Word
+from reliab.vocabulary import Metric
 
 _MILLISECONDS = 1e3
 
 
-def summarise(found: "Assessment") -> dict[str, Any]:
+def summarise(found: Findings) -> dict[str, Any]:
     """Put an assessment into plain numbers.
 
     Parameters
     ----------
-    found : Assessment
+    found : Findings
         The assessment.
 
     Returns
@@ -45,8 +47,13 @@ def summarise(found: "Assessment") -> dict[str, Any]:
         "interval_level": LEVEL,
         "index": _finite(found.index),
         "index_interval": [_finite(each) for each in found.index_interval],
+        "verdict": str(found.verdict.word),
         "reliable": found.reliable,
+        "reasons": list(found.verdict.reasons),
+        "would_decide": list(found.verdict.would_decide),
         "probability": found.probability,
+        "error": _error(found),
+        "by_index": _by_index(found),
         "stability_margin": _finite(found.stability_margin),
         "critical_delay_ms": _finite(_MILLISECONDS * found.critical_delay),
         "basis": "population" if found.own is None else "motion",
@@ -55,10 +62,93 @@ def summarise(found: "Assessment") -> dict[str, Any]:
         "improve": _improve(found),
         "windows": _windows(found),
         "noise": _noise(found),
+        "tracking": _tracking(found),
+        "faults": [_fault(effect, found) for effect in found.faults],
+        "stated": {name: {"value": s.value, "deviation": s.deviation} for name, s in found.stated.items()},
+        "window": {"seconds": found.recording.duration, "criterion": found.criterion.provenance.window},
         "duration_s": found.recording.duration,
         "rate_hz": 1.0 / found.recording.time_step,
-        "warnings": list(found.warnings),
         "notes": [*found.recording.notes, *(() if found.own else found.criterion.provenance.warnings)],
+    }
+
+
+def _error(found: Findings) -> dict[str, Any]:
+    error = found.error
+    return {
+        "rms": _interval(error.of(Metric.RMS)),
+        "mte": _interval(error.of(Metric.MTE)),
+        "interval_level": ERROR_LEVEL,
+        "probability": error.probability,
+        "parts": {name: _part(part) for name, part in error.parts.by_name.items()},
+        "improve_first": error.parts.first,
+        "widest": [_widening(each) for each in error.widenings],
+        "would_decide": list(error.would_decide),
+        "contradictions": list(error.contradictions),
+    }
+
+
+def _part(part: Part) -> dict[str, float | None]:
+    return {
+        "rms": _finite(part.rms),
+        "share": _finite(part.share),
+        "remaining_rms": _finite(part.remaining_rms),
+        "remaining_mte": _finite(part.remaining_mte),
+    }
+
+
+def _widening(widening: Widening) -> dict[str, Any]:
+    return {
+        "name": widening.name,
+        "deviation": widening.deviation,
+        "width": _finite(widening.width),
+        "width_without": _finite(widening.width_without),
+        "deviation_for_half": widening.deviation_for_half,
+    }
+
+
+def _interval(error: Estimate) -> dict[str, float | None]:
+    return {"value": _finite(error.value), "low": _finite(error.low), "high": _finite(error.high)}
+
+
+def _by_index(found: Findings) -> dict[str, Any]:
+    verdict = found.verdict_by_index
+    return {
+        "verdict": str(verdict.word),
+        "reliable": verdict.word is Word.RELIABLE,
+        "reasons": list(verdict.reasons),
+        "would_decide": list(verdict.would_decide),
+        "index": _finite(found.index),
+        "index_interval": [_finite(each) for each in found.index_interval],
+        "probability": found.index_probability,
+        "largest_probability": LARGEST_PROBABILITY,
+        "basis": "population" if found.own is None else "motion",
+        "side": "lead" if found.tracking.delay < 0.0 else "lag",
+    }
+
+
+def _fault(effect: FaultEffect, found: Findings) -> dict[str, Any]:
+    metric = Metric(found.criterion.metric)
+    otherwise = effect.otherwise
+    return {
+        "kind": effect.fault.kind,
+        "finding": effect.fault.finding,
+        "in_loop": effect.fault.in_loop,
+        "error": _finite(found.error.of(metric).value),
+        "error_otherwise": None if otherwise is None else _finite(otherwise.of(metric).value),
+    }
+
+
+def _tracking(found: Findings) -> dict[str, Any]:
+    measures = found.measures
+    return {
+        "mte": measures.maximum_error,
+        "rms": measures.rms_error,
+        "tracking_indicator_m2": measures.tracking_indicator,
+        "paei_phase_rad": measures.phase_error,
+        "paei_amplitude": measures.amplitude_error,
+        "energy_error": measures.energy_error,
+        "energy_of_recorded_force": measures.of_recorded_force,
+        "delay_by_correlation_ms": _MILLISECONDS * measures.delay_by_correlation,
     }
 
 
@@ -66,7 +156,7 @@ def _finite(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def _population(found: "Assessment") -> dict[str, Any]:
+def _population(found: Findings) -> dict[str, Any]:
     placed, criterion = found.population, found.criterion
     return {
         "a": placed.a,
@@ -86,7 +176,7 @@ def _population(found: "Assessment") -> dict[str, Any]:
     }
 
 
-def _motion(found: "Assessment") -> dict[str, Any]:
+def _motion(found: Findings) -> dict[str, Any]:
     own = found.own
     if own is None:
         return {}
@@ -97,12 +187,18 @@ def _motion(found: "Assessment") -> dict[str, Any]:
         "index": _finite(own.index),
         "reliable": own.index <= 1.0,
         "probability": own.probability,
+        "window_s": list(own.window),
+        "begin_s": own.alignment.begin,
+        "found_in_record": own.alignment.found,
+        "match": own.alignment.match,
+        "match_by": own.alignment.by,
+        "from_rest": own.alignment.from_rest,
         "a": own.a,
         "b": own.b,
     }
 
 
-def _improve(found: "Assessment") -> dict[str, Any]:
+def _improve(found: Findings) -> dict[str, Any]:
     advice = found.improvement
     return {
         "first": advice.first,
@@ -112,7 +208,7 @@ def _improve(found: "Assessment") -> dict[str, Any]:
     }
 
 
-def _windows(found: "Assessment") -> dict[str, Any]:
+def _windows(found: Findings) -> dict[str, Any]:
     windows = found.windows
     return {
         "length_s": windows.length,
@@ -126,7 +222,7 @@ def _windows(found: "Assessment") -> dict[str, Any]:
     }
 
 
-def _noise(found: "Assessment") -> dict[str, Any]:
+def _noise(found: Findings) -> dict[str, Any]:
     tracking = found.tracking
     plain = tracking.plain
     return {

@@ -26,6 +26,9 @@ from reliab.validation.assessment.recording import Recording
 
 Array = NDArray[np.float64]
 
+LEVEL = 0.95
+"""Level of the intervals of A and d, and of what follows from them."""
+
 _REFINEMENTS = 3
 
 
@@ -60,7 +63,7 @@ class TrackingIndex:
     attenuation: float
     unexplained_share: float
 
-    def interval(self, level: float) -> tuple[tuple[float, float], tuple[float, float]]:
+    def interval(self, level: float = LEVEL) -> tuple[tuple[float, float], tuple[float, float]]:
         """Intervals of A [-] and d [s] at a level."""
         tails = [0.5 * (1.0 - level), 0.5 * (1.0 + level)]
         (low_a, low_d), (high_a, high_d) = np.quantile(self.draws, tails, axis=1).tolist()

@@ -22,6 +22,9 @@ class Columns:
         Units that the file states beside a column's name.
     scalars : mapping of str to float, optional
         Single numbers, such as a sampling rate.
+    header : mapping of str to str, optional
+        What comment lines before the first row state as "name = value" or "name: value", names in small
+        letters.
     lines : numpy.ndarray, optional
         Line of each row in a text file, counted from 1.
     named : bool, optional
@@ -32,6 +35,7 @@ class Columns:
     values: Mapping[str, NDArray[np.float64]]
     units: Mapping[str, str] = field(default_factory=dict)
     scalars: Mapping[str, float] = field(default_factory=dict)
+    header: Mapping[str, str] = field(default_factory=dict)
     lines: NDArray[np.int64] | None = None
     named: bool = True
 

@@ -11,6 +11,7 @@ from reliab.errors import InputError
 from reliab.validation.assessment.readers.columns import Columns
 
 _COMMENTS = ("#", "%", "//", "!")
+_STATEMENT = re.compile(r"^[#%!/\s]+([\w ]+?)\s*[=:]\s*(\S.*?)\s*$")
 _DELIMITERS = (";", "\t", ",", "")
 _DECIMAL_COMMA = re.compile(r"^[+-]?\d+,\d+(?:[eE][+-]?\d+)?$")
 _MISSING = {"", "nan", "na", "n/a", "null", "none", "-nan", "#n/a"}
@@ -69,9 +70,18 @@ def read_text(path: Path, *, delimiter: str | None = None) -> Columns:
         path=path,
         values=dict(zip(labels, table.T, strict=True)),
         units=dict(zip(labels, units, strict=False)),
+        header=dict(_statements(text, rows[0].number)),
         lines=np.array([row.number for row in rows]),
         named=bool(names),
     )
+
+
+def _statements(text: str, first: int) -> Iterator[tuple[str, str]]:
+    """Names and values that comments state before the first row of numbers."""
+    for line in text.splitlines()[: first - 1]:
+        match = _STATEMENT.match(line) if line.strip().startswith(_COMMENTS) else None
+        if match is not None:
+            yield match[1].lower(), match[2]
 
 
 def _decoded(path: Path) -> str:

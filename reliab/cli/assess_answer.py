@@ -1,0 +1,150 @@
+"""What `reliab assess` prints about a test."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from reliab.cli.output import console, table
+
+if TYPE_CHECKING:
+    from reliab.validation.assessment import Assessment
+
+_STYLES = {"reliable": "bold green", "undecided": "bold yellow", "not_reliable": "bold red"}
+_PERCENT = 100.0
+
+
+def show_assessment(found: "Assessment") -> None:
+    """Print verdict, error, indices, and what to know.
+
+    Parameters
+    ----------
+    found : Assessment
+        What was found.
+    """
+    summary = found.to_dict()
+    terminal = console()
+    terminal.print(_headline(found), style=_STYLES[summary["verdict"]], highlight=False)
+    for reason in summary["reasons"]:
+        terminal.print(reason, highlight=False, markup=False)
+    for remedy in summary["would_decide"]:
+        terminal.print(f"What would decide: {remedy}", highlight=False, markup=False)
+    terminal.print(_asked(found), highlight=False, markup=False)
+    terminal.print(_errors(summary))
+    terminal.print(_indices(found, summary))
+    for sentence in _sentences(found, summary):
+        terminal.print(sentence, highlight=False, markup=False)
+    for warning in summary["warnings"]:
+        terminal.print(f"Warning: {warning}", style="yellow", markup=False, highlight=False)
+    for note in summary["notes"]:
+        terminal.print(f"Note: {note}", markup=False, highlight=False)
+
+
+def _headline(found: "Assessment") -> str:
+    from reliab.validation.assessment.doubts import ERROR_NAMES, probability_text
+
+    name = ERROR_NAMES[found.metric]
+    return (
+        f"{found.verdict.word.shout}: {name} is {found.error.of(found.metric).value:.2%} against "
+        f"{found.criterion.threshold:.3g}, probability {probability_text(found.probability)} of staying below"
+    )
+
+
+def _asked(found: "Assessment") -> str:
+    from reliab.validation.assessment.doubts import ERROR_NAMES
+
+    stated = ", ".join(
+        f"{symbol} = {found.stated[name]}{unit}"
+        for name, symbol, unit in (("f", "f", " Hz"), ("xi", "ξ", ""), ("alpha", "α", ""))
+    )
+    return (
+        f"Structure {stated}; threshold {found.criterion.threshold:.3g} ({ERROR_NAMES[found.metric]}); "
+        f"window of the error: the test's own {found.recording.duration:.4g} s. RMS^R is the root mean "
+        "square, MTE^R the largest value, of measured minus exact displacement, both over the peak of the "
+        "exact displacement."
+    )
+
+
+def _errors(summary: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
+    shown = table(
+        f"Error of {summary['test']}, rebuilt from its command and measured displacement",
+        {"error": "left", "value": "right", "90 % interval": "left"},
+    )
+    for name, key in (("RMS^R", "rms"), ("MTE^R", "mte")):
+        size = summary["error"][key]
+        shown.add_row(name, f"{size['value']:.2%}", f"{_PERCENT * size['low']:.2f} … {size['high']:.2%}")
+    for name, part in summary["error"]["parts"].items():
+        shown.add_row(
+            f"  from {name.replace('_', ' ')}",
+            f"{part['rms']:.2%}",
+            f"RMS^R without it: {part['remaining_rms']:.2%}",
+        )
+    return shown
+
+
+def _indices(found: "Assessment", summary: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
+    against = (
+        f"{found.criterion.confidence:.0%} of ground motions, over their first "
+        f"{found.criterion.provenance.window} s".replace("first record s", "whole records")
+        if found.own is None
+        else f"{found.own.motion}, {found.own.window[0]:.3g} to {found.own.window[1]:.4g} s of its record"
+    )
+    shown = table(
+        f"By index: {found.verdict_by_index.word.shout.lower()}, {found.index:.3g} against 1 for {against}",
+        {"index": "left", "value": "right", "95 % interval": "left", "tolerable alone": "right"},
+    )
+    a, b = found.limits
+    sign = "−" if summary["d_ms"] < 0.0 else ""
+    shown.add_row(
+        "A, amplitude", f"{summary['A']:.5f}", _range(summary["A_interval"], 5), f"1 ± {a**0.5:.5f}"
+    )
+    shown.add_row(
+        "d, delay, ms", f"{summary['d_ms']:.4f}", _range(summary["d_ms_interval"], 4), f"{sign}{b**0.5:.4f}"
+    )
+    return shown
+
+
+def _range(ends: list[float], digits: int) -> str:
+    low, high = ends
+    return f"{low:.{digits}f} … {high:.{digits}f}"
+
+
+def _sentences(found: "Assessment", summary: dict[str, Any]) -> Iterator[str]:
+    from reliab.validation.assessment.doubts import probability_text
+
+    if found.own is not None:
+        yield (
+            f"A gain A and a delay d alone would err by {found.own.error:.2%} under {found.own.motion} "
+            f"({found.own.window[0]:.3g} to {found.own.window[1]:.4g} s of its record)."
+        )
+    if found.index_probability is not None:
+        basis = "its own ground motion" if found.own is not None else "further ground motions"
+        yield (
+            f"By A and d under {basis}: probability {probability_text(found.index_probability)} of staying "
+            "below the threshold."
+        )
+    for reason in found.verdict_by_index.would_decide:
+        yield f"The index: {reason}"
+    if summary["stability_margin"] is not None:
+        yield f"Stability margin: {summary['stability_margin']:.0%} of the critical delay is free."
+    advice = summary["improve"]
+    share = advice["share_of_delay"] if advice["first"] == "delay" else 1.0 - advice["share_of_delay"]
+    yield (
+        f"Improve first: the {advice['first']} ({share:.0%} of the index). Tolerable with the other as it "
+        f"is: {_or_none('delay', advice['tolerable_delay_ms'], ' ms')}, "
+        f"{_or_none('amplitude error', advice['tolerable_amplitude_error'], '')}."
+    )
+    yield _tracking(summary["tracking"])
+
+
+def _or_none(what: str, tolerable: float, unit: str) -> str:
+    return f"{what} {tolerable:.3g}{unit}" if tolerable > 0.0 else f"no {what}"
+
+
+def _tracking(measures: dict[str, Any]) -> str:
+    force = "recorded force" if measures["energy_of_recorded_force"] else "a linear specimen"
+    return (
+        f"Tracking of the command: largest error {measures['mte']:.2%} of its peak, RMS "
+        f"{measures['rms']:.2%} of its own; tracking indicator {measures['tracking_indicator_m2']:.3g} m²; "
+        f"phase and amplitude error indices {measures['paei_phase_rad']:.3g} rad and "
+        f"{measures['paei_amplitude']:+.4f}; energy error {measures['energy_error']:+.1%} of the largest "
+        f"strain energy ({force})."
+    )

@@ -1,0 +1,73 @@
+"""A quantity as a user states it: a number, with how far it may be off."""
+
+import math
+import re
+from dataclasses import dataclass
+
+from reliab.errors import InputError
+
+_STATED = re.compile(
+    r"^\s*(?P<value>[+-]?[\d.]+(?:e[+-]?\d+)?)\s*"
+    r"(?:(?:±|\+/?-)\s*(?P<deviation>[\d.]+(?:e[+-]?\d+)?)\s*(?P<percent>%?))?\s*$",
+    re.IGNORECASE,
+)
+_PERCENT = 100.0
+
+
+@dataclass(frozen=True)
+class StatedValue:
+    """A number with its standard deviation.
+
+    Parameters
+    ----------
+    value : float
+        The number, in the unit of the quantity.
+    deviation : float, optional
+        Standard deviation in the same unit; 0 where the number is taken to be exact.
+
+    Examples
+    --------
+    >>> StatedValue.parse("1±0.01"), StatedValue.parse("0.02 +- 10%")
+    (StatedValue(value=1.0, deviation=0.01), StatedValue(value=0.02, deviation=0.002))
+    """
+
+    value: float
+    deviation: float = 0.0
+
+    @classmethod
+    def parse(cls, text: str, quantity: str = "quantity") -> "StatedValue":
+        """Read "1", "1±0.01", "1+-0.01", "1+/-0.01" or "1±1%".
+
+        Parameters
+        ----------
+        text : str
+            The number as stated.
+        quantity : str, optional
+            What it is, for the message.
+
+        Returns
+        -------
+        StatedValue
+            The number and its standard deviation.
+
+        Raises
+        ------
+        InputError
+            If the text is nothing of the kind, or a number is not finite.
+        """
+        match = _STATED.match(text)
+        try:
+            value = float(match["value"]) if match else math.nan
+            deviation = float(match["deviation"] or 0.0) if match else math.nan
+        except ValueError:
+            value = deviation = math.nan
+        if match is None or not (math.isfinite(value) and math.isfinite(deviation)):
+            raise InputError(
+                f"The {quantity} must be a number, or a number with its standard deviation",
+                value=repr(text),
+                remedy="Write 1, 1±0.01, 1+-0.01 or 1±1%",
+            )
+        return cls(value, deviation * abs(value) / _PERCENT if match["percent"] else deviation)
+
+    def __str__(self) -> str:
+        return f"{self.value:g}" + (f" ± {self.deviation:.3g}" if self.deviation else "")

@@ -1,0 +1,178 @@
+"""The error of this very test, rebuilt from its command and measured displacement."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.loop.structure import Structure
+from reliab.rebuilt_error import Estimate, Parts, RebuiltError, Tolerances, Widening, rebuild
+from reliab.stated_value import StatedValue
+from reliab.validation.assessment.recording import Recording
+from reliab.vocabulary import Metric
+
+Array = NDArray[np.float64]
+
+_RELATIVE = {
+    "f": "frequency",
+    "xi": "damping_ratio",
+    "alpha": "experimental_fraction",
+    "scale": "sensor_scale",
+}
+_MILLISECONDS = 1e3
+_PERCENT = 100.0
+_HALF = 0.5
+_SPOKEN = {
+    "frequency": "the natural frequency",
+    "damping_ratio": "the damping ratio",
+    "experimental_fraction": "the share of the stiffness in the laboratory",
+    "sensor_scale": "the scale of the displacement sensor",
+    "sensor_offset": "the offset of the displacement sensor",
+    "time_shift": "the shift between the two channels",
+    "feedback_lag": "the lag of the fed-back force",
+    "initial_state": "how the error moved when the recording began",
+    "sensor_noise": "the noise of the displacement sensor",
+}
+_REMEDIES = {
+    "initial_state": "Record from rest: how the error moved at first widens the interval most.",
+    "sensor_noise": "A quieter displacement sensor narrows the interval most.",
+    "sensor_offset": "Record from rest, which gives the sensor's offset: it widens the interval most.",
+}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Question:
+    """What is asked of a test.
+
+    Attributes
+    ----------
+    structure : Structure
+        The structure under test.
+    stated : mapping of str to StatedValue
+        Frequency "f" [Hz], damping ratio "xi", share "alpha", sensor "scale" [-] and "feedback_lag" [ms],
+        each with its standard deviation.
+    metric : Metric
+        Which error.
+    threshold : float
+        Error of the whole test [-].
+    model : pathlib.Path or None
+        Model of a nonlinear specimen.
+    seed : int
+        Seed of the draws.
+    """
+
+    structure: Structure
+    stated: Mapping[str, StatedValue]
+    metric: Metric
+    threshold: float
+    model: Path | None
+    seed: int
+
+    @property
+    def tolerances(self) -> Tolerances:
+        """Standard deviations of what is stated."""
+        relative = {
+            name: self.stated[key].deviation / abs(self.stated[key].value)
+            for key, name in _RELATIVE.items()
+            if key in self.stated and self.stated[key].value
+        }
+        lag = self.stated.get("feedback_lag", StatedValue(0.0))
+        return Tolerances(**relative, feedback_lag=lag.deviation / _MILLISECONDS)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ErrorOfTest:
+    """Error of a test.
+
+    Attributes
+    ----------
+    rebuilt : RebuiltError
+        The error with its histories and draws.
+    metric : Metric
+        Which error is asked about.
+    threshold : float
+        Error that it is held against [-].
+    contradictions : tuple of str
+        Where the test contradicts what was stated of it, in sentences.
+    """
+
+    rebuilt: RebuiltError
+    metric: Metric
+    threshold: float
+    contradictions: tuple[str, ...] = ()
+
+    def of(self, metric: Metric) -> Estimate:
+        """Error by one metric, with its 90 % interval [-]."""
+        return self.rebuilt.estimate(metric)
+
+    @property
+    def probability(self) -> float:
+        """Probability that the error asked about stays below the threshold."""
+        return self.rebuilt.probability(self.threshold, self.metric)
+
+    @property
+    def reference(self) -> Array:
+        """Response without actuator errors, as the test reveals it [m], shape (n,)."""
+        return self.rebuilt.reference
+
+    @cached_property
+    def parts(self) -> Parts:
+        """What amplitude, delay, neither, and a late force cause."""
+        return self.rebuilt.parts()
+
+    @cached_property
+    def widenings(self) -> tuple[Widening, ...]:
+        """What widens the interval, the widest first."""
+        return self.rebuilt.widenings(self.metric)
+
+    @property
+    def would_decide(self) -> tuple[str, ...]:
+        """What would narrow the interval most, in a sentence; none where nothing widens it."""
+        if not self.widenings:
+            return ()
+        widest = self.widenings[0]
+        if widest.name in _REMEDIES:
+            return (_REMEDIES[widest.name],)
+        spoken = _SPOKEN[widest.name]
+        if widest.deviation_for_half is None or widest.name in ("time_shift", "feedback_lag"):
+            return (f"Know {spoken} better: it widens the interval most.",)
+        half = _PERCENT * widest.deviation_for_half
+        return (f"Know {spoken} to {half:.2g} %, and the interval is half as wide.",)
+
+
+def error_of_test(
+    recording: Recording, question: Question, *, sensor_offset: float | None = None
+) -> ErrorOfTest:
+    """Rebuild the error of a test.
+
+    Parameters
+    ----------
+    recording : Recording
+        The test.
+    question : Question
+        What is asked.
+    sensor_offset : float, optional
+        Offset of the displacement sensor that the loop did not feel [m]; by default it is read from the rest
+        before the test.
+
+    Returns
+    -------
+    ErrorOfTest
+        The error with its interval.
+    """
+    scale = question.stated.get("scale", StatedValue(1.0)).value
+    lag = question.stated.get("feedback_lag", StatedValue(0.0)).value / _MILLISECONDS
+    rebuilt = rebuild(
+        recording.command,
+        recording.measured / scale,
+        recording.time_step,
+        question.structure,
+        feedback_lag=lag,
+        sensor_offset=sensor_offset,
+        tolerances=question.tolerances,
+        seed=question.seed,
+    )
+    return ErrorOfTest(rebuilt=rebuilt, metric=question.metric, threshold=question.threshold)

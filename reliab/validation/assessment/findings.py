@@ -1,0 +1,154 @@
+"""What is found about a test: numbers, before they are put into words."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from reliab.criterion import Criterion
+from reliab.loop.stability import critical_delay, stability_margin
+from reliab.loop.structure import Structure
+from reliab.stated_value import StatedValue
+from reliab.validation.assessment.error_of_test import ErrorOfTest
+from reliab.validation.assessment.faults import Fault
+from reliab.validation.assessment.improvement import Improvement, improvement
+from reliab.validation.assessment.moving_windows import Windows
+from reliab.validation.assessment.own_motion import OwnPlacement
+from reliab.validation.assessment.placement import Placement
+from reliab.validation.assessment.recording import Recording
+from reliab.validation.assessment.tracking_index import TrackingIndex
+from reliab.validation.assessment.tracking_measures import TrackingMeasures
+from reliab.validation.assessment.verdict import Verdict, Word, verdict_by_index
+from reliab.vocabulary import Metric
+
+LARGEST_PROBABILITY: Final = 0.99
+"""Largest probability that is stated of a population of ground motions; no more was checked on others."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FaultEffect:
+    """A fault of the recording with what it does to the error.
+
+    Attributes
+    ----------
+    fault : Fault
+        The fault.
+    otherwise : ErrorOfTest or None
+        Error of the test without the fault, or, where the verdict is already without it because the loop
+        did not feel it, with it; None where that is not known.
+    """
+
+    fault: Fault
+    otherwise: ErrorOfTest | None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Findings:
+    """What is found about a test.
+
+    Attributes
+    ----------
+    recording : Recording
+        The test.
+    structure : Structure
+        The structure under test.
+    stated : mapping of str to StatedValue
+        Frequency "f", damping ratio "xi", share "alpha" and sensor "scale" with their tolerances.
+    criterion : Criterion
+        The criterion.
+    tracking : TrackingIndex
+        A and d with their uncertainty.
+    measures : TrackingMeasures
+        Established measures of tracking.
+    windows : Windows
+        A and d in moving windows.
+    population : Placement
+        The test against the population of ground motions.
+    own : OwnPlacement or None
+        The test against its own ground motion's boundary, where that is known.
+    error : ErrorOfTest
+        The error of this very test, rebuilt from its command and measured displacement.
+    faults : tuple of FaultEffect
+        Faults of the recording.
+    verdict : Verdict
+        The verdict on the test, by its error.
+    assumed : tuple of str
+        What was not stated and had to be assumed, in sentences.
+    """
+
+    recording: Recording
+    structure: Structure
+    stated: Mapping[str, StatedValue]
+    criterion: Criterion
+    tracking: TrackingIndex
+    measures: TrackingMeasures
+    windows: Windows
+    population: Placement
+    own: OwnPlacement | None
+    error: ErrorOfTest
+    faults: tuple[FaultEffect, ...]
+    verdict: Verdict
+    assumed: tuple[str, ...] = ()
+
+    @property
+    def metric(self) -> Metric:
+        """Which error is asked about."""
+        return Metric(self.criterion.metric)
+
+    @property
+    def index(self) -> float:
+        """Index of the test: by its own motion where that is known, else by the population."""
+        return self.population.index if self.own is None else self.own.index
+
+    @property
+    def index_interval(self) -> tuple[float, float]:
+        """95 % interval of the index."""
+        return self.population.index_interval if self.own is None else self.own.index_interval
+
+    @property
+    def index_probability(self) -> float | None:
+        """Probability, by A and d alone, that the error of such a test stays below the threshold."""
+        found = self.population.probability if self.own is None else self.own.probability
+        return None if found is None else min(max(found, 1.0 - LARGEST_PROBABILITY), LARGEST_PROBABILITY)
+
+    @property
+    def verdict_by_index(self) -> Verdict:
+        """The verdict by A and d alone."""
+        return verdict_by_index(
+            index=self.index,
+            interval=self.index_interval,
+            probability=self.index_probability,
+            confidence=self.criterion.confidence,
+            own_motion=self.own is not None,
+        )
+
+    @property
+    def reliable(self) -> bool:
+        """Whether the verdict is "reliable"."""
+        return self.verdict.word is Word.RELIABLE
+
+    @property
+    def probability(self) -> float:
+        """Probability that the error of the test stays below the threshold."""
+        return self.error.probability
+
+    @property
+    def stability_margin(self) -> float:
+        """Share of the critical delay that is still free [-]."""
+        late = max(self.tracking.delay, 0.0)
+        return float(stability_margin(self.structure, self.tracking.amplitude, late))
+
+    @property
+    def critical_delay(self) -> float:
+        """Delay [s] at which the loop would lose stability; infinite where none does."""
+        return float(critical_delay(self.structure, self.tracking.amplitude))
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Ellipse parameters a [-] and b [ms²] behind the index."""
+        behind = self.population if self.own is None else self.own
+        return behind.a, behind.b
+
+    @property
+    def improvement(self) -> Improvement:
+        """What to improve first, by the index."""
+        return improvement(self.tracking.amplitude, self.tracking.delay, *self.limits)

@@ -1,0 +1,71 @@
+"""Recordings that cannot be judged: the channels differ in sign or unit, or have nothing in common."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.errors import InputError
+from reliab.validation.assessment.recording import Recording
+
+_OPPOSITE = -0.5
+"""Correlation below which the measured displacement runs against the command."""
+
+_UNRELATED = 0.45
+"""Correlation below which it does not follow the command; a rig that loses a test follows it better."""
+
+_UNIT_FACTORS = {
+    1000.0: "millimetres beside metres",
+    100.0: "centimetres beside metres",
+    10.0: "millimetres beside centimetres",
+    39.3701: "inches beside metres",
+    25.4: "millimetres beside inches",
+    2.54: "centimetres beside inches",
+    3.28084: "feet beside metres",
+    12.0: "inches beside feet",
+}
+_UNIT_TOLERANCE = 0.1
+
+
+def require_following(recording: Recording) -> None:
+    """Refuse a test whose measured displacement has another sign or unit than its command, or is unrelated.
+
+    Parameters
+    ----------
+    recording : Recording
+        The test, without spikes.
+
+    Raises
+    ------
+    InputError
+        If the measured displacement runs against the command, has nothing to do with it, or is larger or
+        smaller by the ratio of two units of length.
+    """
+    command, measured = _moving(recording.command), _moving(recording.measured)
+    correlation = float(command @ measured) / float(np.linalg.norm(command) * np.linalg.norm(measured))
+    if correlation < _OPPOSITE:
+        raise InputError(
+            "The measured displacement must have the command's sign",
+            value=f"a correlation of {correlation:.2f} between the two",
+            remedy="Reverse the sign of one channel",
+            where=recording.name,
+        )
+    if correlation < _UNRELATED:
+        raise InputError(
+            "The measured displacement must follow the command",
+            value=f"a correlation of {correlation:.2f} between the two",
+            remedy="Check that the columns and their units are the right ones",
+            where=recording.name,
+        )
+    ratio = float(np.linalg.norm(measured) / np.linalg.norm(command))
+    for factor, units in _UNIT_FACTORS.items():
+        for expected in (factor, 1.0 / factor):
+            if abs(ratio / expected - 1.0) < _UNIT_TOLERANCE:
+                raise InputError(
+                    "Command and measured displacement must be in one unit",
+                    value=f"a measured displacement of {ratio:.4g} times the command, as {units} would have",
+                    remedy="State the unit in the column's name (measured_mm), or convert the column",
+                    where=recording.name,
+                )
+
+
+def _moving(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(values - values.mean(), dtype=np.float64)

@@ -1,0 +1,135 @@
+"""Read a test from a file."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.errors import InputError
+from reliab.stated_value import StatedValue
+from reliab.validation.assessment.readers import Columns, read_columns
+from reliab.validation.assessment.recognition import (
+    ACCELERATIONS,
+    FORCES,
+    LENGTHS,
+    Found,
+    Part,
+    recognise,
+    recognise_extras,
+)
+from reliab.validation.assessment.recording import Recording
+from reliab.validation.assessment.time_step import finite, time_step_of
+
+_HEADER_NAMES = {
+    "f": ("f", "natural frequency", "natural_frequency", "f_n", "fn"),
+    "xi": ("xi", "ξ", "damping ratio", "damping_ratio"),
+    "alpha": ("alpha", "α", "experimental fraction", "experimental_fraction"),
+    "scale": ("scale", "sensor scale", "sensor_scale"),
+}
+
+
+def read_recording(
+    path: str | Path,
+    *,
+    command: str | None = None,
+    measured: str | None = None,
+    time: str | None = None,
+    rate_hz: float | None = None,
+    units: str | None = None,
+    time_units: str | None = None,
+    delimiter: str | None = None,
+) -> Recording:
+    """Read a test from a file.
+
+    Parameters
+    ----------
+    path : str or pathlib.Path
+        CSV or other text, MATLAB, HDF5 or NetCDF.
+    command, measured, time : str, optional
+        Names of the columns, where they are not recognised.
+    rate_hz : float, optional
+        Sampling rate [Hz], where the file holds no time.
+    units, time_units : str, optional
+        Unit of both displacements and of the time, where the file states none.
+    delimiter : str, optional
+        What separates the columns of a text.
+
+    Returns
+    -------
+    Recording
+        The test.
+
+    Raises
+    ------
+    InputError
+        With file, line, rule and remedy, if a column is missing, times do not follow at equal steps, a
+        value is missing or a history is constant.
+    """
+    columns = read_columns(path, delimiter=delimiter)
+    given = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
+    found = recognise(columns, {part: name for part, name in given.items() if name is not None})
+    scale, notes = _scales(found, units)
+    extras, extra_notes = _extras(columns, recognise_extras(columns))
+    return Recording(
+        command=finite(columns, found[Part.COMMAND].name) * scale[Part.COMMAND],
+        measured=finite(columns, found[Part.MEASURED].name) * scale[Part.MEASURED],
+        time_step=time_step_of(columns, found.get(Part.TIME), rate_hz, time_units),
+        name=columns.path.name,
+        notes=(*_unnamed(columns, found), *notes, *extra_notes),
+        ground=extras.get(Part.GROUND),
+        force=extras.get(Part.FORCE),
+        stated=_stated(columns),
+    )
+
+
+def _stated(columns: Columns) -> dict[str, StatedValue]:
+    """Read what the header, or single numbers of a binary file, say of the structure and the sensor."""
+    texts = {name.rpartition(".")[2].lower(): f"{value:.17g}" for name, value in columns.scalars.items()}
+    texts |= {name: text.removesuffix("Hz") for name, text in columns.header.items()}
+    return {
+        quantity: StatedValue.parse(texts[name], name)
+        for quantity, names in _HEADER_NAMES.items()
+        for name in names
+        if name in texts
+    }
+
+
+def _extras(
+    columns: Columns, found: Mapping[Part, Found]
+) -> tuple[dict[Part, NDArray[np.float64]], list[str]]:
+    """Ground acceleration [m/s²] and force [N], where the file holds them."""
+    histories, notes = {}, []
+    for part, column in found.items():
+        factors, unit = (ACCELERATIONS, "m/s²") if part is Part.GROUND else (FORCES, "N")
+        if not column.unit:
+            notes.append(f"The {part} states no unit and was taken to be in {unit}.")
+        histories[part] = finite(columns, column.name) * factors.get(column.unit, 1.0)
+    return histories, notes
+
+
+def _unnamed(columns: Columns, found: Mapping[Part, Found]) -> list[str]:
+    if columns.named:
+        return []
+    order = ", ".join(f"{part} = {each.name}" for part, each in found.items())
+    return [f"The columns have no names and were taken by their order: {order}."]
+
+
+def _scales(found: Mapping[Part, Found], units: str | None) -> tuple[dict[Part, float], list[str]]:
+    """Factors to metres of command and measured displacement."""
+    if units is not None and units not in LENGTHS:
+        raise InputError(
+            "The unit must be one of length", value=units, remedy=f"Choose among {', '.join(LENGTHS)}"
+        )
+    parts = (Part.COMMAND, Part.MEASURED)
+    stated = {part: units or found[part].unit for part in parts}
+    missing = [part for part in parts if not stated[part]]
+    notes = []
+    if len(missing) == 1:
+        other = stated[parts[1 - parts.index(missing[0])]]
+        stated[missing[0]] = other
+        notes.append(f"The {missing[0]} displacement states no unit and was taken to be in {other} too.")
+    if stated[parts[0]] != stated[parts[1]]:
+        command_unit, measured_unit = (stated[part] for part in parts)
+        notes.append(f"The command is stated in {command_unit}, the measured in {measured_unit}.")
+    return {part: LENGTHS.get(stated[part], 1.0) for part in parts}, notes

@@ -1,0 +1,117 @@
+"""Reliable, undecided or not reliable, with the reasons and with what would decide."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Final
+
+CERTAIN: Final = 0.95
+"""Probability from which on a test is called reliable; below 1 − this, not reliable."""
+
+
+class Word(StrEnum):
+    """What a verdict says."""
+
+    RELIABLE = "reliable"
+    UNDECIDED = "undecided"
+    NOT_RELIABLE = "not_reliable"
+
+    @property
+    def shout(self) -> str:
+        """The word as a headline."""
+        return self.value.replace("_", " ").upper()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Verdict:
+    """A verdict.
+
+    Attributes
+    ----------
+    word : Word
+        What it says.
+    reasons : tuple of str
+        Why, in sentences.
+    would_decide : tuple of str
+        What would decide an undecided test, in sentences.
+    """
+
+    word: Word
+    reasons: tuple[str, ...]
+    would_decide: tuple[str, ...] = ()
+
+    def doubted(self, reasons: Sequence[str], would_decide: Sequence[str]) -> "Verdict":
+        """Leave it undecided for further reasons; unchanged where there are none."""
+        if not reasons:
+            return self
+        return Verdict(
+            word=Word.UNDECIDED,
+            reasons=(*reasons, *self.reasons),
+            would_decide=(*would_decide, *self.would_decide),
+        )
+
+
+def word_of_probability(probability: float) -> Word:
+    """Turn the probability that the error stays below the threshold into a verdict.
+
+    Examples
+    --------
+    >>> [str(word_of_probability(p)) for p in (0.99, 0.78, 0.01)]
+    ['reliable', 'undecided', 'not_reliable']
+    """
+    if probability >= CERTAIN:
+        return Word.RELIABLE
+    return Word.NOT_RELIABLE if probability <= 1.0 - CERTAIN else Word.UNDECIDED
+
+
+def verdict_by_index(
+    *,
+    index: float,
+    interval: tuple[float, float],
+    probability: float | None,
+    confidence: float,
+    own_motion: bool,
+) -> Verdict:
+    """Judge a test by its index.
+
+    Parameters
+    ----------
+    index : float
+        Index of reliability; accepted up to 1.
+    interval : tuple of float
+        Its 95 % interval.
+    probability : float or None
+        Probability that the error of such a test stays below the threshold, where it is known.
+    confidence : float
+        Share of ground motions that the criterion promises.
+    own_motion : bool
+        Whether the index is that of the test's own ground motion.
+
+    Returns
+    -------
+    Verdict
+        Undecided where the interval holds 1, and where too many ground motions would keep the error below
+        the threshold to call the test bad, and too few to call it good.
+    """
+    low, high = interval
+    if high <= 1.0:
+        return Verdict(word=Word.RELIABLE, reasons=(f"The index {index:.3g} and its interval stay below 1.",))
+    if low <= 1.0:
+        return Verdict(
+            word=Word.UNDECIDED,
+            reasons=(f"The interval of the index, {low:.3g} to {high:.3g}, holds 1.",),
+            would_decide=("Less noise, or a longer test, narrows the interval of A and d.",),
+        )
+    if own_motion or probability is None or probability <= 1.0 - confidence:
+        return Verdict(word=Word.NOT_RELIABLE, reasons=(f"The index {index:.3g} exceeds 1.",))
+    return Verdict(
+        word=Word.UNDECIDED,
+        reasons=(
+            (
+                "The error of such a test stays below the threshold under "
+                f"{probability:.0%} of ground motions: fewer than the {confidence:.0%} that were asked for, "
+                "and too many to call it bad."
+            ),
+        ),
+        would_decide=("Its own ground motion decides it: give it with --motion.",),
+    )
