@@ -202,7 +202,7 @@ def candidates_of(asked: Asked) -> "list[Candidate]":
         If a name is not known, or an option has no effect on the laws that are asked for.
     """
     from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, known
-    from reliab.criterion.methods import RECOMMENDED, any_method_of
+    from reliab.criterion.methods import RECOMMENDED, method_of
     from reliab.validation.cross_validation import Derived, Printed
 
     printed = (asked.threshold, asked.metric) == (FIVE_PERCENT, "rms")
@@ -225,7 +225,7 @@ def candidates_of(asked: Asked) -> "list[Candidate]":
         for method in asked.method or [RECOMMENDED]:
             label = method if name == "table" else f"{method}, {name}"
             joint = True if asked.joint is None else asked.joint
-            candidates.append(Derived(name=label, method=any_method_of(method), joint=joint, law=fitted))
+            candidates.append(Derived(name=label, method=method_of(method), joint=joint, law=fitted))
     idle = "--method" if asked.method else "--joint/--each" if asked.joint is not None else ""
     if idle and not any(isinstance(candidate, Derived) for candidate in candidates):
         raise InputError(

@@ -12,7 +12,7 @@ from typing import Annotated, Literal, Self, TypeVar
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from reliab.criterion.laws import FITTED, known
-from reliab.criterion.methods import RECOMMENDED, any_method_of
+from reliab.criterion.methods import RECOMMENDED, method_of
 from reliab.errors import InputError
 from reliab.indices.window import Window
 
@@ -34,7 +34,7 @@ def _window(text: str) -> str:
 
 
 def _method(name: str) -> str:
-    any_method_of(name)
+    method_of(name)
     return name
 
 

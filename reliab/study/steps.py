@@ -10,7 +10,7 @@ import xarray as xr
 from reliab.api import ellipses, simulate
 from reliab.criterion import Criterion, derive_criterion
 from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, known
-from reliab.criterion.methods import Quantile, any_method_of
+from reliab.criterion.methods import Quantile, method_of
 from reliab.errors import InputError
 from reliab.motions import load_motions
 from reliab.study.description import CriterionStudy, CriterionTable, ErrorsTable, SimulatedStudy
@@ -186,7 +186,7 @@ def candidates(errors: ErrorsTable, criterion: CriterionTable) -> list[Candidate
     label = criterion.method if criterion.law == "table" else f"{criterion.method}, {criterion.law}"
     own = Derived(
         name=label,
-        method=any_method_of(criterion.method),
+        method=method_of(criterion.method),
         joint=criterion.joint,
         law=known(FITTED, criterion.law),
     )

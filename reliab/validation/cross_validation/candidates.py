@@ -11,7 +11,7 @@ import xarray as xr
 
 from reliab.criterion import derive_criterion
 from reliab.criterion.laws import FittedLaw, Law, Table
-from reliab.criterion.methods import HierarchicalPosterior, Method
+from reliab.criterion.methods import Method
 from reliab.errors import InputError
 from reliab.validation.cross_validation.cell import Cell
 from reliab.validation.cross_validation.region import Region
@@ -100,7 +100,7 @@ class Derived(Candidate):
         The law that is fitted to the limits of the structures; by default they are kept as they are.
     """
 
-    method: Method | HierarchicalPosterior
+    method: Method
     joint: bool = True
     law: FittedLaw = Table
 
@@ -119,7 +119,7 @@ class Derived(Candidate):
         learned: dict[float, Limits] = {}
         refusals: list[InputError] = []
         with tempfile.TemporaryDirectory() as folder:
-            chains = Path(folder) / "chains.h5" if isinstance(self.method, HierarchicalPosterior) else None
+            chains = Path(folder) / "chains.h5" if self.method.samples_chains else None
             for confidence in confidences:
                 try:
                     criterion = derive_criterion(
