@@ -57,8 +57,8 @@ def motion_contours(
     Returns
     -------
     list of Contour
-        Amplitude [-] and delay [s], negative for leads, along the contour of each threshold; those of the actuator alone
-        where the loop has effects beside it.
+        Amplitude [-] and delay [s], negative for leads, along the contour of each threshold; those of the
+        actuator alone where the loop has effects beside it.
     """
 
     def error(

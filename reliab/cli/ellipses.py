@@ -97,10 +97,10 @@ def ellipses(
 
 
 def _rows(dataset: "xr.Dataset") -> list[dict[str, Any]]:
-    """One row a boundary, both sides and both curves beside each other.
+    """Give one row to each boundary, both sides and both curves beside each other.
 
-    `a`, `b`, `sse`, `n` are of the ellipse of least squares for delays; those of leads end in `_lead`, those of
-    the inscribed ellipse in `_inscribed` and `_lead_inscribed`. Null where there is none, for the reason in
+    `a`, `b`, `sse`, `n` are of the ellipse of least squares for delays; those of leads end in `_lead`, those
+    of the inscribed ellipse in `_inscribed` and `_lead_inscribed`. Null where there is none, for the reason in
     `no_ellipse`; 0 where effects leave no room.
     """
     boundaries = list(dataset[[*_WHERE]].stack(row=_WHERE)["row"].values.tolist())
@@ -137,7 +137,7 @@ def _columns(dataset: "xr.Dataset") -> list[tuple[str, dict[str, str]]]:
 
 
 def _plain(name: str, value: Any) -> float | int | str | None:  # noqa: ANN401 - of many types
-    """Number or word for JSON."""
+    """Turn a value into a number or word of JSON."""
     from reliab.vocabulary import NoEllipse
 
     if name.startswith("no_ellipse"):
@@ -155,7 +155,7 @@ def _cells(row: dict[str, Any]) -> list[str]:
 
 
 def _parameters(row: dict[str, Any], suffix: str) -> tuple[str, str]:
-    """a and b of one ellipse, or why there is none."""
+    """Show a and b of one ellipse, or why there is none."""
     a, b, reason = (row.get(f"{name}{suffix}") for name in ("a", "b", "no_ellipse"))
     if reason is not None:
         return str(reason).replace("_", " "), ""

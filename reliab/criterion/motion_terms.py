@@ -58,7 +58,8 @@ def gain_of_terms(
     >>> dataset = xr.Dataset(
     ...     {"a": (dims, a), "b": (dims, a * np.exp(rng.normal(0.0, 0.1, a.shape)))},
     ...     coords={"f": [1.0, 2.0], "xi": [0.02, 0.05], "threshold": [0.05], "metric": ["rms"],
-    ...             "curve": ["ellipse"], "side": ["lag"], "event": ("motion", np.repeat(np.arange(20), 3).astype(str))},
+    ...             "curve": ["ellipse"], "side": ["lag"],
+    ...             "event": ("motion", np.repeat(np.arange(20), 3).astype(str))},
     ... )
     >>> found = gain_of_terms(dataset, {"length": length, "noise": rng.normal(size=60)})
     >>> found["gain"].gt(2.0 * found["standard_error"]).to_dict()

@@ -34,7 +34,7 @@ and with it MTE^R, then stays within 1e-3 of the exact one."""
 
 LEAD_TOLERANCE = 3e-3
 """The same for leads. What the reduction leaves out of a lead lies above the structure's frequency, where
-the deviation has next to nothing: RMS^R errs by less than a twentieth of this, and MTE^R by less than half."""
+the deviation has next to nothing: RMS^R errs by less than a tenth of this, and MTE^R by less than half."""
 
 UNSTABLE_TOLERANCE = 2e-3
 """The same beyond the critical delay, where the error grows exponentially with the delay."""

@@ -145,7 +145,6 @@ def motion_table(motion: Motion, request: EllipseRequest) -> tuple[NDArray[np.fl
         rests.append([relative_error(loop.at_rest(), metric)[0] for metric in request.metrics])
         rows.append([_rows(loop, metric, request) for metric in request.metrics])
     structures = len(request.frequencies), len(request.damping_ratios)
-    # (f, xi, metric, threshold, side, curve, columns)
     table = np.array(rows, dtype=np.float64)
     table = table.reshape(*structures, *table.shape[1:]).swapaxes(2, 3).swapaxes(4, 5)
     return table, np.reshape(rests, (*structures, -1))

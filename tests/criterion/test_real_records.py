@@ -85,7 +85,7 @@ def test_the_closed_form_explains_most_of_the_scatter_between_motions(suite, rea
         ]
     )
     for k, (name, least) in enumerate((("a", 0.95), ("b", 0.75))):
-        true = np.log(chosen[name].sel(threshold=0.05, metric="rms", curve="ellipse").values)
+        true = np.log(chosen[name].sel(threshold=0.05, metric="rms", curve="ellipse", side="lag").values)
         unexplained = (true - predicted[..., k]).var(axis=0) / true.var(axis=0)
         assert (1.0 - unexplained).min() > least
     gain = gain_of_terms(chosen, {"closed form": predicted}).loc["closed form"]

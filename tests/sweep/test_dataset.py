@@ -25,7 +25,7 @@ from reliab.sweep import (
     run_sweep,
     trace_ellipses,
 )
-from reliab.vocabulary import LABELS, RESULT_DIMENSIONS, Metric
+from reliab.vocabulary import LABELS, RESULT_DIMENSIONS, Metric, Side
 
 
 @pytest.fixture(scope="module")
@@ -38,14 +38,14 @@ def results(store):
     return open_results(store)
 
 
-def loop_of(results, motion, f, xi):
+def loop_of(results, motion, f, xi, engine=Engine.DELAY):
     excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step)
-    return Loop(excitation=excitation, structure=results.reliab.structure(f, xi), engine=Engine.DELAY)
+    return Loop(excitation=excitation, structure=results.reliab.structure(f, xi), engine=engine)
 
 
 def test_dimensions_variables_and_labels(results, suite):
     assert results["rms"].dims == RESULT_DIMENSIONS
-    assert set(results.data_vars) == {"rms", "mte", "A", "d", "stable"}
+    assert set(results.data_vars) == {"rms", "mte", "A", "d", "stable", "rms_at_rest"}
     assert results["kp"].dims == ("xi", "kp")
     assert results["tau"].dims == ("f", "xi", "tau")
     for name, variable in results.variables.items():
@@ -63,8 +63,10 @@ def test_cells_hold_what_the_engine_gives(results, suite):
     for _ in range(20):
         m, f, xi = int(rng.integers(6)), float(rng.choice([0.5, 1.0])), float(rng.choice([0.02, 0.05]))
         at = results.reliab.at_structure(f, xi).isel(motion=m)
-        i, j = int(rng.integers(at.sizes["kp"])), int(rng.integers(1, at.sizes["tau"] // 2))
-        loop = loop_of(results, suite[m], f, xi)
+        late = rng.random() < 0.5
+        chosen = np.flatnonzero(at["tau"].values > 0.0 if late else at["tau"].values < 0.0)
+        i, j = int(rng.integers(at.sizes["kp"])), int(rng.choice(chosen[: chosen.size // 2]))
+        loop = loop_of(results, suite[m], f, xi, Engine.DELAY if late else Engine.SPECTRAL)
         found = loop.deviation(loop.cells(gain=at["kp"].values[i], delay=at["tau"].values[j]))
         cell = at.isel(kp=i, tau=j)
         assert float(cell["rms"]) == pytest.approx(relative_error(found, Metric.RMS)[0], rel=1e-4)
@@ -76,7 +78,9 @@ def test_index_of_a_cell_is_that_of_its_histories(results, suite):
     structure = results.reliab.structure(1.0, 0.05)
     excitation = Excitation(acceleration=suite[2].acceleration, time_step=suite[2].time_step)
     blocks = cut(excitation, structure, step=1 / 512)
-    for i, j in ((9, 6), (14, 8), (18, 10)):
+    punctual = int(np.argmin(np.abs(at["tau"].values)))
+    for i, late in ((9, 6), (14, 8), (18, 10)):
+        j = punctual + late
         gain, delay = float(at["kp"][i]), float(at["tau"][j])
         command, measured = delay_stepper.response(blocks, structure, gain, delay)
         found = frequency_evaluation(command, measured, blocks.step)
@@ -107,9 +111,14 @@ def test_ellipses_from_the_store_are_those_traced_from_the_loop(tmp_path, suite)
     traced = trace_ellipses(suite, request)
     assert stored["a"].dims == traced["a"].dims
     for metric, tolerance in (("rms", 0.005), ("mte", 0.02)):
+        fitted, known = (each.sel(metric=metric, curve="ellipse") for each in (stored, traced))
+        inside, true = (each.sel(metric=metric, curve="inscribed") for each in (stored, traced))
         for name in ("a", "b"):
-            ratio = stored[name].sel(metric=metric) / traced[name].sel(metric=metric)
-            assert float(np.abs(ratio - 1.0).max()) < tolerance
+            assert float(np.abs(fitted[name] / known[name] - 1.0).max()) < tolerance
+        area = np.sqrt(inside["a"] * inside["b"] / true["a"] / true["b"])
+        assert float(np.abs(area - 1.0).max()) < tolerance
+    np.testing.assert_array_equal(stored["no_ellipse"], traced["no_ellipse"])
+    np.testing.assert_allclose(stored["error_at_rest"], traced["error_at_rest"], rtol=1e-5)
 
 
 def test_error_between_cells_and_nearest_cell(results, suite):
@@ -129,7 +138,7 @@ def test_every_stored_window_has_its_own_errors(store, results, suite):
     bounds = Window.parse("arias").bounds(suite[0].acceleration, suite[0].time_step)
     inside = replace(loop, excitation=replace(loop.excitation, window=bounds))
     for dataset, asked in ((results, loop), (arias, inside)):
-        at = dataset.reliab.at_structure(1.0, 0.02).isel(motion=0, kp=10, tau=9)
+        at = dataset.reliab.at_structure(1.0, 0.02).isel(motion=0, kp=10, tau=-12)
         found = asked.deviation(asked.cells(gain=float(at["kp"]), delay=float(at["tau"])))
         assert float(at["rms"]) == pytest.approx(relative_error(found, Metric.RMS)[0], rel=1e-4)
     with pytest.raises(InputError, match="stored are record, arias"):
@@ -149,9 +158,11 @@ def test_contour_that_leaves_an_explicit_grid_is_not_made_up(tmp_path, suite):
 
 def test_explicit_grid_of_the_paper_resolves_its_own_boundaries(tmp_path, suite):
     request = SweepRequest(frequencies=(1.0,), damping_ratios=(0.02,), grid=ExplicitGrid())
-    stored = (
-        open_results(run_sweep(suite, request, tmp_path / "paper.zarr")).reliab.ellipses((0.02,)).squeeze()
-    )
+    results = open_results(run_sweep(suite, request, tmp_path / "paper.zarr"))
+    assert results.reliab.sides == (Side.LAG,)
+    with pytest.raises(InputError, match="results with leads"):
+        results.reliab.ellipses(sides=(Side.LEAD,))
+    stored = results.reliab.ellipses((0.02,)).sel(curve="ellipse").squeeze()
     for k, motion in enumerate(suite):
         structure = request.structures[0]
         excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step)
@@ -192,6 +203,8 @@ def test_request_that_makes_no_sense(wrong):
     [
         lambda: ExplicitGrid(gain=(0.9, 0.95, 1.05, 1.1, 1.2)),
         lambda: ExplicitGrid(delay=(0.001, 0.002, 0.003, 0.004)),
+        lambda: ExplicitGrid(delay=(-0.002, -0.001, -0.0005, 0.0)),
+        lambda: ScaledGrid(lead_steps=2),
         lambda: ExplicitGrid(gain=(1.1, 1.0, 0.9, 0.8, 0.7)),
         lambda: ScaledGrid(gain_steps=1),
     ],

@@ -16,8 +16,8 @@ from reliab.vocabulary import CurveName
 class InscribedEllipse(Ellipse):
     """Ellipse (A − 1)²/a + d²/b = 1 of the largest area that no point of the boundary lies inside of.
 
-    In the plane of (A − 1)² and d² an ellipse is a straight line, and the points of the boundary are to lie above
-    it. The area is largest for a line along an edge of their lower convex hull, of which the tips of the
+    In the plane of (A − 1)² and d² an ellipse is a straight line, and the points of the boundary are to lie
+    above it. The area is largest for a line along an edge of their lower convex hull, of which the tips of the
     boundary, on d = 0, are part; so the largest of few candidates is exact. Where the boundary is cut (in
     amplitude) or open (towards leads), the ellipse ends where the boundary was no longer followed.
 
@@ -61,7 +61,7 @@ class InscribedEllipse(Ellipse):
 
 
 def _lower_hull(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Lower left convex hull of points in the first quadrant, falling from left to right; shape (2, n)."""
+    """Take the lower left convex hull of points in the first quadrant, falling from left to right; shape (2, n)."""
     order = np.lexsort((points[1], points[0]))
     hull: list[tuple[float, float]] = []
     for x, y in zip(*(row.tolist() for row in points[:, order]), strict=True):
@@ -74,13 +74,13 @@ def _lower_hull(points: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _turns_up(first: tuple[float, float], middle: tuple[float, float], last: tuple[float, float]) -> bool:
-    """Whether the middle point lies on or above the line between its neighbours."""
+    """Tell whether the middle point lies on or above the line between its neighbours."""
     (x0, y0), (x1, y1), (x2, y2) = first, middle, last
     return (y1 - y0) * (x2 - x0) >= (y2 - y0) * (x1 - x0)
 
 
 def _largest_below(hull: NDArray[np.float64]) -> tuple[float, float]:
-    """Intercepts of the line along an edge of the hull that spans the largest area with the axes."""
+    """Find where the line along an edge of the hull that spans the largest area meets the axes."""
     (x0, x1), (y0, y1) = ((row[:-1], row[1:]) for row in hull)
     fall = (y0 - y1) / (x1 - x0)
     b = y0 + fall * x0

@@ -44,8 +44,8 @@ def criterion_report(
     title : str
         Title of the report.
     ellipses : xarray.Dataset
-        `a` [-] and `b` [ms²] over (motion, f, xi, threshold, metric, curve, side) with the coordinate `event`,
-        as `reliab.sweep.trace_ellipses` makes it.
+        `a` [-] and `b` [ms²] over (motion, f, xi, threshold, metric, curve, side) with the coordinate
+        `event`, as `reliab.sweep.trace_ellipses` makes it.
     criteria : sequence of Criterion
         Derived from these ellipses; the verdict, the figures and the tables over structures are those of
         the first, the others are compared with it.

@@ -163,6 +163,7 @@ def _with_ellipses(measures: pd.DataFrame, ellipses: xr.Dataset, study: SuitesSt
         threshold=study.errors.thresholds[0],
         metric=study.errors.metrics[0],
         curve="ellipse",
+        side="lag",
     )
     fitted = pd.DataFrame({"motion": at["motion"].values, "a": at["a"].values, "b": at["b"].values})
     return measures.merge(fitted, on="motion", validate="one_to_one")
