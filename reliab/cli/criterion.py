@@ -57,9 +57,10 @@ MethodName = Annotated[
     typer.Option(
         "--method",
         metavar="NAME",
-        help="What the confidence means: dirichlet (recommended, the default), tolerance, posterior, predictive, "
-        "order_statistic, conformal, bootstrap, each structure for itself; hierarchical, hierarchical_robust, all "
-        "structures at once by MCMC; quantile is the paper's, with fitted ellipses and a and b each for itself.",
+        help="What the confidence means: dirichlet (recommended, the default), tolerance, posterior, "
+        "predictive, order_statistic, conformal, bootstrap, each structure for itself; hierarchical, "
+        "hierarchical_robust, all structures at once by MCMC; quantile is the paper's, with fitted "
+        "ellipses and a and b each for itself.",
     ),
 ]
 Assurance = Annotated[

@@ -71,8 +71,10 @@ def _kept_by(criterion: "Criterion", summary: Mapping[str, Any]) -> dict[str, An
     real = open_ellipses(shipped("datasets", "real_suite/ellipses.nc"), window=criterion.provenance.window)
     kept = printed_share(criterion, real, summary["f"], summary["xi"])
     sentence = (
-        f"Of {kept['n_motions']} real motions, {kept['share']:.0%} have a boundary that contains this ellipse at "
-        f"f = {kept['f']:g} Hz and ξ = {kept['xi']:g}, where the paper states {criterion.confidence:.0%}; measured "
+        f"Of {kept['n_motions']} real motions, {kept['share']:.0%} have a boundary that contains "
+        f"this ellipse at "
+        f"f = {kept['f']:g} Hz and ξ = {kept['xi']:g}, where the paper states "
+        f"{criterion.confidence:.0%}; measured "
         "on the ellipses of datasets/real_suite, for all structures by `reliab run validation`."
     )
     return {"kept_by": kept, "warnings": [sentence, *summary["warnings"]]}
@@ -142,7 +144,8 @@ def show(rows: Sequence[Mapping[str, Any]], posteriors: Sequence[Mapping[str, An
     """
     first = rows[0]
     shown = table(
-        f"(A − 1)²/a + d²/b ≤ 1 from {first['n_motions']} {first['motions']} of {first['n_events']} earthquakes",
+        f"(A − 1)²/a + d²/b ≤ 1 from {first['n_motions']} {first['motions']} of "
+        f"{first['n_events']} earthquakes",
         dict.fromkeys(_HEADINGS, "right"),
     )
     for each in rows:
@@ -167,11 +170,13 @@ def _definitions(first: Mapping[str, Any]) -> tuple[str, ...]:
     """Say what the limits and the error mean, in the order in which a reader asks."""
     from reliab.vocabulary import LABELS
 
-    return (
-        "Each limit alone is that of a test without the other error; a test with both must lie inside the ellipse.",
-        f"Error: {LABELS[first['metric']].long_name}. Window: {first['window']}. "
-        f"Experimental fraction α: {first['alpha']:g}. Ellipses: {_CURVES[first['curve']]}.",
+    alone = (
+        "Each limit alone is that of a test without the other error; a test with both must "
+        "lie inside the ellipse."
     )
+    error = f"Error: {LABELS[first['metric']].long_name}. Window: {first['window']}."
+    fraction = f"Experimental fraction α: {first['alpha']:g}."
+    return alone, f"{error} {fraction} Ellipses: {_CURVES[first['curve']]}."
 
 
 def _show_posterior(posterior: Mapping[str, Any]) -> None:

@@ -64,7 +64,11 @@ def compare(
             distributions += _distributions(dataset, f, xi, threshold, metric, curve)
             progress(done, len(jobs))
     several = dataset.sizes["f"] * dataset.sizes["xi"] > 1
-    laws = [row for each in thresholds for row in _laws(dataset, each, metric, confidence, curve)] if several else []
+    laws = (
+        [row for each in thresholds for row in _laws(dataset, each, metric, confidence, curve)]
+        if several
+        else []
+    )
     return {"distributions": distributions, "laws": laws}
 
 
@@ -77,7 +81,9 @@ def _distributions(
     from reliab.criterion.distribution_comparison import compare_distributions
     from reliab.criterion.goodness_of_fit import lognormality
 
-    sample = sample_of(dataset, frequency=f, damping_ratio=xi, threshold=threshold, metric=metric, curve=curve)
+    sample = sample_of(
+        dataset, frequency=f, damping_ratio=xi, threshold=threshold, metric=metric, curve=curve
+    )
     where = {"f": f, "xi": xi, "threshold": threshold}
     return [
         {
@@ -98,9 +104,7 @@ def _laws(
 ) -> list[dict[str, Any]]:
     from reliab.criterion.law_comparison import compare_laws
 
-    found = compare_laws(
-        dataset, threshold=threshold, metric=metric, confidence=confidence, curve=curve
-    )
+    found = compare_laws(dataset, threshold=threshold, metric=metric, confidence=confidence, curve=curve)
     return [
         {"threshold": threshold, **{str(k): v for k, v in row.items()}} for row in found.to_dict("records")
     ]

@@ -162,7 +162,8 @@ def printed_criterion(
     strange += [f"--{name} {value}" for name, value in settings.items() if value is not None]
     if strange:
         raise InputError(
-            f"A printed law states {criterion.confidence:.0%} by the quantile of each limit, and nothing else",
+            f"A printed law states {criterion.confidence:.0%} by the quantile of each limit, and "
+            f"nothing else",
             value=", ".join(strange),
             remedy="Leave these out, or derive a criterion from ellipses",
         )

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from reliab.criterion import Criterion
     from reliab.criterion.derivation import Derivation
-    from reliab.criterion.methods.hierarchical import HierarchicalFit
+    from reliab.sampling import PosteriorSample
 
 
 def draw_all(
@@ -48,6 +48,8 @@ def draw_all(
     InputError
         If the folder cannot be written to, or motions have ellipses at none of the structures.
     """
+    from reliab.vocabulary import Side
+
     there = [(f, xi) for f, xi in structures if f in dataset["f"] and xi in dataset["xi"]]
     if not there:
         raise InputError(
@@ -60,16 +62,23 @@ def draw_all(
     names = []
     with progress_bar("Drawing") as progress:
         for done, (f, xi, threshold, metric) in enumerate(jobs, start=1):
-            alike = [criterion for criterion in criteria if (criterion.threshold, str(criterion.metric)) == (threshold, metric)]
+            alike = [
+                criterion
+                for criterion in criteria
+                if (criterion.threshold, str(criterion.metric)) == (threshold, metric)
+            ]
             drawn = _plane(dataset, alike, f, xi)
             names.append(_write(folder, f"criterion_f{f:g}_xi{xi:g}_{metric}{threshold:g}.svg", drawn))
             progress(done, len(jobs))
-    for fit in (part for derivation in derivations for part in derivation.learned if part.diagnostics):
-        error = f"{fit.grid.metric}{fit.grid.threshold:g}{'' if fit.grid.side == Side.LAG else f'_{fit.grid.side}'}"
-        for name, drawn in _posterior_figures(fit).items():
+    for learned in (part for derivation in derivations for part in derivation.learned):
+        if learned.sampled is None:
+            continue
+        side = "" if learned.grid.side == Side.LAG else f"_{learned.grid.side}"
+        error = f"{learned.grid.metric}{learned.grid.threshold:g}{side}"
+        for name, drawn in _posterior_figures(learned.sampled).items():
             names.append(_write(folder, f"{name}_{error}.svg", drawn))
         names.append(f"posterior_{error}.nc")
-        fit.posterior.write_netcdf(folder / names[-1])
+        learned.sampled.write_netcdf(folder / names[-1])
     return names
 
 
@@ -104,18 +113,18 @@ def _plane(dataset: "xr.Dataset", alike: "Sequence[Criterion]", f: float, xi: fl
     return drawn
 
 
-def _posterior_figures(fit: "HierarchicalFit") -> Mapping[str, "Figure"]:
+def _posterior_figures(posterior: "PosteriorSample") -> Mapping[str, "Figure"]:
     from reliab.report.figures.posterior_diagnostics import pairs, ranks, traces
 
     chief = [
         *("a: constant", "b: constant", "event: log spread of a", "motion: log spread of a"),
         "log degrees of freedom",
     ]
-    present = [name for name in chief if name in fit.posterior.names]
+    present = [name for name in chief if name in posterior.names]
     return {
-        "traces": traces(fit.posterior),
-        "ranks": ranks(fit.posterior),
-        "pairs": pairs(fit.posterior, present),
+        "traces": traces(posterior),
+        "ranks": ranks(posterior),
+        "pairs": pairs(posterior, present),
     }
 
 

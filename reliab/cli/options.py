@@ -11,7 +11,11 @@ Motions = Annotated[
 ]
 Sets = Annotated[
     list[str] | None,
-    typer.Option("--sets", metavar="NAME...", help="Sets of a catalogue; the set held_out is left out unless you name it."),
+    typer.Option(
+        "--sets",
+        metavar="NAME...",
+        help="Sets of a catalogue; the set held_out is left out unless you name it.",
+    ),
 ]
 Results = Annotated[
     Path | None,
@@ -34,7 +38,9 @@ MetricName = Annotated[
 WindowName = Annotated[
     str,
     typer.Option(
-        "--window", metavar="record|SECONDS|arias", help="Part of the record over which the error is computed."
+        "--window",
+        metavar="record|SECONDS|arias",
+        help="Part of the record over which the error is computed.",
     ),
 ]
 WindowIfGiven = Annotated[
@@ -42,8 +48,8 @@ WindowIfGiven = Annotated[
     typer.Option(
         "--window",
         metavar="record|SECONDS|arias",
-        help="Part of the record over which the error is computed; by default that of the source, or the whole "
-        "record.",
+        help="Part of the record over which the error is computed; by default that of the source, "
+        "or the whole record.",
     ),
 ]
 FractionIfGiven = Annotated[
@@ -69,8 +75,8 @@ FirstOrder = Annotated[
     bool,
     typer.Option(
         "--first-order",
-        help="Predict ellipses from the records' spectra instead of simulating; unsafe at large errors: at 5 % "
-        "the simulated b is 16 to 44 % smaller.",
+        help="Predict ellipses from the records' spectra instead of simulating; unsafe at large errors: "
+        "at 5 % the simulated b is 16 to 44 % smaller.",
     ),
 ]
 JsonTarget = Annotated[

@@ -52,7 +52,8 @@ def ellipse_dataset(
         Part of the record over which the error is computed; None leaves it to the source, which is the whole
         record for records.
     alpha : float or None
-        Experimental fraction [-]; 1 for records unless given. Stored results and files must be of that fraction.
+        Experimental fraction [-]; 1 for records unless given. Stored results and files must be of that
+        fraction.
     model : pathlib.Path or None
         Model with effects instead of structures, for records.
     first_order : bool
@@ -185,7 +186,10 @@ def _require_column(
             raise InputError(
                 f"A table of ellipses answers for the {name} for which they were traced, and for no other",
                 value=f"{value} for {path.name}, whose {name} is {held[0]}",
-                remedy=f"Leave --{name} out, or add the column {name} to the table if its ellipses are of another",
+                remedy=(
+                    f"Leave --{name} out, or add the column {name} to the table if its "
+                    f"ellipses are of another"
+                ),
                 where=str(path),
             )
 

@@ -14,7 +14,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from reliab.criterion.ellipse_sample import EllipseSample
-from reliab.criterion.methods import Method, limits
+from reliab.criterion.methods import BoundMethod, limits
 from reliab.progress import Progress, silent
 
 _FURTHER = 200_000  # motions that stand for the population
@@ -96,7 +96,7 @@ class Coverage:
 
 
 def simulate_coverage(
-    method: Method,
+    method: BoundMethod,
     truth: Truth,
     confidence: float,
     *,
@@ -108,7 +108,7 @@ def simulate_coverage(
 
     Parameters
     ----------
-    method : Method
+    method : BoundMethod
         What the confidence means.
     truth : Truth
         The population and the size of a suite.
@@ -147,7 +147,7 @@ def simulate_coverage(
 
 
 def coverage_table(
-    methods: Iterable[tuple[Method, bool]],
+    methods: Iterable[tuple[BoundMethod, bool]],
     truths: Iterable[Truth],
     confidences: Iterable[float] = (0.80, 0.90, 0.95, 0.99),
     *,
@@ -158,7 +158,7 @@ def coverage_table(
 
     Parameters
     ----------
-    methods : iterable of (Method, bool)
+    methods : iterable of (BoundMethod, bool)
         Methods, and whether each is used jointly.
     truths : iterable of Truth
         Populations and sizes of suites.

@@ -219,8 +219,8 @@ class Criterion:
         Raises
         ------
         InputError
-            If the text is not such JSON, of another schema, lacks a key or has one too many, or holds a number
-            that is not finite or limits that are no table.
+            If the text is not such JSON, of another schema, lacks a key or has one too many, or holds a
+            number that is not finite or limits that are no table.
         """
         return cls(**from_text(text))
 
@@ -228,7 +228,7 @@ class Criterion:
 def _broadcast(
     amplitude: ArrayLike, delay: ArrayLike, frequency: ArrayLike, damping_ratio: ArrayLike
 ) -> tuple[NDArray[np.float64], ...]:
-    """A − 1 [-], d [ms], f [Hz] and ξ [-] in one shape."""
+    """Bring A − 1 [-], d [ms], f [Hz] and ξ [-] into one shape."""
     arrays = np.broadcast_arrays(
         *(np.asarray(values, dtype=np.float64) for values in (amplitude, delay, frequency, damping_ratio))
     )
@@ -292,4 +292,3 @@ def published_criterion(name: str) -> Criterion:
         joint=False,
         provenance=Provenance(source=f"Guo and others (2017), {law.equation}", n_motions=100, n_events=19),
     )
-

@@ -93,7 +93,9 @@ def _checked(text: str) -> dict[str, Any]:
     except (ValueError, RecursionError) as error:
         if isinstance(error, InputError):
             raise
-        raise _broken("A criterion must be JSON as written by `reliab criterion --out`", str(error)) from error
+        raise _broken(
+            "A criterion must be JSON as written by `reliab criterion --out`", str(error)
+        ) from error
     schema = content.pop("schema_version", None) if isinstance(content, dict) else None
     if schema == 1:
         raise InputError(
@@ -133,7 +135,9 @@ def _provenance(content: object) -> Provenance:
     kept["warnings"] = tuple(sentences)
     for key, kind in (("n_motions", int), ("n_events", int), ("settings", dict), ("packages", dict)):
         if not isinstance(kept[key], kind):
-            raise _broken(f"The key {key} of a criterion's provenance must be of type {kind.__name__}", kept[key])
+            raise _broken(
+                f"The key {key} of a criterion's provenance must be of type {kind.__name__}", kept[key]
+            )
     return Provenance(**kept)
 
 

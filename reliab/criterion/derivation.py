@@ -44,9 +44,9 @@ def derive_criterion(
     """Derive a criterion from the ellipses of many ground motions.
 
     Limits are derived for every structure of the dataset, for lags and, where the dataset has them, for
-    leads, and a law is fitted to them. A fitted law misses some of them a little; all its limits are therefore
-    scaled by one factor, so that on average over the structures as many of the motions are contained as by the
-    limits themselves.
+    leads, and a law is fitted to them. A fitted law misses some of them a little; all its limits are
+    therefore scaled by one factor, so that on average over the structures as many of the motions are
+    contained as by the limits themselves.
 
     Parameters
     ----------
@@ -59,8 +59,8 @@ def derive_criterion(
     assurance, distribution, steps : optional
         Settings of a method that is given by its name, where it has them.
     chains : str or pathlib.Path, optional
-        For the hierarchical methods, the HDF5 file of the chains; with it an interrupted run resumes, and a run
-        that was too short is lengthened.
+        For the hierarchical methods, the HDF5 file of the chains; with it an interrupted run resumes, and a
+        run that was too short is lengthened.
     frequency, damping_ratio : float, optional
         The only structure to derive it for [Hz, -], one of the dataset's; all of them by default.
     joint : bool, optional
@@ -144,7 +144,10 @@ class _LearnedSide:
         if empty and kind is not Table:
             raise InputError(
                 "A law is fitted where the method can promise something at every structure",
-                value=f"too few motions or earthquakes for {method.name} at {confidence:g} at {empty} structures",
+                value=(
+                    f"too few motions or earthquakes for {method.name} at {confidence:g} at "
+                    f"{empty} structures"
+                ),
                 remedy="Give more motions or a lower confidence, or keep the limits as a table",
             )
         grid = self.grid.frequencies, self.grid.damping_ratios

@@ -199,7 +199,7 @@ def of_curve(ellipses: xr.Dataset, curve: str, side: str) -> xr.Dataset:
 
 
 def names_along(ellipses: xr.Dataset, name: str) -> list[str]:
-    """Names along the dimension `curve`, `side` or `metric`; older files hold fitted ellipses of lags only."""
+    """List the names along `curve`, `side` or `metric`; older files hold fitted ellipses of lags."""
     if name in ellipses.coords:
         return [str(value) for value in np.atleast_1d(ellipses[name].values)]
     return [str({Dimension.CURVE: CurveName.ELLIPSE, Dimension.SIDE: Side.LAG}[Dimension(name)])]

@@ -37,7 +37,11 @@ def require_keys(content: object, needed: Collection[str], what: str) -> Mapping
     """
     keys = set(content) if isinstance(content, Mapping) else set()
     missing, unknown = sorted(set(needed) - keys), sorted(str(key) for key in keys - set(needed))
-    faults = [f"{', '.join(names)} {fault}" for names, fault in ((missing, "missing"), (unknown, "unknown")) if names]
+    faults = [
+        f"{', '.join(names)} {fault}"
+        for names, fault in ((missing, "missing"), (unknown, "unknown"))
+        if names
+    ]
     if faults or not isinstance(content, Mapping):
         raise InputError(
             f"{what} must have the keys {', '.join(needed)}",

@@ -8,7 +8,8 @@ from reliab.criterion.ellipse_sample import position
 from reliab.errors import InputError
 
 REST = "error_at_rest"
-"""Variable of the ellipses: error of the whole test with an actuator at rest, over (motion, f, xi, metric)."""
+"""Variable of the ellipses: error of the whole test with an actuator at rest, over (motion, f, xi,
+metric)."""
 
 MOST_AT_REST = 0.05
 """Largest share of motions under which an actuator at rest may keep the threshold."""

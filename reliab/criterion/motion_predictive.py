@@ -156,7 +156,8 @@ class MotionPredictive:
         """Share of the base below x, and above it."""
         normal = _normal_score((x - self.location) / self.scale, self.shape)
         degrees = self.effective_number - 1.0
-        # The sample's own spread lacks that of its mean, which a further value has twice (t of a further value).
+        # The sample's own spread lacks that of its mean, which a further value has twice (t of a further
+        # value).
         student = normal / np.sqrt((self.effective_number + 1.0) / degrees)
         return np.asarray(t.cdf(student, degrees)), np.asarray(t.sf(student, degrees))
 
@@ -178,7 +179,7 @@ class MotionPredictive:
 
 
 def _normal_score(x: NDArray[np.float64], shape: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Standard normal value with the same share below it as a standard skew-normal value x has.
+    """Find the standard normal value below which lies as much as below a standard skew-normal x.
 
     Where a tail of the skew-normal distribution is too small to be computed, its asymptote goes on: it
     falls as that of a normal distribution with the spread 1/sqrt(1 + shape²) on the short side, and with

@@ -204,7 +204,9 @@ class Population:
         needed = ("frequencies", "damping_ratios", "events", "log_alpha", "log_beta")
         require_keys(content, needed, "The motions behind a criterion")
         try:
-            arrays = {name: np.asarray(content[name], dtype=np.float64) for name in needed if name != "events"}
+            arrays = {
+                name: np.asarray(content[name], dtype=np.float64) for name in needed if name != "events"
+            }
         except (TypeError, ValueError) as error:
             raise InputError(
                 "The motions behind a criterion must be numbers in rows of one length",

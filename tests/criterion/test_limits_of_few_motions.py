@@ -38,7 +38,7 @@ def sample_of(logarithms, events):
 
 @st.composite
 def small_samples(draw):
-    """Two to six records of one to four earthquakes, scattered, rounded so that there are ties, or outlying."""
+    """Two to six records of one to four earthquakes, scattered, with ties or outlying."""
     motions = draw(st.integers(3, 6))
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     logarithms = draw(st.sampled_from([0.01, 0.5, 3.0])) * rng.normal(size=(motions, 2))

@@ -12,11 +12,20 @@ from numpy.typing import NDArray
 from reliab.criterion.sample_grid import SampleGrid
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
+from reliab.sampling import PosteriorSample
 from reliab.vocabulary import CurveName
 
 
 class Learned(ABC):
-    """What a method has learned from the motions of a grid of structures."""
+    """What a method has learned from the motions of a grid of structures.
+
+    Attributes
+    ----------
+    grid : SampleGrid
+        The motions.
+    """
+
+    grid: SampleGrid
 
     @abstractmethod
     def limits(self, confidence: float, *, joint: bool) -> NDArray[np.float64]:
@@ -36,6 +45,11 @@ class Learned(ABC):
         """
 
     @property
+    def sampled(self) -> PosteriorSample | None:
+        """Draws of a posterior; None for a method that samples none."""
+        return None
+
+    @property
     def diagnostics(self) -> Mapping[str, Any] | None:
         """Convergence of a sampled posterior, ready for JSON; None for a method that samples none."""
         return None
@@ -52,6 +66,8 @@ class Learned(ABC):
 
     def warn_unless_converged(self) -> None:
         """Issue a :class:`~reliab.sampling.ConvergenceWarning` where a posterior cannot be relied on."""
+        if self.sampled is not None:
+            self.sampled.warn_unless_converged()
 
 
 class Method(ABC):
@@ -98,9 +114,10 @@ class Method(ABC):
 
         The lowest value under K earthquakes is exceeded with the probability K/(K + 1), whatever the
         distribution. Beyond that a fitted shape has to carry the tail. It does so down to an exceedance of
-        about (2/(K + 1))²: in simulations with normal, skewed and heavy-tailed motions (one to three from each
-        earthquake, a and b together) the true exceedance there is about 1.1 to 2.5 times the stated one, and
-        the ratio grows further beyond it. One earthquake carries nothing, since nobody knows how others differ.
+        about (2/(K + 1))²: in simulations with normal, skewed and heavy-tailed motions (one to three from
+        each earthquake, a and b together) the true exceedance there is about 1.1 to 2.5 times the stated
+        one, and the ratio grows further beyond it. One earthquake carries nothing, since nobody knows how
+        others differ.
 
         Parameters
         ----------

@@ -62,8 +62,9 @@ class Quantile(BoundMethod):
     def mean_share(self, confidence: float, n_motions: int) -> float:
         """Share of further motions that exceed the quantile of a lognormal fit to n motions, on average.
 
-        With mean m and standard deviation s (divisor n) of the logarithms, the bound is m − z s, and a further
-        value lies above it with the probability T(z √((n − 1)/(n + 1))) of Student's t, n − 1 degrees of freedom.
+        With mean m and standard deviation s (divisor n) of the logarithms, the bound is m − z s, and a
+        further value lies above it with the probability T(z √((n − 1)/(n + 1))) of Student's t, n − 1
+        degrees of freedom.
         """
         return float(t.cdf(norm.ppf(confidence) * np.sqrt((n_motions - 1) / (n_motions + 1)), n_motions - 1))
 

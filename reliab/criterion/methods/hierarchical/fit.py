@@ -62,6 +62,11 @@ class HierarchicalFit(Learned):
         )
 
     @property
+    def sampled(self) -> PosteriorSample:
+        """Draws of the posterior."""
+        return self.posterior
+
+    @property
     def diagnostics(self) -> Mapping[str, Any]:
         """Convergence of the run and of each parameter, ready for JSON."""
         diagnostics = self.posterior.diagnostics
@@ -103,10 +108,6 @@ class HierarchicalFit(Learned):
         complaints = self.posterior.diagnostics.complaints
         unreliable = "THIS POSTERIOR HAS NOT CONVERGED and must not be relied on." if complaints else ""
         return tuple(sentence for sentence in (unreliable, *complaints, self._imputed) if sentence)
-
-    def warn_unless_converged(self) -> None:
-        """Issue a :class:`~reliab.sampling.ConvergenceWarning` unless the posterior has converged."""
-        self.posterior.warn_unless_converged()
 
     @property
     def _imputed(self) -> str:
@@ -176,9 +177,7 @@ def fit_hierarchical(
     return HierarchicalFit(grid=grid, method=method, assurance=assurance, model=model, posterior=posterior)
 
 
-def hierarchical_model(
-    population: Population, *, curved: bool = True, robust: bool = False
-) -> Hierarchical:
+def hierarchical_model(population: Population, *, curved: bool = True, robust: bool = False) -> Hierarchical:
     """Make the hierarchical model of motions.
 
     Parameters
@@ -221,7 +220,7 @@ def hierarchical_model(
 
 
 def _values(population: Population) -> NDArray[np.float64]:
-    """ln α and ln β, shape (motions, F, X, 2)."""
+    """Ln α and ln β, shape (motions, F, X, 2)."""
     return np.stack([population.log_alpha, population.log_beta], axis=-1)
 
 
