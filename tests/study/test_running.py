@@ -36,7 +36,7 @@ def test_a_finished_study_is_not_run_again(finished, small_study):
 def test_only_what_depends_on_a_change_is_done_again(finished, small_study):
     criterion = small_study.criterion.model_copy(update={"confidences": (0.7,)})
     changed = small_study.model_copy(update={"criterion": criterion})
-    assert stages_of(changed, finished) == {"derive", "validate", "report"}
+    assert stages_of(changed, finished) == {"derive", "validate", "real motions", "report"}
 
 
 def test_a_file_that_was_damaged_is_made_again(finished, small_study):
@@ -65,7 +65,7 @@ def test_a_run_that_was_killed_goes_on(tmp_path, small_study, monkeypatch):
         patch.setattr(steps, "ellipses", killed)
         with pytest.raises(KeyboardInterrupt):
             run_study(small_study, tmp_path / "run")
-    assert stages_of(small_study, tmp_path / "run") == {"trace", "derive", "validate", "report"}
+    assert stages_of(small_study, tmp_path / "run") == {"trace", "derive", "validate", "real motions", "report"}
 
 
 def test_a_folder_with_other_files_is_left_alone(tmp_path, small_study):
