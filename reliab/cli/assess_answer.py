@@ -82,8 +82,7 @@ def _errors(summary: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
 
 def _indices(found: "Assessment", summary: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
     against = (
-        f"{found.criterion.confidence:.0%} of ground motions, over their first "
-        f"{found.criterion.provenance.window} s".replace("first record s", "whole records")
+        f"{found.criterion.confidence:.0%} of ground motions, window {found.criterion.provenance.window}"
         if found.own is None
         else f"{found.own.motion}, {found.own.window[0]:.3g} to {found.own.window[1]:.4g} s of its record"
     )

@@ -2,7 +2,7 @@
 
 from reliab.sweep.compact import write_compact
 from reliab.sweep.ellipse_dataset import CURVES, share_at_rest
-from reliab.sweep.ellipse_file import open_ellipses, write_ellipses
+from reliab.sweep.ellipse_file import ellipse_windows, open_ellipses, write_ellipses
 from reliab.sweep.ellipse_table import EllipseRequest, trace_ellipses
 from reliab.sweep.first_order_table import predict_ellipses
 from reliab.sweep.grid import ExplicitGrid, Grid, ScaledGrid
@@ -17,6 +17,7 @@ __all__ = [
     "Grid",
     "ScaledGrid",
     "SweepRequest",
+    "ellipse_windows",
     "open_ellipses",
     "open_results",
     "predict_ellipses",

@@ -76,6 +76,25 @@ def open_ellipses(path: str | Path, *, window: str | None = None) -> xr.Dataset:
     return _in_window(with_sides(dataset), window, path)
 
 
+def ellipse_windows(path: str | Path) -> tuple[str, ...]:
+    """List the windows of a file of ellipses.
+
+    Parameters
+    ----------
+    path : str or pathlib.Path
+        A file that `write_ellipses` wrote.
+
+    Returns
+    -------
+    tuple of str
+        "record", "arias" or seconds.
+    """
+    with xr.open_dataset(path, engine="h5netcdf") as file:
+        if Dimension.WINDOW in file.dims:
+            return tuple(str(label) for label in file[Dimension.WINDOW].values)
+        return (str(file.attrs.get("window", Window().label)),)
+
+
 def with_sides(dataset: xr.Dataset) -> xr.Dataset:
     """Give ellipses without curves or sides those dimensions: of least squares, and for delays.
 

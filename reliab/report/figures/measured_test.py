@@ -1,13 +1,16 @@
-"""A measured test: in the plane of amplitude and delay, and over time."""
+"""A measured test: its error, in the plane of amplitude and delay, and over time."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from reliab.report.axes import MILLI, TIME, legend_below, name_axes, plain
-from reliab.report.style import BLUE, GREY, INK, PALE, line, panels, styled
+from reliab.report.style import BLUE, GREY, INK, PALE, blank, line, panels, styled
+from reliab.validation.assessment.moving_windows import Windows
 
 _PERCENT = 100.0
 _MARGIN = 1.12
@@ -17,15 +20,16 @@ _TWO = 2.0  # standard deviations
 
 
 @styled
-def tracking_plane(
+def tracking_overview(
     *,
     amplitude: float,
     delay: float,
     draws: NDArray[np.float64],
     boundaries: Mapping[str, tuple[float, float]],
-    height: float = 88.0,
+    windows: Windows | None,
+    height: float = 56.0,
 ) -> Figure:
-    """Draw a test with its uncertainty and the ellipses inside of which it would be accepted.
+    """Draw a test in the plane of amplitude and delay, and both over the test.
 
     Parameters
     ----------
@@ -34,18 +38,39 @@ def tracking_plane(
     draws : array of float, shape (2, draws)
         What noise leaves open: A [-] and d [s].
     boundaries : mapping of str to (float, float)
-        a [-] and b [ms²] by the name of the boundary; those of zero size are left out.
+        a [-] and b [ms²] on the test's side by the name of the boundary; those of zero size are left out.
+    windows : Windows or None
+        Amplitude and delay in moving windows; None for a test that is too short for them.
     height : float, optional
         Height in print [mm].
 
     Returns
     -------
     matplotlib.figure.Figure
-        Delay [ms] over amplitude error [%], with 95 % intervals.
+        Delay [ms] over amplitude error [%] with 95 % intervals, and beside it both over time.
     """
-    figure, axes = panels(height=height)
-    place = axes[0, 0]
-    angle = np.linspace(0.0, 2.0 * np.pi, _POINTS)
+    figure = blank(height=height)
+    columns = 1 if windows is None else 2
+    grid = figure.add_gridspec(2, columns, width_ratios=(1.0, 1.0)[:columns])
+    plane = figure.add_subplot(grid[:, 0])
+    _draw_plane(plane, amplitude, delay, draws, boundaries)
+    legend_below(figure, plane, columns=3)
+    if windows is not None:
+        above = figure.add_subplot(grid[0, 1])
+        below = figure.add_subplot(grid[1, 1], sharex=above)
+        above.tick_params(labelbottom=False)
+        _draw_windows(above, below, windows)
+    return figure
+
+
+def _draw_plane(
+    place: Axes,
+    amplitude: float,
+    delay: float,
+    draws: NDArray[np.float64],
+    boundaries: Mapping[str, tuple[float, float]],
+) -> None:
+    angle = np.linspace(0.0, np.pi if delay >= 0.0 else -np.pi, _POINTS)
     for rank, (name, (a, b)) in enumerate(boundaries.items()):
         if a > 0.0 and b > 0.0:
             x, y = _PERCENT * np.sqrt(a) * np.cos(angle), np.sqrt(b) * np.sin(angle)
@@ -68,58 +93,73 @@ def tracking_plane(
     place.axvline(0.0, color=GREY, linewidth=0.6)
     place.margins(_MARGIN - 1.0)
     name_axes(place, "Amplitude error $A - 1$ [%]", "Equivalent delay $d$ [ms]")
-    legend_below(figure, place, columns=3)
-    return figure
+
+
+def _draw_windows(above: Axes, below: Axes, windows: Windows) -> None:
+    bars: dict[str, Any] = {"fmt": "o", "color": BLUE, "capsize": 2.0, "elinewidth": 0.8, "markersize": 3.0}
+    rows = (
+        (above, _PERCENT * (windows.amplitude - 1.0), _PERCENT * windows.amplitude_sd, "$A - 1$ [%]"),
+        (below, MILLI * windows.delay, MILLI * windows.delay_sd, "$d$ [ms]"),
+    )
+    for place, values, deviations, name in rows:
+        place.errorbar(windows.centre, values, yerr=_TWO * deviations, **bars)
+        place.axhline(0.0, color=GREY, linewidth=0.6)
+        place.set_ylabel(name)
+    below.set_xlabel(TIME)
 
 
 @styled
-def tracking_over_time(
+def error_over_time(
     *,
     times: NDArray[np.float64],
-    command: NDArray[np.float64],
+    reference: NDArray[np.float64],
     measured: NDArray[np.float64],
-    centres: NDArray[np.float64],
-    amplitude: NDArray[np.float64],
-    amplitude_sd: NDArray[np.float64],
-    delay: NDArray[np.float64],
-    delay_sd: NDArray[np.float64],
-    height: float = 88.0,
+    error: NDArray[np.float64],
+    band: tuple[NDArray[np.float64], NDArray[np.float64]],
+    parts: Mapping[str, NDArray[np.float64]],
+    height: float = 92.0,
 ) -> Figure:
-    """Draw the histories of a test, and its amplitude error and delay in moving windows.
+    """Draw the exact and the measured history, the error with its band, and its parts over time.
 
     Parameters
     ----------
-    times, command, measured : array of float, shape (n,)
-        Times [s], and displacements in one unit.
-    centres : array of float, shape (windows,)
-        Middle of each window [s].
-    amplitude, amplitude_sd : array of float, shape (windows,)
-        A [-] and its standard deviation.
-    delay, delay_sd : array of float, shape (windows,)
-        d [s] and its standard deviation.
+    times, reference, measured, error : array of float, shape (n,)
+        Times [s], x_I, x_m and x_m − x_I in one unit.
+    band : tuple of array of float, shape (n,)
+        Lower and upper end of the 90 % band of the error.
+    parts : mapping of str to array of float, shape (stretches,)
+        RMS of each part of the error in equal stretches of the test, by its name.
     height : float, optional
         Height in print [mm].
 
     Returns
     -------
     matplotlib.figure.Figure
-        Three panels over one scale of time [s].
+        Three panels over one scale of time [s]; displacements over the peak of the exact one.
     """
     figure, axes = panels(3, 1, height=height, share_x=True)
-    histories, of_amplitude, of_delay = axes[:, 0]
-    peak = float(np.abs(command).max())
+    histories, errors, divided = axes[:, 0]
+    peak = float(np.abs(reference).max())
     kept = np.linspace(0, times.size - 1, min(times.size, _MOST_SAMPLES)).astype(int)
-    histories.plot(times[kept], command[kept] / peak, color=PALE, linewidth=2.6, label="command")
-    histories.plot(times[kept], measured[kept] / peak, color=BLUE, linewidth=0.7, label="measured")
-    histories.set_ylabel("Displacement\nover its peak [-]")
-    histories.legend(loc="upper right", ncols=2)
-    histories.margins(x=0.0)
-    bars = {"fmt": "o", "color": BLUE, "capsize": 2.0, "elinewidth": 0.8, "markersize": 3.0}
-    of_amplitude.errorbar(centres, _PERCENT * (amplitude - 1.0), yerr=_TWO * _PERCENT * amplitude_sd, **bars)
-    of_delay.errorbar(centres, MILLI * delay, yerr=_TWO * MILLI * delay_sd, **bars)
-    for place, name in ((of_amplitude, "$A - 1$ [%]"), (of_delay, "$d$ [ms]")):
-        place.axhline(0.0, color=GREY, linewidth=0.6)
-        place.set_ylabel(name)
-    of_delay.set_xlabel(TIME)
+    histories.plot(times[kept], reference[kept] / peak, color=PALE, linewidth=2.6, label="exact $x_I$")
+    histories.plot(times[kept], measured[kept] / peak, color=BLUE, linewidth=0.7, label="measured $x_m$")
+    histories.set_ylabel("Displacement\nover peak [-]")
+    errors.fill_between(
+        times[kept],
+        *(_PERCENT / peak * end[kept] for end in band),
+        color=PALE,
+        label="90 % band",
+        linewidth=0.0,
+    )
+    errors.plot(times[kept], _PERCENT / peak * error[kept], color=BLUE, linewidth=0.7, label="$x_m - x_I$")
+    errors.set_ylabel("Error\nover peak [%]")
+    for rank, (name, sizes) in enumerate(parts.items()):
+        edges = np.linspace(times[0], times[-1], sizes.size + 1)
+        divided.stairs(_PERCENT / peak * sizes, edges, label=plain(name), baseline=None, **line(rank))
+    divided.set_ylabel("RMS of parts\nover peak [%]")
+    divided.set_xlabel(TIME)
+    for place in axes[:, 0]:
+        place.margins(x=0.0)
+        place.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=4, borderpad=0.0)
     figure.align_ylabels(axes[:, 0])
     return figure

@@ -1,21 +1,31 @@
 """Report of one measured test: two pages, to be filed with it."""
 
 from collections.abc import Mapping, Sequence
+from typing import Literal
 
 import numpy as np
 import pandas as pd
 
 from reliab.report.document import Column, Document, Figure, Paragraph, Points, Section, Table
-from reliab.report.figures.measured_test import tracking_over_time, tracking_plane
+from reliab.report.figures.measured_test import tracking_overview
+from reliab.report.kinds.assessment_error import errors_table, histories_figure
 from reliab.report.kinds.provenance import provenance_of
-from reliab.report.kinds.wording import METHODS, PERCENT, error_below, percent, probability
+from reliab.report.kinds.wording import ERRORS, METHODS, PERCENT, percent
 from reliab.report.numbers import Fixed
 from reliab.report.prose import Prose, prose
 from reliab.report.sources import SOURCES
-from reliab.validation.assessment.assess import LEVEL, Assessment
+from reliab.validation.assessment.assessment import Assessment
+from reliab.validation.assessment.doubts import probability_text
+from reliab.validation.assessment.tracking_index import LEVEL
+from reliab.validation.assessment.verdict import Word
 
 _MILLISECONDS = 1e3
 _FAR = 10.0
+_TONES: Mapping[Word, Literal["plain", "good", "bad"]] = {
+    Word.RELIABLE: "good",
+    Word.UNDECIDED: "plain",
+    Word.NOT_RELIABLE: "bad",
+}
 
 
 def assessment_report(
@@ -43,19 +53,19 @@ def assessment_report(
     Document
         A sheet of two pages.
     """
+    error = (errors_table(assessment), histories_figure(assessment))
     sections = [
-        Section(title="What was measured", blocks=(_numbers(assessment), _plane(assessment))),
-        Section(title="What to improve", blocks=(Paragraph(text=_advice(assessment)),)),
+        Section(title="The error of this test", blocks=error),
         Section(title="What to know", blocks=(Points(items=(*_cautions(assessment), *notes)),)),
+        Section(title="What to improve", blocks=(Paragraph(text=_advice(assessment)),)),
+        Section(title="Amplitude and delay", blocks=(_numbers(assessment), _plane(assessment))),
         Section(title="How it was judged", blocks=(Paragraph(text=_method(assessment)),)),
     ]
-    if assessment.windows.centre.size:
-        sections.insert(3, Section(title="Over the test", blocks=(_over_time(assessment),)))
     return Document(
         kind="Assessment of a real-time hybrid simulation",
         title=title or assessment.recording.name,
         verdict=_verdict(assessment),
-        tone="good" if assessment.reliable else "bad",
+        tone=_TONES[assessment.verdict.word],
         facts=_facts(assessment),
         blocks=tuple(sections),
         provenance=provenance_of(provenance, assessment.criterion.provenance),
@@ -65,18 +75,18 @@ def assessment_report(
 
 
 def _verdict(found: Assessment) -> Prose:
-    word = "reliable" if found.reliable else "not reliable"
-    low, high = found.index_interval
-    chance = found.probability
-    likely = (
-        "" if chance is None else f", and the probability that its error stays there is {probability(chance)}"
-    )
+    size = found.error.of(found.metric)
     return (
-        *prose("The test is *{word}*: its index is {index} ", word=word, index=_index(found.index)),
-        f"({LEVEL:.0%} interval {_index(low)} to {_index(high)}".replace("%", " %"),
-        "; reliable up to 1) for ",
-        *error_below(found.criterion.metric, found.criterion.threshold),
-        f"{likely}.",
+        *prose("The test is *{word}*: its ", word=found.verdict.word.replace("_", " ")),
+        ERRORS[found.metric],
+        " ".join(
+            (
+                f" is {percent(size.value)}",
+                f"(90 % interval {percent(size.low)} to {percent(size.high)})",
+                f"against {percent(found.criterion.threshold)}.",
+                f"Probability of staying below: {probability_text(found.probability)}.",
+            )
+        ),
     )
 
 
@@ -87,16 +97,30 @@ def _facts(found: Assessment) -> dict[str, Prose]:
         if found.own
         else f"{percent(found.criterion.confidence)} of the ground motions behind the criterion"
     )
+    window = (
+        found.criterion.provenance.window
+        if found.own is None
+        else f"{found.own.window[0]:.4g} to {found.own.window[1]:.4g} s of the record"
+    )
     return {
         "Test": f"{recording.name}, {recording.duration:.1f} s at {1.0 / recording.time_step:.5g} Hz",
         "Structure": prose(
-            "$f = {f:g}$ Hz, $xi = {xi:g}$, share of the stiffness in the laboratory $alpha = {alpha:g}$",
-            f=structure.frequency,
-            xi=structure.damping_ratio,
-            alpha=structure.experimental_fraction,
+            "$f =$ {f} Hz, $xi =$ {xi}, share of the stiffness in the laboratory $alpha =$ {alpha}",
+            f=_stated(found, "f", structure.frequency),
+            xi=_stated(found, "xi", structure.damping_ratio),
+            alpha=_stated(found, "alpha", structure.experimental_fraction),
         ),
-        "Judged by": basis,
+        "Threshold and window": (
+            f"{percent(found.criterion.threshold)}, over the test's own {recording.duration:.4g} s"
+        ),
+        "Index judged by": (
+            f"{basis}: {found.verdict_by_index.word.replace('_', ' ')}; window of its errors: {window}"
+        ),
     }
+
+
+def _stated(found: Assessment, name: str, value: float) -> str:
+    return str(found.stated.get(name, f"{value:g}"))
 
 
 def _numbers(found: Assessment) -> Table:
@@ -114,6 +138,7 @@ def _numbers(found: Assessment) -> Table:
             "1",
         ),
         *_own(found),
+        *_tracking(found),
         ("Equivalent frequency [Hz]", f"{tracking.plain.equivalent_frequency:.3f}", "", ""),
         (
             "Delay at which the loop is unstable [ms]",
@@ -169,43 +194,57 @@ def _own(found: Assessment) -> list[tuple[str, str, str, str]]:
     return [row]
 
 
+def _tracking(found: Assessment) -> list[tuple[str, str, str, str]]:
+    measures = found.measures
+    return [
+        (
+            "Largest tracking error over the command's peak [%]",
+            f"{PERCENT * measures.maximum_error:.2f}",
+            "",
+            "",
+        ),
+        ("RMS tracking error over the command's RMS [%]", f"{PERCENT * measures.rms_error:.2f}", "", ""),
+        (
+            "Phase [rad] and amplitude error indices",
+            f"{measures.phase_error:.4f}, {measures.amplitude_error:+.4f}",
+            "",
+            "",
+        ),
+        (
+            "Tracking indicator [m²], energy error over strain energy [%]",
+            f"{measures.tracking_indicator:.2e}, {PERCENT * measures.energy_error:+.1f}",
+            "",
+            "",
+        ),
+    ]
+
+
 def _plane(found: Assessment) -> Figure:
     boundaries = {
         f"{percent(found.criterion.confidence)} of motions": (found.population.a, found.population.b)
     }
     if found.own is not None:
         boundaries = {f"motion {found.own.motion}": (found.own.a, found.own.b), **boundaries}
+    windows = found.windows if found.windows.centre.size else None
+    over_time = (
+        ""
+        if windows is None
+        else f" Right: both in windows of {windows.length:.3g} s (bars: two standard deviations); a rig that "
+        "behaves alike throughout shows no trend."
+    )
     return Figure(
-        drawing=tracking_plane(
+        drawing=tracking_overview(
             amplitude=found.tracking.amplitude,
             delay=found.tracking.delay,
             draws=found.tracking.draws,
             boundaries=boundaries,
+            windows=windows,
         ),
-        caption="The test is accepted inside the ellipse; the grey cloud is what noise leaves open.",
+        caption=(
+            "Left: the index accepts the test inside the ellipse; the grey cloud is what noise leaves open."
+            f"{over_time}"
+        ),
         label="fig:plane",
-    )
-
-
-def _over_time(found: Assessment) -> Figure:
-    recording, windows = found.recording, found.windows
-    return Figure(
-        drawing=tracking_over_time(
-            times=np.linspace(0.0, recording.duration, recording.command.size),
-            command=recording.command,
-            measured=recording.measured,
-            centres=windows.centre,
-            amplitude=windows.amplitude,
-            amplitude_sd=windows.amplitude_sd,
-            delay=windows.delay,
-            delay_sd=windows.delay_sd,
-        ),
-        caption=prose(
-            "Histories, and amplitude error and delay in windows of {length:.3g} s (bars: two standard "
-            "deviations). A rig that behaves alike throughout shows no trend.",
-            length=windows.length,
-        ),
-        label="fig:time",
     )
 
 
@@ -228,12 +267,16 @@ def _advice(found: Assessment) -> Prose:
 
 def _cautions(found: Assessment) -> list[Prose]:
     own = () if found.own else found.criterion.provenance.warnings
-    told: list[Prose] = [*found.warnings, *found.recording.notes, *own]
+    reasons = found.verdict.reasons if found.verdict.word is Word.UNDECIDED else ()
     return [
-        *told,
+        *reasons,
+        *(f"What would decide: {remedy}" for remedy in found.verdict.would_decide),
+        *found.warnings,
+        *found.recording.notes,
+        *own,
         prose(
-            "The verdict speaks of a linear structure and of errors that a gain and a delay describe; "
-            "friction, backlash and saturation are not in $A$ and $d$."
+            "The error is that of a linear structure with the stated properties, whatever the actuator did; "
+            "$A$ and $d$ hold no friction, backlash or saturation."
         ),
     ]
 
@@ -255,6 +298,8 @@ def _method(found: Assessment) -> Prose:
     )
     return (
         *prose(
+            "The error is rebuilt from command and measured displacement: their difference, filtered by the "
+            "structure's own equation of motion, is how far the test strayed from the undisturbed structure. "
             "$A$ and $d$ are the amplitude and delay of the frequency-domain evaluation index @guo2014 "
             "between command and measured displacement, freed of the noise of the command and of the effect "
             "of the record's ends; intervals come from blocks of what they leave unexplained. The index $(A "

@@ -20,7 +20,7 @@ from reliab.validation.assessment.recording import Recording
 
 Array = NDArray[np.float64]
 
-LEAST_MATCH = 0.7
+LEAST_MATCH = 0.9
 """Similarity from which on a place counts as found: 1 for equal histories, 0 for unrelated ones."""
 
 _QUIET = 1e-2  # share of the largest energy of a stretch below which it is compared with nothing

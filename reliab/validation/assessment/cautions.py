@@ -69,7 +69,11 @@ def _consequence(effect: FaultEffect, found: Findings) -> Iterator[str]:
             f"would be {otherwise:.2%} without."
         )
     elif fault.in_loop is False:
-        why = "" if fault.kind == "spike" else "The command does not answer it, so that only the reading is off: "
+        why = (
+            ""
+            if fault.kind == "spike"
+            else "The command does not answer it, so that only the reading is off: "
+        )
         yield f"{why}{name} is {counted:.2%} without it; had the structure felt it, {otherwise:.2%}."
     else:
         yield f"{name} is {counted:.2%} as recorded and {otherwise:.2%} without it."

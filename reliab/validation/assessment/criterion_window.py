@@ -1,9 +1,12 @@
-"""Ellipses for tests of a length: RMS^R falls with every quiet second, and limits grow with the window."""
+"""Which window of the shipped ellipses suits a test of a length.
+
+RMS^R falls with every quiet second, so that limits grow with the window.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
-import xarray as xr
-
-from reliab.vocabulary import Dimension
 
 RECORD = "record"
 """Window of ellipses whose errors were computed over whole records."""
@@ -11,54 +14,66 @@ RECORD = "record"
 _SAME = 0.01  # share of a window's length by which a test may differ from it
 
 
-def for_duration(ellipses: xr.Dataset, duration: float | None) -> xr.Dataset:
-    """Take the ellipses of windows as long as a test.
+@dataclass(frozen=True, kw_only=True)
+class CriterionWindow:
+    """Two windows between which ellipses are interpolated, ln a and ln b over the logarithm of the length.
+
+    Attributes
+    ----------
+    below, above : str
+        The windows; the same where one suits.
+    weight : float
+        Weight of the second.
+    label : str
+        The choice in words.
+    """
+
+    below: str
+    above: str
+    weight: float
+    label: str
+
+
+def window_for(duration: float | None, stored: Iterable[str]) -> CriterionWindow:
+    """Choose windows for tests of a length.
 
     Parameters
     ----------
-    ellipses : xarray.Dataset
-        Ellipses with a dimension of windows, of which some are lengths in seconds.
     duration : float or None
         Length of the test [s]; whole records where None.
+    stored : iterable of str
+        Windows for which there are ellipses.
 
     Returns
     -------
-    xarray.Dataset
-        Without that dimension; ln a and ln b between two lengths are linear in that of the length. A test
-        longer than the longest is judged by the longest, which is on the safe side; one shorter than the
-        shortest by the shortest, which is not. The attribute `window` says which.
+    CriterionWindow
+        One window, or two between which the length lies. A test longer than the longest is judged by the
+        longest, which is on the safe side; one shorter than the shortest by the shortest, which is not.
+
+    Examples
+    --------
+    >>> window_for(25.0, ["record", "20", "30"]).label
+    '25 s, between those of 20 s and 30 s'
+    >>> window_for(90.0, ["record", "20", "30"]).label
+    '30 s, the longest that ships'
     """
-    if Dimension.WINDOW not in ellipses.dims:
-        return ellipses
-    if duration is None:
-        return _taken(ellipses, RECORD).assign_attrs(ellipses.attrs, window=RECORD)
-    lengths = sorted(float(label) for label in ellipses[Dimension.WINDOW].values if _is_length(label))
-    near = min(lengths, key=lambda length: abs(np.log(duration / length)))
-    if abs(duration / near - 1.0) <= _SAME:
-        chosen, label = _taken(ellipses, f"{near:g}"), f"{near:g}"
-    elif duration > lengths[-1]:
-        chosen, label = _taken(ellipses, f"{lengths[-1]:g}"), f"{lengths[-1]:g}, the longest that ships"
-    elif duration < lengths[0]:
-        chosen, label = _taken(ellipses, f"{lengths[0]:g}"), f"{lengths[0]:g}, the shortest that ships"
-    else:
-        above = next(length for length in lengths if length > duration)
-        below = lengths[lengths.index(above) - 1]
-        weight = np.log(duration / below) / np.log(above / below)
-        chosen = _between(ellipses, f"{below:g}", f"{above:g}", weight)
-        label = f"{duration:.3g}, interpolated between {below:g} and {above:g}"
-    return chosen.assign_attrs(ellipses.attrs, window=label)
-
-
-def _taken(ellipses: xr.Dataset, label: str) -> xr.Dataset:
-    return ellipses.sel({Dimension.WINDOW: label}, drop=True)
-
-
-def _between(ellipses: xr.Dataset, below: str, above: str, weight: float) -> xr.Dataset:
-    names = ["a", "b"]
-    sound = ellipses[names].where((ellipses["a"] > 0.0) & (ellipses["b"] > 0.0))
-    low, high = (np.log(_taken(sound, label)) for label in (below, above))
-    interpolated: xr.Dataset = np.exp((1.0 - weight) * low + weight * high)  # type: ignore[assignment]
-    return _taken(ellipses, above).assign(interpolated)
+    lengths = sorted(float(label) for label in stored if _is_length(label))
+    if duration is None or not lengths:
+        return CriterionWindow(below=RECORD, above=RECORD, weight=0.0, label=RECORD)
+    above = min((length for length in lengths if length >= duration), default=lengths[-1])
+    below = max((length for length in lengths if length <= duration), default=lengths[0])
+    near = min((below, above), key=lambda length: abs(np.log(duration / length)))
+    if below != above and abs(duration / near - 1.0) > _SAME:
+        return CriterionWindow(
+            below=f"{below:g}",
+            above=f"{above:g}",
+            weight=float(np.log(duration / below) / np.log(above / below)),
+            label=f"{duration:.3g} s, between those of {below:g} s and {above:g} s",
+        )
+    note = ""
+    if abs(duration / near - 1.0) > _SAME:
+        note = ", the longest that ships" if duration > near else ", the shortest that ships"
+    return CriterionWindow(below=f"{near:g}", above=f"{near:g}", weight=0.0, label=f"{near:g} s{note}")
 
 
 def _is_length(label: str) -> bool:

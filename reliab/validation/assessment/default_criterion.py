@@ -10,8 +10,8 @@ from reliab.criterion import Criterion, derive_criterion
 from reliab.criterion.methods import RECOMMENDED, method_of
 from reliab.errors import InputError
 from reliab.shipped import shipped
-from reliab.sweep import open_ellipses
-from reliab.validation.assessment.criterion_window import for_duration
+from reliab.sweep import ellipse_windows, open_ellipses
+from reliab.validation.assessment.criterion_window import RECORD, window_for
 
 _TABLE = "real_suite/ellipses.nc"
 _SOURCE = "the ellipses that ship with the package, of the motions of FEMA P-695"
@@ -54,12 +54,15 @@ def default_criterion(
     InputError
         If the threshold lies outside of the shipped ones, or the metric is unknown.
     """
-    ellipses = _shipped_ellipses()
+    window = window_for(duration, shipped_windows())
+    ellipses = _shipped_ellipses(window.below)
     if metric not in ellipses["metric"].values.tolist():
         raise InputError("The metric is rms or mte", value=metric, remedy="Choose one of these")
     if without is not None:
         ellipses = ellipses.isel(motion=ellipses["event"].values != without)
-    near = for_duration(ellipses, duration).sel(
+    if window.weight > 0.0:
+        ellipses = _between(ellipses, _shipped_ellipses(window.above), window.weight)
+    near = ellipses.assign_attrs(window=window.label).sel(
         f=_neighbours(ellipses["f"].values, frequency),
         xi=_neighbours(ellipses["xi"].values, damping_ratio),
         metric=[metric],
@@ -81,8 +84,23 @@ def shipped_frequencies() -> list[float]:
 
 
 @lru_cache(maxsize=1)
-def _shipped_ellipses() -> xr.Dataset:
-    return open_ellipses(shipped("datasets", _TABLE))
+def shipped_windows() -> tuple[str, ...]:
+    """Windows for which ellipses ship with the package."""
+    return ellipse_windows(shipped("datasets", _TABLE))
+
+
+@lru_cache(maxsize=4)
+def _shipped_ellipses(window: str = RECORD) -> xr.Dataset:
+    return open_ellipses(shipped("datasets", _TABLE), window=window)
+
+
+def _between(below: xr.Dataset, above: xr.Dataset, weight: float) -> xr.Dataset:
+    """Ellipses of a window between two, ln a and ln b being linear in the logarithm of its length."""
+    low, high = (
+        np.log(each[["a", "b"]].where((each["a"] > 0.0) & (each["b"] > 0.0))) for each in (below, above)
+    )
+    interpolated = np.exp((1.0 - weight) * low + weight * high)
+    return above.assign({name: interpolated[name] for name in ("a", "b")})
 
 
 def _neighbours(values: NDArray[np.float64], wanted: float) -> list[float]:

@@ -7,13 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import elementwise
 
-from reliab.boundary import Contour, Ellipse, motion_contours
+from reliab.boundary import Contour, InscribedEllipse, motion_contours
 from reliab.errors import InputError
 from reliab.indices.response_error import relative_error
 from reliab.loop.engine import Loop
 from reliab.loop.excitation import Excitation
 from reliab.loop.structure import Structure
-from reliab.vocabulary import Metric
+from reliab.vocabulary import Metric, Side
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -41,22 +41,19 @@ class OwnBoundary:
     def _loop(self) -> Loop:
         return Loop(excitation=self.excitation, structure=self.structure)
 
-    def contour(self) -> Contour:
-        """Amplitude [-] and delay [s] along the boundary."""
-        return motion_contours(self._loop, (self.threshold,), self.metric)[0]
+    def contour(self, side: Side = Side.LAG) -> Contour:
+        """Amplitude [-] and delay [s], negative for leads, along one side of the boundary."""
+        return motion_contours(self._loop, (self.threshold,), self.metric, side=side)[0]
 
-    def ellipse(self, *, lead: bool = False) -> tuple[float, float]:
-        """Parameters a [-] and b [ms²] of the ellipse fitted to the boundary."""
-        fit = Ellipse.fit(self.contour())
+    def ellipse(self, side: Side = Side.LAG) -> tuple[float, float]:
+        """Parameters a [-] and b [ms²] of the ellipse inscribed in one side of the boundary."""
+        fit = InscribedEllipse.fit(self.contour(side))
         return fit.a, fit.b
 
     def error(self, amplitude: NDArray[np.float64], delay: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Error of tests with given A [-] and d [s], shape (tests,).
-
-        An actuator that leads is taken to be as late as it is early; the boundary is nearly symmetric.
-        """
+        """Error of tests with given A [-] and d [s], negative where they lead, shape (tests,)."""
         loop = self._loop
-        cells = loop.cells(gain=np.asarray(amplitude), delay=np.abs(delay))
+        cells = loop.cells(gain=np.asarray(amplitude), delay=np.asarray(delay))
         return relative_error(loop.deviation(cells), self.metric)
 
     def index(self, amplitude: float, delay: float) -> float:
@@ -65,21 +62,26 @@ class OwnBoundary:
         Parameters
         ----------
         amplitude, delay : float
-            A [-] and d [s].
+            A [-] and d [s], negative where the test leads.
 
         Returns
         -------
         float
             1/s², the boundary lying at s times the test's distance from the perfect one.
+
+        Raises
+        ------
+        InputError
+            If no such test reaches the threshold.
         """
-        loop, offset, late = self._loop, amplitude - 1.0, abs(delay)
-        if offset == 0.0 and late == 0.0:
+        loop, offset = self._loop, amplitude - 1.0
+        if offset == 0.0 and delay == 0.0:
             return 0.0
 
         def excess(logarithm: NDArray[np.float64]) -> NDArray[np.float64]:
             share = np.exp(logarithm)
             gain = np.maximum(1.0 + share * offset, 1e-3)
-            found = relative_error(loop.deviation(loop.cells(gain=gain, delay=share * late)), self.metric)
+            found = relative_error(loop.deviation(loop.cells(gain=gain, delay=share * delay)), self.metric)
             return np.nan_to_num(found, nan=1e3, posinf=1e3) - self.threshold
 
         bracket = elementwise.bracket_root(excess, np.array([-0.1]), np.array([0.1]))

@@ -11,7 +11,7 @@ from reliab.motions import Motion
 from reliab.validation.assessment.alignment import Alignment, Padded
 from reliab.validation.assessment.own_boundary import OwnBoundary
 from reliab.validation.assessment.tracking_index import LEVEL, TrackingIndex
-from reliab.vocabulary import Metric
+from reliab.vocabulary import Metric, Side
 
 _DRAWS = 200
 
@@ -39,7 +39,7 @@ class OwnPlacement:
     probability : float
         Probability that the error stays below the threshold, over what noise leaves open of A and d.
     a, b : float
-        Ellipse fitted to the boundary on the test's side, lag or lead, [-] and [ms²].
+        Ellipse inscribed in the boundary on the test's side, lag or lead, [-] and [ms²].
     """
 
     motion: str
@@ -94,7 +94,7 @@ def place_on_own(
     index = boundary.index(tracking.amplitude, tracking.delay)
     errors = boundary.error(*tracking.draws[:, :_DRAWS])
     low, high = np.quantile(errors, [0.5 * (1.0 - LEVEL), 0.5 * (1.0 + LEVEL)]).tolist()
-    a, b = boundary.ellipse(lead=tracking.delay < 0.0)
+    a, b = boundary.ellipse(Side.LEAD if tracking.delay < 0.0 else Side.LAG)
     return OwnPlacement(
         motion=motion.name,
         alignment=alignment,
