@@ -43,7 +43,9 @@ class Start:
     offset_deviation: float
 
 
-def examine_start(command: Array, measured: Array, time_step: float, frequency: float, white: float) -> Start:
+def examine_start(
+    command: Array, measured: Array, time_step: float, frequency: float, white: float, slow: float = 0.0
+) -> Start:
     """Find offset and state of motion at the begin of a recording.
 
     Parameters
@@ -56,6 +58,8 @@ def examine_start(command: Array, measured: Array, time_step: float, frequency: 
         Lowest natural frequency [Hz].
     white : float
         Standard deviation of the sensor's white noise [m].
+    slow : float, optional
+        Root mean square of its slow noise [m].
 
     Returns
     -------
@@ -81,7 +85,7 @@ def examine_start(command: Array, measured: Array, time_step: float, frequency: 
     still = max(min(still, int(_LONGEST_REST * command.size)), _FEWEST)
     offset = float(np.mean(measured[:still] - command[:still]))
     motion = float(np.abs(command[:still] - command[0]).max())
-    deviation = white / np.sqrt(still)
+    deviation = float(np.hypot(white / np.sqrt(still), slow))
     if abs(offset) <= _SIGNIFICANT * deviation + motion:
         return Start(at_rest=True, amplitude=0.0, offset=0.0, offset_deviation=deviation)
     return Start(at_rest=True, amplitude=0.0, offset=offset, offset_deviation=deviation)

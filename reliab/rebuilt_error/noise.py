@@ -154,9 +154,6 @@ def estimate_noise(command: Array, measured: Array, time_step: float) -> SensorN
     weights = np.zeros(1 + len(CORNERS))
     if quiet.sum() > len(CORNERS):
         weights = _fitted(_shapes(centre[quiet], time_step), mean[quiet], count[quiet])
-        bound = _shapes(centre, time_step)
-        excess = float(np.max((weights @ bound)[~quiet] / mean[~quiet], initial=1.0))
-        weights[1:] /= excess
     else:
         weights[0] = floor
     return SensorNoise(
@@ -169,7 +166,7 @@ def _followed(command: Array, measured: Array, step: float) -> Array:
     velocity = np.gradient(command, step)
     place = np.linspace(-1.0, 1.0, command.size)
     basis = np.stack([command, velocity, np.gradient(velocity, step)])
-    rows = np.concatenate([basis, basis * place, basis * place**2, np.ones((1, command.size))])
+    rows = np.concatenate([basis, basis[:2] * place, np.ones((1, command.size))])
     rows /= np.maximum(np.abs(rows).max(axis=1, keepdims=True), np.finfo(float).tiny)
     found = np.linalg.lstsq(rows @ rows.T, rows @ measured, rcond=1e-12)[0]
     return np.asarray(found @ rows)

@@ -204,7 +204,7 @@ def rebuild(
     command, measured = _checked(command, measured, time_step, whole)
     noise = estimate_noise(command, measured, time_step)
     lowest = float(whole.natural_frequencies[0]) or 1.0
-    start = examine_start(command, measured, time_step, lowest, noise.white)
+    start = examine_start(command, measured, time_step, lowest, noise.white, noise.slow)
     if sensor_offset is not None:
         start = replace(start, offset=sensor_offset, offset_deviation=0.0)
     read = measured - start.offset
