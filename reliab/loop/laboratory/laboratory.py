@@ -220,7 +220,9 @@ def _plant_step(partition: Partition, plant: Plant, h: float) -> PlantStep:
 
 
 def _events(rig: Rig, plant: Plant, h: float, beyond: float) -> Events:
-    whole, rest = divmod(plant.delay / h, 1.0)
+    # What follows its command at once is read a step later, so that a pure delay has that step already.
+    delay = plant.delay if plant.dynamics.size else max(plant.delay - h, 0.0)
+    whole, rest = divmod(delay / h, 1.0)
     sensors, limits = rig.sensors, rig.limits
     return Events(
         whole=int(whole),

@@ -257,7 +257,7 @@ class FrameDescription(_Table):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class TestedFrame:
+class FrameUnderTest:
     """A partitioned frame and the response whose error counts.
 
     Attributes
@@ -273,15 +273,13 @@ class TestedFrame:
         The same in words.
     """
 
-    __test__ = False
-
     name: str
     partition: Partition
     output: Array | None
     error_of: str
 
 
-def tested_frame(content: dict[str, Any], where: str) -> TestedFrame:
+def frame_of_tables(content: dict[str, Any], where: str) -> FrameUnderTest:
     """Build a tested frame from the tables of a file.
 
     Parameters
@@ -293,7 +291,7 @@ def tested_frame(content: dict[str, Any], where: str) -> TestedFrame:
 
     Returns
     -------
-    TestedFrame
+    FrameUnderTest
         The frame with its partition.
 
     Raises
@@ -316,7 +314,7 @@ def tested_frame(content: dict[str, Any], where: str) -> TestedFrame:
         raise InputError(error.rule, value=error.value, remedy=error.remedy, where=where) from None
 
 
-def read_frame(path: str | Path) -> TestedFrame:
+def read_frame(path: str | Path) -> FrameUnderTest:
     """Read a tested frame from its TOML file.
 
     Parameters
@@ -326,7 +324,7 @@ def read_frame(path: str | Path) -> TestedFrame:
 
     Returns
     -------
-    TestedFrame
+    FrameUnderTest
         The frame with its partition.
 
     Raises
@@ -342,10 +340,10 @@ def read_frame(path: str | Path) -> TestedFrame:
         ) from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError("A description of a frame must be valid TOML", value=error, where=str(path)) from None
-    return tested_frame(content, str(path))
+    return frame_of_tables(content, str(path))
 
 
-def _built(description: FrameDescription) -> TestedFrame:
+def _built(description: FrameDescription) -> FrameUnderTest:
     table = description.frame
     mass, stiffness = table.matrices
     plain = Frame(
@@ -376,7 +374,7 @@ def _built(description: FrameDescription) -> TestedFrame:
     )
     of = description.error
     words = {"interface": "the measured interface displacement", "drift": f"the drift between {of.between}"}
-    return TestedFrame(
+    return FrameUnderTest(
         name=description.name,
         partition=partition,
         output=of.output(frame),

@@ -271,25 +271,46 @@ class FrameLoop:
             tracks = track(ground, self.ideal, first, np.ascontiguousarray(filled))[:, : cells.gain.size]
             return summary(tracks, float(ground.size - 1 - first), self.ideal_peak)
 
-    def _exact(self, cells: FrameCells) -> Deviation:
-        if not cells.stable.all():
-            worst = int(np.argmin(cells.stable))
-            limit, frequency = critical_delay(self.partition, float(cells.gain[worst]))
+    def response(
+        self, gain: float, delay: float, *, longest: float | None = None
+    ) -> tuple[Array, float]:
+        """Exact response of the output with one actuator, inside the window.
+
+        Parameters
+        ----------
+        gain, delay : float
+            Actuator gain [-] and delay [s], below the critical delay; 1 and 0 give the undivided frame.
+        longest : float, optional
+            Longest step of the result [s]; that of the pole pairs by default.
+
+        Returns
+        -------
+        response : numpy.ndarray
+            Response [m] at equal steps from the begin to the end of the window.
+        step : float
+            The step [s].
+
+        Raises
+        ------
+        InputError
+            If the test is unstable.
+        """
+        limit, frequency = critical_delay(self.partition, gain)
+        if delay >= limit:
             raise InputError(
                 f"The spectral engine needs a delay below the critical delay, which is {1e3 * limit:.6g} ms "
-                f"(at {frequency:.3g} Hz) for k_p = {cells.gain[worst]:g}",
-                value=f"{1e3 * cells.delay[worst]:.6g} ms",
+                f"(at {frequency:.3g} Hz) for k_p = {gain:g}",
+                value=f"{1e3 * delay:.6g} ms",
                 remedy="Use a stepping engine for an unstable test",
             )
+        function = partial(_column, self.partition, gain, delay, self.output)
+        return respond(self.excitation, function, longest=longest or self.step)
 
-        def response(gain: float, delay: float) -> tuple[Array, float]:
-            function = partial(_column, self.partition, gain, delay, self.output)
-            return respond(self.excitation, function, longest=self.step)
-
-        ideal, step = response(1.0, 0.0)
+    def _exact(self, cells: FrameCells) -> Deviation:
+        ideal, step = self.response(1.0, 0.0)
         squares, peaks = np.empty(cells.gain.size), np.empty(cells.gain.size)
         for cell, (gain, delay) in enumerate(zip(cells.gain.tolist(), cells.delay.tolist(), strict=True)):
-            strayed = response(gain, delay)[0] - ideal
+            strayed = self.response(gain, delay)[0] - ideal
             squares[cell] = np.trapezoid(strayed**2, dx=step) / self.excitation.window_duration
             peaks[cell] = peak_of_history(strayed)
         return Deviation(mean_square=squares, peak=peaks, ideal_peak=peak_of_history(ideal))

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 
 _ON_AXIS = 1e-9  # real part over modulus of a pole that lies on the imaginary axis
 _SAME = 1e-6  # relative distance of poles that are one pole repeated
+_MOST_DRAWS = 20  # to each that is wanted
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -237,7 +238,6 @@ class TransferUncertainty:
     frequency: float = 0.0
     damping: float = 0.0
     delay: float = 0.0
-    _most: int = field(default=1000, repr=False)
 
     def __post_init__(self) -> None:
         for name in ("gain", "frequency", "damping", "delay"):
@@ -257,18 +257,16 @@ class TransferUncertainty:
         """
         generator = np.random.default_rng(seed)
         drawn: list[TransferFunction] = []
-        for _ in range(self._most):
-            if len(drawn) == count:
-                return drawn
+        for _ in range(_MOST_DRAWS * count):
             try:
                 drawn.append(self._one(nominal, generator))
             except InputError:
                 continue
-        if len(drawn) == count:
-            return drawn
+            if len(drawn) == count:
+                return drawn
         raise InputError(
             "Nearly every draw of the transfer function is unstable",
-            value=f"{len(drawn)} of {self._most} are sound",
+            value=f"{len(drawn)} of {_MOST_DRAWS * count} are sound",
             remedy="Reduce the standard deviations",
         )
 
