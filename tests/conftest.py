@@ -6,10 +6,14 @@ from pathlib import Path
 
 import pytest
 import typst
+from hypothesis import settings
 
 from reliab.report.content import CONTENT_FILE, files_of
 from reliab.report.document import Document
 from reliab.report.pdf import templates
+
+settings.register_profile("repeatable", derandomize=True)
+settings.load_profile("repeatable")
 
 _SHARED = Path(__file__).resolve().parents[2] / "shared"
 

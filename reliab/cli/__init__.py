@@ -5,6 +5,7 @@ command runs, so that `reliab --help` answers at once.
 """
 
 import sys
+import warnings
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -12,6 +13,7 @@ import typer
 
 from reliab.cli import assess, criterion, diagnose, ellipses, motions, report, simulate, validate
 from reliab.cli import run as run_command
+from reliab.cli.output import write_what_can_be_written
 from reliab.errors import IncompleteError, InputError
 from reliab.stated_value import StatedValue
 
@@ -37,6 +39,8 @@ app.command("report")(report.report)
 
 def main() -> None:
     """Run the command line; bad input ends with one sentence and exit code 2."""
+    for stream in (sys.stdout, sys.stderr):
+        write_what_can_be_written(stream)
     sys.exit(run(sys.argv[1:]))
 
 
@@ -55,7 +59,9 @@ def run(arguments: Sequence[str]) -> int:
     """
     command = typer.main.get_command(app)
     try:
-        command.main(list(spread(arguments, command)), prog_name="reliab")
+        with warnings.catch_warnings():
+            warnings.showwarning = _show_warning
+            command.main(list(spread(arguments, command)), prog_name="reliab")
     except InputError as error:
         return _fail(str(error), _BAD_INPUT)
     except IncompleteError as error:
@@ -104,6 +110,11 @@ def _is_number(text: str) -> bool:
     except InputError:
         return False
     return True
+
+
+def _show_warning(message: Warning | str, *_details: object, **_more: object) -> None:
+    """Show a warning as a line without the place in the code that gave it."""
+    typer.secho(f"Warning: {message}", err=True, fg=typer.colors.YELLOW)
 
 
 def _fail(message: str, code: int) -> int:

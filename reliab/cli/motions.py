@@ -72,14 +72,21 @@ def check(
     units: Units = None,
     json_target: JsonTarget = None,
 ) -> None:
-    """Read every record and report all faults; the exit code is 2 if there is one."""
+    """Read every record; report all faults (exit code 2), and note what deserves a look."""
     from reliab.motions.checking import inspect
 
     inspections = [inspect(source, sets=sets, time_step=time_step, units=units) for source in sources]
     faults = [fault for inspection in inspections for fault in inspection.faults]
+    notes = [note for inspection in inspections for note in inspection.notes]
     records = sum(inspection.records for inspection in inspections)
-    if not write_json({"records": records, "faults": [asdict(fault) for fault in faults]}, json_target):
+    content = {
+        "records": records,
+        "faults": [asdict(fault) for fault in faults],
+        "notes": [asdict(note) for note in notes],
+    }
+    if not write_json(content, json_target):
         _show_faults(faults, records, sources)
+        _show_notes(notes, sources)
     if faults:
         raise typer.Exit(2)
 
@@ -163,6 +170,12 @@ def _show_faults(faults: "list[Fault]", records: int, sources: list[str]) -> Non
         cells = (_within(fault.file, sources), line, fault.rule, fault.value, fault.remedy)
         table.add_row(*(Text(cell) for cell in cells))
     console().print(table)
+
+
+def _show_notes(notes: "list[Fault]", sources: list[str]) -> None:
+    for note in notes:
+        text = f"Note: {_within(note.file, sources)}: {note.value}. {note.remedy}."
+        console().print(text, markup=False, highlight=False, soft_wrap=True)
 
 
 def _within(file: str, sources: list[str]) -> str:

@@ -1,10 +1,14 @@
 """What every command prints: JSON for programs, tables and progress for people."""
 
+import codecs
+import io
 import json
+import sys
+import unicodedata
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Final, TextIO
 
 import typer
 from rich import box
@@ -22,6 +26,68 @@ def console() -> Console:
     """Console for results: as wide as the terminal, or wide enough to be searched in a pipe."""
     terminal = Console()
     return terminal if terminal.is_terminal else Console(width=_WIDTH_OF_PIPES)
+
+
+def takes_any_character(stream: TextIO) -> bool:
+    """Tell whether a stream can write every character, which only UTF encodings can."""
+    return (getattr(stream, "encoding", None) or "utf-8").lower().startswith("utf")
+
+
+def write_what_can_be_written(stream: TextIO) -> None:
+    """Let a terminal or pipe that lacks characters show others in their place, "xi" for "ξ".
+
+    Parameters
+    ----------
+    stream : file
+        Standard output or error; left as it is where it takes every character.
+    """
+    if not takes_any_character(stream) and isinstance(stream, io.TextIOWrapper):
+        codecs.register_error(_SUBSTITUTION, _substitute)
+        stream.reconfigure(errors=_SUBSTITUTION)
+
+
+def _substitute(error: UnicodeError) -> tuple[str, int]:
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    missing = error.object[error.start : error.end]
+    text = "".join(_IN_ASCII.get(character) or _without_marks(character) for character in missing)
+    return text, error.end
+
+
+def _without_marks(character: str) -> str:
+    """Nearest plain text of a character, "R" for "ᴿ"; "?" where there is none."""
+    plain = (_IN_ASCII.get(part, part) for part in unicodedata.normalize("NFKD", character))
+    return "".join(plain).encode("ascii", "ignore").decode() or "?"
+
+
+_SUBSTITUTION = "reliab"
+_IN_ASCII: Final = {
+    "ξ": "xi",
+    "α": "alpha",
+    "τ": "tau",
+    "ω": "omega",
+    "φ": "phi",
+    "σ": "sigma",
+    "π": "pi",
+    "Σ": "sum",
+    "√": "sqrt ",
+    "≤": "<=",
+    "≥": ">=",
+    "≈": "~",
+    "≠": "!=",
+    "×": "x",
+    "·": "*",
+    "−": "-",
+    "–": "-",
+    "—": "-",
+    "…": "...",
+    "→": "->",
+    "“": '"',
+    "”": '"',
+    "‘": "'",
+    "’": "'",
+    "∞": "inf",
+}
 
 
 def table(title: str, headings: Mapping[str, str]) -> Table:
@@ -67,10 +133,11 @@ def write_json(content: Mapping[str, Any], target: str | None) -> bool:
     """
     if target is None:
         return False
-    text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
     if target == "-":
-        typer.echo(text)
+        ascii_only = not takes_any_character(sys.stdout)
+        typer.echo(json.dumps(content, indent=2, ensure_ascii=ascii_only, allow_nan=False))
         return True
+    text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
     try:
         Path(target).write_text(f"{text}\n", encoding="utf-8")
     except OSError as error:

@@ -1,7 +1,7 @@
 """Check whole folders of records and report every fault at once."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import median
 
@@ -10,7 +10,7 @@ import numpy as np
 from reliab.errors import InputError
 from reliab.motions.catalogue import CATALOGUE, read_catalogue
 from reliab.motions.faults import Fault, Report
-from reliab.motions.folder import motion_name, scan_file, scan_folder
+from reliab.motions.folder import UNREAD, motion_name, scan_file, scan_folder, unread_files
 from reliab.motions.loading import BUILT_IN, declare, load_motions
 from reliab.motions.readers.reading import Declared
 from reliab.motions.readers.source import is_file, is_folder
@@ -32,18 +32,23 @@ class Inspection:
         Number of motions that were checked.
     faults : list of Fault
         Everything that is wrong, in the order of the catalogue or of the paths.
+    notes : list of Fault
+        What deserves a look and is not wrong: files in formats that are not read, and peaks that differ
+        much from the others although the files state their units.
     """
 
     records: int
     faults: list[Fault]
+    notes: list[Fault] = field(default_factory=list)
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Peak:
-    """Peak [m/s²] of a record, and whether its units are confirmed by a catalogue."""
+    """Peak [m/s²] of a record, whether the file states its units, and whether a catalogue confirms them."""
 
     file: str
     value: float
+    stated: bool
     confirmed: bool
 
 
@@ -80,8 +85,9 @@ def check_folder(
     Notes
     -----
     Beyond the rules for each file, the peaks in one folder are compared: one that differs from their median
-    by more than a factor of 50 is reported as a likely mixture of units, unless the catalogue confirms the
-    units of the record.
+    by more than a factor of 50 is a fault where the units of the record are those that were given here, which
+    may mix units; where the file states them it is a note of :func:`inspect`; where a catalogue confirms them
+    it is neither.
     """
     return inspect(path, sets=sets, time_step=time_step, units=units).faults
 
@@ -113,10 +119,15 @@ def inspect(
         if reading is not None:
             value = float(np.abs(reading.acceleration).max())
             confirmed = record.declared.units is not None and given.units is None
-            peaks.append(_Peak(file=report.file, value=value, confirmed=confirmed))
+            peaks.append(
+                _Peak(file=report.file, value=value, stated=reading.units_stated, confirmed=confirmed)
+            )
     if not checked and not faults:
         faults.append(_no_records(source, sets))
-    return Inspection(records=checked, faults=list(dict.fromkeys([*faults, *_mixed_units(peaks)])))
+    unlike = list(_unlike_peaks(peaks))
+    mixed = [fault for stated, fault in unlike if not stated]
+    notes = [*_unread(source), *(fault for stated, fault in unlike if stated)]
+    return Inspection(records=checked, faults=list(dict.fromkeys([*faults, *mixed])), notes=notes)
 
 
 def _records(source: Path, given: Declared, faults: list[Fault]) -> Iterator[tuple[RecordFile, Report]]:
@@ -151,16 +162,35 @@ def _no_records(source: Path, sets: Sequence[str] | None) -> Fault:
     )
 
 
-def _mixed_units(peaks: list[_Peak]) -> Iterator[Fault]:
+def _unread(source: Path) -> Iterator[Fault]:
+    """Name data files of a folder without a catalogue whose format is not read."""
+    if not is_folder(source) or is_file(source / CATALOGUE):
+        return
+    for path in unread_files(source):
+        yield Fault(
+            file=str(path),
+            line=None,
+            rule="A record must be in a format that is read",
+            value=UNREAD[path.suffix.lower()],
+            remedy="Skipped; export it as text or CSV if it is a record",
+        )
+
+
+def _unlike_peaks(peaks: list[_Peak]) -> Iterator[tuple[bool, Fault]]:
+    """Peaks far from the median of their folder, and whether the file states its units."""
     if len(peaks) < _FEWEST:
         return
     middle = median(peak.value for peak in peaks)
     for peak in peaks:
         if not peak.confirmed and not middle / _LIKENESS <= peak.value <= middle * _LIKENESS:
-            yield Fault(
+            remedy = "confirm a true peak in a catalogue's column units"
+            fault = Fault(
                 file=peak.file,
                 line=None,
                 rule=f"Peaks in one folder must lie within a factor of {_LIKENESS:g} of their median",
                 value=f"{peak.value / STANDARD_GRAVITY:.3g} g against {middle / STANDARD_GRAVITY:.3g} g",
-                remedy="Check for mixed units; confirm a true peak in a catalogue's column units",
+                remedy=f"A weak record, or wrong units in its header; {remedy}"
+                if peak.stated
+                else f"Check for mixed units; {remedy}",
             )
+            yield peak.stated, fault

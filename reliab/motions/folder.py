@@ -21,6 +21,23 @@ from reliab.motions.readers.source import HEAD, open_source
 from reliab.motions.record import RecordFile
 
 _STRIPPED = frozenset((".at2", ".v2", ".v2c", ".txt", ".csv", ".tsv", ".dat", ".asc", ".acc"))
+UNREAD = {
+    ".mat": "a MATLAB file",
+    ".npy": "a NumPy file",
+    ".npz": "a NumPy file",
+    ".h5": "an HDF5 file",
+    ".hdf5": "an HDF5 file",
+    ".nc": "a netCDF file",
+    ".xls": "an Excel file",
+    ".xlsx": "an Excel file",
+    ".sac": "a SAC file",
+    ".mseed": "a miniSEED file",
+    ".smc": "an SMC file",
+    ".zip": "an archive",
+    ".gz": "an archive",
+}
+"""Endings of files that may hold records but are not read, and what they are."""
+
 _NOT_RECORDS = ("readme", "license", "licence", "copying", "changelog")
 
 
@@ -48,6 +65,28 @@ def scan_folder(folder: Path, given: Declared) -> Iterator[tuple[Path, list[Reco
     for path in paths:
         report = Report(file=str(path))
         yield path, scan_file(path, names[path], given, report), report
+
+
+class UnreadFileWarning(UserWarning):
+    """A folder holds files that may be records in a format that is not read."""
+
+
+def unread_files(folder: Path) -> list[Path]:
+    """Find files of a folder that may hold records in a format that is not read.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder.
+
+    Returns
+    -------
+    list of Path
+        The files, in the order of paths.
+    """
+    paths = sorted(path for path in folder.rglob("*") if path.suffix.lower() in UNREAD and path.is_file())
+    hidden = (any(part.startswith(".") for part in path.relative_to(folder).parts) for path in paths)
+    return [path for path, out_of_sight in zip(paths, hidden, strict=True) if not out_of_sight]
 
 
 def scan_file(path: Path, name: str, given: Declared, report: Report) -> list[RecordFile]:

@@ -1,12 +1,13 @@
 """Load motions from files, folders and built-in suites."""
 
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
 from reliab.errors import InputError
 from reliab.motions.catalogue import CATALOGUE, read_catalogue
 from reliab.motions.faults import Report
-from reliab.motions.folder import motion_name, scan_file, scan_folder
+from reliab.motions.folder import UnreadFileWarning, motion_name, scan_file, scan_folder, unread_files
 from reliab.motions.motion import Motion
 from reliab.motions.readers.reading import Declared
 from reliab.motions.readers.source import is_file, is_folder
@@ -16,6 +17,8 @@ from reliab.motions.units import parse_unit
 
 BUILT_IN = ("synthetic",)
 """Names of the suites that come with the package."""
+
+_NAMED = 3  # files that a warning names one by one
 
 HELD_OUT = "held_out"
 """The set of a catalogue that is used only when it is named."""
@@ -175,6 +178,12 @@ def _folder_entries(folder: Path, given: Declared) -> list[RecordFile]:
         found = read_catalogue(catalogue, report, given)
         report.raise_first()
         return found
+    unread = unread_files(folder)
+    if unread:
+        names = ", ".join(path.relative_to(folder).as_posix() for path in unread[:_NAMED])
+        names += f" and {len(unread) - _NAMED} more" if len(unread) > _NAMED else ""
+        message = f"{folder}: skipped {names}, in formats that are not read; export records as text or CSV"
+        warnings.warn(message, UnreadFileWarning, stacklevel=4)
     found = []
     for _, records, report in scan_folder(folder, given):
         report.raise_first()

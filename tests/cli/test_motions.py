@@ -92,7 +92,7 @@ def test_a_source_that_does_not_exist_is_bad_input() -> None:
 def test_check_of_sound_records_says_so(folder: Path) -> None:
     result = run("check", folder)
     assert (result.exit_code, result.stdout) == (0, "2 records, no faults.\n")
-    assert json.loads(run("check", folder, "--json", "-").stdout) == {"records": 2, "faults": []}
+    assert json.loads(run("check", folder, "--json", "-").stdout) == {"records": 2, "faults": [], "notes": []}
 
 
 def test_check_shows_all_faults_and_exits_with_two(faulty: Path) -> None:
@@ -121,7 +121,7 @@ def test_check_reports_faults_in_json_with_stable_keys(faulty: Path) -> None:
 
 def test_check_takes_several_sources_and_built_in_suites(folder: Path) -> None:
     result = run("check", folder, folder / "N90.AT2", "synthetic", "--json", "-")
-    assert json.loads(result.stdout) == {"records": 103, "faults": []}
+    assert json.loads(result.stdout) == {"records": 103, "faults": [], "notes": []}
 
 
 def test_import_writes_a_suite_that_reads_back(folder: Path, tmp_path: Path) -> None:

@@ -4,8 +4,9 @@ from pathlib import Path
 import pytest
 
 from reliab.errors import InputError
-from reliab.motions import Fault, check_folder
+from reliab.motions import Fault, check_folder, load_motions
 from reliab.motions.checking import inspect
+from reliab.motions.folder import UnreadFileWarning
 
 Write = Callable[[str, str | bytes], Path]
 
@@ -83,10 +84,25 @@ def test_a_record_out_of_scale_with_its_folder_is_reported(
     for name, peak in {"a": 0.2, "b": 0.3, "c": 0.9}.items():
         write(f"{name}.txt", two_columns("g", peak))
     odd = write("odd.txt", two_columns(units, scale))
-    (fault,) = check_folder(tmp_path)
-    assert (fault.file, fault.line) == (str(odd), None)
-    assert "within a factor of 50" in fault.rule
-    assert "mixed units" in fault.remedy
+    inspection = inspect(tmp_path)
+    assert inspection.faults == []
+    (note,) = inspection.notes
+    assert (note.file, note.line) == (str(odd), None)
+    assert "within a factor of 50" in note.rule
+    assert "A weak record, or wrong units" in note.remedy
+
+
+def test_files_in_formats_that_are_not_read_are_named(
+    records: dict[str, str], write: Write, tmp_path: Path
+) -> None:
+    write("a.AT2", records["record.AT2"])
+    write("sub/b.mat", b"MATLAB 5.0 MAT-file")
+    inspection = inspect(tmp_path)
+    assert (inspection.records, inspection.faults) == (1, [])
+    (note,) = inspection.notes
+    assert (note.file, note.value) == (str(tmp_path / "sub" / "b.mat"), "a MATLAB file")
+    with pytest.warns(UnreadFileWarning, match=r"skipped sub/b\.mat"):
+        assert load_motions(tmp_path).names == ("a",)
 
 
 def test_units_given_for_a_whole_folder_do_not_hide_a_mixture(write: Write, tmp_path: Path) -> None:

@@ -52,11 +52,14 @@ class Reading:
         Interval between samples [s].
     event : str
         The earthquake, where the header identifies it.
+    units_stated : bool
+        Whether the file itself, or its format, says in which units its samples are.
     """
 
     acceleration: NDArray[np.float64]
     time_step: float
     event: str
+    units_stated: bool = True
 
 
 @np.errstate(over="ignore", invalid="ignore")
@@ -96,7 +99,12 @@ def complete(source: Source, header: Header, declared: Declared, report: Report)
     acceleration = _in_si(source, header, values, units, report)
     if report.faults:
         return None
-    return Reading(acceleration=acceleration, time_step=time_step, event=header.event)
+    return Reading(
+        acceleration=acceleration,
+        time_step=time_step,
+        event=header.event,
+        units_stated=header.units is not None or header.default_units is not None,
+    )
 
 
 def _settle_units(

@@ -48,9 +48,10 @@ _NAMES = re.compile(r"^[#%!/\s]*(?:motion|event|name)\s*[=:]", _FLAGS)
 _EVENT = re.compile(r"^[#%!/\s]*event\s*[=:]\s*(.+?)\s*$", _FLAGS)
 _UNITS = re.compile(r"\bunits?\s*(?:of|are|is|in|[=:])\s*(.+)", _FLAGS)
 _PER_SECOND = re.compile(r"[a-z]\s*/\s*s", _FLAGS)
+_SLASHED = r"c?m/s(?:/s|(?:\^|\*\*)?[2²])"
 _COLUMN_UNITS = (
     re.compile(r"\b(?:acc\w*|a_?g?)\b[^\[(,;]*[\[(]([^\])]+(?:\)\w*)?)[\])]", _FLAGS),
-    re.compile(r"(?<![a-z])acc[a-z]*(?:_[a-z])?_(g|gal|mps2|m_s2|cmps2|cm_s2)\b", _FLAGS),
+    re.compile(rf"(?<![a-z])acc[a-z]*(?:_[a-z])?_(g|gal|c?mps2|c?m_s2|{_SLASHED})(?!\w)", _FLAGS),
     re.compile(r"\bacc\w*\s+in\s+(\S+)", _FLAGS),
 )
 

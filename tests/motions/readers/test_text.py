@@ -27,6 +27,8 @@ TWO = "".join(f"{0.01 * i:.2f} {value}\n" for i, value in enumerate(SAMPLES))
         "Time step = .01\nAcceleration in m/s**2\n",
         "\n\n# delta t = 1.0D-2\n\n# UNITS OF M/SEC2\n\n",
         "# samples: 4\n# fs = 100\n# Acceleration (m/s²)\n",
+        "dt = 0.01\nacceleration_m/s2\n",
+        "dt = 0.01\nacc_x_m/s^2\n",
         "# motion: with units: g and dt = 5\n# event: dt = 9\n# dt = 0.01\n# units: m/s2\n",
     ],
 )
