@@ -16,6 +16,7 @@ ROOMS = (
     "discrepancy",
     "validation",
     "criterion",
+    "sampling",
     "sweep",
     "rebuilt_error",
     "boundary",
