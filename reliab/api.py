@@ -105,7 +105,7 @@ def simulate(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     results = reliab.simulate(motions, out=f"{folder}/results.zarr").load()
     >>> results["rms"].dims, results["rms"].shape
-    (('motion', 'f', 'xi', 'kp', 'tau'), (2, 1, 1, 41, 51))
+    (('motion', 'f', 'xi', 'kp', 'tau'), (2, 1, 1, 41, 57))
     """
     test = _hybrid_test(model, f, xi, alpha)
     structure = test and test.structure

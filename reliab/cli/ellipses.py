@@ -100,8 +100,8 @@ def _rows(dataset: "xr.Dataset") -> list[dict[str, Any]]:
     """Give one row to each boundary, both sides and both curves beside each other.
 
     `a`, `b`, `sse`, `n` are of the ellipse of least squares for delays; those of leads end in `_lead`, those
-    of the inscribed ellipse in `_inscribed` and `_lead_inscribed`. Null where there is none, for the reason in
-    `no_ellipse`; 0 where effects leave no room.
+    of the inscribed ellipse in `_inscribed` and `_lead_inscribed`. Null where there is none, for the reason
+    in `no_ellipse`; 0 where effects leave no room.
     """
     boundaries = list(dataset[[*_WHERE]].stack(row=_WHERE)["row"].values.tolist())
     columns = {

@@ -85,6 +85,8 @@ class Blocks:
         left, right : numpy.ndarray
             Ground acceleration [m/s²], shape (blocks + count,); zero after the record.
         """
+        if count == 0:
+            return self.left, self.right
         total = self.left.size + count
         return self._longest_lines[0][:total], self._longest_lines[1][:total]
 

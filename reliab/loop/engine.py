@@ -190,7 +190,7 @@ class Loop:
     def _unreduced(self, gain: NDArray[np.float64], delay: NDArray[np.float64]) -> Deviation:
         """Solve the whole loop for actuators that are all late, or all early."""
         if delay[0] < 0.0:
-            return spectral.deviation(self.excitation, self.structure, gain, delay)
+            return spectral.deviation(self.excitation, self.structure, gain, delay, longest=self.blocks.step)
         return delay_stepper.deviation(self.blocks, self.structure, gain, delay)
 
     def at_rest(self) -> Deviation:

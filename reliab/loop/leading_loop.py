@@ -44,6 +44,15 @@ class LeadingLoop:
     feedthrough: NDArray[np.float64]
     lead: NDArray[np.float64]
 
+    def command(self, gain: NDArray[np.float64]) -> "LeadingLoop":
+        """Take the loop from −a_g to the command, of actuators of given gains [-], shape (cells,)."""
+        return LeadingLoop(
+            pole=self.pole,
+            residue=self.residue / gain,
+            feedthrough=self.feedthrough / gain,
+            lead=np.zeros_like(self.lead),
+        )
+
     def transfer(self, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """Transfer function from −a_g [s²] at frequencies s [rad/s] that broadcast with the cells."""
         pair = self.residue / (s - self.pole) + self.residue.conj() / (s - self.pole.conj())

@@ -75,7 +75,7 @@ class _Line:
     @classmethod
     def of(cls, excitation: Excitation, longest: float, lead: float) -> Self:
         begin, end = excitation.window
-        steps = int(np.ceil((end - begin) / min(longest, _LONGEST_STEP) - 1e-9))
+        steps = int(np.ceil((end - begin) / longest - 1e-9))
         step = (end - begin) / steps
         period = max(2.0 * end, _PERIODS_OF_LEAD * lead)
         points = fft.next_fast_len(int(np.ceil(period / step)) + 2, real=True)
@@ -160,7 +160,12 @@ def response(
 
 
 def deviation(
-    excitation: Excitation, structure: Structure, gain: NDArray[np.float64], delay: NDArray[np.float64]
+    excitation: Excitation,
+    structure: Structure,
+    gain: NDArray[np.float64],
+    delay: NDArray[np.float64],
+    *,
+    longest: float = _LONGEST_STEP,
 ) -> Deviation:
     """Deviation of the measured displacement from the exact response, for many cells.
 
@@ -172,6 +177,8 @@ def deviation(
         The structure under test.
     gain, delay : numpy.ndarray
         Actuator gain [-] and delay [s], negative for a lead, shape (cells,).
+    longest : float, optional
+        Longest step at which the responses are sampled [s].
 
     Returns
     -------
@@ -184,7 +191,7 @@ def deviation(
         If a delay reaches the critical delay of its cell, or a lead a quarter of the period.
     """
     refuse_long_leads(structure, gain, delay)
-    line = _Line.of(excitation, _LONGEST_STEP, max(0.0, -float(delay.min(initial=0.0))))
+    line = _Line.of(excitation, longest, max(0.0, -float(delay.min(initial=0.0))))
     ideal = line.response(lambda s: transfer(structure, np.ones(()), np.zeros(()), s))
     mean_square, peak = np.empty(gain.size), np.empty(gain.size)
     for cell, (each_gain, each_delay) in enumerate(zip(gain.tolist(), delay.tolist(), strict=True)):

@@ -19,7 +19,8 @@ from reliab.compiled import compiled
 from reliab.loop.blocks import Blocks, cut
 from reliab.loop.dominant_pole import modal_loop
 from reliab.loop.excitation import Excitation
-from reliab.loop.pole_recursion import fill_lanes, recursion
+from reliab.loop.leading_loop import leading_loop
+from reliab.loop.pole_recursion import Recursion, fill_lanes, leading_recursion, recursion, recursions
 from reliab.loop.structure import Structure
 
 _LARGEST_PHASE_STEP = 0.2
@@ -89,7 +90,7 @@ class TrackedCells:
     structure : Structure
         The structure under test.
     gain, delay : numpy.ndarray
-        Actuator gain [-] and delay [s], shape (cells,).
+        Actuator gain [-] and delay [s], negative for a lead, shape (cells,).
     """
 
     structure: Structure
@@ -102,15 +103,21 @@ class TrackedCells:
         return min(_LONGEST_BLOCK, _LARGEST_PHASE_STEP / self.structure.circular_frequency)
 
     @cached_property
-    def command(self) -> NDArray[np.float64]:
-        """Coefficients of the recursion of the command, shape (12, cells)."""
-        loop = modal_loop(self.structure, self.gain, self.delay, measured=False)
-        return recursion(loop, self.step)
-
-    @cached_property
-    def measured(self) -> NDArray[np.float64]:
-        """Coefficients of the recursion of the measured displacement, shape (12, cells)."""
-        return recursion(modal_loop(self.structure, self.gain, self.delay), self.step)
+    def recursions(self) -> list[tuple[Recursion, NDArray[np.float64]]]:
+        """Recursions of the measured displacement, each with the coefficients of the command's."""
+        late, early = np.flatnonzero(self.delay >= 0.0), np.flatnonzero(self.delay < 0.0)
+        found: list[tuple[Recursion, NDArray[np.float64]]] = []
+        if late.size:
+            cells = self.structure, self.gain[late], self.delay[late]
+            (measured,) = recursions(modal_loop(*cells), self.step, late)
+            found.append((measured, recursion(modal_loop(*cells, measured=False), self.step)))
+        if early.size:
+            loop = leading_loop(self.structure, self.gain[early], -self.delay[early])
+            _, command = leading_recursion(loop.command(self.gain[early]), self.step)
+            place = np.full(self.gain.size, -1)
+            place[early] = np.arange(early.size)
+            found += [(each, command[:, place[each.cells]]) for each in recursions(loop, self.step, early)]
+        return found
 
 
 def tracking_sums(pair: QuadraturePair, cells: TrackedCells) -> TrackingSums:
@@ -135,12 +142,16 @@ def tracking_sums(pair: QuadraturePair, cells: TrackedCells) -> TrackingSums:
     taper = np.sin(np.pi * np.arange(straight.left.size - straight.before) / straight.intervals) ** 4
     before = straight.before - first
     ends = _ends(straight, first), _ends(aside, first)
-    command, measured = (fill_lanes(each, LANES) for each in (cells.command, cells.measured))
-    blocks = [
-        _accumulate(*ends, taper, before, command[:, lanes], measured[:, lanes])
-        for lanes in (slice(at, at + LANES) for at in range(0, command.shape[1], LANES))
-    ]
-    sums = np.concatenate(blocks, axis=1)[:, : cells.gain.size]
+    sums = np.empty((_SUMS, cells.gain.size))
+    for measured, command in cells.recursions:
+        lines = straight.prolonged(measured.ahead)
+        ahead = np.stack(lines)[:, first + measured.ahead :]
+        filled = tuple(fill_lanes(each, LANES) for each in (command, measured.coefficients))
+        parts = [
+            _accumulate(*ends, ahead, taper, before, *(each[:, at : at + LANES] for each in filled))
+            for at in range(0, filled[0].shape[1], LANES)
+        ]
+        sums[:, measured.cells] = np.concatenate(parts, axis=1)[:, : measured.cells.size]
     # Samples one and two steps apart show sin ωH and sin 2ωH; 8 sin ωH − sin 2ωH = 6ωH + O((ωH)⁵).
     frequency = (8.0 * sums[3] - sums[4]) / sums[2] / (12.0 * np.pi * step)
     cross = np.empty(sums.shape[1], dtype=np.complex128)
@@ -171,18 +182,23 @@ def _step(
 def _accumulate(
     straight: NDArray[np.float64],
     aside: NDArray[np.float64],
+    ahead: NDArray[np.float64],
     taper: NDArray[np.float64],
     before: int,
     command: NDArray[np.float64],
     measured: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Step command, its quadrature and measured displacement of a set of lanes; shape (5, lanes)."""
+    """Step command, its quadrature and measured displacement of a set of lanes; shape (5, lanes).
+
+    The measured displacement is driven by the record `ahead`, which is the record itself unless it leads.
+    """
     c, m = np.empty((12, LANES)), np.empty((12, LANES))
     c[:], m[:] = command, measured
     x, q, o = np.zeros((4, LANES)), np.zeros((4, LANES)), np.zeros((4, LANES))
     past, sums = np.zeros((4, LANES)), np.zeros((_SUMS, LANES))
     for i in range(1, before + taper.size - 1):
         a = (straight[0, i], straight[1, i], straight[0, i - 1], straight[1, i - 1])
+        b = (ahead[0, i], ahead[1, i], ahead[0, i - 1], ahead[1, i - 1])
         h = (aside[0, i], aside[1, i], aside[0, i - 1], aside[1, i - 1])
         weight = taper[i + 1 - before] if i + 1 >= before else 0.0
         for j in range(LANES):
@@ -196,7 +212,7 @@ def _accumulate(
             aslant = slow + fast
             k = (m[0, j], m[1, j], m[2, j], m[3, j], m[4, j], m[5, j])
             n = (m[6, j], m[7, j], m[8, j], m[9, j], m[10, j], m[11, j])
-            slow, fast = _step((o[0, j], o[1, j]), (o[2, j], o[3, j]), k, n, a)
+            slow, fast = _step((o[0, j], o[1, j]), (o[2, j], o[3, j]), k, n, b)
             o[0, j], o[1, j], o[2, j], o[3, j] = slow, o[0, j], fast, o[2, j]
             reached = slow + fast
             sums[0, j] += weight * reached * place

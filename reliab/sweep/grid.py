@@ -143,7 +143,7 @@ class ScaledGrid(Grid):
 
     gain_steps: int = 20
     delay_steps: int = 30
-    lead_steps: int = 20
+    lead_steps: int = 26
 
     def __post_init__(self) -> None:
         if self.lead_steps != 0 and self.lead_steps < _FEWEST_DELAYS:

@@ -21,6 +21,7 @@ from reliab.sweep.request import SweepRequest, loop_of
 from reliab.vocabulary import Metric
 
 _NODES = 4  # along each axis, at which the index is summed; A/k_p and d/τ vary little between
+_SHORTEST = 0.1  # of the longest delay; d/τ of shorter ones is that of this one
 _CENTRAL = 2.0  # damping ratios of amplitude error within which the nodes lie
 
 
@@ -114,16 +115,18 @@ def _evaluate(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Amplitude [-] and equivalent delay [s] over the grid, from sums at a few of its nodes.
 
-    Beyond the critical delay, and beyond twice the damping ratio of amplitude error, the shares
-    A/k_p and d/τ are those of the last node.
+    Lags and leads have nodes of their own. Beyond the critical delay, and beyond twice the damping ratio of
+    amplitude error, the shares A/k_p and d/τ are those of the last node.
     """
-    gains, delays = grid.gains(structure), grid.delays(structure)
-    nodes = _nodes(grid, structure)
-    amplitude, equivalent = evaluate_sums(tracking_sums(pair, nodes.cells))
-    shape = (nodes.over_gain.shape[1], nodes.over_delay.shape[1])
-    shares = ((amplitude / nodes.cells.gain).reshape(shape), (equivalent / nodes.cells.delay).reshape(shape))
-    over_gain, over_delay = (nodes.over_gain @ share @ nodes.over_delay.T for share in shares)
-    return over_gain * gains[:, np.newaxis], over_delay * delays
+    amplitude, equivalent = np.empty((2, grid.gains(structure).size, grid.delays(structure).size))
+    for nodes in _nodes(grid, structure):
+        found = evaluate_sums(tracking_sums(pair, nodes.cells))
+        over = nodes.over_gain.shape[1], nodes.over_delay.shape[1]
+        units = (nodes.cells.gain, nodes.gains[:, np.newaxis]), (nodes.cells.delay, nodes.delays)
+        for table, values, (at_nodes, at_grid) in zip((amplitude, equivalent), found, units, strict=True):
+            share = nodes.over_gain @ (values / at_nodes).reshape(over) @ nodes.over_delay.T
+            table[:, nodes.columns] = share * at_grid
+    return amplitude, equivalent
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,27 +137,52 @@ class _Nodes:
     ----------
     cells : TrackedCells
         The nodes, the delay varying fastest.
+    gains, delays : numpy.ndarray
+        Gains [-] and delays [s] of the grid that the nodes serve, shapes (kp,) and (tau,).
+    columns : slice
+        Where these delays stand in the grid.
     over_gain, over_delay : numpy.ndarray
         Weights of the nodes along each axis, shapes (kp, gain nodes) and (tau, delay nodes).
     """
 
     cells: TrackedCells
+    gains: NDArray[np.float64]
+    delays: NDArray[np.float64]
+    columns: slice
     over_gain: NDArray[np.float64]
     over_delay: NDArray[np.float64]
 
 
 @lru_cache(maxsize=256)
-def _nodes(grid: Grid, structure: Structure) -> _Nodes:
+def _nodes(grid: Grid, structure: Structure) -> list[_Nodes]:
+    """Nodes of the lags, the punctual actuator among them, and of the leads where the grid has any."""
     gains, delays = grid.gains(structure), grid.delays(structure)
     central = np.abs(np.log(gains)) <= _CENTRAL * structure.damping_ratio
     at_gains = _evenly(gains[central])
-    at_delays = _evenly(delays[(delays > 0.0) & (delays < critical_delay(structure))])
-    gain, delay = np.meshgrid(at_gains, at_delays, indexing="ij")
-    return _Nodes(
-        cells=TrackedCells(structure=structure, gain=gain.ravel(), delay=delay.ravel()),
-        over_gain=_polynomial_weights(at_gains, gains),
-        over_delay=_polynomial_weights(at_delays, delays),
-    )
+    leads = int(np.searchsorted(delays, 0.0))
+    late = delays[(delays > 0.0) & (delays < critical_delay(structure))]
+    sides = [(slice(leads, None), _evenly(_distinct(late)))]
+    if leads:
+        sides.append((slice(0, leads), _evenly(_distinct(delays[:leads]))))
+    found = []
+    for columns, at_delays in sides:
+        gain, delay = np.meshgrid(at_gains, at_delays, indexing="ij")
+        found.append(
+            _Nodes(
+                cells=TrackedCells(structure=structure, gain=gain.ravel(), delay=delay.ravel()),
+                gains=gains,
+                delays=delays[columns],
+                columns=columns,
+                over_gain=_polynomial_weights(at_gains, gains),
+                over_delay=_polynomial_weights(at_delays, delays[columns]),
+            )
+        )
+    return found
+
+
+def _distinct(delays: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Leave out delays so short that what the sums neglect, some 10 µs, is a share of them."""
+    return np.asarray(delays[np.abs(delays) >= _SHORTEST * np.abs(delays).max()])
 
 
 def _evenly(values: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -11,8 +11,9 @@ from reliab.errors import InputError
 from reliab.indices.frequency_evaluation import frequency_evaluation
 from reliab.indices.response_error import relative_error
 from reliab.indices.window import Window
-from reliab.loop import delay_stepper
+from reliab.loop import delay_stepper, spectral
 from reliab.loop.blocks import cut
+from reliab.loop.dominant_pole import transfer
 from reliab.loop.engine import Engine, Loop
 from reliab.loop.excitation import Excitation
 from reliab.loop.stability import critical_delay
@@ -84,6 +85,24 @@ def test_index_of_a_cell_is_that_of_its_histories(results, suite):
         gain, delay = float(at["kp"][i]), float(at["tau"][j])
         command, measured = delay_stepper.response(blocks, structure, gain, delay)
         found = frequency_evaluation(command, measured, blocks.step)
+        assert float(at["A"][i, j]) == pytest.approx(found.amplitude, abs=2e-3)
+        assert float(at["d"][i, j]) == pytest.approx(found.equivalent_delay, rel=1e-2)
+
+
+def test_index_of_a_lead_is_that_of_its_histories(results, suite):
+    at = results.reliab.at_structure(1.0, 0.05).isel(motion=2)
+    structure = results.reliab.structure(1.0, 0.05)
+    excitation = Excitation(acceleration=suite[2].acceleration, time_step=suite[2].time_step)
+    for i, j in ((9, 4), (14, 12), (18, 20)):
+        gain, delay = float(at["kp"][i]), float(at["tau"][j])
+        assert delay < 0.0
+        measured, step = spectral.response(excitation, structure, gain, delay)
+        command, _ = spectral.respond(
+            excitation,
+            lambda s, g=gain, d=delay: transfer(structure, g, d, s) * np.exp(s * d) / g,
+            lead=-delay,
+        )
+        found = frequency_evaluation(command, measured, step)
         assert float(at["A"][i, j]) == pytest.approx(found.amplitude, abs=2e-3)
         assert float(at["d"][i, j]) == pytest.approx(found.equivalent_delay, rel=1e-2)
 

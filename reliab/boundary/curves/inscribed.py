@@ -17,8 +17,8 @@ class InscribedEllipse(Ellipse):
     """Ellipse (A − 1)²/a + d²/b = 1 of the largest area that no point of the boundary lies inside of.
 
     In the plane of (A − 1)² and d² an ellipse is a straight line, and the points of the boundary are to lie
-    above it. The area is largest for a line along an edge of their lower convex hull, of which the tips of the
-    boundary, on d = 0, are part; so the largest of few candidates is exact. Where the boundary is cut (in
+    above it. The area is largest for a line along an edge of their lower convex hull, of which the tips of
+    the boundary, on d = 0, are part; so the largest of few candidates is exact. Where the boundary is cut (in
     amplitude) or open (towards leads), the ellipse ends where the boundary was no longer followed.
 
     Examples
@@ -61,7 +61,7 @@ class InscribedEllipse(Ellipse):
 
 
 def _lower_hull(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Take the lower left convex hull of points in the first quadrant, falling from left to right; shape (2, n)."""
+    """Take the lower left convex hull of points, falling from left to right; shape (2, n)."""
     order = np.lexsort((points[1], points[0]))
     hull: list[tuple[float, float]] = []
     for x, y in zip(*(row.tolist() for row in points[:, order]), strict=True):
