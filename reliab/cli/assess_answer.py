@@ -86,8 +86,9 @@ def _indices(found: "Assessment", summary: dict[str, Any]) -> Any:  # noqa: ANN4
         if found.own is None
         else f"{found.own.motion}, {found.own.window[0]:.3g} to {found.own.window[1]:.4g} s of its record"
     )
+    size = "no limits for leads" if found.index is None else f"{found.index:.3g} against 1"
     shown = table(
-        f"By index: {found.verdict_by_index.word.shout.lower()}, {found.index:.3g} against 1 for {against}",
+        f"By index: {found.verdict_by_index.word.shout.lower()}, {size} for {against}",
         {"index": "left", "value": "right", "95 % interval": "left", "tolerable alone": "right"},
     )
     a, b = found.limits

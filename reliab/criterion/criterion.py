@@ -184,6 +184,11 @@ class Criterion:
             )
         return probability
 
+    @property
+    def knows_leads(self) -> bool:
+        """Whether there are limits for tests that lead, or leads are counted as lags as the paper does."""
+        return self.lead_law is not None or self.law.counts_leads_as_lags
+
     def _law(self, side: str) -> Law:
         if side == Side.LAG:
             return self.law

@@ -18,7 +18,8 @@
 
 from reliab.rebuilt_error.interval import Estimate, Widening
 from reliab.rebuilt_error.parts import Part, Parts
-from reliab.rebuilt_error.rebuild import RebuiltError, rebuild
+from reliab.rebuilt_error.rebuild import rebuild
+from reliab.rebuilt_error.rebuilt import RebuiltError
 from reliab.rebuilt_error.tolerances import Tolerances
 from reliab.rebuilt_error.whole_structure import WholeStructure
 

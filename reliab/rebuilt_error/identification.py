@@ -1,21 +1,20 @@
 """The structure's parameters from the test itself, by the loop's own equation.
 
-The command solves the numerical substructure's equation of motion for the recorded ground acceleration and the
-force per unit mass p that was fed back ::
+The command solves the numerical substructure's equation of motion for the recorded ground acceleration and
+the force per unit mass p that was fed back ::
 
     x_c'' + c x_c' + k x_c + p(t − τ) = −a_g,   c = 2ξω₀,   k = (1 − α)ω₀²
 
 With the force recorded, c and k follow from least squares, and ω₀² = k + αω₀² with αω₀² the specimen's
-stiffness from the force and the measured displacement. Without a force the specimen is taken as linear in the
-measured displacement, p = αω₀²x_m, and the equation gives c and ω₀² for the stated α. A force that comes late by
-τ acts as a damping ratio of −αω₀τ/2 (expand p(t − τ)): damping ratio and lag are seen together only, so that
-each is estimated for the stated value of the other.
+stiffness from the force and the measured displacement. Without a force the specimen is taken as linear in
+the measured displacement, p = αω₀²x_m, and the equation gives c and ω₀² for the stated α. A force that
+comes late by τ acts as a damping ratio of −αω₀τ/2 (expand p(t − τ)): damping ratio and lag are seen
+together only, so that each is estimated for the stated value of the other.
 
 Nothing is differentiated. Each history is convolved with a smooth kernel φ of finite length, and the
-derivatives are put on the kernel (weak form: Messenger and Bortz 2021, Multiscale Model. Simul. 19,
-eq. 2.3); the beginning of the test does not matter. Standard errors allow for residuals that are correlated over the
-kernel's length (generalised least squares' sandwich with the residuals' own autocovariance).
-"""
+derivatives are put on the kernel (weak form: Messenger and Bortz 2021, Multiscale Model. Simul. 19, eq.
+2.3); the beginning of the test does not matter. Standard errors allow for residuals that are correlated
+over the kernel's length (generalised least squares' sandwich with the residuals' own autocovariance)."""
 
 from dataclasses import dataclass
 
@@ -171,7 +170,7 @@ class _Kernel:
         )
 
     def seen(self, history: Array, order: int) -> Array:
-        """Derivative of a history as the kernel sees it: φ⁽ᵏ⁾ convolved with it."""
+        """Convolve a history with φ⁽ᵏ⁾: its derivative as the kernel sees it."""
         return np.asarray(fftconvolve(history, self.values[order], mode="valid"))[:: self.every]
 
 

@@ -9,9 +9,14 @@ import typer
 from scipy.interpolate import CubicSpline
 from typer.testing import CliRunner, Result
 
+from reliab.cli import app as commands
+from reliab.cli import run as run_command
+from reliab.cli import spread
 from reliab.cli.assess import assess
 from reliab.criterion import published_criterion
 from reliab.errors import InputError
+
+ONE_HERTZ = ("--f", "1", "--xi", "0.02")
 
 app = typer.Typer()
 app.command()(assess)
@@ -22,7 +27,7 @@ def run(*arguments: object) -> Result:
 
 
 def answer(*arguments: object) -> dict:
-    return json.loads(run(*arguments, "--json", "-").stdout)
+    return json.loads(run(*arguments, *ONE_HERTZ, "--json", "-").stdout)
 
 
 @pytest.fixture(scope="module")
@@ -44,26 +49,39 @@ def folder(tmp_path_factory):
 
 
 def test_good_test_is_reliable_and_says_so(folder):
-    found = answer(folder / "good.csv", "--f", 1, "--xi", 0.02)
+    found = answer(folder / "good.csv")
     assert found["reliable"] is True
     assert found["probability"] > 0.95
     assert found["A"] == pytest.approx(0.999, abs=1e-3)
     assert found["d_ms"] == pytest.approx(0.4, abs=0.05)
-    shown = run(folder / "good.csv").stdout
-    assert "RELIABLE at an error of 5% (RMS) for 95% of ground motions" in shown
+    shown = run(folder / "good.csv", *ONE_HERTZ).stdout
+    assert shown.startswith("RELIABLE: RMS^R is ")
+    assert "against 0.05, probability > 0.99 of staying below" in shown
+    assert (
+        "f = 1 Hz, ξ = 0.02, α = 1; threshold 0.05 (RMS^R); window of the error: the test's own 40 s" in shown
+    )
+    assert "RMS^R is the root mean square" in " ".join(shown.split())
     assert "Stability margin" in shown
+    assert "Tracking of the command" in shown
+    assert "1.000" not in shown.split("Tracking")[0].split("A, amplitude")[0]
 
 
 @pytest.mark.parametrize(("name", "first"), [("late", "delay"), ("weak", "amplitude")])
 def test_what_to_improve_first_is_named(folder, name, first):
     assert answer(folder / f"{name}.csv")["improve"]["first"] == first
-    assert f"Improve first: the {first}" in run(folder / f"{name}.csv").stdout
+    assert f"Improve first: the {first}" in run(folder / f"{name}.csv", *ONE_HERTZ).stdout
 
 
 def test_check_turns_the_verdict_into_an_exit_code(folder):
-    assert run(folder / "good.csv", "--check").exit_code == 0
-    assert run(folder / "late.csv").exit_code == 0
-    assert run(folder / "late.csv", "--check").exit_code == 1
+    assert run(folder / "good.csv", *ONE_HERTZ, "--check").exit_code == 0
+    assert run(folder / "late.csv", *ONE_HERTZ).exit_code == 0
+    assert run(folder / "late.csv", *ONE_HERTZ, "--check").exit_code == 1
+    frame = pd.read_csv(folder / "good.csv")
+    frame.assign(measured_m=frame["command_m"]).to_csv(folder / "copied.csv", index=False)
+    undecided = run(folder / "copied.csv", *ONE_HERTZ, "--check")
+    assert undecided.exit_code == 1
+    assert undecided.stdout.startswith("UNDECIDED")
+    assert "What would decide" in undecided.stdout
 
 
 def test_threshold_and_confidence_move_the_verdict(folder):
@@ -76,18 +94,23 @@ def test_known_ground_motion_gives_its_own_verdict(folder):
     found = answer(folder / "good.csv", "--motion", folder / "ground.txt")
     assert found["basis"] == "motion"
     assert found["motion"]["name"] == "ground"
-    assert found["reliable"] is (found["motion"]["error"] <= 0.05)
+    assert found["by_index"]["reliable"] is (found["motion"]["error"] <= 0.05)
+    assert found["motion"]["window_s"] == pytest.approx(
+        [found["motion"]["begin_s"], found["motion"]["begin_s"] + found["duration_s"]]
+    )
 
 
 def test_criterion_of_a_file_is_used(folder):
     (folder / "criterion.json").write_text(published_criterion("guo_2017_12").to_json(), encoding="utf-8")
     found = answer(folder / "good.csv", "--criterion", folder / "criterion.json")
     assert found["population"]["law"] == "guo_2017_12"
-    assert found["probability"] is None
+    assert found["by_index"]["probability"] is None
 
 
 def test_design_states_tolerable_errors_and_a_chart(folder):
-    found = answer("--design", "--f", 1, "--f", 0.6, "--confidence", 0.8, "--confidence", 0.95)
+    found = json.loads(
+        run("--design", "--f", 1, "--f", 0.6, "--confidence", 0.8, "--confidence", 0.95, "--json", "-").stdout
+    )
     assert [(each["f"], each["confidence"]) for each in found["design"]] == [
         (1.0, 0.8), (1.0, 0.95), (0.6, 0.8), (0.6, 0.95),
     ]  # fmt: skip
@@ -105,16 +128,32 @@ def test_design_states_tolerable_errors_and_a_chart(folder):
     [
         (),
         ("none.csv",),
+        ("good.csv",),
         ("good.csv", "--f", 1, "--f", 2),
-        ("good.csv", "--confidence", 95),
-        ("good.csv", "--threshold", 5),
-        ("good.csv", "--command", "comand_m"),
-        ("good.csv", "--criterion", "none.json"),
-        ("good.csv", "--criterion", "good.csv", "--threshold", 0.02),
-        ("good.csv", "--motion", "none.at2"),
-        ("good.csv", "--metric", "peak"),
-        ("good.csv", "--units", "furlong"),
-        ("good.csv", "--xi", 2),
+        ("good.csv", "--f", "one"),
+        ("good.csv", "--f", "1±"),
+        ("good.csv", "--f", "1±0.5"),
+        ("good.csv", "--f", 1, "--confidence", 95),
+        ("good.csv", "--f", 1, "--threshold", 5),
+        ("good.csv", "--f", 1, "--threshold", 0),
+        ("good.csv", "--f", 1, "--command", "comand_m"),
+        ("good.csv", "--f", 1, "--criterion", "none.json"),
+        ("good.csv", "--f", 1, "--criterion", "good.csv", "--threshold", 0.02),
+        ("good.csv", "--f", 1, "--criterion", "good.csv", "--metric", "mte"),
+        ("good.csv", "--f", 1, "--motion", "none.at2"),
+        ("good.csv", "--f", 1, "--metric", "peak"),
+        ("good.csv", "--f", 1, "--units", "furlong"),
+        ("good.csv", "--f", 1, "--xi", 2),
+        ("good.csv", "--f", 1, "--window", 20),
+        ("good.csv", "--f", 1, "--date", "2026-01-01"),
+        ("good.csv", "--f", 1, "--figure", "chart.svg"),
+        ("good.csv", "--design"),
+        ("--design", "--alpha", 0.5),
+        ("--design", "--check"),
+        ("--design", "--report", "a.pdf"),
+        ("--design", "--motion", "ground.txt"),
+        ("--design", "--threshold", 0),
+        ("--design", "--f", "1±0.01"),
         ("--design", "--figure", "none/chart.svg"),
     ],
 )
@@ -127,3 +166,27 @@ def test_the_command_file_imports_no_numerics():
     code = "import sys, reliab.cli.assess; print('numpy' in sys.modules)"
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)  # noqa: S603
     assert result.stdout.strip() == "False"
+
+
+def test_a_file_after_a_frequency_is_no_frequency(folder, capsys):
+    assert run_command(["assess", "--f", "1", str(folder / "good.csv"), "--xi", "0.02"]) == 0
+    assert capsys.readouterr().out.startswith("RELIABLE")
+    assert list(spread(["assess", "--design", "--f", "1", "2±0.1"], typer.main.get_command(commands))) == [
+        *("assess", "--design", "--f", "1", "--f", "2±0.1"),
+    ]
+
+
+def test_what_the_header_states_holds_unless_an_option_says_otherwise(folder):
+    text = (folder / "good.csv").read_text(encoding="utf-8")
+    stated = folder / "stated.csv"
+    stated.write_text(f"# f = 1 ± 0.01 Hz\n# xi: 0.02+-0.002\n{text}", encoding="utf-8")
+    found = json.loads(run(stated, "--json", "-").stdout)
+    assert found["stated"]["f"] == {"value": 1.0, "deviation": 0.01}
+    assert found["stated"]["xi"] == {"value": 0.02, "deviation": 0.002}
+    assert {"frequency", "damping_ratio"} <= {each["name"] for each in found["error"]["widest"]}
+    assert json.loads(run(stated, "--f", 1.1, "--json", "-").stdout)["f"] == 1.1
+
+
+def test_an_assumed_damping_ratio_is_said(folder):
+    shown = " ".join(run(folder / "good.csv", "--f", 1).stdout.split())
+    assert "No damping ratio was stated" in shown

@@ -81,7 +81,8 @@ def _draw_plane(
     ends = np.quantile(np.stack(cloud), [0.025, 0.975], axis=1)
     reach = np.maximum(np.stack([at[:, 0] - ends[0], ends[1] - at[:, 0]]), 0.0)
     place.errorbar(
-        *at,
+        at[0],
+        at[1],
         xerr=reach[:, :1],
         yerr=reach[:, 1:],
         fmt="D",

@@ -11,7 +11,7 @@ from reliab.report.figures.measured_test import tracking_overview
 from reliab.report.kinds.assessment_error import errors_table, histories_figure
 from reliab.report.kinds.provenance import provenance_of
 from reliab.report.kinds.wording import ERRORS, METHODS, PERCENT, percent
-from reliab.report.numbers import Fixed
+from reliab.report.numbers import MISSING, Fixed
 from reliab.report.prose import Prose, prose
 from reliab.report.sources import SOURCES
 from reliab.validation.assessment.assessment import Assessment
@@ -133,8 +133,8 @@ def _numbers(found: Assessment) -> Table:
         ("Equivalent delay d [ms]", *_milliseconds(tracking.delay, low_d, high_d), f"{np.sqrt(b):.3f}"),
         (
             "Index (A − 1)²/a + d²/b",
-            _index(found.index),
-            " to ".join(map(_index, found.index_interval)),
+            MISSING if found.index is None else _index(found.index),
+            " to ".join(map(_index, found.index_interval or ())),
             "1",
         ),
         *_own(found),

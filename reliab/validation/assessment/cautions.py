@@ -82,7 +82,7 @@ def _consequence(effect: FaultEffect, found: Findings) -> Iterator[str]:
 def _of_error(found: Findings) -> Iterator[str]:
     yield from found.error.contradictions
     by_error, by_index = found.verdict.word, found.verdict_by_index.word
-    if Word.UNDECIDED in (by_error, by_index) or by_error is by_index:
+    if Word.UNDECIDED in (by_error, by_index) or by_error is by_index or found.index is None:
         return
     size = found.error.of(Metric(found.criterion.metric)).value
     basis = (
@@ -138,9 +138,6 @@ def _of_signal(found: Findings) -> Iterator[str]:
     noise = float(np.sqrt(max(tracking.noise_share**2 - tracking.unexplained_share**2, 0.0)))
     if noise > _NOISY:
         yield (f"The test is noisy: {noise:.1%} of the measured displacement is unrelated to the command.")
-    low, high = found.index_interval
-    if low < 1.0 < high:
-        yield "Noise leaves the verdict open: the interval of the index holds 1."
     limit = float(np.sqrt(found.limits[0]))
     if tracking.unexplained_share > _UNEXPLAINED * limit:
         yield (

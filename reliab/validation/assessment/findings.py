@@ -95,12 +95,15 @@ class Findings:
         return Metric(self.criterion.metric)
 
     @property
-    def index(self) -> float:
-        """Index of the test: by its own motion where that is known, else by the population."""
+    def index(self) -> float | None:
+        """Index of the test: by its own motion where that is known, else by the population.
+
+        None where the test leads and the criterion says nothing of leads.
+        """
         return self.population.index if self.own is None else self.own.index
 
     @property
-    def index_interval(self) -> tuple[float, float]:
+    def index_interval(self) -> tuple[float, float] | None:
         """95 % interval of the index."""
         return self.population.index_interval if self.own is None else self.own.index_interval
 

@@ -121,7 +121,7 @@ def _excitation(
     record = Padded.around(motion, end - begin)
     if alignment.from_rest:
         record = record.cut(begin + record.before, end + record.before)
-    seen = begin + record.before, end + record.before
+    seen = max(begin + record.before, 0.0), end + record.before
     return (
         Excitation(acceleration=record.acceleration, time_step=record.time_step, window=seen),
         (begin, end),

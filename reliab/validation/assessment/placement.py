@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from reliab.criterion import Criterion
 from reliab.criterion.laws.validity import Validity
 from reliab.loop.structure import Structure
+from reliab.vocabulary import Side
 
 _DRAWS = 200
 
@@ -19,11 +20,12 @@ class Placement:
     Attributes
     ----------
     a, b : float
-        Limits [-] and [ms²] of the structure.
-    index : float
-        (A − 1)²/a + d²/b; the test is accepted up to 1.
-    index_interval : tuple of float
-        95 % interval of the index.
+        Limits [-] and [ms²] of the structure, on the test's side where the criterion has limits for it.
+    index : float or None
+        (A − 1)²/a + d²/b; the test is accepted up to 1. None where the test leads and the criterion says
+        nothing of leads.
+    index_interval : tuple of float, or None
+        95 % interval of the index; None likewise.
     probability : float or None
         Probability that the error stays below the threshold, over ground motions and over what noise
         leaves open of A and d; None where no motions stand behind the criterion.
@@ -33,8 +35,8 @@ class Placement:
 
     a: float
     b: float
-    index: float
-    index_interval: tuple[float, float]
+    index: float | None
+    index_interval: tuple[float, float] | None
     probability: float | None
     carried_from: tuple[float, float] | None
 
@@ -92,7 +94,17 @@ def place(
         Limits, index and probability.
     """
     carried = _Carried.into(criterion.law.validity, structure)
-    a, b, carried_from = carried_limits(criterion, structure)
+    side = Side.LEAD if delay < 0.0 else Side.LAG
+    knows_leads = criterion.knows_leads
+    if not knows_leads and float(np.quantile(draws[1], 0.975)) < 0.0:
+        a, b, carried_from = carried_limits(criterion, structure)
+        return Placement(
+            a=a, b=b, index=None, index_interval=None, probability=None, carried_from=carried_from
+        )
+    if not knows_leads:  # no lead that noise does not explain: the limits for lags begin at d = 0
+        delay, side = max(delay, 0.0), Side.LAG
+        draws = np.stack([draws[0], np.maximum(draws[1], 0.0)])
+    a, b, carried_from = carried_limits(criterion, structure, side)
     index = criterion.index(*carried.errors(np.array([amplitude]), np.array([delay])))
     spread = criterion.index(*carried.errors(draws[0], draws[1]))
     low, high = np.quantile(spread, [0.025, 0.975]).tolist()
@@ -107,7 +119,7 @@ def place(
 
 
 def carried_limits(
-    criterion: Criterion, structure: Structure
+    criterion: Criterion, structure: Structure, side: Side = Side.LAG
 ) -> tuple[float, float, tuple[float, float] | None]:
     """Limits of a structure, carried over from the nearest one where the criterion holds.
 
@@ -117,6 +129,8 @@ def carried_limits(
         The criterion.
     structure : Structure
         Any structure.
+    side : Side, optional
+        Limits for actuators that are late, or early.
 
     Returns
     -------
@@ -126,7 +140,7 @@ def carried_limits(
         That structure [Hz, -], if it is another one.
     """
     carried = _Carried.into(criterion.law.validity, structure)
-    a, b = (float(limit) for limit in criterion.limits(carried.frequency, carried.damping_ratio))
+    a, b = (float(limit) for limit in criterion.limits(carried.frequency, carried.damping_ratio, side))
     place = carried.frequency, carried.damping_ratio
     outside = place != (structure.frequency, structure.damping_ratio)
     return a / carried.amplitude_factor**2, b / carried.delay_factor**2, place if outside else None

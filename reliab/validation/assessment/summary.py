@@ -46,7 +46,7 @@ def summarise(found: Findings) -> dict[str, Any]:
         "d_ms_interval": [_MILLISECONDS * each for each in of_d],
         "interval_level": LEVEL,
         "index": _finite(found.index),
-        "index_interval": [_finite(each) for each in found.index_interval],
+        "index_interval": _ends(found.index_interval),
         "verdict": str(found.verdict.word),
         "reliable": found.reliable,
         "reasons": list(found.verdict.reasons),
@@ -118,7 +118,7 @@ def _by_index(found: Findings) -> dict[str, Any]:
         "reasons": list(verdict.reasons),
         "would_decide": list(verdict.would_decide),
         "index": _finite(found.index),
-        "index_interval": [_finite(each) for each in found.index_interval],
+        "index_interval": _ends(found.index_interval),
         "probability": found.index_probability,
         "largest_probability": LARGEST_PROBABILITY,
         "basis": "population" if found.own is None else "motion",
@@ -152,8 +152,12 @@ def _tracking(found: Findings) -> dict[str, Any]:
     }
 
 
-def _finite(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
+def _finite(value: float | None) -> float | None:
+    return float(value) if value is not None and np.isfinite(value) else None
+
+
+def _ends(interval: tuple[float, float] | None) -> list[float | None] | None:
+    return None if interval is None else [_finite(end) for end in interval]
 
 
 def _population(found: Findings) -> dict[str, Any]:
@@ -164,7 +168,7 @@ def _population(found: Findings) -> dict[str, Any]:
         "amplitude_limit": float(np.sqrt(placed.a)),
         "delay_limit_ms": float(np.sqrt(placed.b)),
         "index": _finite(placed.index),
-        "reliable": placed.index <= 1.0,
+        "reliable": None if placed.index is None else placed.index <= 1.0,
         "probability": placed.probability,
         "method": criterion.method,
         "joint": criterion.joint,

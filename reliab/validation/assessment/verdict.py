@@ -66,8 +66,8 @@ def word_of_probability(probability: float) -> Word:
 
 def verdict_by_index(
     *,
-    index: float,
-    interval: tuple[float, float],
+    index: float | None,
+    interval: tuple[float, float] | None,
     probability: float | None,
     confidence: float,
     own_motion: bool,
@@ -76,9 +76,9 @@ def verdict_by_index(
 
     Parameters
     ----------
-    index : float
-        Index of reliability; accepted up to 1.
-    interval : tuple of float
+    index : float or None
+        Index of reliability, accepted up to 1; None where the criterion says nothing of a test that leads.
+    interval : tuple of float, or None
         Its 95 % interval.
     probability : float or None
         Probability that the error of such a test stays below the threshold, where it is known.
@@ -93,6 +93,14 @@ def verdict_by_index(
         Undecided where the interval holds 1, and where too many ground motions would keep the error below
         the threshold to call the test bad, and too few to call it good.
     """
+    if index is None or interval is None:
+        return Verdict(
+            word=Word.UNDECIDED,
+            reasons=("The test leads, and the criterion says nothing of leads.",),
+            would_decide=(
+                "Its own ground motion decides it (--motion), or a criterion that has limits for leads.",
+            ),
+        )
     low, high = interval
     if high <= 1.0:
         return Verdict(word=Word.RELIABLE, reasons=(f"The index {index:.3g} and its interval stay below 1.",))

@@ -9,16 +9,18 @@ from scipy.interpolate import CubicSpline
 from reliab.criterion import published_criterion
 from reliab.loop.actuator import Actuator
 from reliab.loop.effects.backlash import Backlash
+from reliab.loop.excitation import Excitation
 from reliab.loop.hybrid_test import HybridTest, run_closed_loop
 from reliab.loop.stability import critical_delay
 from reliab.loop.structure import Structure
 from reliab.motions import resample
 from reliab.validation.assessment import Recording, assess, default_criterion
+from reliab.validation.assessment.findings import LARGEST_PROBABILITY
 from reliab.validation.assessment.improvement import improvement
 from reliab.validation.assessment.own_boundary import OwnBoundary
 from reliab.validation.assessment.placement import carried_limits
 from reliab.validation.beyond_the_model import Rig, rigs_of_delay
-from reliab.vocabulary import Metric
+from reliab.vocabulary import Metric, Side
 
 ONE_HERTZ = Structure(frequency=1.0, damping_ratio=0.02)
 
@@ -27,16 +29,19 @@ def test_index_and_probability_are_those_of_the_criterion(simulate):
     found, criterion = assess(simulate(noise=0.001), ONE_HERTZ), default_criterion(1.0, 0.02)
     at = (found.tracking.amplitude, found.tracking.delay, 1.0, 0.02)
     assert found.index == pytest.approx(float(criterion.index(*at)))
-    assert found.probability == pytest.approx(float(criterion.probability(*at)), abs=2e-3)
+    promised = min(float(criterion.probability(*at)), LARGEST_PROBABILITY)
+    assert found.index_probability == pytest.approx(promised, abs=2e-3)
     assert found.stability_margin == pytest.approx(1.0 - at[1] / float(critical_delay(ONE_HERTZ, at[0])))
     assert found.reliable
 
 
 def test_worse_rig_is_less_probable_and_rejected(simulate):
-    better, worse = (assess(simulate(delay=delay), ONE_HERTZ) for delay in (0.0005, 0.002))
+    better, worse = (assess(simulate(delay=delay), ONE_HERTZ) for delay in (0.0005, 0.004))
     assert better.probability > 0.97
-    assert worse.probability < 0.8
-    assert not worse.reliable
+    assert better.index_probability > 0.97
+    assert worse.probability < 0.03
+    assert worse.index_probability < 0.5
+    assert worse.verdict.word == "not_reliable"
 
 
 def test_own_boundary_separates_errors_below_and_above_the_threshold(simulate, ground_motions):
@@ -49,12 +54,14 @@ def test_own_boundary_separates_errors_below_and_above_the_threshold(simulate, g
 
 
 def test_own_index_is_one_on_the_boundary(ground_motions):
-    boundary = OwnBoundary(motion=ground_motions[0], structure=ONE_HERTZ, threshold=0.05, metric=Metric.RMS)
-    contour = boundary.contour()
-    for k in (10, contour.amplitude.size // 2, -10):
-        assert boundary.index(float(contour.amplitude[k]), float(contour.delay[k])) == pytest.approx(
-            1, abs=1e-3
-        )
+    motion = ground_motions[0]
+    excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step)
+    boundary = OwnBoundary(excitation=excitation, structure=ONE_HERTZ, threshold=0.05, metric=Metric.RMS)
+    for side in (Side.LEAD, Side.LAG):
+        contour = boundary.contour(side)
+        for k in (10, contour.amplitude.size // 2, -10):
+            at = float(contour.amplitude[k]), float(contour.delay[k])
+            assert boundary.index(*at) == pytest.approx(1, abs=1e-3)
     half = 1.0 + 0.5 * (contour.amplitude[10] - 1.0), 0.5 * contour.delay[10]
     assert boundary.index(*map(float, half)) == pytest.approx(0.25, abs=1e-3)
     assert boundary.index(1.0, 0.0) == 0.0
@@ -79,7 +86,7 @@ def test_structure_outside_the_criterion_is_warned_of_and_carried_over(simulate)
 
 def test_published_criterion_has_no_probability(simulate):
     found = assess(simulate(), ONE_HERTZ, criterion=published_criterion("guo_2017_12"))
-    assert found.probability is None
+    assert found.index_probability is None
     assert found.criterion.threshold == 0.05
 
 
@@ -145,9 +152,14 @@ def test_summary_is_plain_json_with_the_stable_keys(simulate, ground_motions):
     for motion in (None, ground_motions[0]):
         found = assess(simulate(), ONE_HERTZ, motion=motion).to_dict()
         stable = {"A", "phi", "f_eq_hz", "d_ms", "index", "reliable", "probability", "stability_margin"}
+        stable |= {"verdict", "reasons", "would_decide", "error", "by_index", "tracking", "faults", "window"}
         assert stable <= set(found)
         assert json.loads(json.dumps(found, allow_nan=False)) == found
         assert found["index_interval"][0] < found["index"] < found["index_interval"][1]
+        for name in ("rms", "mte"):
+            assert 0.0 < found["error"][name]["low"] <= found["error"][name]["value"]
+            assert found["error"][name]["value"] <= found["error"][name]["high"]
+        assert sum(part["share"] for part in found["error"]["parts"].values()) == pytest.approx(1.0)
         assert found["phi"] == pytest.approx(-2e-3 * np.pi * found["f_eq_hz"] * found["d_ms"])
 
 

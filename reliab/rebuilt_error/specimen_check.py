@@ -1,0 +1,167 @@
+"""Does the specimen look nonlinear? What the force holds beyond a spring, a dashpot and a mass.
+
+The recorded force is explained twice, first by displacement, velocity and acceleration of the measured
+motion, then with shapes that a nonlinear specimen would show besides: powers of displacement and velocity,
+friction, and elastic–plastic springs in series (Jenkins elements, whose sums approximate any rate-
+independent hysteresis: Iwan 1966, J. Appl. Mech. 33). Each explanation is fitted on one half of the test,
+in blocks of a period, and judged on the other half. Noise, a late sensor or a late force are not predicted
+better by such shapes; a nonlinear specimen is."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import fftconvolve
+
+from reliab.compiled import compiled
+from reliab.errors import InputError
+
+Array = NDArray[np.float64]
+
+_PER_PERIOD = 48.0  # samples in a period
+_BAND = 10.0  # natural frequencies that are kept
+_BLOCK = 1.5  # periods
+_YIELDS = (0.05, 0.15, 0.35, 0.7)  # of the largest displacement, where a Jenkins element slips
+_GAIN = 0.25  # share of the residual that must vanish on the other half
+_LEAST = 0.004  # share of the force below which nothing is called nonlinear
+_FEWEST_PERIODS = 4.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpecimenCheck:
+    """Whether the force shows a nonlinear specimen.
+
+    Attributes
+    ----------
+    nonlinear : bool
+        Whether it does.
+    share : float
+        RMS of the force that only nonlinear shapes predict, over the RMS of the force [-].
+    gain : float
+        Share of the linear specimen's squared residual that they remove on data that were not fitted [-].
+    linear_residual : float
+        RMS of the force that a linear specimen leaves over, over the RMS of the force [-].
+    """
+
+    nonlinear: bool
+    share: float
+    gain: float
+    linear_residual: float
+
+
+def examine_specimen(measured: Array, force: Array, time_step: float, frequency: float) -> SpecimenCheck:
+    """Compare a recorded force with that of a linear specimen.
+
+    Parameters
+    ----------
+    measured : numpy.ndarray
+        Measured displacement [m], its noise above the motion's band filtered away, shape (n,).
+    force : numpy.ndarray
+        Force of the specimen in any unit, shape (n,).
+    time_step : float
+        Step between samples [s].
+    frequency : float
+        Natural frequency of the structure [Hz].
+
+    Returns
+    -------
+    SpecimenCheck
+        The answer with what it rests on.
+
+    Raises
+    ------
+    InputError
+        If the histories differ in length or hold fewer than four periods.
+
+    Examples
+    --------
+    >>> time = np.arange(0.0, 30.0, 0.005)
+    >>> moved = np.sin(6.0 * time) * np.sin(0.1 * time)
+    >>> examine_specimen(moved, 40.0 * moved, 0.005, 1.0).nonlinear
+    False
+    >>> examine_specimen(moved, 40.0 * moved + 6.0 * moved**3, 0.005, 1.0).nonlinear
+    True
+    """
+    if measured.shape != force.shape:
+        raise InputError(
+            "Displacement and force must have one length", value=f"{measured.size}, {force.size}"
+        )
+    if measured.size * time_step * frequency < _FEWEST_PERIODS:
+        raise InputError(
+            f"A specimen is examined over at least {_FEWEST_PERIODS:.0f} periods",
+            value=f"{measured.size * time_step * frequency:.2g}",
+            remedy="Give the whole test",
+        )
+    low_pass = _low_pass(frequency, time_step)
+    every = max(int(1.0 / (_PER_PERIOD * frequency * time_step)), 1)
+
+    def seen(history: Array) -> Array:
+        return np.asarray(fftconvolve(history, low_pass, mode="valid"))[::every]
+
+    velocity = np.gradient(measured, time_step)
+    linear = [seen(row) for row in (measured, velocity, np.gradient(velocity, time_step))]
+    linear.append(np.ones(linear[0].size))
+    shapes = [seen(row) for row in _shapes(measured, velocity)]
+    target = seen(force)
+    block = max(int(_BLOCK * _PER_PERIOD), 1)
+    half = (np.arange(target.size) // block) % 2 == 0
+    plain = _left_over(np.stack(linear), target, half)
+    rich = _left_over(np.stack(linear + shapes), target, half)
+    power = float(target @ target)
+    if not power > 0.0:
+        return SpecimenCheck(nonlinear=False, share=0.0, gain=0.0, linear_residual=0.0)
+    explained = max(plain - rich, 0.0)
+    gain = explained / plain if plain > 0.0 else 0.0
+    share = float(np.sqrt(explained / power))
+    return SpecimenCheck(
+        nonlinear=bool(gain > _GAIN and share > _LEAST),
+        share=share,
+        gain=gain,
+        linear_residual=float(np.sqrt(plain / power)),
+    )
+
+
+def _low_pass(frequency: float, step: float) -> Array:
+    reach = max(round(1.0 / (_BAND * frequency * step)), 1)
+    window = np.hanning(2 * reach + 3)[1:-1]
+    return np.asarray(window / window.sum())
+
+
+def _shapes(measured: Array, velocity: Array) -> list[Array]:
+    x = measured / max(float(np.abs(measured).max()), np.finfo(float).tiny)
+    v = velocity / max(float(np.abs(velocity).max()), np.finfo(float).tiny)
+    slow = 0.02  # of the largest velocity, below which friction turns over
+    return [
+        x * np.abs(x),
+        x**3,
+        x**2,
+        v * np.abs(v),
+        x**2 * v,
+        np.tanh(v / slow),
+        *(slipped(x, limit) for limit in _YIELDS),
+    ]
+
+
+@compiled
+def slipped(displacement: Array, limit: float) -> Array:
+    """Elastic elongation of a spring in series with a slider that gives way at `limit`, shape (n,)."""
+    answer = np.empty_like(displacement)
+    stretched = 0.0
+    for i in range(displacement.size):
+        moved = displacement[i] - displacement[i - 1] if i > 0 else displacement[0]
+        stretched = min(max(stretched + moved, -limit), limit)
+        answer[i] = stretched
+    return answer
+
+
+def _left_over(rows: Array, target: Array, half: NDArray[np.bool_]) -> float:
+    """Sum of squares that is left on each half with coefficients of the other."""
+    scale = np.maximum(np.abs(rows).max(axis=1, keepdims=True), np.finfo(float).tiny)
+    scaled = rows / scale
+    total = 0.0
+    for fitted in (half, ~half):
+        some, other = scaled[:, fitted], scaled[:, ~fitted]
+        values = np.linalg.lstsq(some.T, target[fitted], rcond=1e-6)[0]
+        left = target[~fitted] - values @ other
+        total += float(left @ left)
+    return total

@@ -1,0 +1,129 @@
+"""Every option of `reliab assess` changes the answer, or is refused."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from reliab.cli.assess import assess
+from reliab.criterion import published_criterion
+
+app = typer.Typer()
+app.command()(assess)
+
+PLAIN = ("--f", "1", "--xi", "0.02")
+CHANGES = {
+    "--f": ("test.csv", "--f", "1±0.05", "--xi", "0.02"),
+    "--xi": ("test.csv", "--f", "1", "--xi", "0.05"),
+    "--alpha": ("test.csv", *PLAIN, "--alpha", "0.5"),
+    "--scale": ("test.csv", *PLAIN, "--scale", "1.003"),
+    "--feedback-lag": ("test.csv", *PLAIN, "--feedback-lag", "0.5"),
+    "--motion": ("test.csv", *PLAIN, "--motion", "ground.txt"),
+    "--window": ("test.csv", *PLAIN, "--motion", "ground.txt", "--window", "6"),
+    "--criterion": ("test.csv", *PLAIN, "--criterion", "criterion.json"),
+    "--threshold": ("test.csv", *PLAIN, "--threshold", "0.03"),
+    "--metric": ("test.csv", *PLAIN, "--metric", "mte"),
+    "--confidence": ("test.csv", *PLAIN, "--confidence", "0.8"),
+    "--command": ("test.csv", *PLAIN, "--command", "other_m"),
+    "--measured": ("test.csv", *PLAIN, "--measured", "other_m"),
+    "--time": ("test.csv", *PLAIN, "--time", "slow_s"),
+    "--units": ("bare.csv", *PLAIN, "--rate", "128", "--units", "mm"),
+    "--rate": ("bare.csv", *PLAIN, "--rate", "100"),
+    "--time-units": ("ms.csv", *PLAIN, "--time-units", "ms"),
+    "--delimiter": ("bar.csv", *PLAIN, "--delimiter", "|"),
+}
+"""A call with the option, and the same call without it must answer otherwise, or be refused."""
+
+WITHOUT = {
+    "--f": ("test.csv", *PLAIN),
+    "--xi": ("test.csv", *PLAIN),
+    "--window": ("test.csv", *PLAIN, "--motion", "ground.txt"),
+    "--units": ("bare.csv", *PLAIN, "--rate", "128"),
+    "--rate": ("bare.csv", *PLAIN),
+    "--time-units": ("ms.csv", *PLAIN),
+    "--delimiter": ("bar.csv", *PLAIN),
+}
+SEEN_ELSEWHERE = {
+    "--model": "tests/cli/test_assess.py",
+    "--design": "tests/cli/test_assess.py",
+    "--check": "tests/cli/test_assess.py",
+    "--figure": "tests/cli/test_assess.py",
+    "--report": "test_a_report_and_a_json_file_are_written",
+    "--date": "test_a_report_and_a_json_file_are_written",
+    "--json": "test_a_report_and_a_json_file_are_written",
+}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    made = tmp_path_factory.mktemp("options")
+    times = np.arange(0.0, 12.0, 1.0 / 128.0)
+    rng = np.random.default_rng(2)
+    command = 0.01 * np.sin(2.0 * np.pi * times) * np.sin(np.pi * times / 12.0) ** 2
+    late = np.interp(times - 0.001, times, command) + 1e-6 * rng.normal(size=times.size)
+    frame = pd.DataFrame(
+        {
+            "time_s": times,
+            "command_m": command,
+            "measured_m": 0.999 * late,
+            "other_m": np.interp(times - 0.002, times, command) + 1e-6 * rng.normal(size=times.size),
+            "slow_s": 1.1 * times,
+        }
+    )
+    frame.to_csv(made / "test.csv", index=False)
+    bare = frame[["command_m", "measured_m"]].set_axis(["command", "measured"], axis=1)
+    bare.to_csv(made / "bare.csv", index=False)
+    bare.assign(time=1e3 * times).to_csv(made / "ms.csv", index=False)
+    frame.iloc[:, :3].to_csv(made / "bar.csv", index=False, sep="|")
+    shaking = np.exp(-(((times - 4.0) / 2.0) ** 2)) * rng.normal(size=times.size)
+    lines = ["# units: m/s2", "# dt = 0.0078125", *(f"{sample:.6f}" for sample in shaking)]
+    (made / "ground.txt").write_text("\n".join(lines), encoding="utf-8")
+    (made / "criterion.json").write_text(published_criterion("guo_2017_18").to_json(), encoding="utf-8")
+    return made
+
+
+@pytest.fixture(scope="module")
+def answer(folder):
+    known = {}
+
+    def ask(arguments):
+        if arguments not in known:
+            with pytest.MonkeyPatch.context() as patch:
+                patch.chdir(folder)
+                result = CliRunner().invoke(app, [*arguments, "--json", "-"])
+            known[arguments] = (
+                str(result.exception) if result.exit_code else {**json.loads(result.stdout), "test": ""}
+            )
+        return known[arguments]
+
+    return ask
+
+
+def test_no_option_is_left_out():
+    command = typer.main.get_command(app)
+    options = {name for parameter in command.params for name in parameter.opts if name.startswith("--")}
+    assert options - {"--help", "--install-completion", "--show-completion"} == {*CHANGES, *SEEN_ELSEWHERE}
+
+
+@pytest.mark.parametrize("option", CHANGES)
+def test_an_option_changes_the_answer(answer, option):
+    changed, before = answer(CHANGES[option]), answer(WITHOUT.get(option, ("test.csv", *PLAIN)))
+    assert isinstance(changed, dict), changed
+    assert changed != before
+
+
+def test_a_report_and_a_json_file_are_written(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    for date in ("2026-01-01", "2026-02-02"):
+        result = CliRunner().invoke(
+            app,
+            ["test.csv", *PLAIN, "--report", f"{date}.pdf", "--date", date, "--json", f"{date}.json"],
+        )
+        assert result.exit_code == 0
+        assert result.stdout  # the answer is printed too
+    first, second = (folder / f"{date}.pdf" for date in ("2026-01-01", "2026-02-02"))
+    assert first.read_bytes() != second.read_bytes()
+    assert json.loads((folder / "2026-01-01.json").read_text(encoding="utf-8"))["f"] == 1.0
