@@ -14,7 +14,8 @@ together only, so that each is estimated for the stated value of the other.
 Nothing is differentiated. Each history is convolved with a smooth kernel φ of finite length, and the
 derivatives are put on the kernel (weak form: Messenger and Bortz 2021, Multiscale Model. Simul. 19, eq.
 2.3); the beginning of the test does not matter. Standard errors allow for residuals that are correlated
-over the kernel's length (generalised least squares' sandwich with the residuals' own autocovariance)."""
+over the kernel's length (generalised least squares' sandwich with the residuals' own autocovariance).
+"""
 
 from dataclasses import dataclass
 

@@ -12,7 +12,8 @@ under
     a(t) = −(x_c'' + c x_c'/m + k x_c/m + r[x_m]/m)
 
 which is the ground acceleration where model and test agree; the recorded one is not needed. For a linear r
-this is the equation of `rebuild`."""
+this is the equation of `rebuild`.
+"""
 
 from collections.abc import Mapping
 from dataclasses import replace

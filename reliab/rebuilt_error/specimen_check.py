@@ -5,7 +5,8 @@ motion, then with shapes that a nonlinear specimen would show besides: powers of
 friction, and elastic–plastic springs in series (Jenkins elements, whose sums approximate any rate-
 independent hysteresis: Iwan 1966, J. Appl. Mech. 33). Each explanation is fitted on one half of the test,
 in blocks of a period, and judged on the other half. Noise, a late sensor or a late force are not predicted
-better by such shapes; a nonlinear specimen is."""
+better by such shapes; a nonlinear specimen is.
+"""
 
 from dataclasses import dataclass
 

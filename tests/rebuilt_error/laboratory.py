@@ -62,14 +62,14 @@ class Outcome:
 
 
 @numba.njit(cache=True)
-def _past(x, v, last, time, dt, now_x, now_v):
+def _past(x, v, last, time, dt):
     """Command at a time: a cubic between stored instants, a straight line beyond the last."""
     place = time / dt
     if place <= 0.0:
         return x[0]
     j = int(place)
     if j >= last:
-        return x[last] + (place - last) * dt * v[last] if last > 0 else now_x * 0.0
+        return x[last] + (place - last) * dt * v[last]
     s = place - j
     a, b = x[j], x[j + 1]
     va, vb = v[j] * dt, v[j + 1] * dt
@@ -82,12 +82,22 @@ def _past(x, v, last, time, dt, now_x, now_v):
 
 
 @numba.njit(cache=True)
-def _slopes(y, t, kind, numbers, shape, specimen, w0, xi, alpha, ground, held, late):
+def _past_velocity(v, last, time, dt):
+    """Velocity of the command at a time, a straight line between stored instants."""
+    place = time / dt
+    if place <= 0.0:
+        return 0.0
+    j = min(int(place), last - 1)
+    return v[j] + (place - j) * (v[j + 1] - v[j]) if j >= 0 else 0.0
+
+
+@numba.njit(cache=True)
+def _slopes(y, kind, numbers, shape, specimen, w0, xi, alpha, ground, held, late, late_velocity):
     """Time derivatives of (x, v, piston, piston's velocity, hysteretic displacement), and force, piston."""
     x, v, m, mv, z = y[0], y[1], y[2], y[3], y[4]
     dm, dmv, piston, velocity = 0.0, 0.0, x, v
     if kind == DELAY:
-        piston, velocity = numbers[0] * late, v
+        piston, velocity = numbers[0] * late, numbers[0] * late_velocity
     elif kind == LAG:
         dm = (numbers[0] * x - m) / numbers[1]
         piston, velocity = m, dm
@@ -113,7 +123,7 @@ def _slopes(y, t, kind, numbers, shape, specimen, w0, xi, alpha, ground, held, l
     elif specimen == COULOMB:
         force += shape[0] * math.tanh(velocity / shape[1])
     elif specimen == HYSTERESIS:
-        # Bouc–Wen, A = 1, n = 1: force = k(a p + (1 − a) z), z' = v − (β|v||z| ... ) with yield shape[0]
+        # Bouc–Wen: force k(a p + (1 − a)z), z' = p'(1 − (1/2 + 1/2 sgn(p'z))|z/d|ⁿ); shape = d, a, n
         dz = velocity * (1.0 - (0.5 + 0.5 * np.sign(velocity * z)) * abs(z / shape[0]) ** shape[2])
         force = k * (shape[1] * piston + (1.0 - shape[1]) * z)
     return v, -ground - 2.0 * xi * w0 * v - (1.0 - alpha) * w0 * w0 * x, dm, dmv, dz, force, piston
@@ -139,9 +149,10 @@ def _march(ground, h, parts, kind, numbers, specimen, shape, w0, xi, alpha, lag)
             a = a0 + (a1 - a0) * c
             time = t + c * dt
             tau = numbers[1] + numbers[2] * time if kind == DELAY else 0.0
-            late = _past(xs, vs, i - 1, time - tau, dt, u[0], u[1]) if tau > 0.0 else u[0]
+            late = _past(xs, vs, i - 1, time - tau, dt) if tau > 0.0 else u[0]
+            late_velocity = _past_velocity(vs, i - 1, time - tau, dt) if tau > 0.0 else u[1]
             v, acc, dm, dmv, dz, force, piston = _slopes(
-                u, time, kind, numbers, shape, specimen, w0, xi, alpha, a, held, late
+                u, kind, numbers, shape, specimen, w0, xi, alpha, a, held, late, late_velocity
             )
             if lag > 0.0:
                 place = max((time - lag) / dt, 0.0)
@@ -156,8 +167,9 @@ def _march(ground, h, parts, kind, numbers, specimen, shape, w0, xi, alpha, lag)
         xs[i], vs[i] = y[0], y[1]
         time = i * dt
         tau = numbers[1] + numbers[2] * time if kind == DELAY else 0.0
-        late = _past(xs, vs, i, time - tau, dt, y[0], y[1]) if tau > 0.0 else y[0]
-        out = _slopes(y, time, kind, numbers, shape, specimen, w0, xi, alpha, a1, held, late)
+        late = _past(xs, vs, i, time - tau, dt) if tau > 0.0 else y[0]
+        late_velocity = _past_velocity(vs, i, time - tau, dt) if tau > 0.0 else y[1]
+        out = _slopes(y, kind, numbers, shape, specimen, w0, xi, alpha, a1, held, late, late_velocity)
         fs[i], ms[i] = out[5], out[6]
         if not abs(y[0]) < 1e6:
             break
