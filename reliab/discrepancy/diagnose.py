@@ -13,10 +13,12 @@ from reliab.discrepancy.blocks.specimen import SpecimenBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.search import Search
+from reliab.discrepancy.locating.noise_test import is_noise
 from reliab.discrepancy.naming.naming import diagnose_block
 from reliab.discrepancy.result import BlockDiagnosis, Diagnosis
 from reliab.discrepancy.spectra.scales import motions_of, scales_of
 from reliab.discrepancy.spectra.segment import cut_segments
+from reliab.discrepancy.spectra.starting import settled
 from reliab.errors import InputError
 from reliab.loop.effects import Scales
 from reliab.loop.hybrid_test import Motion3
@@ -113,13 +115,20 @@ def _pistons(actuator: BlockDiagnosis) -> list[Motion3]:
 
 
 def _examined(block: ObservedBlock, campaign: Campaign) -> BlockDiagnosis:
-    highest, every = block.highest, math.lcm(block.every, block.sketch.every)
+    every = math.lcm(block.every, block.sketch.every)
     training, proof = (
-        Problem(block=block, segments=cut_segments(stretches, campaign.rate, highest, every))
+        Problem(
+            block=block,
+            segments=cut_segments(settled(stretches, block.motions), campaign.rate, block.highest_of, every),
+        )
         for stretches in (campaign.training, campaign.proof)
     )
     search = Search(training)
     search.whole()
     searched = search.again()
+    if not is_noise(searched.problem, searched.best):
+        searched = searched.tempered()
+    searched.refine()
+    searched.settle()
     searched.sharpen()
     return diagnose_block(searched, proof)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.result import Gap
-from reliab.discrepancy.spectra.noise import NoiseModel
+from reliab.discrepancy.spectra.floor import floors
 from reliab.discrepancy.spectra.segment import Segment
 from reliab.loop.effects import Effect
 
@@ -40,8 +40,19 @@ def held_out_nrmse(proof: Problem, left: dict[int, Array]) -> float:
     return float(np.sqrt(_energy(proof, left) / _signal_energy(proof)))
 
 
-def gap(proof: Problem, before: dict[int, Array], after: dict[int, Array], noise: NoiseModel) -> Gap:
-    """Compare residuals before and after with the noise.
+def errors_by_test(proof: Problem, left: dict[int, Array]) -> dict[str, float]:
+    """RMS of residuals over RMS of the signal in each held-out test, by file."""
+    values = {}
+    for test in dict.fromkeys(segment.test for segment in proof.segments):
+        own = [segment for segment in proof.segments if segment.test == test]
+        energy = sum(float((_cut(s, left[test]) ** 2).sum()) for s in own)
+        signal = sum(float((_cut(s, proof.block.measured(test)) ** 2).sum()) for s in own)
+        values[proof.block.tests[test].file] = float(np.sqrt(energy / max(signal, 1e-300)))
+    return values
+
+
+def gap(proof: Problem, before: dict[int, Array], after: dict[int, Array]) -> Gap:
+    """Compare residuals before and after with what the recordings do not repeat.
 
     Parameters
     ----------
@@ -49,8 +60,6 @@ def gap(proof: Problem, before: dict[int, Array], after: dict[int, Array], noise
         The held-out stretches.
     before, after : dict of int to numpy.ndarray
         Residuals by test.
-    noise : NoiseModel
-        Noise as the final model leaves it on the other tests.
 
     Returns
     -------
@@ -58,13 +67,20 @@ def gap(proof: Problem, before: dict[int, Array], after: dict[int, Array], noise
         In numbers.
     """
     block = proof.block
-    tests = dict.fromkeys(segment.test for segment in proof.segments)
+    tests = tuple(dict.fromkeys(segment.test for segment in proof.segments))
+    known = floors(
+        block.tests, tests, block.channel, block.inputs, rate=block.rate, highest=block.highest_signal
+    )
+    samples = sum(segment.end - segment.begin for segment in proof.segments)
+    unit = _signal_energy(proof) / samples
     return Gap(
         held_out=tuple(block.tests[test].file for test in tests),
         channel=str(block.channel),
         before=held_out_nrmse(proof, before),
         after=held_out_nrmse(proof, after),
-        floor=float(np.sqrt(_noise_energy(proof, after, noise) / _signal_energy(proof))),
+        floors={str(one.source): float(np.sqrt(one.mean_square / unit)) for one in known},
+        tests_before=errors_by_test(proof, before),
+        tests_after=errors_by_test(proof, after),
     )
 
 
@@ -80,15 +96,3 @@ def _signal_energy(proof: Problem) -> float:
     """Energy of the channel about the mean of its tests."""
     parts = [_cut(segment, proof.block.measured(segment.test)) for segment in proof.segments]
     return max(sum(float((part**2).sum()) for part in parts), 1e-300)
-
-
-def _noise_energy(proof: Problem, left: dict[int, Array], noise: NoiseModel) -> float:
-    """Energy of the noise: as modelled where models are judged, as measured above."""
-    total = 0.0
-    for segment in proof.segments:
-        power = np.abs(segment.full_spectrum(left[segment.test])) ** 2
-        frequency = np.arange(power.size) * segment.rate / (segment.end - segment.begin)
-        below = frequency <= segment.highest
-        power[below] = noise.density(frequency[below])
-        total += 2.0 * float(power[1:].sum()) + float(power[0])
-    return total

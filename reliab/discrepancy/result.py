@@ -1,5 +1,6 @@
 """What a diagnosis says, as objects and as the JSON that `reliab diagnose` writes."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
@@ -13,6 +14,7 @@ from reliab.discrepancy.degeneracy import remark
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.locating.finding import Finding
+from reliab.discrepancy.locating.noise_test import LARGEST_STRUCTURED_SHARE
 from reliab.loop.effects import Effect
 
 Array = NDArray[np.float64]
@@ -29,16 +31,18 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True, kw_only=True)
 class Estimate:
-    """A parameter: name, value, standard deviation, units."""
+    """A parameter: name, most probable value, standard deviation, units, central 90 % interval if sampled."""
 
     name: str
     value: float
     sd: float
     units: str
+    interval: tuple[float, float] | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """Return the entry of `parameters`."""
-        return {"value": self.value, "sd": self.sd, "units": self.units}
+        sampled = {} if self.interval is None else {"interval_90": list(self.interval)}
+        return {"value": self.value, "sd": self.sd, "units": self.units, **sampled}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,17 +76,25 @@ class MissingEffect:
         Its parameters.
     rivals : tuple of Rival
         What else was tried in its place, the most probable first.
+    error_with, error_without : float
+        Error on held-out tests of the model with it, and of the same model refitted without it: RMS over
+        that of the signal.
+    on_bounds : tuple of str
+        Parameters that lie on a bound of their range, so that their values and deviations mean little.
     """
 
     effect: type[Effect]
     probability: float
     estimates: tuple[Estimate, ...]
     rivals: tuple[Rival, ...]
+    error_with: float
+    error_without: float
+    on_bounds: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
         """Name of the effect."""
-        return str(self.effect.name)
+        return self.effect.label()
 
     @property
     def remark(self) -> str:
@@ -98,6 +110,10 @@ class MissingEffect:
             "probability": self.probability,
             "parameters": {one.name: one.as_dict() for one in self.estimates},
             "rivals": [rival.as_dict() for rival in self.rivals],
+            "held_out_nrmse_with": self.error_with,
+            "held_out_nrmse_without": self.error_without,
+            "parameters_on_bounds": list(self.on_bounds),
+            **({"position": self.effect.position} if self.effect.position else {}),
         }
 
 
@@ -110,7 +126,7 @@ class Unknown:
     block : str
         Where it acts.
     expression : str
-        Terms with their coefficients in SI units.
+        Terms with their coefficients in SI units; empty where no term that was tried explains it.
     description : str
         The same in words.
     held_out_nrmse : float
@@ -144,22 +160,49 @@ class Gap:
         Column.
     before, after : float
         RMS of the difference over RMS of the signal, calibrated model and model with the effects.
-    floor : float
-        The same of the noise: its smooth spectrum, fitted to what the final model leaves of the other tests,
-        up to the highest frequency of a signal, and the held-out channel's own power above.
+    floors : mapping of str to float
+        The same of what the recordings do not repeat, by where it was taken from, the most telling first;
+        empty where the recordings do not tell.
+    tests_before, tests_after : mapping of str to float
+        `before` and `after` of each held-out test, by file.
     """
 
     held_out: tuple[str, ...]
     channel: str
     before: float
     after: float
-    floor: float
+    floors: Mapping[str, float]
+    tests_before: Mapping[str, float]
+    tests_after: Mapping[str, float]
+
+    @property
+    def source(self) -> str | None:
+        """What the floor was taken from, None where it is not known."""
+        return next(iter(self.floors), None)
+
+    @property
+    def floor(self) -> float | None:
+        """RMS of what no model could explain over that of the signal, None where it is not known."""
+        return next(iter(self.floors.values()), None)
+
+    @property
+    def model_error(self) -> float:
+        """What remains above the floor, RMS over that of the signal; all of it where no floor is known."""
+        return float(np.sqrt(max(self.after**2 - (self.floor or 0.0) ** 2, 0.0)))
 
     @property
     def closed_fraction(self) -> float | None:
-        """(before² − after²)/(before² − floor²), None where there was no gap."""
-        open_gap = self.before**2 - self.floor**2
-        return (self.before**2 - self.after**2) / open_gap if open_gap > 0.0 else None
+        """(before² − after²)/(before² − floor²) in [0, 1], None without a floor or a gap above it."""
+        if self.floor is None or not self.before**2 > self.floor**2:
+            return None
+        share = (self.before**2 - self.after**2) / (self.before**2 - self.floor**2)
+        return min(max(share, 0.0), 1.0)
+
+    @property
+    def unexplained_share(self) -> float:
+        """Energy that remains above the floor over the energy that the effects took away."""
+        closed = max(self.before**2 - self.after**2, 0.0)
+        return self.model_error**2 / max(closed, 1e-12 * self.before**2, 1e-300)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the entry `gap`."""
@@ -169,7 +212,14 @@ class Gap:
             "nrmse_before": self.before,
             "nrmse_after": self.after,
             "noise_floor": self.floor,
+            "noise_floor_source": self.source,
+            "noise_floors": dict(self.floors),
+            "model_error": self.model_error,
             "closed_fraction": self.closed_fraction,
+            "tests": {
+                file: {"nrmse_before": self.tests_before[file], "nrmse_after": self.tests_after[file]}
+                for file in self.tests_after
+            },
         }
 
 
@@ -209,6 +259,10 @@ class BlockDiagnosis:
         Measured minus predicted channel of the held-out tests by file, shape (n,) each.
     gap : Gap
         The same in numbers.
+    structured_share : float
+        Share of what the best model leaves of the tests it was fitted to that is concentrated as no noise is.
+    calibration : tuple of Estimate
+        Gain, delay, stiffness or scale as calibrated in the best model, in the units of the model's file.
     """
 
     block: ObservedBlock
@@ -224,6 +278,36 @@ class BlockDiagnosis:
     residuals_before: dict[str, Array]
     residuals_after: dict[str, Array]
     gap: Gap
+    structured_share: float
+    calibration: tuple[Estimate, ...]
+
+    @property
+    def leaves_noise(self) -> bool:
+        """Whether what the best model leaves passes for noise."""
+        return self.structured_share <= LARGEST_STRUCTURED_SHARE
+
+    @property
+    def verdict(self) -> Verdict:
+        """The answer for this block in one word."""
+        if self.unknown is not None:
+            return Verdict.UNKNOWN_EFFECT
+        if self.doubtful:
+            return Verdict.NOT_IDENTIFIABLE
+        return Verdict.NAMED if self.effects else Verdict.NO_MISSING_EFFECT
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the entry of `blocks`."""
+        return {
+            "block": str(self.block.block),
+            "verdict": str(self.verdict),
+            "effects": [effect.name for effect in (*self.effects, *self.doubtful)],
+            "unknown": None if self.unknown is None else self.unknown.as_dict(),
+            "gap": self.gap.as_dict(),
+            "unexplained_share": self.gap.unexplained_share,
+            "residual_is_noise": self.leaves_noise,
+            "structured_share": self.structured_share,
+            "calibration": {one.name: one.as_dict() for one in self.calibration},
+        }
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -270,8 +354,8 @@ class Diagnosis:
 
     @property
     def gap(self) -> Gap:
-        """The gap in the block where it was widest over its noise."""
-        return max((one.gap for one in self.blocks), key=lambda gap: gap.before / max(gap.floor, 1e-300))
+        """The gap in the block where it was widest over what is left of it."""
+        return max((one.gap for one in self.blocks), key=lambda gap: gap.before / max(gap.after, 1e-300))
 
     @property
     def where(self) -> tuple[Finding, ...]:
@@ -294,6 +378,7 @@ class Diagnosis:
             "effects": [effect.as_dict() for effect in (*self.effects, *self.doubtful)],
             "unknown": None if unknown is None else unknown.as_dict(),
             "gap": self.gap.as_dict(),
+            "blocks": [one.as_dict() for one in self.blocks],
             "criterion_shift": self.criterion_shift,
             "remarks": list(self.remarks),
         }

@@ -4,16 +4,16 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from reliab.discrepancy.spectra.noise import Periodogram, fit_noise
+from reliab.discrepancy.spectra.noise import Periodogram, fit_noise, line_places
 from reliab.discrepancy.spectra.quantisation import converter_step, expected_error
-from reliab.discrepancy.spectra.smoothing import reliable_frequency, smoothed_motion
+from reliab.discrepancy.spectra.smoothing import _spectra, reliable_frequency, smoothed_motion
 
 RATE = 1024.0
 
 
-def periodogram(values):
+def periodogram(values, rate=RATE):
     power = np.abs(np.fft.rfft(values))[1:] ** 2 / values.size
-    return Periodogram(frequency=np.fft.rfftfreq(values.size, 1.0 / RATE)[1:], power=power)
+    return Periodogram(frequency=np.fft.rfftfreq(values.size, 1.0 / rate)[1:], power=power)
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.9, 0.95, 0.98])
@@ -34,6 +34,46 @@ def test_lines_of_the_mains_are_left_out():
     hum = 5.0 * np.sin(2.0 * np.pi * 50.01 * time) + 2.0 * np.sin(2.0 * np.pi * 150.03 * time)
     found = fit_noise([periodogram(noise + hum)], RATE)
     assert found.rms == pytest.approx(1.0, rel=0.1)
+
+
+def cut(whole, low, high):
+    inside = (whole.frequency > low) & (whole.frequency <= high)
+    return Periodogram(frequency=whole.frequency[inside], power=whole.power[inside])
+
+
+@pytest.mark.parametrize("rate", [200.0, 512.0, 1024.0, 2048.0])
+@pytest.mark.parametrize("band", [(0.0, 45.0), (45.0, np.inf), (30.0, 70.0)])
+def test_lines_lie_where_the_mains_fold_whatever_the_band(rate, band):
+    """The highest frequency of a band is no Nyquist frequency, nor is its first one zero."""
+    time = np.arange(20_000) / rate
+    noise = np.random.default_rng(4).normal(size=time.size)
+    loud = cut(periodogram(noise + np.sin(2.0 * np.pi * 50.01 * time), rate), *band)
+    places = line_places(loud, 0.5 * rate)
+    for begin, end in places:
+        assert 0 <= begin < end <= loud.power.size
+    assert sum(end - begin for begin, end in places) < 0.1 * loud.power.size
+    at_mains = [loud.frequency[begin] < 50.01 < loud.frequency[end - 1] for begin, end in places]
+    assert any(at_mains) == (band[0] < 50.0 < band[1])
+    found = fit_noise([loud], rate).density(loud.frequency)
+    assert 0.7 < np.median(found) < 1.5
+
+
+@pytest.mark.parametrize("signal_up_to", [3.0, 8.0])
+def test_coloured_noise_is_followed_below_the_signal_free_band(signal_up_to):
+    random = np.random.default_rng(12)
+    time = np.arange(int(40 * RATE)) / RATE
+    band = signal.butter(4, [0.3, signal_up_to], "bandpass", fs=RATE)
+    truth = signal.lfilter(*band, random.normal(size=time.size))
+    coloured = signal.lfilter([1.0], [1.0, -0.95], random.normal(size=time.size))
+    noise = 0.03 * truth.std() * coloured / coloured.std()
+    moved = truth + noise
+    _, frequency, _, floor = _spectra(moved, 1.0 / RATE, 45.0)
+    turn = 2.0 * np.pi * frequency / RATE
+    variance = (0.03 * truth.std() / coloured.std()) ** 2
+    expected = variance / (1.0 - 2.0 * 0.95 * np.cos(turn) + 0.95**2)
+    inside = (frequency > 1.0) & (frequency < 45.0)
+    ratio = (floor / expected)[inside]
+    assert 0.5 < ratio.min() < ratio.max() < 2.0
 
 
 @pytest.mark.parametrize("spread", [0.0, 0.1, 0.3])

@@ -36,6 +36,7 @@ class ActuatorBlock(ObservedBlock):
 
     block = Block.ACTUATOR
     channel = Channel.MEASURED
+    inputs = (Channel.COMMAND,)
 
     def __init__(self, campaign: Campaign, scales: Scales) -> None:
         self.tests = campaign.tests
@@ -46,7 +47,9 @@ class ActuatorBlock(ObservedBlock):
         self.offsets = (SensorBias,)
         roles = (*_ON_THE_WAY, Role.DISPLACEMENT_READING)
         known = library().values()
-        self.candidates = tuple(e for e in known if e.role in roles and e is not SensorBias)
+        self.candidates = tuple(
+            e for e in known if e.role in roles and e is not SensorBias and e.refines is None
+        )
         self.outside = outside_terms(self.block)
         parts = max(1, int(np.ceil(_FINEST_RATE / campaign.rate - 0.05)))
         commands = [

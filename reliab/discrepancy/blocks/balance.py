@@ -35,6 +35,7 @@ class BalanceBlock(ObservedBlock):
 
     block = Block.NUMERICAL
     channel = Channel.FORCE
+    inputs = (Channel.GROUND, Channel.COMMAND)
 
     def __init__(self, campaign: Campaign, scales: Scales) -> None:
         self.tests = campaign.tests

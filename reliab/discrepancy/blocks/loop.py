@@ -51,6 +51,7 @@ class LoopBlock(ObservedBlock):
 
     block = Block.NUMERICAL
     channel = Channel.MEASURED
+    inputs = (Channel.GROUND,)
 
     def __init__(self, campaign: Campaign, scales: Scales, motions: tuple[Motion3, ...]) -> None:
         self.tests = campaign.tests
@@ -60,7 +61,9 @@ class LoopBlock(ObservedBlock):
         self.motions = motions
         self._rig = rig = campaign.actuator is not None
         self.offsets = (SensorBias,)
-        self.candidates = tuple(effect for effect in library().values() if _possible(effect, rig=rig))
+        self.candidates = tuple(
+            effect for effect in library().values() if _possible(effect, rig=rig) and effect.refines is None
+        )
         acting = (*_OF_THE_RIG, Role.FORCE) if rig else (Role.FORCE,)
         terms = (*outside_terms(Block.ACTUATOR), *outside_terms(Block.SPECIMEN))
         self.outside = tuple(term for term in terms if term.role in acting)

@@ -28,6 +28,8 @@ class ObservedBlock(ABC):
         Part of the loop.
     channel : Channel
         Its output.
+    inputs : tuple of Channel
+        What drives it.
     tests : tuple of MeasuredTest
         The tests of the campaign, held-out ones too.
     rate : float
@@ -52,6 +54,7 @@ class ObservedBlock(ABC):
 
     block: ClassVar[Block]
     channel: ClassVar[Channel]
+    inputs: ClassVar[tuple[Channel, ...]]
 
     tests: tuple[MeasuredTest, ...]
     rate: float
@@ -73,6 +76,11 @@ class ObservedBlock(ABC):
     def highest(self) -> float:
         """Highest frequency at which models are judged [Hz]."""
         return self.highest_signal
+
+    def highest_of(self, test: int) -> float:
+        """Return the highest frequency at which models are judged in a test [Hz]."""
+        del test
+        return self.highest
 
     @property
     def sketch(self) -> "ObservedBlock":

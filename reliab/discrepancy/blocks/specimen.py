@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from reliab.discrepancy.blocks.calibration import Calibration, stiffness, unknown_stiffness
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
-from reliab.discrepancy.spectra.smoothing import reliable_frequency, velocity_spread
+from reliab.discrepancy.spectra.smoothing import harmonics_up_to, reliable_frequency, velocity_spread
 from reliab.discrepancy.terms import outside_terms
-from reliab.loop.effects import Effect, Kernel, Role, Scales, Setting, SteppedEffect, library
+from reliab.loop.effects import Effect, Kernel, Role, Scales, SteppedEffect, library
 from reliab.loop.effects.force_bias import ForceBias
 from reliab.loop.effects.quadratic_damping import QuadraticDamping
 from reliab.loop.effects.sensor_drift import SensorDrift
@@ -45,6 +45,7 @@ class SpecimenBlock(ObservedBlock):
 
     block = Block.SPECIMEN
     channel = Channel.FORCE
+    inputs = (Channel.MEASURED,)
 
     def __init__(
         self, campaign: Campaign, scales: Scales, pistons: Sequence[Motion3], *, smoothed: bool = False
@@ -59,7 +60,9 @@ class SpecimenBlock(ObservedBlock):
             self.nominal = HybridTest(mass=campaign.mass, specimen=specimen)
             self.calibrations = (unknown_stiffness(),)
         self.offsets = (ForceBias,)
-        in_force = tuple(effect for effect in library().values() if effect.role is Role.FORCE)
+        in_force = tuple(
+            effect for effect in library().values() if effect.role is Role.FORCE and effect.refines is None
+        )
         of_sensor: tuple[type[Effect], ...] = (SensorDrift,) if smoothed else ()
         self.candidates = (*in_force, *of_sensor)
         self.outside = outside_terms(self.block)
@@ -76,13 +79,20 @@ class SpecimenBlock(ObservedBlock):
         readings = [test.channels[Channel.MEASURED] for test in self.tests]
         return [velocity_spread(one, 1.0 / self.rate, self.highest_signal) for one in readings]
 
-    @property
+    @cached_property
     def highest(self) -> float:
         """Highest frequency at which models are judged [Hz]: that up to which the motion is known well."""
         if not self.smoothed:
             return super().highest
         readings = [test.channels[Channel.MEASURED] for test in self.tests]
         return reliable_frequency(readings, 1.0 / self.rate, self.highest_signal)
+
+    def highest_of(self, test: int) -> float:
+        """Return the highest frequency at which models are judged in a test [Hz]: harmonics under a sine."""
+        if not self.smoothed:
+            return self.highest
+        reading = self.tests[test].channels[Channel.MEASURED]
+        return min(max(self.highest, harmonics_up_to(reading, 1.0 / self.rate)), self.highest_signal)
 
     @cached_property
     def sketch(self) -> ObservedBlock:
@@ -104,8 +114,7 @@ class SpecimenBlock(ObservedBlock):
             return read_force(model, piston, self._expected_load(model, piston, test))
         if piston is not self.motions[test]:
             return read_force(model, piston, load(model, piston))
-        stiffness = 0.0 if model.specimen is None else model.specimen.stiffness
-        setting = Setting(step=piston.step, stiffness=stiffness)
+        setting = model.setting(piston.step)
         force = load(replace(model, effects=()), piston)
         for effect in model.acting(Role.FORCE, Role.FORCE_READING):
             if isinstance(effect, SteppedEffect):

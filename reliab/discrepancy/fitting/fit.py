@@ -105,7 +105,7 @@ def fit(problem: Problem, space: ModelSpace, starts: Sequence[Array], noise: Noi
 def refined(problem: Problem, fitted: Fit) -> Fit:
     """Fit noise and model in turn, until the evidence settles."""
     for _ in range(_MOST_ROUNDS):
-        again = _improved(problem, reweighted(problem, fitted))
+        again = improved(problem, reweighted(problem, fitted))
         settled = abs(again.log_evidence - fitted.log_evidence) < _SETTLED
         fitted = again
         if settled:
@@ -134,7 +134,7 @@ def reweighted(problem: Problem, fitted: Fit) -> Fit:
 def _fit_from(problem: Problem, space: ModelSpace, start: Array, noise: NoiseModel) -> Fit:
     x = np.clip(start, *space.bounds)
     residual = problem.whitened(space, x, noise)
-    return _improved(
+    return improved(
         problem,
         Fit(
             space=space,
@@ -147,8 +147,8 @@ def _fit_from(problem: Problem, space: ModelSpace, start: Array, noise: NoiseMod
     )
 
 
-def _improved(problem: Problem, fitted: Fit) -> Fit:
-    """Levenberg–Marquardt with bounds and the prior; ends when a step promises less than 0.02.
+def improved(problem: Problem, fitted: Fit) -> Fit:
+    """Improve a fit by Levenberg–Marquardt with bounds and the prior, until a step promises less than 0.02.
 
     It ends, too, after a small step that reached what the quadratic model promised: derivatives have not
     changed, and the next step would be smaller still.
@@ -163,7 +163,7 @@ def _improved(problem: Problem, fitted: Fit) -> Fit:
         slope = derivatives.T @ residual + x
         accepted = foreseen = False
         while damping < _MOST_DAMPING:
-            step = _bounded_step(curvature, slope, lower - x, upper - x, damping)
+            step = bounded_step(curvature, slope, lower - x, upper - x, damping)
             moved = np.clip(x + step, lower, upper)
             promise = -slope @ step - 0.5 * step @ curvature @ step
             if promise < _NEGLIGIBLE:
@@ -183,7 +183,7 @@ def _improved(problem: Problem, fitted: Fit) -> Fit:
     return replace(fitted, coordinates=x, residual=residual, jacobian=derivatives)
 
 
-def _bounded_step(curvature: Array, slope: Array, least: Array, most: Array, damping: float) -> Array:
+def bounded_step(curvature: Array, slope: Array, least: Array, most: Array, damping: float) -> Array:
     """Damped Newton step: the minimum of the quadratic model within the bounds."""
     damped = curvature + damping * np.diag(np.diag(curvature))
     step: Array = np.asarray(-np.linalg.solve(damped, slope), dtype=np.float64)

@@ -1,7 +1,7 @@
 """The data of a block as a problem to be fitted: segments, whitened residuals, noise."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -16,6 +16,7 @@ from reliab.discrepancy.spectra.segment import Segment
 Array = NDArray[np.float64]
 
 _LEAST_OF_CONVERSION = 0.2  # of the mean square of a converter's error
+_LEAST_POWER = 0.05  # of the strongest test's
 _UNBOUNDED = 1e6  # a whitened residual that stands for a simulation that ran away
 
 
@@ -31,11 +32,19 @@ class Problem:
         Stretches of tests.
     conversion : mapping of int to numpy.ndarray, optional
         By test, what the converter is known to have added to the channel, shape (n,).
+    tempering : tuple of float, optional
+        For each segment the power to which its likelihood is raised, below 1 where what models leave is an
+        error of theirs and no noise: neighbouring frequencies are then no independent observations. The
+        error is then judged over all frequencies alike, in the channel's own unit. Empty where noise judges.
+    powers : tuple of float, optional
+        For each segment the mean square of the channel that counts as one, so that tests count alike.
     """
 
     block: ObservedBlock
     segments: tuple[Segment, ...]
     conversion: Mapping[int, Array] = field(default_factory=dict)
+    tempering: tuple[float, ...] = ()
+    powers: tuple[float, ...] = ()
 
     def measured(self, test: int) -> Array:
         """Measured channel of a test without what is known of its conversion, shape (n,)."""
@@ -66,15 +75,29 @@ class Problem:
                 error = expected_error(signal, step, spread, float(values[0]))
                 if error is not None:
                     conversion[test] = error
-        return (
-            Problem(block=self.block, segments=self.segments, conversion=conversion) if conversion else self
+        return replace(self, conversion=conversion) if conversion else self
+
+    @property
+    def flat(self) -> bool:
+        """Whether the error is judged in the channel's own unit instead of by the noise."""
+        return bool(self.tempering)
+
+    def tempered(self, observations: Mapping[int, float]) -> "Problem":
+        """Return the problem judged in the channel's own unit, with so many observations in each test."""
+        rows: dict[int, int] = {}
+        for segment in self.segments:
+            rows[segment.test] = rows.get(segment.test, 0) + 2 * segment.bins - 1
+        return replace(
+            self,
+            tempering=tuple(min(observations[s.test] / rows[s.test], 1.0) for s in self.segments),
+            powers=relative_powers(self),
         )
 
     @cached_property
     def sketch(self) -> "Problem":
         """The same problem predicted at fewer instants, for derivatives."""
         block = self.block.sketch
-        return self if block is self.block else Problem(block=block, segments=self.segments)
+        return self if block is self.block else replace(self, block=block, conversion={})
 
     @cached_property
     def _spectra(self) -> list[NDArray[np.complex128]]:
@@ -99,9 +122,9 @@ class Problem:
         """Residuals of unit variance if the model is right, shape (rows,)."""
         predicted = self.predictions(space, coordinates)
         parts = []
-        for segment, measured in zip(self.segments, self._spectra, strict=True):
+        for place, (segment, measured) in enumerate(zip(self.segments, self._spectra, strict=True)):
             left = measured - segment.coarse_spectrum(predicted[segment.test], self.block.every)
-            parts.append(real_parts(left, segment.density(noise)))
+            parts.append(real_parts(left, self._density(place, noise)))
         rows = np.concatenate(parts)
         return rows if np.isfinite(rows).all() else np.full(rows.size, _UNBOUNDED)
 
@@ -128,11 +151,20 @@ class Problem:
             inside = Periodogram(frequency=segment.frequency[1:], power=0.5 * (real + imaginary))
             periodograms += [inside, beyond]
             begin += 2 * segment.bins - 1
+        if self.flat:
+            share = np.array(self.tempering)[self.owners]
+            level = float(share @ (powers / np.array(self.powers)[self.owners]) / share.sum())
+            return NoiseModel.white(self.block.rate, max(level, self.least_noise, 1e-300))
         return fit_noise(periodograms, self.block.rate, least=self.least_noise)
+
+    def _density(self, place: int, noise: NoiseModel) -> Array:
+        """Variance by which the residuals of a segment are divided, shape (bins,)."""
+        density = self.segments[place].density(noise)
+        return density * (self.powers[place] / self.tempering[place]) if self.flat else density
 
     def _densities(self, noise: NoiseModel) -> Array:
         """Return the expected power of each residual, shape (rows,)."""
-        parts = [segment.density(noise) for segment in self.segments]
+        parts = [self._density(place, noise) for place in range(len(self.segments))]
         return np.concatenate([np.concatenate([one, one[1:]]) for one in parts])
 
     def reweighting(self, old: NoiseModel, new: NoiseModel) -> Array:
@@ -153,7 +185,31 @@ class Problem:
     def log_volume(self, noise: NoiseModel) -> float:
         """Logarithm of the normalisation of the likelihood, up to a constant."""
         logs = [np.log(segment.density(noise)) for segment in self.segments]
-        return -sum(float(one[1:].sum()) + 0.5 * float(one[0]) for one in logs)
+        shares = self.tempering or (1.0,) * len(logs)
+        volumes = [float(log[1:].sum()) + 0.5 * float(log[0]) for log in logs]
+        return -sum(share * volume for share, volume in zip(shares, volumes, strict=True))
+
+
+def relative_powers(problem: Problem) -> tuple[float, ...]:
+    """Mean square of the channel in the test of each segment, plus a share of the strongest's.
+
+    Errors count relative to this, so that tests count alike, whatever their length and strength, but for
+    those so weak that they show little beside their noise.
+    """
+    tests = {s.test for s in problem.segments}
+    own = {
+        test: float(
+            np.mean(
+                np.concatenate(
+                    [problem.measured(test)[s.begin : s.end] for s in problem.segments if s.test == test]
+                )
+                ** 2
+            )
+        )
+        for test in tests
+    }
+    least = _LEAST_POWER * max(own.values())
+    return tuple(max(own[s.test] + least, 1e-300) for s in problem.segments)
 
 
 def real_parts(spectrum: NDArray[np.complex128], density: Array) -> Array:

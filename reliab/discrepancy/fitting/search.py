@@ -2,18 +2,20 @@
 
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reliab.discrepancy.fitting.fit import Fit, fit, refined, reweighted, sharpened, transferred
+from reliab.discrepancy.fitting.left_out import LeftOut, left_out
 from reliab.discrepancy.fitting.line_terms import line_terms
+from reliab.discrepancy.fitting.observations import observations
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.spectra.noise import NoiseModel
 from reliab.discrepancy.terms import is_outside
-from reliab.loop.effects import Effect
+from reliab.loop.effects import Effect, library
 
 Array = NDArray[np.float64]
 Kinds = tuple[type[Effect], ...]
@@ -34,23 +36,31 @@ AUDIBLE = 0.02
 
 Every recording has traces far below its noise that no library holds."""
 
+MATERIAL = 0.19
+"""Share of the error's energy on left-out tests, a tenth of its RMS, that an effect must take away where what
+is left is no noise.
+
+An error of the model follows the motion, so that nearly anything explains some of it; by evidence alone,
+which takes it for noise, a trifle of it decides with certainty."""
+
+_LEAST_BESIDE, _LEAST_OUTSIDE = 0.03, 0.05
+# shares of the whole gap's energy that an effect beside others, and a term outside the library, must close there
+_NO_WORSE = 0.02  # growth of the error on left-out tests that noise brings about
+
 MOST_EFFECTS = 3
 _WORKERS = 2
 _BEAM = 2
 _DEEPEST_OUTSIDE = 2
 _TRIED = 8
+_MOST_EXCHANGES = 2
+_SIMPLE = 2  # parameters; effects of more have several optima where no model is exact
 _CLOSE = 100.0  # nats
 _POSSIBLE = 7.0  # nats
 
 
 def cost(kinds: Iterable[type[Effect]]) -> float:
-    """Prior odds against a set of effects, as a logarithm."""
-    return sum(OUTSIDE_COST if is_outside(kind) else COST for kind in kinds)
-
-
-def score(one: Fit) -> float:
-    """Evidence and prior odds of a fitted model, as a logarithm."""
-    return one.log_evidence - cost(one.space.effects)
+    """Prior odds against a set of effects, as a logarithm; a special form of an effect counts twice."""
+    return sum(OUTSIDE_COST if is_outside(kind) else COST * (1 + bool(kind.refines)) for kind in kinds)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -65,11 +75,14 @@ class Screened:
         Gain of log-likelihood, to first order.
     start : numpy.ndarray
         Coordinates from which to fit.
+    others : tuple of numpy.ndarray, optional
+        Coordinates that promised less.
     """
 
     kind: type[Effect]
     gain: float
     start: Array
+    others: tuple[Array, ...] = ()
 
 
 class Search:
@@ -83,6 +96,8 @@ class Search:
 
     def __init__(self, problem: Problem) -> None:
         self.fitted: dict[frozenset[str], Fit] = {}
+        self.rejected: set[frozenset[str]] = set()
+        self._errors: dict[int, tuple[Fit, LeftOut]] = {}
         block = problem.block
         space = ModelSpace(block, ())
         spread = np.mean([block.measured(s.test)[s.begin : s.end].var() for s in problem.segments])
@@ -93,9 +108,38 @@ class Search:
 
     def _keep(self, one: Fit) -> Fit:
         key = frozenset(one.space.names)
-        if key not in self.fitted or score(one) > score(self.fitted[key]):
+        if key in self.rejected:
+            return one
+        if key not in self.fitted or self.score(one) > self.score(self.fitted[key]):
             self.fitted[key] = one
         return self.fitted[key]
+
+    def _reject(self, one: Fit) -> None:
+        """Take a model out of the search for good: something in it does not matter."""
+        key = frozenset(one.space.names)
+        self.rejected.add(key)
+        self.fitted.pop(key, None)
+
+    def score(self, one: Fit) -> float:
+        """Logarithm of how credible a fitted model is, up to a constant.
+
+        Evidence and prior odds where noise judges; else the predictive likelihood of tests that are left out
+        one at a time, of normal errors of unknown size, which has paid for the model's parameters already.
+        """
+        if not self.problem.flat:
+            return one.log_evidence - cost(one.space.effects)
+        error = self.error(one)
+        count = sum(
+            share * (2 * segment.bins - 1)
+            for share, segment in zip(self.problem.tempering, self.problem.segments, strict=True)
+        )
+        return -0.5 * count * float(np.log(max(error.energy, 1e-300))) - cost(one.space.effects)
+
+    def error(self, one: Fit) -> LeftOut:
+        """Error of a model on each test when it is fitted to the others."""
+        if id(one) not in self._errors:
+            self._errors[id(one)] = (one, left_out(self.problem, one))
+        return self._errors[id(one)][1]
 
     def plain(self) -> Fit:
         """Calibrate by least squares, as a laboratory would that knows nothing of noise."""
@@ -108,7 +152,7 @@ class Search:
     @property
     def best(self) -> Fit:
         """The most credible of all fitted models."""
-        return max(self.fitted.values(), key=score)
+        return max(self.fitted.values(), key=self.score)
 
     def screen(self, parent: Fit, kinds: Sequence[type[Effect]]) -> list[Screened]:
         """Rank effects by what they promise to explain beside a model."""
@@ -131,9 +175,11 @@ class Search:
             if size <= 0.0 or (along < 0.0 and not kind.parameters[0].signed):
                 continue
             gain = 0.5 * along**2 / size
+            start = space.scaled(start, kind, along / size)
             if gain > best.gain or best.start.size == 0:
-                start = space.scaled(start, kind, along / size)
-                best = Screened(kind=kind, gain=gain, start=start)
+                best = Screened(kind=kind, gain=gain, start=start, others=(*best.others, start))
+            else:
+                best = replace(best, others=(*best.others, start))
         return self._uncalibrated(parent, sketched, space, best) if parent is self.null else best
 
     def _uncalibrated(self, parent: Fit, sketched: Array, space: ModelSpace, best: Screened) -> Screened:
@@ -145,40 +191,61 @@ class Search:
             left = self.problem.sketch.whitened(space, start, parent.noise)
             gain = 0.5 * float(sketched @ sketched - left @ left)
             if gain > best.gain:
-                best = Screened(kind=best.kind, gain=gain, start=start)
+                best = replace(best, gain=gain, start=start)
         return best
+
+    def _untried(self, names: set[str]) -> bool:
+        return frozenset(names) not in self.fitted and frozenset(names) not in self.rejected
 
     def extend(self, parent: Fit, screened: Sequence[Screened]) -> list[Fit]:
         """Fit a model with each of some effects added."""
         fresh = [
             one
             for one in screened
-            if one.start.size and frozenset({*parent.space.names, str(one.kind.name)}) not in self.fitted
+            if one.start.size and self._untried({*parent.space.names, str(one.kind.name)})
         ]
 
         def extended(one: Screened) -> Fit:
             space = ModelSpace(parent.space.block, (*parent.space.effects, one.kind))
-            return reweighted(self.problem, fit(self.problem, space, [one.start], parent.noise))
+            starts = [one.start]
+            if self.problem.flat and len(one.kind.parameters) > _SIMPLE:
+                starts += [start for start in one.others if start is not one.start]
+            return reweighted(self.problem, fit(self.problem, space, starts, parent.noise))
 
         with ThreadPoolExecutor(_WORKERS) as pool:
             rough = list(pool.map(extended, fresh))
-            first = max(map(score, rough), default=0.0)
-            least = min(0.5 * (first + score(parent)), first - _CLOSE)
-            near = pool.map(lambda one: refined(self.problem, one) if score(one) > least else one, rough)
+            first = max(map(self.score, rough), default=0.0)
+            least = min(0.5 * (first + self.score(parent)), first - _CLOSE)
+            near = pool.map(lambda one: refined(self.problem, one) if self.score(one) > least else one, rough)
             found = list(near)
-        return [self._keep(one) for one in found if self._matters(one, parent)]
+        kept = []
+        for one in found:
+            if self._matters(one, parent):
+                kept.append(self._keep(one))
+            else:
+                self._reject(one)
+        return kept
 
     def _matters(self, one: Fit, smaller: Fit) -> bool:
-        """Whether what an effect adds is not negligible beside the gap that the larger model closes."""
+        """Whether what an effect adds is not negligible, by what models leave and on left-out tests."""
         rows = one.residual
-        gained = self._energy(smaller, one.noise) - float(rows @ rows)
+        left = float(rows @ rows)
+        gained = self._energy(smaller, one.noise) - left
         unknown = any(is_outside(kind) for kind in set(one.space.effects) - set(smaller.space.effects))
-        if unknown and gained < AUDIBLE * rows.size:
+        if unknown and gained < AUDIBLE * left:
             return False
+        if self.problem.flat:
+            least = _LEAST_OUTSIDE if unknown else _LEAST_BESIDE
+            large = gained > max(MATERIAL * (left + gained), least * self._energy(self.null, one.noise))
+            return large and self._predicts(one, smaller, 1.0 - MATERIAL)
         if smaller is self.null:
             return True
-        closed = self._energy(self.null, one.noise) - float(rows @ rows)
-        return gained > LEAST_SHARE * closed
+        closed = self._energy(self.null, one.noise) - left
+        return gained > LEAST_SHARE * closed and self._predicts(one, smaller, 1.0 + _NO_WORSE)
+
+    def _predicts(self, one: Fit, smaller: Fit, most: float) -> bool:
+        """Whether a model's error on left-out tests is at most a multiple of that of a smaller model."""
+        return self.error(one).energy <= most * self.error(smaller).energy
 
     def _energy(self, one: Fit, noise: NoiseModel) -> float:
         """Energy that a model leaves, whitened by a given noise."""
@@ -194,16 +261,16 @@ class Search:
                 promising = self.screen(parent, kinds)
                 floor = max(COST, 0.02 * promising[0].gain) if promising else 0.0
                 children += self.extend(parent, [one for one in promising[:_TRIED] if one.gain > floor])
-            children.sort(key=score, reverse=True)
+            children.sort(key=self.score, reverse=True)
             beam = [one for one in children[:_BEAM] if self._within_reach(one, children[0])]
-            if not beam or score(beam[0]) < score(best):
+            if not beam or self.score(beam[0]) < self.score(best):
                 break
             best = beam[0]
         return self.backward(best)
 
     def _within_reach(self, one: Fit, first: Fit) -> bool:
         """Whether a model is so close to the best one that a further effect might change the order."""
-        return score(one) > 0.5 * (score(first) + score(self.null))
+        return self.score(one) > 0.5 * (self.score(first) + self.score(self.null))
 
     def whole(self, begin: Fit | None = None) -> Fit:
         """Search the library, and beyond it where something is left that a term outside would explain."""
@@ -214,7 +281,7 @@ class Search:
         if not left or left[0].gain < self.noticeable(inside):
             return inside
         every = (*block.candidates, *outside)
-        best = max(inside, self.forward(self.null, every, deepest=_DEEPEST_OUTSIDE), key=score)
+        best = max(inside, self.forward(self.null, every, deepest=_DEEPEST_OUTSIDE), key=self.score)
         return best if best is not inside else self.forward(inside, every, deepest=1)
 
     def again(self) -> "Search":
@@ -234,9 +301,66 @@ class Search:
         search.whole(search.best)
         return search
 
+    def tempered(self) -> "Search":
+        """Search again in the channel's own unit, where what the best model leaves is no noise.
+
+        The likelihood is that of as many observations as there are swings of the motion, few from each test.
+        """
+        search = Search(self.problem.tempered(observations(self.problem)))
+        search.exchange(search.whole())
+        return search
+
+    def exchange(self, best: Fit) -> None:
+        """Try every other effect in the place of each of a model's, as long as that makes it better."""
+        candidates = best.space.block.candidates
+        for _ in range(_MOST_EXCHANGES):
+            if len(best.space.effects) < 2:  # noqa: PLR2004 - single effects were all tried
+                return
+            for kind in best.space.effects:
+                parent = self.without(best, kind)
+                self.extend(parent, [one for one in self.screen(parent, candidates)[:_TRIED] if one.gain > COST])
+            if self.best is best:
+                return
+            best = self.best
+
+    def refine(self) -> None:
+        """Try the special forms of the effects that the best model holds, each in the place of its own."""
+        for kind in self.best.space.effects:
+            for special in library().values():
+                if special.refines is kind:
+                    self._refine(self.best, kind, special)
+
+    def _refine(self, best: Fit, kind: type[Effect], special: type[Effect]) -> None:
+        if kind not in best.space.effects:
+            return
+        others = tuple(other for other in best.space.effects if other is not kind)
+        space = ModelSpace(best.space.block, (*others, special))
+        start = space.in_place_of(best.space, best.coordinates, kind, special)
+        refined_fit = refined(self.problem, fit(self.problem, space, [start], best.noise))
+        if self._matters(refined_fit, best):
+            self._keep(refined_fit)
+
+    def settle(self) -> None:
+        """Reject what does not matter against one of its sub-models, of all models that may be named."""
+        checked: set[frozenset[str]] = set()
+        while True:
+            best = self.score(self.best)
+            near = [
+                key
+                for key, one in self.fitted.items()
+                if key not in checked and self.score(one) > best - _POSSIBLE
+            ]
+            if not near:
+                return
+            for key in near:
+                checked.add(key)
+                one = self.fitted[key]
+                if any(not self._matters(one, self.without(one, kind)) for kind in one.space.effects):
+                    self._reject(one)
+
     def sharpen(self) -> None:
         """Differentiate anew, at every instant, the models that may be named."""
-        close = [key for key, one in self.fitted.items() if score(one) > score(self.best) - _POSSIBLE]
+        close = [key for key, one in self.fitted.items() if self.score(one) > self.score(self.best) - _POSSIBLE]
         with ThreadPoolExecutor(_WORKERS) as pool:
             sharp = pool.map(lambda key: sharpened(self.problem, self.fitted[key]), close)
             self.fitted.update(zip(close, sharp, strict=True))
@@ -249,16 +373,17 @@ class Search:
     def backward(self, best: Fit) -> Fit:
         """Remove effects as long as the evidence grows."""
         while len(best.space.effects) > 1:
-            smaller = [self._without(best, kind) for kind in best.space.effects]
-            challenger = max(smaller, key=score)
+            smaller = [self.without(best, kind) for kind in best.space.effects]
+            challenger = max(smaller, key=self.score)
             if not self._matters(best, challenger):
-                self.fitted.pop(frozenset(best.space.names), None)
-            elif score(challenger) <= score(best):
+                self._reject(best)
+            elif self.score(challenger) <= self.score(best):
                 break
             best = challenger
         return best
 
-    def _without(self, one: Fit, kind: type[Effect]) -> Fit:
+    def without(self, one: Fit, kind: type[Effect]) -> Fit:
+        """Return a model without one of its effects, refitted."""
         left = tuple(other for other in one.space.effects if other is not kind)
         space = ModelSpace(one.space.block, left)
         key = frozenset(space.names)

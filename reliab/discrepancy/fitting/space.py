@@ -21,6 +21,7 @@ simulators of the same equations differ by some parts in ten thousand, from how 
 samples.
 """
 
+_AT_BOUND = 1e-4  # standard deviations of the prior
 _SLOW = 1e-3  # rad/s, at which the phase of a transfer function is a delay
 
 
@@ -156,6 +157,30 @@ class ModelSpace:
         """Coordinates of a larger model without what this one does not have."""
         known = dict(zip(other._keys, coordinates.tolist(), strict=True))  # noqa: SLF001 - the same class
         return np.array([known[key] for key in self._keys])
+
+    def in_place_of(
+        self, base: "ModelSpace", coordinates: Array, kind: type[Effect], special: type[Effect]
+    ) -> Array:
+        """Coordinates of a model in which an effect is replaced by a special form of it, from that model's."""
+        values = dict(zip(base._keys, base.values(coordinates).tolist(), strict=True))  # noqa: SLF001 - the same class
+        fresh = dict(zip(self._keys, self.values(self._start(0)).tolist(), strict=True))
+        inherited = {
+            key.replace(f"{kind.name}.", f"{special.name}.", 1): value for key, value in values.items()
+        }
+        lower, upper = self.bounds
+        start = self.coordinates(np.array([inherited.get(key, fresh[key]) for key in self._keys]))
+        return np.clip(start, lower + 1e-9, upper - 1e-9)
+
+    def on_bounds(self, coordinates: Array) -> tuple[str, ...]:
+        """Names of the parameters of effects that lie on a bound which is no physical limit."""
+        lower, upper = self.bounds
+        names = []
+        for place, (key, parameter) in enumerate(zip(self._keys, self.parameters, strict=True)):
+            physical = parameter.signed and parameter.lower <= 0.0 <= parameter.lower + 1e-6
+            low = coordinates[place] <= lower[place] + _AT_BOUND and not physical
+            if low or coordinates[place] >= upper[place] - _AT_BOUND:
+                names.append(key)
+        return tuple(names)
 
     def neutralised(self, coordinates: Array, offsets: Sequence[type[Effect]]) -> Array:
         """Coordinates with the parameters of some offsets at zero."""

@@ -2,7 +2,8 @@
 
 Noise and motion make every sample differ from the one before it. A run of equal samples is an event where the
 model that explains the tests best moves on, at frequencies at which it is judged, by much more than the
-reading usually changes from one sample to the next, or the model misses it.
+reading usually changes from one sample to the next, or the model misses it. Equal samples at the begin or at
+the end of a record are rest, and a few events that hold next to nothing of what is left are no explanation.
 """
 
 from dataclasses import dataclass
@@ -20,6 +21,7 @@ _FEWEST_SAMPLES = 5
 _FEWEST_EVENTS = 3
 _TIMES = 4.0  # of what the reading usually differs by
 _SHARE = 0.01  # of the channel's RMS
+_LEAST_OF_REMAINDER = 0.05  # share of the energy that the model leaves
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,11 +56,15 @@ def standstill(problem: Problem, best: Fit) -> Standstill | None:
         None where there are not three events.
     """
     lengths: list[int] = []
+    inside = whole = 0.0
     for test, left in problem.residuals(best.space, best.coordinates).items():
         read = problem.block.measured(test)
         expected = _judged(read - left, problem.block.highest / problem.block.rate)
-        lengths += _held(read, expected, max(problem.steps[test], float(np.median(np.abs(left)))))
-    if len(lengths) < _FEWEST_EVENTS:
+        events = _held(read, expected, max(problem.steps[test], float(np.median(np.abs(left)))))
+        lengths += [end - begin for begin, end in events]
+        inside += sum(float((left[begin:end] ** 2).sum()) for begin, end in events)
+        whole += float((left**2).sum())
+    if len(lengths) < _FEWEST_EVENTS or inside < _LEAST_OF_REMAINDER * whole:
         return None
     return Standstill(events=len(lengths), seconds=float(np.median(lengths)) / problem.block.rate)
 
@@ -68,15 +74,15 @@ def _judged(expected: Array, highest: float) -> Array:
     return np.asarray(signal.sosfiltfilt(signal.butter(4, highest, fs=1.0, output="sos"), expected))
 
 
-def _held(read: Array, expected: Array, usual: float) -> list[int]:
-    """Lengths of the events in a test, in samples."""
+def _held(read: Array, expected: Array, usual: float) -> list[tuple[int, int]]:
+    """First sample of each event in a test and the one after the last."""
     changes = np.diff(read)
     edges = np.concatenate([[0], np.flatnonzero(changes) + 1, [read.size]])
     if changes.any():
         usual = max(usual, float(np.median(np.abs(changes[changes != 0.0]))))
     least = _TIMES * usual + _SHARE * float(read.std())
-    found = []
-    for begin, end in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
+    events = []
+    for begin, end in zip(edges[1:-2].tolist(), edges[2:-1].tolist(), strict=True):
         if end - begin >= _FEWEST_SAMPLES and float(np.ptp(expected[begin:end])) > least:
-            found.append(end - begin)
-    return found
+            events.append((begin, end))
+    return events

@@ -1,18 +1,21 @@
 """From all fitted models of a block to the names that the data support."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.discrepancy.fitting.fit import Fit
+from reliab.discrepancy.fitting.fit import Fit, transferred
+from reliab.discrepancy.fitting.left_out import left_out, refitted
 from reliab.discrepancy.fitting.problem import Problem
-from reliab.discrepancy.fitting.search import COST, Search, score
+from reliab.discrepancy.fitting.search import COST, MATERIAL, Search
 from reliab.discrepancy.locating.line_above import line_above
 from reliab.discrepancy.locating.locate import locate
+from reliab.discrepancy.locating.noise_test import LARGEST_STRUCTURED_SHARE, structured_share
 from reliab.discrepancy.locating.standstill import standstill
 from reliab.discrepancy.proof import gap, held_out_nrmse, residuals
-from reliab.discrepancy.result import BlockDiagnosis, Estimate, MissingEffect, Ranked, Rival, Unknown
+from reliab.discrepancy.result import BlockDiagnosis, Estimate, Gap, MissingEffect, Ranked, Rival, Unknown
 from reliab.discrepancy.terms import OutsideTerm, is_outside
 from reliab.discrepancy.terms.periodic import Disturbance
 from reliab.loop.effects import Effect
@@ -22,8 +25,20 @@ Array = NDArray[np.float64]
 SURE = 0.9
 """Probability from which an effect is named."""
 
+MOST_SURE = 0.99
+"""Largest probability that is stated where what the best model leaves is no noise."""
+
+LARGEST_REMAINDER = 0.25
+"""Energy that may remain unexplained, over the energy that the effects took away, where they are `named`.
+
+The remainder is then less than half of what was found, in RMS. Beyond it the verdict is `unknown_effect`."""
+
+SMALLEST_GAP = 0.1
+"""RMS of a remainder over that of the signal from which it is called an effect where no effect was found."""
+
 _NEGLIGIBLE = 0.05  # probability of no effect below which something is missing for sure
 _RIVALS = 4
+_SMALLEST_OFFSET = 2e-3  # of the channel's RMS
 
 
 def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
@@ -32,7 +47,7 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     Parameters
     ----------
     search : Search
-        All fitted models.
+        All fitted models that matter against each of their sub-models.
     proof : Problem
         The same block on held-out tests.
 
@@ -42,17 +57,18 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         Names, doubts, places and proof.
     """
     problem, calibrated = search.problem, search.null
-    ranked = ranking(search.fitted.values())
-    named, doubtful = _believed(ranked)
-    best = _fit_with(ranked, named | doubtful) or calibrated
-    biases = [kind for kind in problem.block.offsets if offset_odds(best, kind) > 0.0]
+    ranked = ranking(search)
+    best, named, doubtful = _believed(ranked, calibrated)
+    judged = _judged_by_noise(problem, best)
+    structured = structured_share(*judged)
+    most = MOST_SURE if structured > LARGEST_STRUCTURED_SHARE else 1.0
+    biases = _offsets(search, best)
     before = residuals(proof, search.plain(), without=biases)
     after = residuals(proof, best)
+    proved = gap(proof, before, after)
+    bounds = best.space.on_bounds(best.coordinates)
+    naming = _Naming(search=search, ranked=ranked, best=best, proof=proof, most=most, bounds=bounds)
     inside = [kind for kind in best.space.effects if not is_outside(kind)]
-    outside = [kind for kind in best.space.effects if issubclass(kind, OutsideTerm)]
-    error = held_out_nrmse(proof, after)
-    recorded = Problem(block=problem.block, segments=problem.segments)
-    noise = recorded.noise_of(best.space, best.coordinates)
     return BlockDiagnosis(
         block=problem.block,
         problem=problem,
@@ -61,43 +77,56 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         best=best,
         ranked=ranked,
         effects=(
-            *(_missing(kind, best, ranked, proof) for kind in inside if kind in named),
-            *(_bias(kind, best) for kind in biases),
+            *(naming.missing(kind) for kind in inside if kind in named),
+            *(naming.offset(kind) for kind in biases),
         ),
-        doubtful=tuple(_missing(kind, best, ranked, proof) for kind in inside if kind in doubtful),
-        unknown=_interrupted(problem, best, error)
-        or (_unknown(outside, best, error) if outside else _disturbance(problem, best, error)),
-        findings=locate(problem, calibrated, best.noise),
+        doubtful=tuple(naming.missing(kind) for kind in inside if kind in doubtful),
+        unknown=_unexplained(judged, best, proved, structured),
+        findings=locate(judged[0], calibrated, judged[1].noise),
         residuals_before=_by_file(proof, before),
         residuals_after=_by_file(proof, after),
-        gap=gap(proof, before, after, noise),
+        gap=proved,
+        structured_share=structured,
+        calibration=_calibration(best),
     )
 
 
-def ranking(fits: Iterable[Fit]) -> tuple[Ranked, ...]:
+def _judged_by_noise(problem: Problem, best: Fit) -> tuple[Problem, Fit]:
+    """Return the problem and the model as noise judges them, where they were judged in the channel's unit."""
+    if not problem.flat:
+        return problem, best
+    plain = replace(problem, tempering=(), powers=())
+    noise = plain.noise_of(best.space, best.coordinates)
+    return plain, transferred(plain, replace(best, noise=noise))
+
+
+def ranking(search: Search) -> tuple[Ranked, ...]:
     """Fitted models with their probabilities, the most probable first."""
-    ordered = sorted(fits, key=score, reverse=True)
-    weights = np.exp(np.array([score(one) for one in ordered]) - score(ordered[0]))
+    ordered = sorted(search.fitted.values(), key=search.score, reverse=True)
+    weights = np.exp(np.array([search.score(fit) for fit in ordered]) - search.score(ordered[0]))
     shares = (weights / weights.sum()).tolist()
-    return tuple(Ranked(fit=one, probability=share) for one, share in zip(ordered, shares, strict=True))
+    return tuple(Ranked(fit=fit, probability=share) for fit, share in zip(ordered, shares, strict=True))
 
 
 def probability(ranked: Sequence[Ranked], effect: type[Effect]) -> float:
-    """Probability that an effect acts: of all models that contain it together."""
-    return float(sum(one.probability for one in ranked if effect in one.fit.space.effects))
+    """Probability that an effect acts, in whichever variant: of all models that contain it together."""
+    label = effect.label()
+    return float(sum(r.probability for r in ranked if label in {e.label() for e in r.fit.space.effects}))
 
 
-def _believed(ranked: Sequence[Ranked]) -> tuple[set[type[Effect]], set[type[Effect]]]:
-    """Effects that are named, and those one of which acts though the data do not tell which."""
-    best = ranked[0].fit.space.effects
-    named = {effect for effect in best if probability(ranked, effect) >= SURE}
-    rest = set(best) - named
-    fewer = sum(one.probability for one in ranked if len(one.fit.space.effects) < len(best))
-    return named, rest if not named and fewer < _NEGLIGIBLE else set()
+def _believed(ranked: Sequence[Ranked], null: Fit) -> tuple[Fit, set[type[Effect]], set[type[Effect]]]:
+    """Return the model that is believed, its effects that are named, and those of which one acts."""
+    best = ranked[0].fit
+    effects = best.space.effects
+    named = {effect for effect in effects if probability(ranked, effect) >= SURE}
+    rest = set(effects) - named
+    fewer = sum(r.probability for r in ranked if len(r.fit.space.effects) < len(effects))
+    doubtful = rest if not named and fewer < _NEGLIGIBLE else set()
+    return _fit_with(ranked, named | doubtful) or null, named, doubtful
 
 
 def _fit_with(ranked: Sequence[Ranked], effects: set[type[Effect]]) -> Fit | None:
-    return next((one.fit for one in ranked if set(one.fit.space.effects) == effects), None)
+    return next((r.fit for r in ranked if set(r.fit.space.effects) == effects), None)
 
 
 def estimates(effect: type[Effect], one: Fit) -> tuple[Estimate, ...]:
@@ -111,41 +140,128 @@ def estimates(effect: type[Effect], one: Fit) -> tuple[Estimate, ...]:
     )
 
 
-def _missing(effect: type[Effect], best: Fit, ranked: Sequence[Ranked], proof: Problem) -> MissingEffect:
-    return MissingEffect(
-        effect=effect,
-        probability=probability(ranked, effect),
-        estimates=estimates(effect, best),
-        rivals=_rivals(effect, best, ranked, proof),
+def _calibration(fitted: Fit) -> tuple[Estimate, ...]:
+    """Calibrated values with their standard deviations."""
+    values = fitted.space.values(fitted.coordinates)
+    spread = fitted.space.standard_deviations(fitted.coordinates, fitted.covariance)
+    return tuple(
+        Estimate(name=c.parameter.name, value=float(values[k]), sd=float(spread[k]), units=c.parameter.units)
+        for k, c in enumerate(fitted.space.block.calibrations)
     )
 
 
-def _rivals(effect: type[Effect], best: Fit, ranked: Sequence[Ranked], proof: Problem) -> tuple[Rival, ...]:
-    """Models that hold one other effect in the place of this one."""
-    kept = set(best.space.effects) - {effect}
-    found: list[Rival] = []
-    for one in ranked:
-        effects = set(one.fit.space.effects)
-        added = effects - kept
-        if kept <= effects and len(added) == 1 and effect not in effects:
-            error = held_out_nrmse(proof, residuals(proof, one.fit))
-            name = str(next(iter(added)).name)
-            found.append(Rival(name=name, probability=one.probability, held_out_nrmse=error))
-    return tuple(found[:_RIVALS])
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Naming:
+    """What is needed to state an effect: all models, the believed one, and the held-out tests."""
+
+    search: Search
+    ranked: Sequence[Ranked]
+    best: Fit
+    proof: Problem
+    most: float
+    bounds: tuple[str, ...]
+
+    def missing(self, effect: type[Effect]) -> MissingEffect:
+        """State an effect of the library."""
+        smaller = self.search.without(self.best, effect)
+        return self._stated(effect, probability(self.ranked, effect), smaller, self._rivals(effect))
+
+    def offset(self, effect: type[Effect]) -> MissingEffect:
+        """State an offset; its rivals are models in which it is zero."""
+        odds = offset_odds(self.best, effect)
+        sure = 1.0 / (1.0 + float(np.exp(-min(odds, 700.0))))
+        problem = self.search.problem
+        neutral = self.best.space.neutralised(self.best.coordinates, [effect])
+        place = self.best.space.places(effect).start
+        moved = refitted(self.best, np.zeros(problem.rows, dtype=bool), (place,))
+        smaller = min((replace(self.best, coordinates=x) for x in (neutral, moved)), key=self._error)
+        return self._stated(effect, sure, smaller, ())
+
+    def _stated(
+        self, effect: type[Effect], sure: float, smaller: Fit, rivals: tuple[Rival, ...]
+    ) -> MissingEffect:
+        key = f"{effect.name}."
+        return MissingEffect(
+            effect=effect,
+            probability=min(sure, self.most),
+            estimates=estimates(effect, self.best),
+            rivals=rivals,
+            error_with=self._error(self.best),
+            error_without=self._error(smaller),
+            on_bounds=tuple(name.removeprefix(key) for name in self.bounds if name.startswith(key)),
+        )
+
+    def _error(self, fitted: Fit) -> float:
+        return held_out_nrmse(self.proof, residuals(self.proof, fitted))
+
+    def _rivals(self, effect: type[Effect]) -> tuple[Rival, ...]:
+        """Models that hold one other effect in the place of this one."""
+        kept = set(self.best.space.effects) - {effect}
+        rivals: list[Rival] = []
+        for ranked in self.ranked:
+            effects = set(ranked.fit.space.effects)
+            added = effects - kept
+            if kept <= effects and len(added) == 1 and effect not in effects:
+                name = next(iter(added)).label()
+                rivals.append(
+                    Rival(name=name, probability=ranked.probability, held_out_nrmse=self._error(ranked.fit))
+                )
+            if len(rivals) == _RIVALS:
+                break
+        return tuple(rivals)
 
 
-def offset_odds(one: Fit, offset: type[Effect]) -> float:
+def _offsets(search: Search, best: Fit) -> list[type[Effect]]:
+    """Offsets that are significant, large enough to matter, and that help to predict left-out tests."""
+    return [kind for kind in search.problem.block.offsets if _is_offset(search, best, kind)]
+
+
+def _is_offset(search: Search, best: Fit, kind: type[Effect]) -> bool:
+    problem = search.problem
+    if offset_odds(best, kind) <= 0.0:
+        return False
+    place = best.space.places(kind).start
+    values = np.concatenate([problem.block.measured(s.test)[s.begin : s.end] for s in problem.segments])
+    if abs(float(best.space.values(best.coordinates)[place])) < _SMALLEST_OFFSET * float(values.std()):
+        return False
+    share = 1.0 - MATERIAL if problem.flat else 1.0
+    return search.error(best).energy <= share * left_out(problem, best, (place,)).energy
+
+
+def offset_odds(fitted: Fit, offset: type[Effect]) -> float:
     """Logarithm of the odds that an offset is not zero, by the ratio of Savage and Dickey."""
-    place = one.space.places(offset).start
-    variance = float(one.covariance[place, place])
-    at_zero = -0.5 * float(one.coordinates[place]) ** 2 / variance - 0.5 * np.log(variance)
+    place = fitted.space.places(offset).start
+    variance = float(fitted.covariance[place, place])
+    at_zero = -0.5 * float(fitted.coordinates[place]) ** 2 / variance - 0.5 * np.log(variance)
     return float(-at_zero - COST)
 
 
-def _bias(offset: type[Effect], best: Fit) -> MissingEffect:
-    odds = offset_odds(best, offset)
-    sure = 1.0 / (1.0 + float(np.exp(-min(odds, 700.0))))
-    return MissingEffect(effect=offset, probability=sure, estimates=estimates(offset, best), rivals=())
+def _unexplained(judged: tuple[Problem, Fit], best: Fit, proved: Gap, structured: float) -> Unknown | None:
+    """Return what acts and is none of the library, or a remainder that is too large beside what was found."""
+    problem = judged[0]
+    outside = [kind for kind in best.space.effects if issubclass(kind, OutsideTerm)]
+    interrupted = _interrupted(problem, judged[1], proved.after)
+    if interrupted is not None:
+        return interrupted
+    if outside:
+        return _unknown(outside, best, proved.after)
+    disturbance = _disturbance(problem, judged[1], proved.after)
+    if disturbance is not None:
+        return disturbance
+    return _remainder(problem, best, proved) if structured > LARGEST_STRUCTURED_SHARE else None
+
+
+def _remainder(problem: Problem, best: Fit, proved: Gap) -> Unknown | None:
+    """Return an error of the model that is large beside what was found, or beside the signal."""
+    large = proved.unexplained_share > LARGEST_REMAINDER if best.space.effects else True
+    if not (large and proved.model_error > SMALLEST_GAP):
+        return None
+    return Unknown(
+        block=str(problem.block.block),
+        expression="",
+        description="what remains follows the motion, and no effect or term that was tried explains it",
+        held_out_nrmse=proved.after,
+    )
 
 
 def _unknown(outside: Sequence[type[OutsideTerm]], best: Fit, error: float) -> Unknown:

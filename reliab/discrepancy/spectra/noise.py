@@ -24,6 +24,7 @@ _ITERATIONS = 3000
 _BINS = 160
 _LOWEST_LINE = 10.0  # Hz, of the mains folded at the Nyquist frequency
 _PICKUP = 0.7  # Hz
+_FEWEST_BINS = 3
 _LINE = 12.0  # times the local median that a periodogram must exceed to be a line of the mains
 
 
@@ -111,7 +112,7 @@ def fit_noise(periodograms: Sequence[Periodogram], rate: float, *, least: float 
     1.0
     """
     frequency = np.concatenate([one.frequency for one in periodograms])
-    power = np.concatenate([_without_lines(one) for one in periodograms])
+    power = np.concatenate([_without_lines(one, 0.5 * rate) for one in periodograms])
     valid = np.isfinite(power)
     centre, mean, count = _binned(frequency[valid], power[valid])
     shapes = spectral_shapes(centre, rate)
@@ -154,26 +155,42 @@ def _binned(frequency: Array, power: Array) -> tuple[Array, Array, Array]:
     return centre, mean, count[used]
 
 
-def _without_lines(one: Periodogram) -> Array:
+def _without_lines(one: Periodogram, nyquist: float) -> Array:
     """Power with NaN where a line of the mains stands out."""
     power = one.power.copy()
-    for begin, end in line_places(one):
+    for begin, end in line_places(one, nyquist):
         power[begin:end] = np.nan
     return power
 
 
-def line_places(one: Periodogram) -> list[tuple[int, int]]:
-    """Ranges of a periodogram around harmonics of 50 or 60 Hz that stand out of their surroundings."""
-    spacing = one.frequency[1] - one.frequency[0]
-    nyquist = one.frequency[-1]
+def line_places(one: Periodogram, nyquist: float) -> list[tuple[int, int]]:
+    """Ranges of a periodogram around harmonics of 50 or 60 Hz that stand out of their surroundings.
+
+    Parameters
+    ----------
+    one : Periodogram
+        Equally spaced frequencies, which need neither begin at zero nor reach the Nyquist frequency.
+    nyquist : float
+        Half of the sampling rate [Hz], at which harmonics are folded.
+
+    Returns
+    -------
+    list of (int, int)
+        First place of each range and the one after the last.
+    """
+    if one.frequency.size < _FEWEST_BINS:
+        return []
+    spacing = float(one.frequency[1] - one.frequency[0])
+    reach, around = max(int(0.6 / spacing), 2), max(int(3.0 / spacing), 10)
     places = []
     for line in mains_frequencies(nyquist):
-        reach, around = max(int(0.6 / spacing), 2), max(int(3.0 / spacing), 10)
-        centre = round(line / spacing) - round(float(one.frequency[0]) / spacing)
-        near = one.power[max(centre - reach, 0) : centre + reach + 1]
+        centre = round((line - float(one.frequency[0])) / spacing)
+        if not 0 <= centre < one.power.size:
+            continue
+        begin, end = max(centre - reach, 0), min(centre + reach + 1, one.power.size)
         wide = one.power[max(centre - around, 0) : centre + around + 1]
-        if near.size and near.max() > _LINE * np.median(wide):
-            places.append((max(centre - reach, 0), centre + reach + 1))
+        if one.power[begin:end].max() > _LINE * np.median(wide):
+            places.append((begin, end))
     return places
 
 

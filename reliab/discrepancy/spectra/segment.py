@@ -1,6 +1,6 @@
 """Stretches of tests whose residuals are judged, and left out, as one."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -80,7 +80,7 @@ class Segment:
 
 
 def cut_segments(
-    stretches: Sequence[Stretch], rate: float, highest: float, every: int = 1
+    stretches: Sequence[Stretch], rate: float, highest: Callable[[int], float], every: int = 1
 ) -> tuple[Segment, ...]:
     """Cut stretches of tests into at least four segments, whole stretches if there are as many.
 
@@ -90,8 +90,8 @@ def cut_segments(
         Parts of tests.
     rate : float
         Sampling rate [Hz].
-    highest : float
-        Highest frequency that counts [Hz].
+    highest : callable
+        Highest frequency that counts [Hz] in a test of a given index.
     every : int, optional
         Begin and length of all segments are multiples of this.
 
@@ -108,6 +108,6 @@ def cut_segments(
             first = -(-begin // every) * every
             length = every * fft.prev_fast_len((end - first) // every, real=True)
             segments.append(
-                Segment(test=one.test, begin=first, end=first + length, rate=rate, highest=highest)
+                Segment(test=one.test, begin=first, end=first + length, rate=rate, highest=highest(one.test))
             )
     return tuple(segments)

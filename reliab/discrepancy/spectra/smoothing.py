@@ -10,9 +10,9 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft
+from scipy import fft, signal
 
-from reliab.discrepancy.spectra.noise import Periodogram, fit_noise
+from reliab.discrepancy.spectra.noise import NoiseModel, Periodogram, fit_noise
 from reliab.loop.hybrid_test import Motion3
 from reliab.loop.structure import Structure
 
@@ -27,7 +27,12 @@ _NARROW, _WIDENING = 0.2, 0.1  # Hz, and of the frequency: to either side power 
 _FEWEST = 3  # frequencies to either side
 _BY_CHANCE = 0.3  # share of a signal that noise alone may seem to hold
 _CLEAR = 50.0  # of the noise's power
+_HARMONICS_OF_SINE, _NARROW_LINE, _ALL_OF_IT = 11.0, 0.1, 0.98
 _LEAST_RELIABLE = 1.0  # Hz
+_LOWEST_NOISE = 2.0  # Hz, down to which noise is told from a signal
+_THIRD = 2.0 ** (1.0 / 3.0)  # of an octave
+_STEEPEST = _THIRD**2  # rise of first-order noise over a third of an octave
+_BY_CHANCE_ABOVE = 3.0  # standard deviations of a band's mean power
 
 
 def highest_frequency(rate: float, structure: Structure | None = None) -> float:
@@ -81,6 +86,31 @@ def reliable_frequency(displacements: Sequence[Array], step: float, highest: flo
     return max(float(np.median(clear)), _LEAST_RELIABLE)
 
 
+def harmonics_up_to(displacement: Array, step: float) -> float:
+    """Highest frequency [Hz] of the harmonics that a nearly periodic displacement makes elsewhere.
+
+    A specimen answers a sine with harmonics at which the sine itself has no power. Nothing of the motion is
+    missed there, because there is none.
+
+    Parameters
+    ----------
+    displacement : numpy.ndarray
+        Reading [m], shape (n,).
+    step : float
+        Step between samples [s].
+
+    Returns
+    -------
+    float
+        The eleventh harmonic; zero where the displacement is no sine.
+    """
+    frequency, power = signal.periodogram(displacement, fs=1.0 / step, window="hann", detrend="linear")
+    main = float(frequency[np.argmax(power)])
+    reach = max(_NARROW_LINE * main, 3.0 * float(frequency[1]))
+    near = np.abs(frequency - main) <= reach
+    return _HARMONICS_OF_SINE * main if power[near].sum() > _ALL_OF_IT * power.sum() else 0.0
+
+
 def _spectra(displacement: Array, step: float, highest: float) -> tuple[Array, Array, Array, Array]:
     """Spectrum of a displacement made antisymmetric, frequencies, its smooth power, the noise's."""
     n = displacement.size
@@ -89,9 +119,35 @@ def _spectra(displacement: Array, step: float, highest: float) -> tuple[Array, A
     spectrum = fft.rfft(padded)
     frequency = fft.rfftfreq(padded.size, step)
     power = np.abs(spectrum) ** 2 / padded.size
-    beyond = frequency > highest
-    noise = fit_noise([Periodogram(frequency=frequency[beyond], power=power[beyond])], 1.0 / step)
+    noise = _noise_below(frequency, power, highest, 1.0 / step)
     return spectrum, frequency, _averaged(frequency, power, highest), noise.density(frequency)
+
+
+def _noise_below(frequency: Array, power: Array, highest: float, rate: float) -> NoiseModel:
+    """Fit the noise above the highest frequency of a signal, and below it as far down as there is none.
+
+    Far above its corner coloured noise looks the same whatever its corner, so that its level below does not
+    follow from the band above alone. Bands below are therefore taken in, a third of an octave at a time,
+    until one rises faster than any first-order noise does, by f⁻²: that one holds a signal, whose tail may reach
+    into the two bands above it.
+    """
+    edges = [highest]
+    while edges[-1] > _LOWEST_NOISE:
+        lower = edges[-1] / _THIRD
+        band = (frequency > lower) & (frequency <= edges[-1])
+        above = (frequency > edges[-1]) & (frequency <= edges[-1] * _THIRD)
+        if not (band.any() and above.any()):
+            break
+        chance = 1.0 + _BY_CHANCE_ABOVE / np.sqrt(float(min(band.sum(), above.sum())))
+        if float(power[band].mean()) > _STEEPEST * chance * float(power[above].mean()):
+            break
+        edges.append(lower)
+    return _fitted_above(frequency, power, edges[max(len(edges) - 3, 0)], rate)
+
+
+def _fitted_above(frequency: Array, power: Array, lowest: float, rate: float) -> NoiseModel:
+    above = frequency > lowest
+    return fit_noise([Periodogram(frequency=frequency[above], power=power[above])], rate)
 
 
 def _averaged(frequency: Array, power: Array, highest: float) -> Array:

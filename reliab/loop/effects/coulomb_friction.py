@@ -22,7 +22,8 @@ class CoulombFriction(SteppedEffect):
     force_n : float
         Friction force F [N].
     regularisation_velocity_m_per_s : float
-        Velocity v_s [m/s] over which the force changes sign; vanishing for ideal friction.
+        Velocity v_s [m/s] over which the force changes sign; vanishing for ideal friction, and fitted up to
+        2 % of the peak velocity only: what bends over more is :class:`PowerLawDamping`, no dry friction.
     """
 
     name = EffectName.COULOMB_FRICTION
@@ -49,7 +50,7 @@ class CoulombFriction(SteppedEffect):
             typical=0.003,
             spread=1.5,
             lower=2e-4,
-            upper=0.3,
+            upper=0.02,
             starts=(0.003, 0.003),
         ),
     )

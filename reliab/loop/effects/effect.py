@@ -43,10 +43,13 @@ class Setting:
         Step of the simulation [s].
     stiffness : float
         Stiffness of the linear specimen [N/m].
+    damping : float
+        Damping coefficient of the linear specimen [N·s/m].
     """
 
     step: float
     stiffness: float = 0.0
+    damping: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,6 +71,13 @@ class Effect(ABC):
         What it does, in words of a laboratory engineer.
     parameters : tuple of Parameter
         Units, bounds and priors of the fields.
+    reported_name : str, optional
+        Name under which a diagnosis reports it, where variants of an effect share one.
+    position : str, optional
+        Where it acts along its block, where that tells variants apart.
+    refines : type, optional
+        Simpler effect, with its parameters first, of which this one is a special form; it is tried only in
+        the place of that one.
     """
 
     name: ClassVar[str]
@@ -75,6 +85,9 @@ class Effect(ABC):
     role: ClassVar[Role]
     description: ClassVar[str]
     parameters: ClassVar[tuple[Parameter, ...]]
+    reported_name: ClassVar[str] = ""
+    position: ClassVar[str] = ""
+    refines: ClassVar["type[Effect] | None"] = None
 
     def __post_init__(self) -> None:
         for parameter in self.parameters:
@@ -96,6 +109,11 @@ class Effect(ABC):
     def values(self) -> NDArray[np.float64]:
         """Parameters in order, SI units."""
         return np.array([getattr(self, parameter.name) for parameter in self.parameters], dtype=np.float64)
+
+    @classmethod
+    def label(cls) -> str:
+        """Name under which a diagnosis reports the effect."""
+        return str(cls.reported_name or cls.name)
 
     @classmethod
     def of(cls, values: NDArray[np.float64]) -> Self:

@@ -1,4 +1,4 @@
-"""Bouc–Wen hysteresis beside the linear spring, or in place of a part of it (Wen 1976)."""
+"""Bouc–Wen hysteresis beside the linear spring, or in place of a part of it (Wen 1976; Song & Der Kiureghian 2006)."""
 
 from dataclasses import dataclass
 
@@ -9,30 +9,35 @@ from reliab.vocabulary import Block, EffectName
 
 
 def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, state: Numbers) -> float:
-    # State: displacement, z. The path of the displacement decides, not its speed.
+    # State: started, displacement, z. The path of the displacement decides, not its speed.
     force, displacement = coefficients[0], coefficients[1]
-    beta, exponent = coefficients[2], coefficients[3]
-    travel = (motion[0] - state[0]) / displacement
+    gamma, exponent = coefficients[2], coefficients[3]
+    beta = 1.0 - gamma - 2.0 * min(gamma, 0.0) ** 2
+    travel = (motion[0] - state[1]) / displacement if state[0] != 0.0 else 0.0
     sign = 1.0 if travel >= 0.0 else -1.0
     parts = min(int(abs(travel) / 0.1) + 1, 50)
     part = travel / parts
-    z = state[1]
+    z = state[2]
     for _ in range(parts):
         direction = beta if sign * z >= 0.0 else -beta
-        middle = z + 0.5 * part * (1.0 - abs(z) ** exponent * (direction + 1.0 - beta))
+        middle = z + 0.5 * part * (1.0 - abs(z) ** exponent * (direction + gamma))
         direction = beta if sign * middle >= 0.0 else -beta
-        z += part * (1.0 - abs(middle) ** exponent * (direction + 1.0 - beta))
-    state[0], state[1] = motion[0], z
+        z += part * (1.0 - abs(middle) ** exponent * (direction + gamma))
+        z = min(max(z, -100.0), 100.0)
+    state[0], state[1], state[2] = 1.0, motion[0], z
     return force * (z - coefficients[4] * motion[0] / displacement)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Hysteresis(SteppedEffect):
-    """A force f·(z − s·x/d), z' = (v/d)·(1 − |z|ⁿ(β·sgn(vz) + 1 − β)), beside the linear spring.
+    """A force f·(z − s·x/d), z' = (v/d)·(1 − |z|ⁿ(β·sgn(vz) + γ)), beside the linear spring.
 
-    With s = 0 the hysteretic part is in parallel with the whole spring; with s = 1 the spring has lost the
-    stiffness f/d that the part brings, so that the stiffness of small motions stays what it was:
-    kx + f·(z − x/d) is the αkx + (1 − α)kd·z of textbooks.
+    The shape is that of z' = (v/d)·(1 − |z|ⁿ(sgn(vz) + g)) with g = γ/β and β = 1 − γ − 2·min(γ, 0)²: with
+    γ ≥ 0 that of textbooks, β + γ = 1, in which f is the yield force; with γ below zero a part that yields
+    later and later, and below −0.707 (g < −1) one that hardens without limit. It starts unstressed at
+    the displacement of the first sample. With s = 0 the hysteretic part is in parallel with the whole spring;
+    with s = 1 the spring has lost the stiffness f/d that the part brings, so that the stiffness of small
+    motions stays what it was: kx + f·(z − x/d) is the αkx + (1 − α)kd·z of textbooks.
 
     Parameters
     ----------
@@ -40,12 +45,18 @@ class Hysteresis(SteppedEffect):
         Force f at which the hysteretic part yields [N].
     displacement_m : float
         Displacement d at which it would yield if it stayed elastic [m].
-    beta : float
-        Shape β [-] of loading against unloading, in (0, 1].
+    gamma : float
+        Shape γ [-] of loading against unloading, between −1 and 1.
     exponent : float
         Sharpness n [-] of yielding.
     lost_share : float
         Share s [-] of the part's elastic stiffness f/d that the linear spring has lost, from 0 to 1.
+
+    Examples
+    --------
+    >>> hardening = Hysteresis(force_n=1.0, displacement_m=0.01, gamma=-0.7785)
+    >>> round(hardening.shape_ratio, 3)
+    -1.375
     """
 
     name = EffectName.HYSTERESIS
@@ -61,8 +72,8 @@ class Hysteresis(SteppedEffect):
             signed=True,
             typical=0.3,
             lower=0.0,
-            upper=3.0,
-            starts=(0.03, 0.03, 0.03, 0.03),
+            upper=10.0,
+            starts=(0.03, 0.03, 0.03, 0.03, 0.03, 0.03),
         ),
         Parameter(
             name="displacement_m",
@@ -70,30 +81,31 @@ class Hysteresis(SteppedEffect):
             meaning="yield displacement",
             scale=(("displacement", 1.0),),
             typical=0.2,
-            spread=1.0,
-            lower=0.003,
-            upper=3.0,
-            starts=(0.03, 0.1, 0.3, 0.9),
+            spread=2.0,
+            lower=1e-4,
+            upper=10.0,
+            starts=(0.03, 0.1, 0.3, 0.9, 0.01, 0.1),
         ),
         Parameter(
-            name="beta",
+            name="gamma",
             units="-",
             meaning="shape of loading against unloading",
+            signed=True,
+            neutral=0.4,
             typical=0.6,
-            spread=0.3,
-            lower=0.2,
-            upper=1.0,
-            starts=(0.6, 0.6, 0.6),
+            lower=-0.9,
+            upper=0.9,
+            starts=(0.4, 0.4, 0.4, 0.4, -0.5, -0.5),
         ),
         Parameter(
             name="exponent",
             units="-",
             meaning="sharpness of yielding",
             typical=1.7,
-            spread=0.5,
-            lower=0.7,
-            upper=8.0,
-            starts=(1.7, 1.7, 1.7),
+            spread=0.8,
+            lower=0.3,
+            upper=15.0,
+            starts=(1.7, 1.7, 1.7, 1.7, 1.7, 1.7),
         ),
         Parameter(
             name="lost_share",
@@ -103,13 +115,18 @@ class Hysteresis(SteppedEffect):
             typical=1.0,
             lower=-1e-9,
             upper=1.0,
-            starts=(0.5, 0.5, 0.5, 0.5),
+            starts=(0.5, 0.5, 0.5, 0.5, 0.5, 0.5),
         ),
     )
-    kernel = Kernel(function=_force, states=2)
+    kernel = Kernel(function=_force, states=3)
 
     force_n: float
     displacement_m: float
-    beta: float = 0.5
+    gamma: float = 0.5
     exponent: float = 2.0
     lost_share: float = 0.0
+
+    @property
+    def shape_ratio(self) -> float:
+        """The ratio g = γ/β [-] of the form z' = (v/d)·(1 − |z|ⁿ(sgn(vz) + g))."""
+        return self.gamma / (1.0 - self.gamma - 2.0 * min(self.gamma, 0.0) ** 2)

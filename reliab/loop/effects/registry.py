@@ -8,7 +8,9 @@ from reliab.loop.effects.added_mass import AddedMass
 from reliab.loop.effects.backlash import Backlash
 from reliab.loop.effects.coulomb_friction import CoulombFriction
 from reliab.loop.effects.cubic_stiffness import CubicStiffness
+from reliab.loop.effects.degrading_hysteresis import DegradingHysteresis
 from reliab.loop.effects.delay_drift import DelayDrift
+from reliab.loop.effects.directional_friction import DirectionalFriction
 from reliab.loop.effects.effect import Effect
 from reliab.loop.effects.excitation_scale import ExcitationScale
 from reliab.loop.effects.first_order_lag import FirstOrderLag
@@ -16,13 +18,16 @@ from reliab.loop.effects.force_bias import ForceBias
 from reliab.loop.effects.gap import Gap
 from reliab.loop.effects.hysteresis import Hysteresis
 from reliab.loop.effects.integration_error import IntegrationError
+from reliab.loop.effects.power_law_damping import PowerLawDamping
 from reliab.loop.effects.quadratic_damping import QuadraticDamping
 from reliab.loop.effects.quadratic_stiffness import QuadraticStiffness
 from reliab.loop.effects.rate_limit import RateLimit
+from reliab.loop.effects.rectified_sensor import RectifiedSensor
 from reliab.loop.effects.second_order_dynamics import SecondOrderDynamics
 from reliab.loop.effects.sensor_bias import SensorBias
 from reliab.loop.effects.sensor_drift import SensorDrift
-from reliab.loop.effects.stroke_saturation import StrokeSaturation
+from reliab.loop.effects.series_play import SeriesPlay
+from reliab.loop.effects.stroke_saturation import CommandSaturation, StrokeSaturation
 from reliab.loop.effects.time_step_error import TimeStepError
 from reliab.loop.effects.viscous_damping import ViscousDamping
 
@@ -30,6 +35,7 @@ ENTRY_POINT_GROUP = "reliab.effects"
 """Group under which other packages register classes derived from `Effect`."""
 
 _OWN: tuple[type[Effect], ...] = (
+    CommandSaturation,
     FirstOrderLag,
     SecondOrderDynamics,
     DelayDrift,
@@ -38,15 +44,20 @@ _OWN: tuple[type[Effect], ...] = (
     StrokeSaturation,
     SensorBias,
     SensorDrift,
+    RectifiedSensor,
     ForceBias,
     CubicStiffness,
     QuadraticStiffness,
     CoulombFriction,
+    DirectionalFriction,
     ViscousDamping,
     QuadraticDamping,
+    PowerLawDamping,
     Hysteresis,
+    DegradingHysteresis,
     AddedMass,
     Gap,
+    SeriesPlay,
     ExcitationScale,
     TimeStepError,
     IntegrationError,

@@ -1,6 +1,7 @@
-"""Limit of the actuator's stroke."""
+"""Limit of the actuator's stroke, and of its command."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from reliab.loop.effects.effect import Role, SteppedEffect
 from reliab.loop.effects.kernel import Kernel, Numbers
@@ -25,6 +26,7 @@ class StrokeSaturation(SteppedEffect):
         Largest displacement S to either side [m].
     """
 
+    position: ClassVar[str] = "after the dynamics"
     name = EffectName.STROKE_SATURATION
     block = Block.ACTUATOR
     role = Role.PISTON
@@ -45,3 +47,19 @@ class StrokeSaturation(SteppedEffect):
     kernel = Kernel(function=_move)
 
     stroke_m: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class CommandSaturation(StrokeSaturation):
+    """A drive that clips its command, |k_p u| ≤ S, before the dynamics: the piston rounds the clipped corners.
+
+    Parameters
+    ----------
+    stroke_m : float
+        Largest command S to either side [m], after the actuator's gain, in the unit of the piston's motion.
+    """
+
+    position: ClassVar[str] = "before the dynamics"
+    name = EffectName.COMMAND_SATURATION
+    reported_name = EffectName.STROKE_SATURATION
+    description = "the drive clips the command before the actuator's dynamics"

@@ -176,7 +176,7 @@ def _run(
     specimen = test.specimen
     if specimen is None:
         raise AssertionError  # a structure always brings one
-    setting = Setting(step=h, stiffness=specimen.stiffness)
+    setting = test.setting(h)
     command, piston, force = _march(
         ground,
         h,

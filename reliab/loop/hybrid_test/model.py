@@ -6,7 +6,7 @@ from typing import Self
 
 from reliab.errors import InputError
 from reliab.loop.actuator import Actuator
-from reliab.loop.effects import Effect, Role, library
+from reliab.loop.effects import Effect, Role, Setting, library
 from reliab.loop.hybrid_test.integrator import LinearSubstructure
 from reliab.loop.hybrid_test.specimen import Specimen
 from reliab.loop.structure import Structure
@@ -63,6 +63,11 @@ class HybridTest:
     def acting(self, *roles: Role) -> tuple[Effect, ...]:
         """Effects of given roles, in order."""
         return tuple(effect for effect in self.effects if effect.role in roles)
+
+    def setting(self, step: float) -> Setting:
+        """What effects may need to know of this test at a step [s]."""
+        specimen = self.specimen or Specimen(stiffness=0.0)
+        return Setting(step=step, stiffness=specimen.stiffness, damping=specimen.damping)
 
     @property
     def substructure(self) -> LinearSubstructure:

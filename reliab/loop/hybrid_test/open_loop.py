@@ -190,7 +190,7 @@ def follow(kernel: Kernel, coefficients: tuple[float, ...], piston: Motion3) -> 
 
 
 def _setting(test: HybridTest, step: float) -> Setting:
-    return Setting(step=step, stiffness=0.0 if test.specimen is None else test.specimen.stiffness)
+    return test.setting(step)
 
 
 def _sum(piston: Motion3, test: HybridTest, role: Role, setting: Setting) -> Array:

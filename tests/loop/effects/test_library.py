@@ -4,6 +4,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
 
 from reliab.errors import InputError
 from reliab.loop.actuator import Actuator
@@ -55,23 +57,122 @@ FORCES = [
         {"force_n": 4.0, "regularisation_velocity_m_per_s": 0.01},
         lambda _x, v, _a: 4.0 * np.tanh(v / 0.01),
     ),
+    (
+        "power_law_damping",
+        {"coefficient": 2.0, "exponent": 0.5},
+        lambda _x, v, _a: 2.0 * np.sign(v) * np.sqrt(np.abs(v)),
+    ),
+    (
+        "directional_friction",
+        {"force_n": 4.0, "regularisation_velocity_m_per_s": 0.01, "asymmetry": 0.25},
+        lambda _x, v, _a: np.tanh(v / 0.01) * (4.0 + np.tanh(v / 0.01)),
+    ),
     ("gap", {"gap_m": 0.1}, lambda x, _v, _a: -50.0 * np.clip(x, -0.1, 0.1)),
 ]
 
 
 @pytest.mark.parametrize(("name", "parameters", "expected"), FORCES)
 def test_force_follows_its_equation(name, parameters, expected):
-    np.testing.assert_allclose(force_of(name, **parameters), expected(*MOTION.values), atol=1e-9)
+    np.testing.assert_allclose(force_of(name, **parameters), expected(*MOTION.values), atol=2e-6)
 
 
 def test_hysteresis_is_elastic_first_and_yields_then():
-    force = force_of("hysteresis", force_n=10.0, displacement_m=0.1, beta=0.5, exponent=2.0)
+    force = force_of("hysteresis", force_n=10.0, displacement_m=0.1, gamma=0.5, exponent=2.0)
     early = np.abs(X) < 0.01
     first = early & (TIME < 0.3)
     np.testing.assert_allclose(force[first], 100.0 * X[first], atol=0.05)
     assert np.abs(force).max() == pytest.approx(10.0, rel=0.01)
     dissipated = np.trapezoid(force, X)
     assert dissipated > 10.0
+
+
+@pytest.mark.parametrize("gamma", [0.6, 0.2, -0.3, -0.7785])
+def test_hysteresis_follows_the_general_equation(gamma):
+    """z' = (v/d)(1 − |z|ⁿ(sgn(vz) + g)) in its own units, by an adaptive integrator."""
+    exponent, force, displacement = 1.5, 10.0, 0.3
+    effect = find_effect("hysteresis")(
+        force_n=force, displacement_m=displacement, gamma=gamma, exponent=exponent
+    )
+    ratio = effect.shape_ratio
+    unit = (gamma / ratio) ** (1.0 / exponent)
+    time = TIME[:1500]
+    x, v = CubicSpline(TIME, X), CubicSpline(TIME, X).derivative()
+
+    def rate(t, z):
+        return v(t) * unit / displacement * (1.0 - np.abs(z) ** exponent * (np.sign(v(t) * z) + ratio))
+
+    z = solve_ivp(rate, (0.0, time[-1]), [0.0], t_eval=time, rtol=1e-8, atol=1e-10, max_step=0.01).y[0]
+    found = force_of(
+        "hysteresis", force_n=force, displacement_m=displacement, gamma=gamma, exponent=exponent
+    )[:1500]
+    np.testing.assert_allclose(found, force * z / unit, atol=2e-3 * np.abs(found).max())
+
+
+def test_published_hardening_benchmark_is_a_member():
+    """The benchmark α 5e4, β 1e3, γ 0.8, δ −1.1, ν 1: ż = αv − β(γ|v|z + δv|z|)."""
+    alpha, beta, gamma, delta = 5e4, 1e3, 0.8, -1.1
+    motion = Motion3.through(2e-3 * X, STEP)
+    x, v = CubicSpline(TIME, 2e-3 * X), CubicSpline(TIME, 2e-3 * X).derivative()
+    time = TIME[:2500]
+
+    def rate(t, z):
+        return alpha * v(t) - beta * (gamma * np.abs(v(t)) * z + delta * v(t) * np.abs(z))
+
+    z = solve_ivp(rate, (0.0, time[-1]), [0.0], t_eval=time, rtol=1e-9, atol=1e-9, max_step=0.01).y[0]
+    ratio = delta / gamma
+    share = (-(1.0 / ratio + 1.0) - np.sqrt((1.0 / ratio + 1.0) ** 2 + 8.0)) / 4.0
+    force = alpha / (beta * gamma) * share / ratio
+    part = find_effect("hysteresis")(force_n=force, displacement_m=force / alpha, gamma=share, exponent=1.0)
+    found = load(HybridTest(specimen=Specimen(stiffness=0.0), effects=(part,)), motion)[:2500]
+    np.testing.assert_allclose(found, z, atol=2e-3 * np.abs(z).max())
+
+
+def test_hysteresis_starts_unstressed_where_the_record_starts():
+    moved = Motion3.through(X + 0.3, STEP)
+    part = find_effect("hysteresis")(force_n=10.0, displacement_m=0.1)
+    model = HybridTest(specimen=Specimen(stiffness=0.0), effects=(part,))
+    np.testing.assert_allclose(load(model, moved), load(model, MOTION), atol=1e-9)
+
+
+def test_degradation_without_loss_is_hysteresis_and_with_loss_weaker():
+    shape = {"force_n": 10.0, "displacement_m": 0.1, "gamma": 0.3, "exponent": 1.5}
+    plain, same = force_of("hysteresis", **shape), force_of("degrading_hysteresis", **shape)
+    np.testing.assert_allclose(same, plain, atol=1e-9)
+    late = TIME > 4.0
+    weak = force_of("degrading_hysteresis", **shape, strength_loss=0.05)
+    assert np.abs(weak[late]).max() < 0.9 * np.abs(plain[late]).max()
+    pinched = force_of("degrading_hysteresis", **shape, slip=0.9)
+    assert np.trapezoid(pinched, X) < 0.9 * np.trapezoid(plain, X)
+
+
+def test_play_in_series_leaves_the_specimen_where_it_was_pushed_to():
+    play = 0.1
+    answered = [0.0]
+    for x in X[1:]:
+        answered.append(min(max(answered[-1], x - 0.5 * play), x + 0.5 * play))
+    np.testing.assert_allclose(
+        force_of("series_play", width_m=play), 50.0 * (np.array(answered) - X), atol=1e-9
+    )
+
+
+def test_rectified_sensor_folds_one_side():
+    folded = HybridTest(effects=(find_effect("rectified_sensor")(rectified_share=2.0),))
+    np.testing.assert_allclose(read_displacement(folded, MOTION), np.abs(X), atol=1e-12)
+
+
+def test_saturation_before_and_after_the_dynamics():
+    lag = find_effect("first_order_lag")(time_constant_s=0.05)
+    before, after = (find_effect(name)(stroke_m=0.3) for name in ("command_saturation", "stroke_saturation"))
+    assert before.label() == after.label() == "stroke_saturation"
+    assert (before.position, after.position) == ("before the dynamics", "after the dynamics")
+    gain = 1.1
+    clipped = Motion3.through(np.clip(X, -0.3 / gain, 0.3 / gain), STEP)
+    alone = drive(HybridTest(actuator=Actuator(gain=gain), effects=(lag,)), clipped).values[0]
+    found = drive(HybridTest(actuator=Actuator(gain=gain), effects=(lag, before)), MOTION).values[0]
+    np.testing.assert_allclose(found, alone, atol=1e-3)
+    last = drive(HybridTest(effects=(lag, after)), MOTION).values[0]
+    free = drive(HybridTest(effects=(lag,)), MOTION).values[0]
+    np.testing.assert_allclose(last, np.clip(free, -0.3, 0.3), atol=1e-12)
 
 
 def test_stroke_backlash_and_rate_limit():

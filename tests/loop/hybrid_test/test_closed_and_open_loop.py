@@ -65,7 +65,7 @@ def test_loop_without_a_structure():
 def test_a_delay_of_just_a_step_is_the_limit_of_shorter_ones():
     time = np.arange(4096) / 512.0
     ground = np.sin(2.0 * np.pi * time) * np.exp(-0.3 * time)
-    friction = find_effect("hysteresis")(force_n=20.0, displacement_m=0.01, beta=0.5, exponent=1.5)
+    friction = find_effect("hysteresis")(force_n=20.0, displacement_m=0.01, gamma=0.5, exponent=1.5)
     readings = []
     for delay in (0.999999 / 512.0, 1.000001 / 512.0):
         late = HybridTest(

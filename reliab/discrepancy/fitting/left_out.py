@@ -1,0 +1,135 @@
+"""The error of a model on each test when its parameters are fitted to the others, in the channel's own unit.
+
+This is the second judge beside the evidence. It knows nothing of a noise model: what a model gains at
+frequencies at which the channel hardly moves does not count, and a parameter that only follows one test
+costs on the next. Where noise judges, refitting without a test is one Newton step from the fit to all of them,
+within the bounds; where errors judge, models are refitted in full, because one step may lead far astray.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.discrepancy.fitting.fit import Fit, bounded_step, improved
+from reliab.discrepancy.fitting.problem import Problem, relative_powers
+from reliab.discrepancy.fitting.space import ModelSpace
+from reliab.discrepancy.spectra.segment import Segment
+
+Array = NDArray[np.float64]
+
+_RAN_AWAY = 1e300
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LeftOut:
+    """Errors on tests, or on quarters of a single one, that were left out one at a time.
+
+    Attributes
+    ----------
+    energies : numpy.ndarray
+        Energy of the residual at the judged frequencies of each left-out test, shape (tests,).
+    signals : numpy.ndarray
+        Energy of the channel there, shape (tests,).
+    units : numpy.ndarray
+        Energy that counts as one in each test, shape (tests,).
+    """
+
+    energies: Array
+    signals: Array
+    units: Array
+
+    @property
+    def energy(self) -> float:
+        """Relative energy of the residuals, summed over the tests, which count alike."""
+        return float((self.energies / self.units).sum())
+
+    @property
+    def nrmse(self) -> float:
+        """RMS of the residuals over that of the channel."""
+        return float(np.sqrt(self.energies.sum() / max(self.signals.sum(), 1e-300)))
+
+
+def left_out(problem: Problem, fitted: Fit, fixed: tuple[int, ...] = ()) -> LeftOut:
+    """Leave out each test in turn, refit the model to the others and predict it.
+
+    Parameters
+    ----------
+    problem : Problem
+        A block and its tests.
+    fitted : Fit
+        A model fitted to all of them.
+    fixed : tuple of int, optional
+        Places of coordinates that are zero in this model.
+
+    Returns
+    -------
+    LeftOut
+        Errors by test; by segment where there is a single test.
+    """
+    tests = [segment.test for segment in problem.segments]
+    groups = tests if len(set(tests)) > 1 else list(range(len(tests)))
+    energies, signals, units = [], [], []
+    powers = relative_powers(problem)
+    for group in dict.fromkeys(groups):
+        members = [k for k, other in enumerate(groups) if other == group]
+        left = np.isin(problem.owners, members)
+        if problem.flat and not fixed:
+            tried = [_refitted_in_full(problem, fitted, left, members)]
+        else:
+            tried = [refitted(fitted, left, fixed)]
+        if fixed:  # far from the fit one step may be worse than none
+            stayed = fitted.coordinates.copy()
+            stayed[list(fixed)] = 0.0
+            tried.append(stayed)
+        segments = [problem.segments[k] for k in members]
+        energies.append(min(_missed(problem, fitted.space, x, segments) for x in tried))
+        signals.append(sum(_energy(s.spectrum(problem.measured(s.test))) for s in segments))
+        units.append(sum(powers[k] * (problem.segments[k].end - problem.segments[k].begin) for k in members))
+    return LeftOut(energies=np.array(energies), signals=np.array(signals), units=np.array(units))
+
+
+def _missed(problem: Problem, space: ModelSpace, coordinates: Array, segments: Sequence[Segment]) -> float:
+    """Energy that a model misses of segments of one test; a simulation that runs away misses very much."""
+    predicted = problem.block.predict(space.model(coordinates), segments[0].test)
+    missed = [
+        s.spectrum(problem.measured(s.test)) - s.coarse_spectrum(predicted, problem.block.every)
+        for s in segments
+    ]
+    energy = sum(map(_energy, missed))
+    return energy if np.isfinite(energy) else _RAN_AWAY
+
+
+def _refitted_in_full(
+    problem: Problem, fitted: Fit, left: NDArray[np.bool_], members: Sequence[int]
+) -> Array:
+    """Coordinates fitted without some segments, by as many steps as it takes, shape (size,)."""
+    kept = [k for k in range(len(problem.segments)) if k not in members]
+    rest = replace(
+        problem,
+        segments=tuple(problem.segments[k] for k in kept),
+        tempering=tuple(problem.tempering[k] for k in kept),
+        powers=tuple(problem.powers[k] for k in kept),
+    )
+    start = replace(fitted, residual=fitted.residual[~left], jacobian=fitted.jacobian[~left])
+    return improved(rest, start).coordinates
+
+
+def refitted(fitted: Fit, left: NDArray[np.bool_], fixed: tuple[int, ...]) -> Array:
+    """Coordinates fitted to the rows that are not left out, from the fit to all rows, shape (size,)."""
+    x = fitted.coordinates
+    derivatives, residual = fitted.jacobian[~left], fitted.residual[~left]
+    lower, upper = fitted.space.bounds
+    least, most = lower - x, upper - x
+    for place in fixed:
+        least[place] = most[place] = -x[place]
+    curvature = derivatives.T @ derivatives + np.eye(x.size)
+    slope = derivatives.T @ residual + x
+    step = bounded_step(curvature, slope, least, np.maximum(most, least + 1e-12), 0.0)
+    return np.asarray(np.clip(x + step, lower, upper))
+
+
+def _energy(spectrum: NDArray[np.complex128]) -> float:
+    power = np.abs(spectrum) ** 2
+    return float(power[0] + 2.0 * power[1:].sum())

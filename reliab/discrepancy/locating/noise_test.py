@@ -1,0 +1,72 @@
+"""Whether what a model leaves is noise: its energy must be spread evenly over time and frequency.
+
+The whitened spectrum of a residual that is noise is a sequence of independent complex normal numbers, and so
+is its transform over any band to instants within that band. The energy in each cell of such a division is
+exponentially distributed, whatever the size of the cells. The error of a model lies where the motion was: in
+lines under a sine, on a ridge under a sweep, in the strong phase under an earthquake; there cells hold
+far more than noise ever would. The share of the energy in such cells is what this test measures.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.discrepancy.fitting.fit import Fit
+from reliab.discrepancy.fitting.problem import Problem
+from reliab.discrepancy.spectra.noise import near_mains
+
+Array = NDArray[np.float64]
+Spectrum = NDArray[np.complex128]
+
+LARGEST_STRUCTURED_SHARE = 0.15
+"""Share of what a model leaves that may lie in cells that noise would not fill."""
+
+_BANDS = (1, 4, 16, 64, 256, 1024)  # bins that are transformed together
+_ABOVE = 7.0  # times the mean energy; noise has a thousandth of its energy above
+
+
+def structured_share(problem: Problem, fitted: Fit) -> float:
+    """Share of a residual's energy that is concentrated as no noise is.
+
+    Parameters
+    ----------
+    problem : Problem
+        A block and its tests; not a tempered one.
+    fitted : Fit
+        A model with the noise that it leaves.
+
+    Returns
+    -------
+    float
+        In [0, 1]; below 0.01 for noise. Pickup of the mains is not counted.
+    """
+    spectra = _spectra(problem, fitted)
+    return max(_share(spectra, size) for size in _BANDS)
+
+
+def is_noise(problem: Problem, fitted: Fit) -> bool:
+    """Whether what a model leaves passes for noise."""
+    return structured_share(problem, fitted) <= LARGEST_STRUCTURED_SHARE
+
+
+def _spectra(problem: Problem, fitted: Fit) -> list[Spectrum]:
+    """Whitened complex spectra of the segments without zero frequency and pickup."""
+    spectra, begin = [], 0
+    for segment in problem.segments:
+        rows = fitted.residual[begin : begin + 2 * segment.bins - 1]
+        begin += rows.size
+        spectrum = (rows[1 : segment.bins] + 1j * rows[segment.bins :]) / np.sqrt(2.0)
+        clean = ~near_mains(segment.frequency[1:], 0.5 * problem.block.rate)
+        spectra.append(np.asarray(spectrum[clean], dtype=np.complex128))
+    return spectra
+
+
+def _share(spectra: list[Spectrum], size: int) -> float:
+    cells = [np.zeros(0)]
+    for spectrum in spectra:
+        bands = spectrum[: spectrum.size // size * size].reshape(-1, size)
+        cells.append(np.abs(np.fft.ifft(bands, axis=1) * np.sqrt(size)).ravel() ** 2)
+    power = np.concatenate(cells)
+    whole = float(power.sum())
+    if not whole > 0.0:
+        return 0.0
+    return float(np.maximum(power - _ABOVE * power.mean(), 0.0).sum()) / whole

@@ -1,0 +1,156 @@
+"""How much of a channel no model could explain, from the recordings alone, never from what a model leaves."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft, signal
+
+from reliab.discrepancy.campaign.campaign import Channel, MeasuredTest
+from reliab.discrepancy.spectra.noise import near_mains
+
+Array = NDArray[np.float64]
+
+_SAME_INPUT = 0.02  # RMS of a difference over that of the input
+_REST = 0.002  # of the input's range
+_SHORTEST_REST = 0.25  # s
+_FEWEST_SAMPLES = 64
+_WHITE = 1.25  # ratio of the power in both halves of a band of white noise
+
+
+class Source(StrEnum):
+    """Where a floor comes from, the most telling first."""
+
+    REPEATED_TESTS = "repeated tests"
+    REPEATED_CYCLES = "repeated cycles"
+    BAND_ABOVE = "band above the motion"
+    REST = "rest"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Floor:
+    """Mean square of what is not repeatable in a channel.
+
+    Parameters
+    ----------
+    mean_square : float
+        In the square of the channel's unit.
+    source : Source
+        What it was taken from.
+    """
+
+    mean_square: float
+    source: Source
+
+
+def floors(
+    tests: Sequence[MeasuredTest],
+    held_out: Iterable[int],
+    channel: Channel,
+    inputs: Sequence[Channel],
+    *,
+    rate: float,
+    highest: float,
+) -> tuple[Floor, ...]:
+    """Take the floor of a channel from all that the recordings offer.
+
+    Parameters
+    ----------
+    tests : sequence of MeasuredTest
+        All tests of a campaign.
+    held_out : iterable of int
+        Indices of those on which models are proved.
+    channel : Channel
+        The channel.
+    inputs : sequence of Channel
+        What drives it.
+    rate : float
+        Sampling rate [Hz].
+    highest : float
+        Highest frequency at which there may be a signal [Hz].
+
+    Returns
+    -------
+    tuple of Floor
+        The most telling first; empty where the recordings do not tell.
+    """
+    proof = list(held_out)
+    ways = (
+        (Source.REPEATED_TESTS, _of_repeats(tests, channel, inputs)),
+        (Source.REPEATED_CYCLES, _of_cycles([tests[k] for k in proof], channel, inputs)),
+        (Source.BAND_ABOVE, _of_band([tests[k] for k in proof], channel, rate, highest)),
+        (Source.REST, _of_rest([tests[k] for k in proof], channel, inputs, rate)),
+    )
+    found = ((source, [value for value in values if value > 0.0]) for source, values in ways)
+    return tuple(Floor(mean_square=float(np.mean(v)), source=source) for source, v in found if v)
+
+
+def _of_repeats(
+    tests: Sequence[MeasuredTest], channel: Channel, inputs: Sequence[Channel]
+) -> Iterator[float]:
+    for one, other in combinations(tests, 2):
+        if one.motion and one.motion == other.motion and one.size == other.size:
+            pairs = [(one.channels[c], other.channels[c]) for c in inputs]
+            if all(_close(a, b) for a, b in pairs):
+                yield float(np.var(one.channels[channel] - other.channels[channel])) / 2.0
+
+
+def _close(one: Array, other: Array) -> bool:
+    return bool(np.std(one - other) < _SAME_INPUT * max(float(np.std(one)), 1e-300))
+
+
+def _of_cycles(tests: Sequence[MeasuredTest], channel: Channel, inputs: Sequence[Channel]) -> Iterator[float]:
+    for test in tests:
+        driven = test.channels[inputs[-1]]
+        lag = _period(driven)
+        if lag is None:
+            continue
+        inner = slice(int(lag), None)  # the first cycle may start from rest
+        x, y = driven[inner], test.channels[channel][inner]
+        if y.size > 2 * lag and _close(x[lag:], x[:-lag]):
+            yield float(np.mean((y[lag:] - y[:-lag]) ** 2)) / 2.0
+
+
+def _period(values: Array) -> int | None:
+    """Return after how many samples a channel repeats itself best, None if it never swings."""
+    centred = values - values.mean()
+    size = fft.next_fast_len(2 * centred.size, real=True)
+    power = np.abs(fft.rfft(centred, size)) ** 2
+    correlation = fft.irfft(power, size)[: centred.size // 3]
+    negative = np.flatnonzero(correlation < 0.0)
+    if not negative.size:
+        return None
+    weighted = correlation[negative[0] :] / (centred.size - np.arange(negative[0], correlation.size))
+    return int(negative[0] + np.argmax(weighted))
+
+
+def _of_band(tests: Sequence[MeasuredTest], channel: Channel, rate: float, highest: float) -> Iterator[float]:
+    """Level of the band above the motion where it is white, so that it holds below as well."""
+    for test in tests:
+        values = signal.detrend(test.channels[channel])
+        frequency, power = signal.periodogram(values, fs=rate, window="hann")
+        above = (frequency > highest) & (frequency < 0.49 * rate) & ~near_mains(frequency, 0.5 * rate)
+        level = power[above]
+        if level.size < 2 * _FEWEST_SAMPLES:
+            continue
+        low, high = (float(np.mean(half)) for half in np.array_split(level, 2))
+        if max(low, high) < _WHITE * min(low, high):
+            yield float(np.mean(level)) * 0.5 * rate
+
+
+def _of_rest(
+    tests: Sequence[MeasuredTest], channel: Channel, inputs: Sequence[Channel], rate: float
+) -> Iterator[float]:
+    """Variance of the channel while nothing drives it, at the begin and at the end of a test."""
+    shortest = max(int(_SHORTEST_REST * rate), _FEWEST_SAMPLES)
+    for test in tests:
+        driven = np.stack([test.channels[c] for c in inputs])
+        reach = _REST * np.ptp(driven, axis=1, keepdims=True)
+        for order in (slice(None), slice(None, None, -1)):
+            moved = (np.abs(driven[:, order] - driven[:, order][:, :1]) > reach).any(axis=0)
+            length = int(np.argmax(moved)) if moved.any() else moved.size
+            if length >= shortest:
+                yield float(np.var(signal.detrend(test.channels[channel][order][:length])))

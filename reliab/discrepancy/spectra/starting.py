@@ -1,0 +1,50 @@
+"""Records that do not start at rest: the stretch in which a model finds the state that nobody recorded."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from reliab.discrepancy.campaign.campaign import Stretch
+from reliab.loop.hybrid_test import Motion3
+
+_AT_REST = 0.1  # of the RMS of the velocity
+_FIRST = 5  # samples
+_REVERSALS = 3  # after which the motion has gone through a whole swing
+_LARGEST_SHARE = 0.2  # of a record
+
+
+def settled(stretches: Sequence[Stretch], motions: Sequence[Motion3]) -> tuple[Stretch, ...]:
+    """Leave out the first swing of records that start while the piston moves.
+
+    What happened before the record has left a state in the rig, in a lag or in a hysteresis, that the record
+    does not tell. A simulation that starts without it has forgotten the difference after a swing.
+
+    Parameters
+    ----------
+    stretches : sequence of Stretch
+        Parts of tests.
+    motions : sequence of Motion3
+        Motion of the piston in every test.
+
+    Returns
+    -------
+    tuple of Stretch
+        The same parts, which begin later where a test begins in motion.
+    """
+    return tuple(
+        replace(stretch, begin=_begin(motions[stretch.test], stretch.end)) if stretch.begin == 0 else stretch
+        for stretch in stretches
+    )
+
+
+def _begin(motion: Motion3, end: int) -> int:
+    velocity = motion.values[1][:end]
+    usual = float(np.sqrt(np.mean(velocity**2)))
+    if float(np.abs(velocity[:_FIRST]).mean()) < _AT_REST * usual:
+        return 0
+    moving = np.flatnonzero(np.abs(velocity) > _AT_REST * usual)
+    signs = np.sign(velocity[moving])
+    reversals = moving[1:][np.diff(signs) != 0.0]
+    most = int(_LARGEST_SHARE * end)
+    return min(int(reversals[_REVERSALS - 1]), most) if reversals.size >= _REVERSALS else most
