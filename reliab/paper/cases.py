@@ -10,9 +10,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
+from reliab.criterion.laws import OF_MANY_MOTIONS
 from reliab.indices.frequency_evaluation import frequency_evaluation
 from reliab.indices.response_error import response_error
 from reliab.loop.actuator import Actuator
@@ -22,9 +24,10 @@ from reliab.loop.hybrid_test.integrators import ChenRicles
 from reliab.loop.hybrid_test.model import HybridTest
 from reliab.loop.structure import Structure
 from reliab.motions import Motion, resample, truncate
-from reliab.paper.printed import FRAME_STIFFNESS, SPECIMEN_STIFFNESS, PrintedTables
+from reliab.paper.printed import FIVE_PERCENT, FRAME_STIFFNESS, SPECIMEN_STIFFNESS, PrintedTables
 
 RATE_HZ = 1024.0
+_MILLISECONDS = 1e3
 DELAY_STEPS = 4
 RECORD_SECONDS = 40.0
 """Length of the record that reproduces Table 6; the full record gives about half the RMS^R."""
@@ -207,4 +210,44 @@ def cases_dataset(outcomes: Sequence[CaseOutcome], motion: Motion) -> xr.Dataset
             "peak_acceleration": float(np.abs(motion.acceleration).max()),
             "window": min(RECORD_SECONDS, motion.duration),
         },
+    )
+
+
+def case_table(cases: xr.Dataset) -> pd.DataFrame:
+    """Verdicts on the cases by equation (18) and by their errors, beside what the paper prints.
+
+    Parameters
+    ----------
+    cases : xarray.Dataset
+        From :func:`cases_dataset`, the cases of Table 5 in their order.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row for each case: `case`, `f` [Hz], `xi`, `A`, `d` [s]; `index` of equation (18) and
+        `index_printed`; `accepted` and `accepted_printed`; `rms` and `rms_printed` [-]; `good`, whether the
+        error is at most 5 %; `of_rms`, the error relative to the RMS, not the peak, of the exact response.
+    """
+    printed = PrintedTables.read().cases.set_index("case").loc[cases["case"].values]
+    f, xi, amplitude, delay, rms = (cases[name].values for name in ("f", "xi", "A", "d", "rms"))
+    a, b = OF_MANY_MOTIONS["guo_2017_18"].limits(f, xi)
+    index = (amplitude - 1.0) ** 2 / a + (_MILLISECONDS * delay) ** 2 / b
+    ideal = cases["ideal"].transpose("case", "time").values
+    crest = np.abs(ideal).max(axis=1) / np.sqrt(np.mean(ideal**2, axis=1))
+    return pd.DataFrame(
+        {
+            "case": cases["case"].values,
+            "f": f,
+            "xi": xi,
+            "A": amplitude,
+            "d": delay,
+            "index": index,
+            "index_printed": printed["index_eq18"].to_numpy(dtype=np.float64),
+            "accepted": index <= 1.0,
+            "accepted_printed": printed["fulfils_eq18"].to_numpy() == "Yes",
+            "rms": rms,
+            "rms_printed": printed["rms_percent"].to_numpy(dtype=np.float64) / 100.0,
+            "good": rms <= FIVE_PERCENT,
+            "of_rms": rms * crest,
+        }
     )

@@ -62,9 +62,10 @@ def name_axes(axes: Axes, x: str, y: str) -> None:
     axes.set_ylabel(y)
 
 
-def legend_below(figure: Figure, axes: Axes, *, columns: int = 4) -> None:
-    """Put one legend for all axes below them, where it can cover nothing."""
-    handles, names = axes.get_legend_handles_labels()
+def legend_below(figure: Figure, *axes: Axes, columns: int = 4) -> None:
+    """Put one legend for all axes below them, where it can cover nothing; it names what these axes show."""
+    entries = [entry for place in axes for entry in zip(*place.get_legend_handles_labels(), strict=True)]
+    handles, names = [handle for handle, _ in entries], [name for _, name in entries]
     figure.legend(handles, names, loc="outside lower center", ncols=min(columns, len(names)))
 
 

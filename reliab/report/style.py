@@ -30,14 +30,16 @@ GREY: Final = "#8a8a8a"
 PALE: Final = "#c9c9c9"
 BLUE, ORANGE, GREEN, VERMILION, PURPLE, BROWN = sns.color_palette("colorblind", 6).as_hex()
 
+OLIVE: Final = "#7a7a00"
+
 SEQUENTIAL: Final = "cividis"
 """Colour map that rises evenly in lightness, also for colour-blind readers and in grey print."""
 
 _MILLIMETRES_PER_INCH: Final = 25.4
 _NOTE_HEIGHT, _NOTE_LINE = 20.0, 90  # [mm], [characters]
 _DASHES: Final[tuple[Any, ...]] = ("-", (0, (5, 1.6)), (0, (1.2, 1.2)), (0, (6, 1.4, 1.2, 1.4)), (0, (9, 3)))
-_MARKERS: Final = ("o", "s", "^", "D", "v", "P")
-_COLOURS: Final = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, BROWN)
+_MARKERS: Final = ("o", "s", "^", "D", "v", "P", "X", "p")
+_COLOURS: Final = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, BROWN, INK, OLIVE)
 
 RC: Final[dict[Any, Any]] = {
     "font.family": ["STIXGeneral", "DejaVu Sans"],
@@ -137,6 +139,7 @@ def panels(
     share_x: bool = False,
     share_y: bool = False,
     ratios: tuple[float, ...] | None = None,
+    heights: tuple[float, ...] | None = None,
 ) -> tuple[Figure, NDArray[np.object_]]:
     """Make a figure with a grid of axes.
 
@@ -150,6 +153,8 @@ def panels(
         Whether all axes share their scale.
     ratios : tuple of float, optional
         Relative widths of the columns.
+    heights : tuple of float, optional
+        Relative heights of the rows.
 
     Returns
     -------
@@ -159,7 +164,15 @@ def panels(
         Shape (rows, columns).
     """
     figure = blank(height=height, width=width)
-    axes = figure.subplots(rows, columns, squeeze=False, sharex=share_x, sharey=share_y, width_ratios=ratios)
+    axes = figure.subplots(
+        rows,
+        columns,
+        squeeze=False,
+        sharex=share_x,
+        sharey=share_y,
+        width_ratios=ratios,
+        height_ratios=heights,
+    )
     return figure, axes
 
 

@@ -6,12 +6,13 @@ error is that of a constant gain A and delay d; how far it is, and whether a ver
 of it, is what is reported.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
 
+from reliab.boundary import motion_contours
 from reliab.criterion import Criterion
 from reliab.indices.frequency_evaluation import frequency_evaluation
 from reliab.indices.response_error import relative_error, response_error
@@ -30,6 +31,9 @@ from reliab.progress import Progress, silent
 from reliab.vocabulary import Metric
 
 RATE_HZ = 1024.0
+
+LEVELS = (0.8, 1.2)
+"""Shares of a limit at which actuators are tried."""
 
 TEST_COLUMNS = (
     *("motion", "event", "rig", "f", "xi", "alpha"),
@@ -102,9 +106,10 @@ def rigs_of_delay(delay: float) -> tuple[Rig, ...]:
 def try_rigs(
     motions: Iterable[Motion],
     structures: Sequence[Structure],
-    rigs: Sequence[Rig],
+    rigs: Callable[[float], Sequence[Rig]],
     criterion: Criterion,
     *,
+    levels: Sequence[float] = LEVELS,
     count: int,
     progress: Progress = silent,
 ) -> pd.DataFrame:
@@ -116,10 +121,14 @@ def try_rigs(
         Ground motions.
     structures : sequence of Structure
         Structures.
-    rigs : sequence of Rig
-        Actuators.
+    rigs : callable
+        Actuators of about an equivalent delay [s], such as :func:`rigs_of_delay`.
     criterion : Criterion
         The criterion by which a test is accepted, valid for the structures.
+    levels : sequence of float, optional
+        Delays as shares of two limits: of what the criterion allows without amplitude error, and of what
+        the test's own motion tolerates; below and above one, so that tests are good or bad, and accepted or
+        refused.
     count : int
         Number of motions, for the progress.
     progress : callable, optional
@@ -139,11 +148,21 @@ def try_rigs(
             ideal = exact.command.values[0]
             excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step)
             loop = Loop(excitation=excitation, structure=structure)
-            for rig in rigs:
-                row = _try(record, structure, rig, ideal, loop, criterion)
-                rows.append({"motion": motion.name, "event": motion.event, "rig": rig.name, **row})
+            for delay in _delays(loop, criterion, levels):
+                for rig in rigs(delay):
+                    row = _try(record, structure, rig, ideal, loop, criterion)
+                    rows.append({"motion": motion.name, "event": motion.event, "rig": rig.name, **row})
         progress(done, count)
     return pd.DataFrame(rows)
+
+
+def _delays(loop: Loop, criterion: Criterion, levels: Sequence[float]) -> list[float]:
+    """Delays [s] below and above what the criterion allows and what the motion tolerates."""
+    structure = loop.structure
+    _, b = criterion.limits(structure.frequency, structure.damping_ratio)
+    (contour,) = motion_contours(loop, (criterion.threshold,), Metric(criterion.metric))
+    limits = [1e-3 * float(np.sqrt(b)), float(contour.delay.max(initial=0.0))]
+    return [level * limit for limit in limits if limit > 0.0 for level in levels]
 
 
 def _try(

@@ -5,7 +5,7 @@ import csv
 import pytest
 
 from reliab.motions import load_motions
-from reliab.paper.cases import printed_cases, run_paper_cases
+from reliab.paper.cases import case_table, cases_dataset, printed_cases, run_paper_cases
 
 
 def test_masses_are_those_of_table_5():
@@ -26,3 +26,15 @@ def test_table_6(real_motions_folder, shared_folder):
         index = (outcome.amplitude - 1) ** 2 / a + (1e3 * outcome.equivalent_delay) ** 2 / (b * decay)
         assert (index <= 1) is (row["fulfils_eq18"] == "Yes")
         assert (outcome.rms <= 0.05) is (float(row["rms_percent"]) <= 5.0)
+
+
+def test_verdicts_stand_beside_the_printed_ones(real_motions_folder):
+    motion = load_motions(real_motions_folder, sets=["held_out"]).select(names=["KOBE/KJM000"])[0]
+    cases = cases_dataset(run_paper_cases(motion), motion)
+    table = case_table(cases)
+    assert table["accepted"].tolist() == table["accepted_printed"].tolist() == [True, True, True, False]
+    assert table["good"].tolist() == [True, True, True, False]
+    assert cases.attrs["window"] == 40.0
+    ideal, measured = (cases[name].sel(case=2).values for name in ("ideal", "measured"))
+    error = ((measured - ideal) ** 2).mean() ** 0.5 / (ideal**2).mean() ** 0.5
+    assert table.loc[1, "of_rms"] == pytest.approx(error, rel=1e-4)

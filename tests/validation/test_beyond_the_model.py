@@ -12,10 +12,8 @@ from reliab.validation.beyond_the_model import rigs_of_delay, try_rigs
 
 
 @pytest.fixture(scope="module")
-def tried():
-    motions = load_motions("synthetic")[:6]
-    structure = Structure(frequency=1.0, damping_ratio=0.02)
-    criterion = Criterion(
+def criterion():
+    return Criterion(
         law=Table.fit([1.0], [0.02], [[6e-5]], [[1.2]]),
         threshold=0.05,
         metric="rms",
@@ -24,7 +22,20 @@ def tried():
         joint=False,
         provenance=Provenance(source="round numbers"),
     )
-    return try_rigs(motions, [structure], rigs_of_delay(0.001), criterion, count=6)
+
+
+@pytest.fixture(scope="module")
+def tried(criterion):
+    motions = load_motions("synthetic")[:6]
+    structure = Structure(frequency=1.0, damping_ratio=0.02)
+    return try_rigs(motions, [structure], lambda _: rigs_of_delay(0.001), criterion, levels=(1.0,), count=6)
+
+
+@pytest.fixture(scope="module")
+def around_the_limits(criterion):
+    motions = load_motions("synthetic")[:3]
+    structure = Structure(frequency=1.0, damping_ratio=0.02)
+    return try_rigs(motions, [structure], lambda delay: rigs_of_delay(delay)[:1], criterion, count=3)
 
 
 @pytest.mark.parametrize(
@@ -47,3 +58,10 @@ def test_verdict_is_by_the_criterion_and_truth_by_the_error(tried):
     index = (tried["A"] - 1.0) ** 2 / 6e-5 + (1e3 * tried["d"]) ** 2 / 1.2
     np.testing.assert_array_equal(tried["accepted"], index <= 1.0)
     np.testing.assert_array_equal(tried["good"], tried["error"] <= 0.05)
+
+
+def test_tests_lie_on_both_sides_of_both_limits(around_the_limits):
+    assert set(around_the_limits["good"]) == {True, False}
+    assert set(around_the_limits["accepted"]) == {True, False}
+    own = around_the_limits.groupby("motion").nth([2, 3])
+    assert own["good"].tolist() == [True, False] * 3

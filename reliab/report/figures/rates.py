@@ -16,7 +16,9 @@ _HEIGHT = 92.0
 _WIDTH = 118.0
 _FREQUENCY_HEIGHT = 78.0
 _PERCENT = 100.0
+_SPLIT_HEIGHT = 104.0
 _SHIFT = 0.006
+_FAR = 0.8  # of what is stated; a criterion that contains less everywhere has axes of its own
 
 
 @styled
@@ -60,25 +62,43 @@ def coverage_by_frequency(rates: pd.DataFrame, *, confidence: float) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Observed containment [%] with intervals over the frequency [Hz].
+        Observed containment [%] with intervals over the frequency [Hz]; criteria that fall far short of
+        what is stated stand in axes of their own, so that the others can be told from each other.
     """
-    figure, axes = panels(height=_FREQUENCY_HEIGHT)
-    place = axes[0, 0]
     stated = _PERCENT * confidence
-    place.axhline(stated, color=INK, linewidth=0.9, linestyle=(0, (1, 2)), label=f"stated {stated:g} %")
     groups = list(rates.groupby("candidate", sort=False))
+    far = {str(name) for name, chosen in groups if chosen["rate"].max() < _FAR * confidence}
+    near = rates[~rates["candidate"].isin(far)]
+    split = bool(far) and len(near) > 0
+    figure, axes = (
+        panels(2, height=_SPLIT_HEIGHT, share_x=True, heights=(2.2, 1.0))
+        if split
+        else panels(height=_FREQUENCY_HEIGHT)
+    )
     for rank, (name, chosen) in enumerate(groups):
         ordered = chosen.sort_values("f")
         percent = _PERCENT * ordered[["rate", "low", "high"]]
         shifted = ordered["f"] * np.exp(_SHIFT * 2.0 * (rank - 0.5 * (len(groups) - 1)))
-        _curve(place, percent.assign(confidence=shifted), str(name), rank)
-    place.set(xscale="log", ylim=(max(0.0, _PERCENT * rates["low"].min() - 3.0), 101.0))
-    ticks = np.unique(rates["f"]).tolist()
-    place.set_xticks(ticks, [f"{each:g}" for each in ticks], minor=False)
-    place.set_xticks([], minor=True)
-    name_axes(place, FREQUENCY, "Observed containment [%]")
-    legend_below(figure, place, columns=3)
+        row = 1 if split and str(name) in far else 0
+        _curve(axes[row, 0], percent.assign(confidence=shifted), str(name), rank)
+    shown = (near, rates[rates["candidate"].isin(far)]) if split else (rates,)
+    for place, drawn in zip(axes[:, 0], shown, strict=True):
+        _scale(place, drawn, stated)
+    axes[0, 0].axhline(stated, color=INK, linewidth=0.9, linestyle=(0, (1, 2)), label=f"stated {stated:g} %")
+    for place in axes[:, 0]:
+        name_axes(place, FREQUENCY if place is axes[-1, 0] else "", "Contained [%]")
+    legend_below(figure, axes[0, 0], *axes[1:, 0], columns=3)
     return figure
+
+
+def _scale(axes: Axes, rates: pd.DataFrame, stated: float) -> None:
+    """Spread what is drawn over the whole height; criteria that fall far short have axes of their own."""
+    low, high = _PERCENT * float(rates["low"].min()), _PERCENT * float(rates["high"].max())
+    margin = 0.06 * (max(high, stated) - low) if high > _FAR * stated else 0.06 * (high - low) + 1.0
+    axes.set(xscale="log", ylim=(max(-margin, low - margin), min(high + margin, _PERCENT + margin)))
+    ticks = np.unique(rates["f"]).tolist()
+    axes.set_xticks(ticks, [f"{frequency:g}" for frequency in ticks], minor=False)
+    axes.set_xticks([], minor=True)
 
 
 def _curve(axes: Axes, percent: pd.DataFrame, name: str, rank: int) -> None:

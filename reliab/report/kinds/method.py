@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from reliab.criterion import Criterion
 from reliab.report.document import Equation, Paragraph, Points, Section
-from reliab.report.kinds.wording import METHODS, percent
+from reliab.report.kinds.wording import METHODS, percent, window_in_words
 from reliab.report.prose import Prose, prose
 
 
@@ -62,7 +62,6 @@ def limits_section(sentences: Sequence[Prose]) -> Section:
 
 
 def _simulation(experimental_fraction: float, window: str) -> Section:
-    lengths = {"record": "the whole record", "arias": "5 % to 95 % of the Arias intensity"}
     return Section(
         title="Simulated tests",
         blocks=(
@@ -85,8 +84,8 @@ def _simulation(experimental_fraction: float, window: str) -> Section:
                 text=prose(
                     "With $k_p = 1$ and $tau = 0$ the same loop gives the exact response $x_I$. The error "
                     "of the whole test is the deviation of the measured displacement $x_m$ from it, over "
-                    "{length}, relative to the peak of the exact response:",
-                    length=lengths.get(window, f"the first {window} s of the record"),
+                    "{length}, relative to the peak, not the RMS, of the exact response:",
+                    length=window_in_words(window),
                 )
             ),
             Equation(

@@ -14,7 +14,17 @@ from reliab.report.prose import prose
 from reliab.validation.cross_validation import CrossValidation
 from reliab.validation.cross_validation.tabulation import tabulate
 
-MEASURES = ("containment", "false_safe", "accepted_share")
+_MEANINGS = {
+    "containment": ("contained", "motions that contain the criterion"),
+    "false_safe": (
+        "accepted, yet bad",
+        "tests that are accepted although their error is too large, of those accepted",
+    ),
+    "accepted_share": ("good, and accepted", "good tests that are accepted, of those good"),
+}
+"""Heading and meaning of each rate that reports show."""
+
+MEASURES = tuple(_MEANINGS)
 """Rates that reports show."""
 
 
@@ -85,10 +95,16 @@ def rates_section(rates: pd.DataFrame, *, confidence: float, division: str = "")
 
 
 def _figures(contained: pd.DataFrame, confidence: float, mark: str) -> Iterator[Figure]:
+    overall = contained[contained["f"].isna()]
+    several = overall.groupby("candidate")["confidence"].transform("nunique") > 1
     yield Figure(
-        drawing=calibration_curve(contained[contained["f"].isna()]),
-        caption=(
+        drawing=calibration_curve(overall[several] if several.any() else overall),
+        caption=prose(
             "A criterion keeps its word where its line follows the diagonal; below it, it promises too much."
+            "{printed}",
+            printed=" Printed laws state one confidence only and stand in the table."
+            if several.any() and not several.all()
+            else "",
         ),
         label=f"fig:calibration{mark}",
     )
@@ -100,7 +116,8 @@ def _figures(contained: pd.DataFrame, confidence: float, mark: str) -> Iterator[
             drawing=coverage_by_frequency(chosen, confidence=nearest),
             caption=prose(
                 "Containment by natural frequency at a stated {share}: a point below the dotted line is "
-                "unsafe at that frequency, as far as its interval lies below it.",
+                "unsafe at that frequency, as far as its interval lies below it. Criteria that contain far "
+                "fewer motions than they state have axes of their own.",
                 share=percent(nearest),
             ),
             label=f"fig:by-frequency{mark}",
@@ -114,17 +131,14 @@ def _table(overall: pd.DataFrame, mark: str) -> Table:
     wide.columns = pd.Index([" ".join(reversed(name)) for name in wide.columns.to_flat_index()])
     frame = wide.reset_index()
     share = Fixed(decimals=1, factor=PERCENT)
-    names = {
-        "containment": "contained",
-        "false_safe": "accepted, yet bad",
-        "accepted_share": "good, and accepted",
-    }
+    shown = {name: texts for name, texts in _MEANINGS.items() if f"{name} rate" in frame}
     columns = [
         Column(key=f"{measure} {value}", heading=heading, unit="%", number=share, group=group)
-        for measure, group in names.items()
+        for measure, (group, _) in shown.items()
         for value, heading in (("rate", "share"), ("low", "from"), ("high", "to"))
         if f"{measure} {value}" in frame
     ]
+    meanings = "; ".join(meaning for _, meaning in shown.values())
     return Table(
         frame=frame,
         columns=(
@@ -132,10 +146,6 @@ def _table(overall: pd.DataFrame, mark: str) -> Table:
             Column(key="confidence", heading="Stated", unit="%", number=Shortest(factor=PERCENT)),
             *columns,
         ),
-        caption=(
-            "Rates over all structures with their 95 % intervals: motions that contain the criterion; tests "
-            "that are accepted although their error is too large, of those accepted; good tests that are "
-            "accepted, of those good."
-        ),
+        caption=f"Rates over all structures with their 95 % intervals: {meanings}.",
         label=f"tab:rates{mark}",
     )

@@ -17,6 +17,28 @@ ERRORS: Final = {Metric.RMS: Math(source='"RMS"^R'), Metric.MTE: Math(source='"M
 ERROR_NAMES: Final = {Metric.RMS: "RMSᴿ", Metric.MTE: "MTEᴿ"}
 """The errors of the whole test in plain text, where no mathematics can stand."""
 
+MEANINGS_OF_ERRORS: Final = {
+    Metric.RMS: "the RMS of measured minus exact displacement over the peak (not the RMS) of the exact one",
+    Metric.MTE: "the largest difference of measured and exact displacement over the peak of the exact one",
+}
+"""What each error of the whole test is, in a clause."""
+
+
+def window_in_words(window: str) -> str:
+    """Part of the record over which the error is computed.
+
+    Examples
+    --------
+    >>> window_in_words("record"), window_in_words("40")
+    ('the whole record', 'the first 40 s of the record')
+    """
+    known = {
+        "record": "the whole record",
+        "arias": "5 % to 95 % of the Arias intensity of the record",
+    }
+    return known.get(window, f"the first {window} s of the record")
+
+
 METHODS: Final = {
     "quantile": (
         "the quantile of the fitted distribution, as in the paper: no allowance is made for how few motions "

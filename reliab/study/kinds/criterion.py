@@ -37,8 +37,7 @@ def stages(study: CriterionStudy, show: Show) -> Sequence[Stage]:
 
 def report(study: CriterionStudy, folder: Path) -> Document:
     """Report the criteria with the containment on held-out earthquakes."""
-    from reliab.report.kinds.criterion import criterion_report
-    from reliab.report.kinds.no_criterion import no_criterion_report
+    from reliab.report.kinds.criterion import criterion_report, no_criterion_report
     from reliab.report.kinds.rates import rates_table
 
     population = Material(study, results=study.motions.results).population

@@ -34,7 +34,6 @@ from reliab.sweep import open_ellipses
 BEYOND: Final = "beyond_the_model.csv"
 
 _MOTIONS_BEYOND = 20
-_RIG_DELAY = 0.8  # of the delay that the criterion tolerates
 
 
 class CasesTable(ValidationTable):
@@ -66,7 +65,7 @@ def stages(study: ValidationStudy, show: Show) -> Sequence[Stage]:
 
 def report(study: ValidationStudy, folder: Path) -> Document:
     """Report containment, false-safe rate and accepted share of every scheme, and what lies beyond."""
-    from reliab.report.kinds.no_criterion import no_criterion_report
+    from reliab.report.kinds.criterion import no_criterion_report
     from reliab.report.kinds.rates import rates_table
     from reliab.report.kinds.validation import validation_report
     from reliab.validation.cross_validation.tabulation import tabulate
@@ -118,11 +117,14 @@ def _beyond(study: ValidationStudy, material: Material, show: Show) -> Stage:
             pd.DataFrame(columns=list(TEST_COLUMNS)).to_csv(folder / BEYOND, index=False)
             return
         criterion = criteria[0]
-        _, b = criterion.limits(structure.frequency, structure.damping_ratio)
-        rigs = rigs_of_delay(_RIG_DELAY * 1e-3 * float(b) ** 0.5)
         with show("Trying other rigs") as progress:
             tests = try_rigs(
-                _spread(suite), [structure], rigs, criterion, count=_MOTIONS_BEYOND, progress=progress
+                _spread(suite),
+                [structure],
+                rigs_of_delay,
+                criterion,
+                count=_MOTIONS_BEYOND,
+                progress=progress,
             )
         tests.to_csv(folder / BEYOND, index=False)
 

@@ -87,8 +87,9 @@ def test_every_figure_says_what_to_see(drawn):
 
 
 def test_lines_differ_without_colour():
-    looks = [line(rank, marker=True) for rank in range(5)]
-    assert len({(str(look["linestyle"]), look["marker"]) for look in looks}) == 5
+    looks = [line(rank, marker=True) for rank in range(8)]
+    assert len({(str(look["linestyle"]), look["marker"]) for look in looks}) == 8
+    assert len({look["color"] for look in looks}) == 8
 
 
 def test_the_first_colours_differ_in_lightness():

@@ -1,4 +1,4 @@
-"""What a report of criteria tells of, and the structure by which it does."""
+"""The criteria of a report, and the structure at which it shows them."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -7,13 +7,14 @@ import numpy as np
 import xarray as xr
 
 from reliab.criterion import Criterion, EllipseSample, sample_of
+from reliab.vocabulary import CurveName, Side
 
 _PAPER_STRUCTURE = (1.0, 0.02)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Told:
-    """What the report tells of, and the structure by which it does."""
+class ReportedCriteria:
+    """Criteria with the ellipses behind them, and the structure at which a report shows them."""
 
     ellipses: xr.Dataset
     criteria: tuple[Criterion, ...]
@@ -60,8 +61,21 @@ class Told:
             damping_ratio=damping_ratio,
             threshold=chosen.threshold,
             metric=chosen.metric,
+            curve=chosen.provenance.curve,
         )
 
+    @property
+    def inscribed(self) -> bool:
+        """Whether the criterion of the verdict rests on ellipses that lie inside the boundaries."""
+        return self.criterion.provenance.curve == CurveName.INSCRIBED
+
+    def lead(self, criterion: Criterion) -> float:
+        """Limit of an early actuator without amplitude error at the structure [ms]; NaN where unknown."""
+        if criterion.lead_law is None:
+            return float("nan")
+        _, b = criterion.limits(*self.structure, side=Side.LEAD)
+        return float(np.sqrt(b))
+
     def over_grid(self, criterion: Criterion) -> tuple[np.ndarray, np.ndarray]:
-        """Limits a [-] and b [ms²] over all structures, shape (F, X)."""
+        """Limits a [-] and b [ms²] of late actuators over all structures, shape (F, X)."""
         return criterion.limits(self.frequencies[:, None], self.damping_ratios[None, :])

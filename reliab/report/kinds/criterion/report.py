@@ -8,21 +8,24 @@ import xarray as xr
 
 from reliab.criterion import Criterion
 from reliab.report.document import Block, Document
-from reliab.report.kinds.criterion_motions import appendix_section, motions_section
-from reliab.report.kinds.criterion_result import result_section
-from reliab.report.kinds.criterion_told import Told
+from reliab.report.kinds.criterion.motions import appendix_section, motions_section
+from reliab.report.kinds.criterion.reported import ReportedCriteria
+from reliab.report.kinds.criterion.result import result_section
 from reliab.report.kinds.method import limits_section, method_section
 from reliab.report.kinds.provenance import provenance_of
 from reliab.report.kinds.rates import rates_section
 from reliab.report.kinds.wording import (
+    MEANINGS_OF_ERRORS,
     METHODS,
     ellipse,
     error_below,
     percent,
     values,
+    window_in_words,
 )
 from reliab.report.prose import Prose, prose
 from reliab.report.sources import SOURCES
+from reliab.vocabulary import Metric
 
 
 def criterion_report(
@@ -70,39 +73,42 @@ def criterion_report(
     Document
         The report.
     """
-    told = Told(ellipses=ellipses, criteria=tuple(criteria))
-    chosen = told.criterion
+    reported = ReportedCriteria(ellipses=ellipses, criteria=tuple(criteria))
+    chosen = reported.criterion
     fraction = float(ellipses.attrs.get("experimental_fraction", 1.0))
-    blocks: list[Block] = [result_section(told, population), motions_section(told)]
+    blocks: list[Block] = [result_section(reported, population), motions_section(reported)]
     if coverage is not None and len(coverage):
         blocks.append(rates_section(coverage, confidence=chosen.confidence))
     blocks += [
         method_section(chosen, experimental_fraction=fraction, window=chosen.provenance.window),
         limits_section((*chosen.provenance.warnings, *notes)),
-        appendix_section(told),
+        appendix_section(reported),
     ]
     return Document(
         kind="Reliability criterion",
         title=title,
-        verdict=_verdict(told, population),
-        facts={**_facts(told, coverage), **_real(real_motions), "Purpose": purpose},
+        verdict=_verdict(reported, population),
+        facts={**_facts(reported, coverage), **_real(real_motions), "Purpose": purpose},
         blocks=tuple(blocks),
         provenance=provenance_of(provenance, chosen.provenance),
         sources=SOURCES,
     )
 
 
-def _verdict(told: Told, population: str) -> Prose:
-    chosen, (f, xi), (a, b) = told.criterion, told.structure, told.limits
+def _verdict(reported: ReportedCriteria, population: str) -> Prose:
+    chosen, (f, xi), (a, b) = reported.criterion, reported.structure, reported.limits
+    early = reported.lead(chosen)
     return (
         *prose("At {f:g} Hz and $xi = {xi:g}$, a test keeps ", f=f, xi=xi),
         *error_below(chosen.metric, chosen.threshold),
         f" for {percent(chosen.confidence)} of {population} while ",
         ellipse(a, b),
         *prose(
-            " with $d$ in ms: at most {amplitude} of amplitude error, or {delay:.2f} ms of delay.",
+            " with $d$ in ms: at most {amplitude} of amplitude error alone, or {delay:.2f} ms of delay alone"
+            "{lead}.",
             amplitude=percent(np.sqrt(a), 2),
             delay=np.sqrt(b),
+            lead=f", or a lead of {early:.2f} ms alone" if np.isfinite(early) else "",
         ),
     )
 
@@ -119,18 +125,22 @@ def _real(share: Mapping[str, float] | None) -> dict[str, Prose]:
     return {"On real motions": sentence}
 
 
-def _facts(told: Told, coverage: pd.DataFrame | None) -> dict[str, Prose]:
-    chosen, source = told.criterion, told.criterion.provenance
+def _facts(reported: ReportedCriteria, coverage: pd.DataFrame | None) -> dict[str, Prose]:
+    chosen, source = reported.criterion, reported.criterion.provenance
     together = "for both limits together" if chosen.joint else "for each limit separately"
     meaning = METHODS.get(chosen.method, chosen.method)
     facts: dict[str, Prose] = {
         "Ground motions": f"{source.n_motions} of {source.n_events} earthquakes",
         "Structures": prose(
-            "$f$ = {f}, $xi$ = {xi}",
-            f=values(told.frequencies.tolist(), "Hz"),
-            xi=values(told.damping_ratios.tolist()),
+            "$f$ = {f}, $xi$ = {xi}, $alpha$ = {alpha:g} of the stiffness in the laboratory",
+            f=values(reported.frequencies.tolist(), "Hz"),
+            xi=values(reported.damping_ratios.tolist()),
+            alpha=source.experimental_fraction,
         ),
-        "Error": error_below(chosen.metric, chosen.threshold),
+        "Error": (
+            *error_below(chosen.metric, chosen.threshold),
+            f", {MEANINGS_OF_ERRORS[Metric(chosen.metric)]}, over {window_in_words(source.window)}",
+        ),
         "Confidence": f"{percent(chosen.confidence)}, {together}: {meaning}",
     }
     if coverage is not None and len(coverage):

@@ -14,7 +14,7 @@ from reliab.report.figures.parameters_over_structure import (
     parameters_over_damping_ratio,
     parameters_over_frequency,
 )
-from reliab.report.kinds.criterion_told import Told
+from reliab.report.kinds.criterion.reported import ReportedCriteria
 from reliab.report.kinds.wording import (
     ERROR_NAMES,
     PERCENT,
@@ -30,51 +30,60 @@ _MOST_ROWS = 12
 
 _FINE = 41
 
+_ALONE = "each alone, without the other error"
+
 _UNCONVERGED = (
     "THE POSTERIOR HAS NOT CONVERGED. The limits of this report must not be relied on; sample longer and "
     "derive them again."
 )
 
 
-def result_section(told: Told, population: str = "ground motions") -> Section:
+def result_section(reported: ReportedCriteria, population: str = "ground motions") -> Section:
     """State the criterion at one structure, then over all."""
-    chosen = told.criterion
-    f, xi = told.structure
+    chosen = reported.criterion
+    f, xi = reported.structure
     blocks: list[Block] = [
         Paragraph(
             text=prose(
                 "Evaluate $A$ and $d$ from the command and measured displacements of the test (@eq:index). "
                 "The test is reliable in the sense of this report while its point lies inside the ellipse of"
-                " its structure (@tab:criteria, @fig:criterion). A test that is accurate in amplitude may "
-                "use the whole of the delay, and the other way round; errors in both share the same budget."
+                " its structure (@tab:criteria, @fig:criterion). Each limit of the table holds alone: a test "
+                "without amplitude error may use the whole of the delay, and the other way round; errors in "
+                "both share the same budget."
             )
         ),
-        _criteria_table(told),
+        _criteria_table(reported),
         Figure(
-            drawing=ellipses_and_criterion(told.sample, _named_limits(told)),
+            drawing=ellipses_and_criterion(reported.sample, _named_limits(reported)),
             caption=prose(
-                "Boundaries of all ground motions at {f:g} Hz and $xi = {xi:g}$ (grey) and the criterion: "
-                "the share of grey ellipses that the coloured one crosses is the share of motions for which"
-                " a test on its edge would exceed the error.",
+                "Ellipses {how} the boundaries of all ground motions at {f:g} Hz and $xi = {xi:g}$ (grey; "
+                "late actuators) and the criterion: where the coloured ellipse crosses a grey one, a test on "
+                "its edge would exceed the error under that motion, as far as the ellipse stands for the "
+                "boundary.",
+                how="inscribed in" if reported.inscribed else "fitted by least squares to",
                 f=f,
                 xi=xi,
             ),
             label="fig:criterion",
         ),
-        *_over_structures(told),
+        *_over_structures(reported),
     ]
-    zero = _without_promise(told)
+    zero = _without_promise(reported)
     if zero:
         blocks.insert(1, Remark(text=zero))
-    if any(each.provenance.settings.get("converged") is False for each in told.criteria):
+    if any(each.provenance.settings.get("converged") is False for each in reported.criteria):
         blocks.insert(0, Remark(text=_UNCONVERGED))
     title = f"Criterion for {percent(chosen.confidence)} of {population}"
     return Section(title=title, blocks=tuple(blocks), label="sec:result")
 
 
-def _without_promise(told: Told) -> str:
+def _without_promise(reported: ReportedCriteria) -> str:
     """Say for which criteria the motions are too few."""
-    few = [each for each in told.criteria if not all(np.min(limit) > 0.0 for limit in told.over_grid(each))]
+    few = [
+        each
+        for each in reported.criteria
+        if not all(np.min(limit) > 0.0 for limit in reported.over_grid(each))
+    ]
     if not few:
         return ""
     shares = ", ".join(sorted({percent(each.confidence) for each in few}))
@@ -84,14 +93,17 @@ def _without_promise(told: Told) -> str:
     )
 
 
-def _criteria_table(told: Told) -> Table:
-    f, xi = told.structure
+def _criteria_table(reported: ReportedCriteria) -> Table:
+    f, xi = reported.structure
     rows = []
-    for each in told.criteria:
+    for each in reported.criteria:
         a, b = (float(limit) for limit in each.limits(f, xi))
         row = {"threshold": each.threshold, "metric": str(each.metric), "confidence": each.confidence}
-        rows.append({**row, "a": a, "b": b, "amplitude": np.sqrt(a), "delay": np.sqrt(b)})
+        limits = {"amplitude": np.sqrt(a), "delay": np.sqrt(b), "lead": reported.lead(each)}
+        rows.append({**row, "a": a, "b": b, **limits})
     frame = pd.DataFrame(rows)
+    lead = Column(key="lead", heading=prose("early: $-d <=$"), unit="ms", number=Fixed(), group=_ALONE)
+    early = (lead,) if frame["lead"].notna().any() else ()
     frame["metric"] = [ERROR_NAMES[Metric(name)] for name in frame["metric"]]
     return Table(
         frame=frame,
@@ -102,9 +114,16 @@ def _criteria_table(told: Told) -> Table:
             Column(key="a", heading=prose("$a$"), unit="-", number=Scientific()),
             Column(key="b", heading=prose("$b$"), unit="ms²", number=Significant()),
             Column(
-                key="amplitude", heading=prose("$|A - 1| <= sqrt(a)$"), unit="%", number=Fixed(factor=PERCENT)
+                key="amplitude",
+                heading=prose("$|A - 1| <= sqrt(a)$"),
+                unit="%",
+                number=Fixed(factor=PERCENT),
+                group=_ALONE,
             ),
-            Column(key="delay", heading=prose("$d <= sqrt(b)$"), unit="ms", number=Fixed()),
+            Column(
+                key="delay", heading=prose("late: $d <= sqrt(b)$"), unit="ms", number=Fixed(), group=_ALONE
+            ),
+            *early,
         ),
         caption=prose(
             "Limits of the ellipse at {f:g} Hz and $xi = {xi:g}$; the first line is the criterion of this "
@@ -116,31 +135,33 @@ def _criteria_table(told: Told) -> Table:
     )
 
 
-def _named_limits(told: Told) -> dict[str, tuple[float, float]]:
-    chosen = told.criterion
+def _named_limits(reported: ReportedCriteria) -> dict[str, tuple[float, float]]:
+    chosen = reported.criterion
     alike = [
-        each for each in told.criteria if (each.threshold, each.metric) == (chosen.threshold, chosen.metric)
+        each
+        for each in reported.criteria
+        if (each.threshold, each.metric) == (chosen.threshold, chosen.metric)
     ]
     named = {}
     for each in alike:
-        a, b = (float(limit) for limit in each.limits(*told.structure))
+        a, b = (float(limit) for limit in each.limits(*reported.structure))
         if a > 0.0 and b > 0.0:
             named[f"{percent(each.confidence)} of motions"] = (a, b)
     return named
 
 
-def _over_structures(told: Told) -> Iterator[Block]:
-    a, b = told.over_grid(told.criterion)
+def _over_structures(reported: ReportedCriteria) -> Iterator[Block]:
+    a, b = reported.over_grid(reported.criterion)
     several_f, several_xi = a.shape[0] > 1, a.shape[1] > 1
     if several_f and several_xi:
-        yield from _over_both(told, PERCENT * np.sqrt(a), np.sqrt(b))
+        yield from _over_both(reported, PERCENT * np.sqrt(a), np.sqrt(b))
     elif several_f or several_xi:
-        yield _over_one(told, along_f=several_f)
+        yield _over_one(reported, along_f=several_f)
 
 
-def _over_both(told: Told, amplitude: np.ndarray, delay: np.ndarray) -> Iterator[Block]:
+def _over_both(reported: ReportedCriteria, amplitude: np.ndarray, delay: np.ndarray) -> Iterator[Block]:
     yield Figure(
-        drawing=_surfaces(told),
+        drawing=_surfaces(reported),
         caption=prose(
             "Limits over natural frequency and damping ratio: the room for amplitude error hardly depends on"
             " the frequency and grows with damping; the room for delay shrinks as the frequency grows."
@@ -148,30 +169,34 @@ def _over_both(told: Told, amplitude: np.ndarray, delay: np.ndarray) -> Iterator
         label="fig:surfaces",
     )
     yield _pivot(
-        told, delay, Fixed(), "Greatest delay $sqrt(b)$ [ms] of a test without amplitude error", "tab:delay"
+        reported,
+        delay,
+        Fixed(),
+        "Greatest delay $sqrt(b)$ [ms] of a test without amplitude error",
+        "tab:delay",
     )
     text = "Greatest amplitude error $sqrt(a)$ [%] of a test without delay"
-    yield _pivot(told, amplitude, Fixed(), text, "tab:amplitude")
+    yield _pivot(reported, amplitude, Fixed(), text, "tab:amplitude")
 
 
-def _surfaces(told: Told) -> Drawing:
+def _surfaces(reported: ReportedCriteria) -> Drawing:
     """Draw the limits between the simulated structures too, as the law has them."""
     f, xi = (
         np.geomspace(nodes[0], nodes[-1], _FINE).clip(nodes[0], nodes[-1])
-        for nodes in (told.frequencies, told.damping_ratios)
+        for nodes in (reported.frequencies, reported.damping_ratios)
     )
-    a, b = told.criterion.limits(f[:, None], xi[None, :])
-    simulated = (told.frequencies, told.damping_ratios)
+    a, b = reported.criterion.limits(f[:, None], xi[None, :])
+    simulated = (reported.frequencies, reported.damping_ratios)
     return criterion_surfaces(f, xi, PERCENT * np.sqrt(a), np.sqrt(b), simulated=simulated)
 
 
-def _pivot(told: Told, limit: np.ndarray, number: Fixed, text: str, label: str) -> Table:
-    rows = _chosen(told.damping_ratios.size, _MOST_ROWS)
-    across = _chosen(told.frequencies.size, _MOST_COLUMNS)
+def _pivot(reported: ReportedCriteria, limit: np.ndarray, number: Fixed, text: str, label: str) -> Table:
+    rows = _chosen(reported.damping_ratios.size, _MOST_ROWS)
+    across = _chosen(reported.frequencies.size, _MOST_COLUMNS)
     frame = pd.DataFrame(limit[np.ix_(across, rows)].T, columns=[str(k) for k in across])
-    frame.insert(0, "xi", told.damping_ratios[rows])
+    frame.insert(0, "xi", reported.damping_ratios[rows])
     columns = tuple(
-        Column(key=str(k), heading=f"{told.frequencies[k]:g}", number=number, group=prose("$f$ [Hz]"))
+        Column(key=str(k), heading=f"{reported.frequencies[k]:g}", number=number, group=prose("$f$ [Hz]"))
         for k in across
     )
     return Table(
@@ -187,11 +212,11 @@ def _chosen(count: int, most: int) -> list[int]:
     return sorted({int(k) for k in np.linspace(0, count - 1, min(count, most)).round()})
 
 
-def _over_one(told: Told, *, along_f: bool) -> Figure:
-    nodes = told.frequencies if along_f else told.damping_ratios
+def _over_one(reported: ReportedCriteria, *, along_f: bool) -> Figure:
+    nodes = reported.frequencies if along_f else reported.damping_ratios
     series = []
-    for each in told.criteria:
-        a, b = (limit.ravel() for limit in told.over_grid(each))
+    for each in reported.criteria:
+        a, b = (limit.ravel() for limit in reported.over_grid(each))
         error = f"{percent(each.threshold)} {ERROR_NAMES[Metric(each.metric)]}"
         name = f"{error}, {percent(each.confidence)} of motions"
         series.append(ParameterSeries(name=name, x=nodes, a=a, b=b, law=True))

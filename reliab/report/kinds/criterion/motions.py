@@ -9,7 +9,7 @@ from reliab.report.figures.parameter_correlation import parameter_correlation
 from reliab.report.figures.parameter_distributions import parameter_distributions
 from reliab.report.figures.posterior_and_predictive import posterior_and_predictive
 from reliab.report.figures.quantile_quantile import quantile_quantile
-from reliab.report.kinds.criterion_told import Told
+from reliab.report.kinds.criterion.reported import ReportedCriteria
 from reliab.report.kinds.wording import (
     ERRORS,
     percent,
@@ -23,9 +23,9 @@ _MOST_EVENTS = 40
 _LONG_TABLE = 160
 
 
-def motions_section(told: Told) -> Section:
+def motions_section(reported: ReportedCriteria) -> Section:
     """Show the motions behind the criterion and what they leave open."""
-    sample, chosen, (f, xi) = told.sample, told.criterion, told.structure
+    sample, chosen, (f, xi) = reported.sample, reported.criterion, reported.structure
     figures: list[Block] = [
         Figure(
             drawing=parameter_correlation(sample),
@@ -42,7 +42,7 @@ def motions_section(told: Told) -> Section:
                     "lognormal": (Lognormal.fit(sample.a), Lognormal.fit(sample.b)),
                     "log-skew-normal": (LogSkewNormal.fit(sample.a), LogSkewNormal.fit(sample.b)),
                 },
-                limits=told.limits,
+                limits=reported.limits,
                 confidence=chosen.confidence,
             ),
             caption=(
@@ -59,7 +59,7 @@ def motions_section(told: Told) -> Section:
             label="fig:quantiles",
         ),
         Figure(
-            drawing=posterior_and_predictive(sample, limits=told.limits, confidence=chosen.confidence),
+            drawing=posterior_and_predictive(sample, limits=reported.limits, confidence=chosen.confidence),
             caption=prose(
                 "What the motions leave open. Above: how well the quantile is known, if motions were "
                 "independent and lognormal (bar: 95 %). Below: the chance that a further motion lies below "
@@ -73,7 +73,7 @@ def motions_section(told: Told) -> Section:
     if 1 < sample.n_events < min(sample.n_motions, _MOST_EVENTS):
         figures.append(
             Figure(
-                drawing=event_forest(sample, limits=told.limits),
+                drawing=event_forest(sample, limits=reported.limits),
                 caption=prose(
                     "Motions of one earthquake are alike @searle1992; this many motions are therefore worth "
                     "fewer independent ones, and whole earthquakes are held out when the criterion is put to"
@@ -95,13 +95,13 @@ def motions_section(told: Told) -> Section:
     return Section(title="The motions behind it", blocks=(opening, *figures), label="sec:motions")
 
 
-def appendix_section(told: Told) -> Section:
+def appendix_section(reported: ReportedCriteria) -> Section:
     """List the ellipses of the motions."""
-    sample, (f, xi) = told.sample, told.structure
+    sample, (f, xi) = reported.sample, reported.structure
     frame = pd.DataFrame({"motion": sample.motions, "event": sample.events, "a": sample.a, "b": sample.b})
     for name in ("duration", "pga"):
-        if name in told.ellipses.coords:
-            frame[name] = told.ellipses[name].sel(motion=sample.motions).values
+        if name in reported.ellipses.coords:
+            frame[name] = reported.ellipses[name].sel(motion=sample.motions).values
     shown = frame.sort_values("a").head(_LONG_TABLE) if len(frame) > _LONG_TABLE else frame
     optional = {
         "duration": Column(key="duration", heading="Duration", unit="s", number=Fixed(decimals=1)),

@@ -1,0 +1,60 @@
+"""Install the lowest versions that pyproject.toml allows and run the tests with them.
+
+    python tests/lowest_versions.py [PYTEST ARGUMENT ...]
+
+A virtual environment is made in a temporary folder, or in the folder that the environment variable
+LOWEST_VERSIONS names, where it stays for the next run. A bound that is not true shows itself as an
+installation that fails or a test that does. Deprecations of old versions are no errors here.
+"""
+
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import tomllib
+import venv
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+_BOUND = re.compile(r"^([A-Za-z0-9_.\[\]-]+)\s*>=\s*([0-9][0-9.]*)")
+_TESTED = ("dask", "distributed", "hypothesis", "pytest")
+
+
+def lowest(requirement: str) -> str | None:
+    """Pin a requirement to its lower bound; None where it has none.
+
+    Examples
+    --------
+    >>> lowest("arviz>=0.21,<1"), lowest("pandas-stubs")
+    ('arviz==0.21', None)
+    """
+    bound = _BOUND.match(requirement)
+    return f"{bound[1]}=={bound[2]}" if bound else None
+
+
+def pins() -> list[str]:
+    """Lowest versions of what runs and of what tests it."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    optional = [item for group in project["optional-dependencies"].values() for item in group]
+    wanted = [*project["dependencies"], *(item for item in optional if item.startswith(_TESTED))]
+    return [pin for pin in map(lowest, wanted) if pin]
+
+
+def main(arguments: list[str]) -> int:
+    """Make the environment, install, run the tests; return their exit code."""
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(os.environ.get("LOWEST_VERSIONS", temporary))
+        if not (folder / "pyvenv.cfg").exists():
+            venv.create(folder, with_pip=True)
+        python = folder / ("Scripts" if os.name == "nt" else "bin") / "python"
+        subprocess.run(  # noqa: S603 - our own environment
+            [python, "-m", "pip", "install", "--quiet", "--editable", ROOT, *pins()], check=True
+        )
+        subprocess.run([python, "-m", "pip", "check"], check=True)  # noqa: S603
+        tests = [python, "-m", "pytest", "-W", "default", *arguments]
+        return subprocess.run(tests, cwd=ROOT, check=False).returncode  # noqa: S603
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
