@@ -74,6 +74,8 @@ class Criterion:
             if law is not None:
                 law.validity.require_error(self.threshold, self.metric)
         checked_share(self.confidence, "confidence")
+        if self.metric not in list(Metric):
+            raise InputError("The metric is rms or mte", value=self.metric, remedy="Choose one of these")
         if not 0.0 < self.threshold < np.inf:
             raise InputError(
                 "The error threshold must be positive",

@@ -72,8 +72,8 @@ def from_text(text: str) -> dict[str, Any]:
     content = dict(require_keys(_checked(text), _KEYS, "A criterion's file"))
     for key, kind in PLAIN.items():
         value = content[key]
-        right = isinstance(value, bool) if kind is bool else isinstance(value, kind | int)
-        if not right or (kind is not bool and isinstance(value, bool)):
+        allowed = (float, int) if kind is float else (kind,)
+        if not isinstance(value, allowed) or (kind is float and isinstance(value, bool)):
             raise _broken(f"The key {key} of a criterion's file must be of type {kind.__name__}", repr(value))
         content[key] = kind(value)
     for key in ("law", "lead_law"):

@@ -25,7 +25,7 @@ def answer(*arguments: object) -> dict:
 
 
 def test_the_printed_table_gives_the_printed_criterion():
-    found = answer("--ellipses", TABLE2)
+    found = answer("--ellipses", TABLE2, "--method", "quantile")
     assert found["a"] == pytest.approx(5.29e-5, abs=0.005e-5)
     assert found["b"] == pytest.approx(1.048, abs=0.0005)
     assert found["correlation"] == pytest.approx(0.977, abs=0.0005)
@@ -54,15 +54,55 @@ def test_several_confidences_give_a_list_in_order_and_no_top_level_values():
 
 
 def test_the_table_shows_the_limits_and_the_number_of_earthquakes():
-    shown = run("--ellipses", TABLE2).stdout
-    assert "100 motions of 19 earthquakes" in shown
+    shown = run("--ellipses", TABLE2, "--method", "quantile").stdout
+    assert "100 ground motions of 19 earthquakes" in shown
     assert "5.29e-05" in shown
     assert "1.05" in shown
 
 
-def test_a_structure_can_be_declared_for_a_table():
-    found = answer("--ellipses", TABLE2, "--f", 2, "--xi", 0.05)
-    assert (found["f"], found["xi"]) == (2.0, 0.05)
+def test_the_table_says_what_error_window_and_limits_mean():
+    shown = run("--ellipses", "real_suite", "--f", 1, "--xi", 0.02).stdout
+    for words in (
+        "RMS^R: RMS of measured minus exact displacement over peak exact displacement",
+        "Window: record",
+        "fraction α: 1",
+        "|A − 1| alone ≤",
+        "lag alone ≤ [ms]",
+        "lead alone ≤ [ms]",
+    ):
+        assert words in shown
+
+
+def test_a_printed_law_says_how_many_real_motions_keep_it():
+    for law, least, most in (("guo_2017_18", 0.05, 0.20), ("guo_2017_12", 0.90, 1.0)):
+        found = answer("--law", law)
+        assert least < found["kept_by"]["share"] < most
+        assert f"{found['kept_by']['share']:.0%} have a boundary that contains" in found["warnings"][0]
+
+
+def test_one_default_the_recommended_method_and_joint():
+    found = answer("--ellipses", TABLE2)
+    assert (found["method"], found["joint"]) == ("dirichlet", True)
+    assert found["a"] == answer("--ellipses", TABLE2, "--method", "dirichlet", "--joint")["a"]
+    paper = answer("--ellipses", TABLE2, "--method", "quantile")
+    assert (paper["method"], paper["joint"], paper["curve"]) == ("quantile", False, "ellipse")
+
+
+def test_three_motions_of_one_earthquake_carry_no_criterion(tmp_path):
+    table = tmp_path / "three.csv"
+    table.write_text("motion,event,a,b\nK/1,K,1e-4,1\nK/2,K,2e-4,2\nK/3,K,3e-4,4\n")
+    for method in ("dirichlet", "quantile", "conformal"):
+        found = answer("--ellipses", table, "--method", method)
+        assert (found["a"], found["b"]) == (0.0, 0.0)
+        assert found["carried_confidence"] <= 0.5
+        assert "no test is accepted" in found["warnings"][0]
+
+
+def test_synthetic_motions_are_called_so(tmp_path):
+    table = tmp_path / "synthetic.csv"
+    rows = "".join(f"SYN{k:03d}/H1,{1e-4 * (1.0 + 0.1 * k)},{2.0 + 0.1 * (k % 3)}\n" for k in range(1, 31))
+    table.write_text("motion,a,b\n" + rows)
+    assert "30 synthetic ground motions of 30 earthquakes" in run("--ellipses", table).stdout
 
 
 def test_motions_are_simulated_then_and_there(tmp_path):
@@ -71,7 +111,8 @@ def test_motions_are_simulated_then_and_there(tmp_path):
 
     write_suite(synthetic_suite(count=6), tmp_path / "suite")
     found = answer(
-        "--motions", tmp_path / "suite", "--f", 1, "--f", 2, "--threshold", 0.05, "--threshold", 0.1
+        *("--motions", tmp_path / "suite", "--f", 1, "--f", 2, "--threshold", 0.05, "--threshold", 0.1),
+        *("--confidence", 0.7),
     )
     assert [(each["f"], each["threshold"]) for each in found["criteria"]] == [
         (1.0, 0.05), (1.0, 0.1), (2.0, 0.05), (2.0, 0.1),
@@ -85,11 +126,9 @@ def test_a_published_law_needs_no_motions():
 
 
 def test_the_recommended_method_is_smaller_than_the_plug_in():
-    plug_in, recommended = answer("--ellipses", TABLE2), answer(
-        "--ellipses", TABLE2, "--method", "dirichlet", "--joint"
-    )  # fmt: skip
+    plug_in, recommended = answer("--ellipses", TABLE2, "--method", "quantile"), answer("--ellipses", TABLE2)
     assert recommended["joint"] is True
-    assert 0.5 < recommended["a"] / plug_in["a"] < 1.2
+    assert 0.5 < recommended["a"] / plug_in["a"] < 1.25
 
 
 def test_the_criterion_can_be_kept_for_later(tmp_path):
@@ -100,7 +139,7 @@ def test_the_criterion_can_be_kept_for_later(tmp_path):
 
 
 def test_rejected_lognormality_is_said():
-    warnings = answer("--ellipses", TABLE2)["warnings"]
+    warnings = answer("--ellipses", TABLE2, "--method", "quantile")["warnings"]
     assert any("b is not lognormal" in warning for warning in warnings)
     free = answer("--ellipses", TABLE2, "--method", "dirichlet")["warnings"]
     assert not any("lognormal" in warning for warning in free)
@@ -157,7 +196,7 @@ def test_stored_results_answer_for_any_threshold(tmp_path):
         frequencies=(1.0,), damping_ratios=(0.05,), grid=ScaledGrid(gain_steps=14, delay_steps=20)
     )
     store = run_sweep(synthetic_suite(count=6), request, tmp_path / "results.zarr")
-    found = answer("--results", store, "--threshold", 0.1, "--threshold", 0.05)
+    found = answer("--results", store, "--threshold", 0.1, "--threshold", 0.05, "--confidence", 0.7)
     assert [each["threshold"] for each in found["criteria"]] == [0.1, 0.05]
     assert found["criteria"][0]["a"] > found["criteria"][1]["a"]
 
@@ -261,6 +300,7 @@ def test_distributions_and_laws_are_compared_on_held_out_earthquakes():
 
 def test_laws_are_compared_over_structures(ellipses_of_twelve):
     arguments = ("--ellipses", ellipses_of_twelve, "--f", 1, "--xi", 0.05, "--law", "power", "--compare")
+    arguments = (*arguments, "--confidence", 0.8)
     laws = answer(*arguments)["comparison"]["laws"]
     assert {each["f"] for each in laws} == {0.5, 1.0}
     assert {"table", "dimensionless", "power", "exponential"} <= {each["law"] for each in laws}

@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from reliab.criterion.coverage import Truth, coverage_table, simulate_coverage
-from reliab.criterion.methods import METHODS, Quantile, method_of
+from reliab.criterion.methods import BOUND_METHODS, Quantile, method_of
 
 INDEPENDENT = Truth(n_events=60, motions_per_event=1, event_share=0.0)
 GROUPED = Truth(n_events=19, motions_per_event=5, event_share=0.15)
@@ -80,10 +80,10 @@ def test_skewness_spoils_the_lognormal_quantile_and_not_the_recommended_one():
 
 def test_the_table_has_one_row_for_each_combination():
     table = coverage_table(
-        [(method_of(name), joint) for name in METHODS for joint in (False, True)],
+        [(method_of(name), joint) for name in BOUND_METHODS for joint in (False, True)],
         [Truth(n_events=25, motions_per_event=2)],
         (0.8, 0.9),
         suites=3,
     )
-    assert len(table) == 2 * 2 * len(METHODS)
+    assert len(table) == 2 * 2 * len(BOUND_METHODS)
     assert table["content"].between(0.5, 1.0).all()

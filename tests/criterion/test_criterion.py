@@ -79,12 +79,15 @@ def test_it_comes_back_from_json(derived):
 
 def test_the_json_says_where_it_comes_from(derived):
     content = json.loads(derived.to_json())
-    assert content["schema_version"] == 1
+    assert content["schema_version"] == 2
     provenance = content["provenance"]
     assert (provenance["n_motions"], provenance["n_events"]) == (60, 20)
     assert len(provenance["records_checksum"]) == 64
     assert {"reliab", "numpy"} <= set(provenance["packages"])
-    assert provenance["settings"] == {"concentration": 20.0}
+    assert provenance["settings"] == {
+        "concentration": 20.0,
+        "carried_confidence": pytest.approx(1.0 - (2.0 / 21.0) ** 2),
+    }
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{}", "null", '{"schema_version": 99}', "not json"])

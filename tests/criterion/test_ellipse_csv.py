@@ -44,7 +44,7 @@ def test_structures_and_thresholds_may_stand_in_the_table(tmp_path):
     ]
     table = read_ellipses(written(tmp_path, "motion,f,xi,threshold,a,b\n" + "\n".join(rows)))
     assert dict(table.sizes) == {
-        "motion": 3, "f": 2, "xi": 2, "threshold": 2, "metric": 1, "curve": 1,
+        "motion": 3, "f": 2, "xi": 2, "threshold": 2, "metric": 1, "curve": 1, "side": 1,
     }  # fmt: skip
     sample = sample_of(table, frequency=2.0, damping_ratio=0.05, threshold=0.1, metric="rms")
     np.testing.assert_allclose(sample.a, [2e-4, 4e-4, 6e-4])

@@ -10,14 +10,14 @@ from hypothesis import strategies as st
 
 from reliab.criterion.distributions import DISTRIBUTIONS
 from reliab.criterion.ellipse_sample import EllipseSample
-from reliab.criterion.methods import METHODS, limits, method_of
+from reliab.criterion.methods import BOUND_METHODS, limits, method_of
 from reliab.criterion.motion_predictive import MotionPredictive
 from reliab.errors import InputError
 
 EXAMPLES = 6
 CONFIDENCES = (0.3, 0.6, 0.75, 0.9, 0.95, 0.99, 0.995, 0.999)
 EVERY = {
-    **{name: method_of(name) for name in METHODS},
+    **{name: method_of(name) for name in BOUND_METHODS},
     **{f"quantile, {name}": method_of("quantile", distribution=name) for name in DISTRIBUTIONS},
 }
 

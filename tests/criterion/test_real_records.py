@@ -5,8 +5,9 @@ import pytest
 
 from reliab.boundary.first_order import first_order_ellipse
 from reliab.criterion.law_comparison import compare_laws
-from reliab.criterion.methods.hierarchical.fit import hierarchical_model
+from reliab.criterion.methods.hierarchical import hierarchical_model
 from reliab.criterion.motion_terms import gain_of_terms
+from reliab.criterion.population import Population
 from reliab.loop.excitation import Excitation
 from reliab.loop.structure import Structure
 from reliab.motions import load_motions
@@ -94,7 +95,8 @@ def test_the_closed_form_explains_most_of_the_scatter_between_motions(suite, rea
 
 def test_the_hierarchical_fit_converges(real_ellipses):
     posterior = sample(
-        hierarchical_model(real_ellipses, threshold=0.05, metric="rms"), Ensembles(steps=800, thin=2)
+        hierarchical_model(Population.of(real_ellipses, threshold=0.05, metric="rms")),
+        Ensembles(steps=800, thin=2),
     )
     table = posterior.table()
     assert posterior.converged

@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import kstest
 
 from reliab.criterion.methods.hierarchical.model import Hierarchical
-from reliab.sampling import BivariateLognormal, NormalValues
+from reliab.sampling import NormalValues
 from reliab.sampling.calibration import DRAWS, calibration_ranks, uniformity
 from reliab.sampling.model import prior_predictive
 
@@ -24,7 +24,6 @@ def hierarchical(**options):
 
 MODELS = {
     "normal_values": (NormalValues(values=np.zeros(12)), 200),
-    "bivariate_lognormal": (BivariateLognormal(pairs=np.zeros((12, 2))), 300),
     "hierarchical": (hierarchical(), 1000),
     "hierarchical_curved": (hierarchical(curved=True), 1000),
     "hierarchical_robust": (hierarchical(robust=True), 1000),
@@ -38,7 +37,7 @@ def deviation(ranks):
     return min(1.0, p_values.min() * p_values.size)
 
 
-@pytest.mark.parametrize("name", ["normal_values", "bivariate_lognormal", "hierarchical"])
+@pytest.mark.parametrize("name", ["normal_values", "hierarchical"])
 def test_ranks_are_uniform_over_a_few_fits(name):
     model, steps = MODELS[name]
     fits = 10 if name == "hierarchical" else 40

@@ -4,6 +4,7 @@ from dataclasses import fields
 from typing import Any, Final, cast
 
 from reliab.criterion.methods.bootstrap import Bootstrap
+from reliab.criterion.methods.bound import BoundMethod
 from reliab.criterion.methods.conformal import Conformal
 from reliab.criterion.methods.dirichlet import Dirichlet
 from reliab.criterion.methods.hierarchical import HierarchicalNormal, HierarchicalRobust
@@ -24,6 +25,11 @@ METHODS: Final[dict[str, type[Method]]] = {
     )
 }
 """Every method by its name."""
+
+BOUND_METHODS: Final[dict[str, type[BoundMethod]]] = {
+    name: method for name, method in METHODS.items() if issubclass(method, BoundMethod)
+}
+"""Methods that take each structure for itself, by name."""
 
 RECOMMENDED: Final = Dirichlet.name
 """The method to rely on, used jointly for a and b: the default everywhere."""

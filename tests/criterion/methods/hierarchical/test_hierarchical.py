@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from reliab.criterion import Criterion, derive_criterion
+from reliab.criterion.derivation import Derivation
 from reliab.criterion.laws import Dimensionless, Exponential, Power
-from reliab.criterion.methods import HierarchicalPosterior, Predictive, any_method_of
-from reliab.criterion.methods.hierarchical.fit import fit_hierarchical, hierarchical_model
+from reliab.criterion.methods import Predictive, method_of
+from reliab.criterion.methods.hierarchical import HierarchicalNormal, hierarchical_model
+from reliab.criterion.population import Population
 from reliab.errors import InputError
 from reliab.sampling import ConvergenceWarning
 from reliab.sampling.laplace import Laplace
@@ -17,9 +19,17 @@ ERROR = {"threshold": 0.05, "metric": "rms"}
 GRID = np.array([0.5, 1.0, 2.0])[:, None], np.array([0.02, 0.05])
 
 
+def derivation(ellipses, method, **options):
+    return Derivation.of(ellipses, method=method, **{**ERROR, **options})
+
+
+def posterior_of(fit):
+    return fit.lag.learned.posterior
+
+
 @pytest.fixture(scope="module")
 def fit(ellipses):
-    return fit_hierarchical(ellipses, HierarchicalPosterior(steps=300), **ERROR, law=Power)
+    return derivation(ellipses, HierarchicalNormal(steps=300), law=Power)
 
 
 def sizes(criterion):
@@ -36,10 +46,14 @@ def test_joint_limits_are_smaller(fit):
     assert (sizes(fit.criterion(0.95)) < sizes(fit.criterion(0.95, joint=False))).all()
 
 
+def with_assurance(fit, assurance):
+    lag = replace(fit.lag, learned=replace(fit.lag.learned, assurance=assurance))
+    return replace(fit, lag=lag)
+
+
 def test_an_assurance_makes_limits_smaller_and_more_of_it_smaller_still(fit):
     def assured(assurance):
-        method = None if assurance is None else HierarchicalPosterior(assurance=assurance)
-        return sizes((fit if method is None else replace(fit, method=method)).criterion(0.95))
+        return sizes(with_assurance(fit, assurance).criterion(0.95))
 
     predictive, weak, strong = assured(None), assured(0.5), assured(0.95)
     assert (strong < weak - 0.05).all()
@@ -48,18 +62,18 @@ def test_an_assurance_makes_limits_smaller_and_more_of_it_smaller_still(fit):
 
 def test_the_assured_bound_is_the_quantile_over_draws_of_the_populations_own_quantile(fit):
     """At one structure and for a alone each draw's quantile is known in closed form."""
-    theta = fit.posterior.spread_out(4000)
-    covariance = fit.model.covariances(theta)
-    eta = fit.model.grid.eta[0]
-    at = dict(zip(fit.model.grid.effects, np.moveaxis(covariance[..., 0], 1, 0), strict=True))
+    theta = posterior_of(fit).spread_out(4000)
+    model = fit.lag.learned.model
+    covariance = model.covariances(theta)
+    eta = model.grid.eta[0]
+    at = dict(zip(model.grid.effects, np.moveaxis(covariance[..., 0], 1, 0), strict=True))
     variance = sum(
         each * (eta**2 if "slope" in name else 1.0) for name, each in at.items()
     )  # of ln α over motions
-    centre = np.einsum("wt,t->w", fit.model.coefficients(theta)[..., 0], fit.model.terms[0, 0])
+    centre = np.einsum("wt,t->w", model.coefficients(theta)[..., 0], model.terms[0, 0])
     quantiles = centre - 1.6449 * np.sqrt(variance)
-    method = HierarchicalPosterior(assurance=0.9)
-    a, _ = replace(fit, method=method).criterion(0.95, joint=False).limits(0.5, 0.02)
-    assert np.log(a / 0.02**2) == pytest.approx(np.quantile(quantiles, 0.1), abs=0.03)
+    limits = with_assurance(fit, 0.9).lag.learned.limits(0.95, joint=False)
+    assert np.log(limits[0, 0, 0] / 0.02**2) == pytest.approx(np.quantile(quantiles, 0.1), abs=0.03)
 
 
 def test_a_short_run_is_confessed_in_words_settings_and_by_a_warning(ellipses):
@@ -72,49 +86,46 @@ def test_a_short_run_is_confessed_in_words_settings_and_by_a_warning(ellipses):
 
 
 def test_chains_in_a_file_serve_a_further_confidence_and_one_file_serves_all_errors(ellipses, tmp_path):
-    method = HierarchicalPosterior(steps=40)
+    method = HierarchicalNormal(steps=40)
     file = tmp_path / "chains.h5"
     ellipses = ellipses.sel(f=[1.0], xi=[0.02])
-    first = fit_hierarchical(ellipses, method, **ERROR, chains=file)
-    other = ellipses.assign_coords(threshold=[0.1])
-    fit_hierarchical(other, method, threshold=0.1, metric="rms", chains=file)
+    first = derivation(ellipses, method, chains=file)
+    derivation(ellipses.assign_coords(threshold=[0.1]), method, threshold=0.1, chains=file)
     asked = []
-    again = fit_hierarchical(
-        ellipses, method, **ERROR, chains=file, progress=lambda *done: asked.append(done)
-    )
-    np.testing.assert_array_equal(again.posterior.draws, first.posterior.draws)
+    again = derivation(ellipses, method, chains=file, progress=lambda *done: asked.append(done))
+    np.testing.assert_array_equal(posterior_of(again).draws, posterior_of(first).draws)
     assert not asked
 
 
 def test_the_law_inside_is_the_one_that_is_asked_for(ellipses, fit):
     assert fit.criterion(0.95).law.name == "power"
-    assert not fit.model.curved
-    quick = HierarchicalPosterior(steps=20)
-    assert fit_hierarchical(ellipses, quick, **ERROR, law=Dimensionless).model.curved
+    assert not fit.lag.learned.model.curved
+    quick = HierarchicalNormal(steps=20)
+    assert derivation(ellipses, quick, law=Dimensionless).lag.learned.model.curved
     with pytest.raises(InputError, match="law inside"):
-        fit_hierarchical(ellipses, quick, **ERROR, law=Exponential)
+        derivation(ellipses, quick, law=Exponential)
 
 
 def test_diagnostics_name_every_parameter(fit):
-    found = fit.diagnostics
-    assert [each["parameter"] for each in found["parameters"]] == list(fit.posterior.names)
+    (found,) = fit.diagnostics
+    assert [each["parameter"] for each in found["parameters"]] == list(posterior_of(fit).names)
     assert {"r_hat", "bulk_size", "tail_size", "autocorrelation_time"} <= set(found["parameters"][0])
     assert (found["ensembles"], found["steps"], found["converged"]) == (4, 300, False)
 
 
 def test_missing_ellipses_are_drawn_and_leave_the_spread_as_it_is(ellipses):
     """The greatest tenth at the most damped structures is lost, as it is for real motions."""
-    whole = hierarchical_model(ellipses, **ERROR)
+    whole = hierarchical_model(Population.of(ellipses, **ERROR))
     lacking = ellipses.copy(deep=True)
     for k in range(3):
         a = lacking["a"].values[:, k, 1]
         a[a >= np.quantile(a, 0.9)] = np.nan
     assert 6 <= np.isnan(lacking["a"].values).any(axis=(1, 2)).sum() <= 18
-    model = hierarchical_model(lacking, **ERROR)
+    model = hierarchical_model(Population.of(lacking, **ERROR))
     assert model.values.shape == whole.values.shape
 
     complete = lacking.isel(motion=~np.isnan(lacking["a"].values).any(axis=(1, 2)).ravel())
-    narrow = hierarchical_model(complete, **ERROR)
+    narrow = hierarchical_model(Population.of(complete, **ERROR))
 
     def quantile(model):
         theta = Laplace.of(model).mode[None]
@@ -127,11 +138,11 @@ def test_missing_ellipses_are_drawn_and_leave_the_spread_as_it_is(ellipses):
 
 def test_settings_that_a_method_lacks_are_refused():
     with pytest.raises(InputError, match="quantile has no assurance"):
-        any_method_of("quantile", assurance=0.9)
+        method_of("quantile", assurance=0.9)
     with pytest.raises(InputError, match="tolerance has no steps"):
-        any_method_of("tolerance", steps=100)
+        method_of("tolerance", steps=100)
     with pytest.raises(InputError, match="hierarchical_robust"):
-        any_method_of("magic")
+        method_of("magic")
 
 
 def test_chains_without_a_posterior_are_refused(ellipses):

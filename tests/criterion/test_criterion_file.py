@@ -1,0 +1,100 @@
+"""A criterion's file is read only if it is whole."""
+
+import json
+
+import pytest
+
+from reliab.criterion import Criterion, derive_criterion
+from reliab.errors import InputError
+
+
+@pytest.fixture(scope="module")
+def text(two_sided):
+    return derive_criterion(two_sided).to_json()
+
+
+def broken(text, change):
+    content = json.loads(text)
+    change(content)
+    return json.dumps(content)
+
+
+KEYS = ("threshold", "metric", "confidence", "method", "joint", "law", "lead_law", "population", "provenance")
+
+
+@pytest.mark.parametrize("key", [*KEYS, "lead_population", "schema_version"])
+def test_a_missing_key_is_named(text, key):
+    with pytest.raises(InputError, match="schema" if key == "schema_version" else f"{key} missing"):
+        Criterion.from_json(broken(text, lambda content: content.pop(key)))
+
+
+@pytest.mark.parametrize("key", ["window", "warnings", "n_events", "curve"])
+def test_a_missing_key_of_the_provenance_is_named(text, key):
+    with pytest.raises(InputError, match=f"{key} missing"):
+        Criterion.from_json(broken(text, lambda content: content["provenance"].pop(key)))
+
+
+def set_in(*path, value):
+    def change(content):
+        *parents, last = path
+        for key in parents:
+            content = content[key]
+        content[last] = value
+
+    return change
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        set_in("law", "b", value=[[1, 2]]),
+        set_in("law", "b", 0, 0, value=-1.0),
+        set_in("law", "a", 0, 0, value="much"),
+        set_in("law", "a", value=3.0),
+        set_in("law", "frequencies", 0, value=9.0),
+        set_in("law", "name", value="magic"),
+        set_in("law", "name", value=["table"]),
+        set_in("law", value=7),
+        set_in("law", "more", value=1.0),
+        set_in("lead_law", "b", 0, 0, value=None),
+        set_in("population", "log_alpha", 0, value=[[1.0]]),
+        set_in("population", "log_alpha", value=[1.0]),
+        set_in("population", "events", value=["K"]),
+        set_in("threshold", value="5 %"),
+        set_in("threshold", value=0.0),
+        set_in("threshold", value=True),
+        set_in("confidence", value=95),
+        set_in("joint", value="yes"),
+        set_in("method", value=3),
+        set_in("metric", value="mean"),
+        set_in("provenance", "warnings", value="none"),
+        set_in("provenance", "n_events", value="many"),
+        set_in("provenance", value=None),
+        set_in("surprise", value=1),
+    ],
+)
+def test_what_is_no_criterion_is_refused(text, change):
+    with pytest.raises(InputError):
+        Criterion.from_json(broken(text, change))
+
+
+@pytest.mark.parametrize("number", ["NaN", "Infinity", "-Infinity", "1e999"])
+@pytest.mark.parametrize("key", ["threshold", "largest"])
+def test_no_number_that_is_not_finite_is_read(text, number, key):
+    wrong = broken(
+        text, set_in(key, value="here") if key == "threshold" else set_in("law", "a", 0, 0, value="here")
+    )
+    with pytest.raises(InputError, match="finite"):
+        Criterion.from_json(wrong.replace('"here"', number))
+
+
+def test_no_number_that_is_not_finite_is_written(two_sided):
+    derived = derive_criterion(two_sided)
+    derived.provenance.settings["strange"] = float("nan")
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        derived.to_json()
+
+
+def test_a_file_of_the_first_schema_says_what_it_lacks(text):
+    with pytest.raises(InputError, match="which had none and rested on fitted ellipses"):
+        Criterion.from_json(broken(text, set_in("schema_version", value=1)))
