@@ -1,6 +1,5 @@
 """`reliab validate`: whether criteria hold on motions that they have not seen."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -9,12 +8,14 @@ from reliab.cli.criterion import Ellipses
 from reliab.cli.options import (
     FIVE_PERCENT,
     DampingRatios,
+    FractionIfGiven,
     Frequencies,
     JsonTarget,
     MetricName,
     Motions,
     Results,
     Sets,
+    WindowIfGiven,
 )
 from reliab.cli.output import progress_bar, write_json
 from reliab.cli.sources import ellipse_dataset
@@ -29,18 +30,6 @@ if TYPE_CHECKING:
 _TRIALS = 512
 Threshold = Annotated[
     float | None, typer.Option("--threshold", metavar="ERROR", help="Error, 0.05 for 5 %, the default.")
-]
-Window = Annotated[
-    str | None,
-    typer.Option(
-        "--window",
-        metavar="record|SECONDS|arias",
-        help="Part of the record over which the error is computed; the whole record by default.",
-    ),
-]
-Fraction = Annotated[
-    float | None,
-    typer.Option("--alpha", metavar="SHARE", help="Share of the stiffness in the laboratory; 1 by default."),
 ]
 Scheme = Annotated[
     str | None,
@@ -74,7 +63,10 @@ Methods = Annotated[
 ]
 Joint = Annotated[
     bool | None,
-    typer.Option("--joint/--each", help="Whether a and b hold together (default) or each for itself."),
+    typer.Option(
+        "--joint/--each",
+        help="Whether a and b hold together or each for itself; by default as the method means it.",
+    ),
 ]
 Laws = Annotated[
     list[str] | None,
@@ -110,8 +102,8 @@ def validate(
     xi: DampingRatios = None,
     threshold: Threshold = None,
     metric: MetricName = "rms",
-    window: Window = None,
-    alpha: Fraction = None,
+    window: WindowIfGiven = None,
+    alpha: FractionIfGiven = None,
     scheme: Scheme = None,
     leave_out: LeaveOut = None,
     learn: Learn = None,
@@ -146,7 +138,7 @@ def validate(
         threshold=FIVE_PERCENT if threshold is None else threshold,
         metric=metric,
     )
-    _refuse_unused(asked, motions, sets, ellipses, window, alpha, calibration=calibration)
+    _refuse_unused(asked, calibration=calibration)
     candidates = [] if calibration else candidates_of(asked)
     dataset = ellipse_dataset(
         motions=motions,
@@ -157,9 +149,10 @@ def validate(
         xi=xi,
         threshold=[asked.threshold],
         metric=metric,
-        window=window or "record",
-        alpha=1.0 if alpha is None else alpha,
+        window=window,
+        alpha=alpha,
     )
+    _require_structures(dataset, f, xi)
     truth = truth_of(dataset, motions, sets, results, ellipses)
     if calibration:
         _calibrate(dataset, asked, truth, trials or _TRIALS, json_target)
@@ -201,27 +194,25 @@ def _refuse_beside(option: str, values: dict[str, object], used: tuple[str, ...]
             )
 
 
-def _refuse_unused(
-    asked: "Asked",
-    motions: list[str] | None,
-    sets: list[str] | None,
-    ellipses: Path | None,
-    window: str | None,
-    alpha: float | None,
-    *,
-    calibration: bool,
-) -> None:
+def _require_structures(dataset: "xr.Dataset", f: list[float] | None, xi: list[float] | None) -> None:
+    """Refuse to judge other structures than those that are asked for."""
+    import math
+
+    for name, wanted in (("f", f), ("xi", xi)):
+        held = dataset[name].values.tolist()
+        for value in wanted or []:
+            if not any(math.isclose(value, each, rel_tol=1e-9) for each in held):
+                raise InputError(
+                    "Stored boundaries are judged at the structures that they hold",
+                    value=f"--{name} {value:g}",
+                    remedy=f"Choose among {', '.join(f'{each:g}' for each in held)}, or give --motions",
+                )
+
+
+def _refuse_unused(asked: "Asked", *, calibration: bool) -> None:
     """Refuse options that would have no effect on the answer."""
-    idle = [
-        ("--sets", sets is not None and not motions, "only a catalogue of --motions has sets"),
-        ("--window", window is not None and ellipses is not None, "the ellipses know their window"),
-        ("--alpha", alpha is not None and not motions, "results and ellipses know their experimental share"),
-        (
-            "--scheme",
-            asked.scheme is not None and (asked.learn or asked.judge),
-            "--learn and --judge divide the motions",
-        ),
-    ]
+    divided = asked.learn is not None or asked.judge is not None
+    idle = [("--scheme", asked.scheme is not None and divided, "--learn and --judge divide the motions")]
     if calibration:
         by_criteria = ("leave_out", "learn", "judge", "method", "joint", "law", "confidence")
         idle += [

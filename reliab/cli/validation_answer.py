@@ -7,6 +7,7 @@ from reliab.cli.output import console, table
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+    from rich.table import Table
 
     from reliab.validation.cross_validation import CrossValidation
 
@@ -59,18 +60,21 @@ def answer(validation: "CrossValidation", ellipses: "xr.Dataset", recognised: in
         "n_of_learned_earthquakes": recognised,
         "truth": validation.truth,
         "unresolved": int(counts["unresolved"].sum()),
+        "not_carried": _not_carried(validation),
         "rows": _rows(validation, ("f", "xi")),
         "by_frequency": _rows(validation, ("xi",)),
         "by_damping_ratio": _rows(validation, ("f",)),
+        "rows_lead": _rows(validation, ("f", "xi"), "lead"),
     }
 
 
-def _rows(validation: "CrossValidation", over: tuple[str, ...]) -> list[dict[str, Any]]:
+def _rows(validation: "CrossValidation", over: tuple[str, ...], side: str = "lag") -> list[dict[str, Any]]:
     """Rates with intervals and the confusion matrix, one row for each candidate and confidence."""
     from reliab.validation.cross_validation.tabulation import RATES, tabulate
+    from reliab.vocabulary import Side
 
     rows = []
-    for line in tabulate(validation, over).to_dict(orient="records"):
+    for line in tabulate(validation, over, side=Side(side)).to_dict(orient="records"):
         row: dict[str, Any] = {
             str(name): line[name] for name in ("candidate", "confidence", "f", "xi") if name in line
         }
@@ -80,6 +84,21 @@ def _rows(validation: "CrossValidation", over: tuple[str, ...]) -> list[dict[str
         row["confusion"] = {name: int(line[name]) for name in _CONFUSION}
         rows.append(row)
     return rows
+
+
+def _not_carried(validation: "CrossValidation") -> list[dict[str, Any]]:
+    """Criteria that a confidence was asked of which the motions of no fold carry."""
+    from reliab.criterion.laws import OF_MANY_MOTIONS
+
+    counts = validation.counts
+    touched = (counts["judged"] + counts["unresolved"]).sum(["side", "f", "xi", "motion"])
+    return [
+        {"candidate": candidate, "confidence": confidence}
+        for candidate in counts["candidate"].values.tolist()
+        for confidence in counts["confidence"].values.tolist()
+        if candidate not in OF_MANY_MOTIONS
+        and not int(touched.sel(candidate=candidate, confidence=confidence))
+    ]
 
 
 def _number(value: float) -> float | None:
@@ -95,20 +114,14 @@ def show(content: dict[str, Any]) -> None:
         As :func:`answer` gives it.
     """
     terminal = console()
-    shown = table(
+    title = (
         f"{content['scheme'].replace('_', ' ')}: {content['n_motions']} motions of "
         f"{content['n_events']} earthquakes, {content['metric'].upper()} {content['threshold']:g} "
-        f"over {_window(content['window'])}",
-        _HEADINGS,
+        f"over {_window(content['window'])}"
     )
-    for row in content["rows"]:
-        shown.add_row(
-            row["candidate"],
-            f"{row['confidence']:.0%}",
-            *(_interval(row["containment"]), _share(row["containment_by_ellipse"]["rate"])),
-            *(_interval(row[name]) for name in ("false_safe", "accepted_share")),
-        )
-    terminal.print(shown)
+    terminal.print(_table(title, content["rows"]))
+    if content["rows_lead"]:
+        terminal.print(_table("The same for actuators that are early (leads)", content["rows_lead"]))
     for row in content["rows"]:
         if row["candidate"].startswith("guo_"):
             terminal.print(
@@ -122,6 +135,12 @@ def show(content: dict[str, Any]) -> None:
             "each was judged by what was learned from the other earthquakes.",
             highlight=False,
         )
+    for missing in content["not_carried"]:
+        terminal.print(
+            f"{missing['candidate']} at {missing['confidence']:.0%} is not judged: too few motions or "
+            "earthquakes carry it.",
+            highlight=False,
+        )
     if content["unresolved"]:
         terminal.print(
             "Not judged, because a criterion reaches beyond the stored results: "
@@ -130,6 +149,18 @@ def show(content: dict[str, Any]) -> None:
         )
     if content["truth"] == "ellipse":
         terminal.print(_ELLIPSE_NOTE)
+
+
+def _table(title: str, rows: list[dict[str, Any]]) -> "Table":
+    shown = table(title, _HEADINGS)
+    for row in rows:
+        shown.add_row(
+            row["candidate"],
+            f"{row['confidence']:.0%}",
+            *(_interval(row["containment"]), _share(row["containment_by_ellipse"]["rate"])),
+            *(_interval(row[name]) for name in ("false_safe", "accepted_share")),
+        )
+    return shown
 
 
 def calibration_answer(bins: "pd.DataFrame", *, scheme: str, truth: str) -> dict[str, Any]:

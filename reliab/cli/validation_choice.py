@@ -224,8 +224,7 @@ def candidates_of(asked: Asked) -> "list[Candidate]":
         fitted = known(FITTED, name)
         for method in asked.method or [RECOMMENDED]:
             label = method if name == "table" else f"{method}, {name}"
-            joint = True if asked.joint is None else asked.joint
-            candidates.append(Derived(name=label, method=method_of(method), joint=joint, law=fitted))
+            candidates.append(Derived(name=label, method=method_of(method), joint=asked.joint, law=fitted))
     idle = "--method" if asked.method else "--joint/--each" if asked.joint is not None else ""
     if idle and not any(isinstance(candidate, Derived) for candidate in candidates):
         raise InputError(

@@ -97,7 +97,7 @@ class CriterionTable(Table):
 
     confidences: Shares = (0.95,)
     method: Annotated[str, AfterValidator(_method)] = RECOMMENDED
-    joint: bool = True
+    joint: bool | None = None
     law: Annotated[str, AfterValidator(_law)] = "table"
 
 

@@ -92,7 +92,14 @@ def _judged(criterion: Criterion, folder: Path) -> CrossValidation | None:
         return cross_validate(
             of_structures.assign_coords(threshold=[criterion.threshold]),
             [Fold(name="all", learned=np.zeros(kept.size, dtype=np.bool_), judged=kept)],
-            [Printed(name="criterion", law=criterion.law, confidence=criterion.confidence)],
+            [
+                Printed(
+                    name="criterion",
+                    law=criterion.law,
+                    lead_law=criterion.lead_law,
+                    confidence=criterion.confidence,
+                )
+            ],
             scheme="real motions",
             confidences=(criterion.confidence,),
             threshold=criterion.threshold,
@@ -106,7 +113,7 @@ def _judged(criterion: Criterion, folder: Path) -> CrossValidation | None:
 
 def _content(validation: CrossValidation) -> dict[str, float] | None:
     """Rate with its interval, and how many motions it is of."""
-    counts = validation.counts.sum(["f", "xi"]).squeeze(["candidate", "confidence"])
+    counts = validation.counts.sel(side="lag").sum(["f", "xi"]).squeeze(["candidate", "confidence"])
     judged = counts["judged"].values > 0
     if not judged.any():
         return None

@@ -5,10 +5,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+import numpy as np
 import xarray as xr
 
 from reliab.api import ellipses, simulate
-from reliab.criterion import Criterion, derive_criterion
+from reliab.criterion import Criterion
+from reliab.criterion.derivation import Derivation
 from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, known
 from reliab.criterion.methods import Quantile, method_of
 from reliab.errors import InputError
@@ -86,7 +88,7 @@ def tracing(study: SimulatedStudy, material: Material, show: Show) -> Stage:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Derivation:
+class DerivedCriteria:
     """Criteria of a run, and why others could not be derived.
 
     Attributes
@@ -106,31 +108,15 @@ def derivation(errors: ErrorsTable, criterion: CriterionTable) -> Stage:
 
     def work(folder: Path) -> None:
         traced = open_ellipses(folder / ELLIPSES)
-        criteria, refusals = [], []
-        for metric, threshold, confidence in (
-            (metric, threshold, confidence)
+        derived = [
+            _derive(traced, threshold, metric, criterion)
             for metric in errors.metrics
             for threshold in errors.thresholds
-            for confidence in criterion.confidences
-        ):
-            try:
-                derived = derive_criterion(
-                    traced,
-                    threshold=threshold,
-                    metric=metric,
-                    confidence=confidence,
-                    method=criterion.method,
-                    joint=criterion.joint,
-                    law=criterion.law,
-                )
-            except InputError as refusal:
-                refusals.append(
-                    f"No criterion for {100 * threshold:g} % {metric.upper()} at {100 * confidence:g} %: "
-                    f"{refusal}"
-                )
-            else:
-                criteria.append(json.loads(derived.to_json()))
-        content = {"criteria": criteria, "refusals": refusals}
+        ]
+        content = {
+            "criteria": [json.loads(each.to_json()) for part in derived for each in part.criteria],
+            "refusals": [sentence for part in derived for sentence in part.refusals],
+        }
         text = json.dumps(content, ensure_ascii=False, allow_nan=False)
         (folder / CRITERIA).write_text(text, encoding="utf-8")
 
@@ -138,10 +124,39 @@ def derivation(errors: ErrorsTable, criterion: CriterionTable) -> Stage:
     return Stage(name="derive", inputs=inputs, reads=(ELLIPSES,), writes=(CRITERIA,), work=work)
 
 
-def derivation_of(folder: Path) -> Derivation:
+def _derive(traced: xr.Dataset, threshold: float, metric: str, asked: CriterionTable) -> DerivedCriteria:
+    """Learn once from the ellipses of one error, and derive a criterion at each confidence."""
+    error = f"No criterion for {100 * threshold:g} % {metric.upper()}"
+    try:
+        learned = Derivation.of(
+            traced,
+            method=method_of(asked.method),
+            law=known(FITTED, asked.law),
+            threshold=threshold,
+            metric=metric,
+        )
+    except InputError as refusal:
+        return DerivedCriteria(criteria=(), refusals=(f"{error}: {refusal}",))
+    learned.warn_unless_converged()
+    criteria, refusals = [], []
+    for confidence in asked.confidences:
+        try:
+            criterion = learned.criterion(confidence, joint=asked.joint)
+        except InputError as refusal:
+            refusals.append(f"{error} at {100 * confidence:g} %: {refusal}")
+            continue
+        if np.max(criterion.limits(traced["f"].values[:, np.newaxis], traced["xi"].values)) > 0.0:
+            criteria.append(criterion)
+        else:
+            reasons = " ".join(criterion.provenance.warnings)
+            refusals.append(f"{error} at {100 * confidence:g} %: {reasons}")
+    return DerivedCriteria(criteria=tuple(criteria), refusals=tuple(refusals))
+
+
+def derivation_of(folder: Path) -> DerivedCriteria:
     """Read the criteria of a run."""
     content = json.loads((folder / CRITERIA).read_text(encoding="utf-8"))
-    return Derivation(
+    return DerivedCriteria(
         criteria=tuple(Criterion.from_json(json.dumps(criterion)) for criterion in content["criteria"]),
         refusals=tuple(content["refusals"]),
     )

@@ -62,9 +62,9 @@ def yielding_tests(
     Returns
     -------
     pandas.DataFrame
-        One row for each test: `motion`, `event`, `f` [Hz], `xi` [-], `R` [-], `A` [-], `d` [s], `error` [-] of
-        the yielding test (RMS^R over the record, relative to the yielding structure's own exact response), and
-        `ratio` of the error to the threshold.
+        One row for each test: `motion`, `event`, `f` [Hz], `xi` [-], `R` [-], `A` [-], `d` [s], `error` [-]
+        of the yielding test (RMS^R over the record, relative to the yielding structure's own exact
+        response), and `ratio` of the error to the threshold.
     """
     rows = []
     structures = list(structures)
@@ -108,21 +108,22 @@ def summarise(tests: pd.DataFrame) -> pd.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        One row for each R and structure, and one for each R over all (`f` and `xi` NaN): `tests`, `motions`,
-        `events`, `exceeding` [-] with `low` and `high` ends of its 95 % interval over earthquakes, and median,
-        95 % quantile and largest `ratio` of the error to the threshold.
+        One row for each R and structure, and one for each R over all (`f` and `xi` NaN): `tests`,
+        `motions`, `events`, `exceeding` [-] with `low` and `high` ends of its 95 % interval over earthquakes,
+        and median, 95 % quantile and largest `ratio` of the error to the threshold.
     """
-    groups = [((reduction, np.nan, np.nan), part) for reduction, part in tests.groupby("R")]
-    groups += [(key, part) for key, part in tests.groupby(["R", "f", "xi"])]
-    return pd.DataFrame([_summary(key, part) for key, part in groups])
+    over_all = tests.assign(f=np.nan, xi=np.nan).groupby(["R", "f", "xi"], dropna=False)
+    parts = [*over_all, *tests.groupby(["R", "f", "xi"])]
+    return pd.DataFrame([_summary(part) for _, part in parts])
 
 
-def _summary(key: tuple[float, float, float], part: pd.DataFrame) -> dict[str, float]:
-    above = (part["ratio"] > 1.0).to_numpy(dtype=np.float64)
-    low, high = event_bootstrap(above, np.ones_like(above), part["event"].to_numpy(dtype=np.str_))
+def _summary(part: pd.DataFrame) -> dict[str, float]:
+    """One row of the summary, of tests of one R, and of one structure or (`f` and `xi` NaN) of all."""
+    above = np.asarray(part["ratio"] > 1.0, dtype=np.float64)
+    low, high = event_bootstrap(above, np.ones(above.size), part["event"].to_numpy(dtype=np.str_))
     ratio = part["ratio"]
     return {
-        **dict(zip(("R", "f", "xi"), key, strict=True)),
+        **{name: float(part[name].iloc[0]) for name in ("R", "f", "xi")},
         "tests": len(part),
         "motions": part["motion"].nunique(),
         "events": part["event"].nunique(),

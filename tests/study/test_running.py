@@ -1,11 +1,20 @@
 """A study ends in a report, and does nothing twice."""
 
+import csv
+import datetime as dt
+import json
 import shutil
 
 import pytest
 
+from reliab.criterion.laws import FITTED
 from reliab.errors import InputError
-from reliab.study import run_study, write_report
+from reliab.report.document import Points, Section
+from reliab.report.prose import plain_text
+from reliab.study import run_study, stages, study_from, write_report
+from reliab.study.kinds import KINDS
+from reliab.study.stages import RunFolder, Stage
+from reliab.study.steps import candidates
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +74,13 @@ def test_a_run_that_was_killed_goes_on(tmp_path, small_study, monkeypatch):
         patch.setattr(steps, "ellipses", killed)
         with pytest.raises(KeyboardInterrupt):
             run_study(small_study, tmp_path / "run")
-    assert stages_of(small_study, tmp_path / "run") == {"trace", "derive", "validate", "real motions", "report"}
+    assert stages_of(small_study, tmp_path / "run") == {
+        "trace",
+        "derive",
+        "validate",
+        "real motions",
+        "report",
+    }
 
 
 def test_a_folder_with_other_files_is_left_alone(tmp_path, small_study):
@@ -86,3 +101,104 @@ def test_stored_results_answer_only_for_their_structures(tmp_path, small_study):
     study = small_study.model_copy(update={"motions": stored, "structures": structures})
     with pytest.raises(InputError, match="Stored results answer"):
         run_study(study, tmp_path / "run")
+
+
+def test_results_keep_the_day_and_the_packages_with_which_they_were_made(finished, small_study, monkeypatch):
+    manifest = json.loads((finished / "manifest.json").read_text(encoding="utf-8"))
+    for entry in manifest["stages"].values():
+        entry["packages"], entry["date"] = {"numpy": "1.2.3"}, "2020-02-03"
+    (finished / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
+    assert stages.made_with(finished) == {"packages": {"numpy": "1.2.3"}}
+    assert stages.date_of(finished) == dt.date(2020, 2, 3)
+    document = KINDS["criterion"].report(small_study, finished)
+    assert document.provenance["packages"] == "numpy 1.2.3"
+    (finished / "criteria.json").unlink()
+    monkeypatch.setattr("reliab.study.running._report", lambda _, folder: (folder / "report.pdf").touch())
+    run_study(small_study, finished)
+    assert set(stages.made_with(finished)["packages"]) == {
+        "simulate",
+        "trace",
+        "derive",
+        "validate",
+        "real motions",
+    }
+
+
+def test_what_was_begun_by_other_code_is_not_resumed(tmp_path):
+    folder = RunFolder(tmp_path / "run", study={})
+    seen = []
+
+    def work(path):
+        seen.append((path / "half").exists())
+        (path / "half").write_text("x", encoding="utf-8")
+        if len(seen) < 3:
+            raise KeyboardInterrupt
+
+    def attempt(code):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(stages, "code_digest", lambda: code)
+            folder.perform(Stage(name="s", inputs={}, writes=("half",), work=work))
+
+    for code in ("a", "a"):
+        with pytest.raises(KeyboardInterrupt):
+            attempt(code)
+    attempt("b")
+    attempt("b")
+    assert seen == [False, True, False]  # resumed, removed since the code differs, then done for good
+
+
+def test_a_study_judges_the_law_that_it_reports(small_study):
+    fitted = small_study.criterion.model_copy(update={"law": "dimensionless", "method": "dirichlet"})
+    own = candidates(small_study.errors, fitted)[0]
+    assert own.law is FITTED["dimensionless"]
+    assert own.name == "dirichlet, dimensionless"
+    sampled = small_study.criterion.model_copy(update={"method": "hierarchical"})
+    assert candidates(small_study.errors, sampled)[0].method.name == "hierarchical"
+
+
+def test_two_earthquakes_end_in_a_report_that_says_what_they_do_not_carry(tmp_path, suite_folder):
+    study = study_from(
+        {
+            "title": "Two earthquakes",
+            "kind": "validation",
+            "date": "2026-01-01",
+            "motions": {"sources": [str(suite_of(2, suite_folder, tmp_path))]},
+            "criterion": {"confidences": [0.99]},
+            "validation": {"schemes": ["k_fold", "random_halves"], "confidences": [0.9], "trials": 64},
+        }
+    )
+    assert run_study(study, tmp_path / "run").read_bytes().startswith(b"%PDF")
+    document = KINDS["validation"].report(study, tmp_path / "run")
+    text = plain(document)
+    assert "at least 5 earthquakes" in text
+    assert "at least 4 earthquakes" in text
+    assert (tmp_path / "run" / "ellipses.nc").exists()
+
+
+def test_a_report_is_titled_after_its_data_and_dated_today(finished, small_study):
+    undated = small_study.model_copy(update={"date": None})
+    document = KINDS["criterion"].report(undated, finished)
+    assert document.title == "A small study: ground motions"
+    assert stages.date_of(finished) == dt.datetime.now(tz=dt.UTC).date()
+    synthetic = small_study.on(["synthetic"], None)
+    verdict = plain_text(KINDS["criterion"].report(synthetic, finished).verdict)
+    assert "80 % of synthetic ground motions" in verdict
+    assert "real motions of" in plain_text(document.facts["On real motions"])
+
+
+def suite_of(events, suite_folder, tmp_path):
+    """A small suite whose motions are of few earthquakes."""
+    rows = list(csv.DictReader((suite_folder / "catalog.csv").read_text(encoding="utf-8").splitlines()))[:6]
+    folder = shutil.copytree(suite_folder, tmp_path / "suite")
+    with (folder / "catalog.csv").open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, rows[0])
+        writer.writeheader()
+        writer.writerows({**row, "event": f"E{number % events}"} for number, row in enumerate(rows))
+    return folder
+
+
+def plain(document):
+    """Text of the points of a report."""
+    sections = [block for block in document.blocks if isinstance(block, Section)]
+    points = [block for section in sections for block in section.blocks if isinstance(block, Points)]
+    return " ".join(plain_text(item) for each in points for item in each.items)

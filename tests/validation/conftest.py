@@ -33,6 +33,7 @@ def _drawn(*, events: int, frequencies=(1.0,), skewness=0.0, seed=0) -> xr.Datas
             "threshold": [0.05],
             "metric": ["rms"],
             "curve": ["ellipse"],
+            "side": ["lag"],
         },
     )
 

@@ -1,20 +1,19 @@
 """Criteria that are put to the test: derived anew in each fold, or printed once and for all."""
 
 import math
-import tempfile
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import xarray as xr
 
-from reliab.criterion import derive_criterion
+from reliab.criterion.derivation import Derivation
 from reliab.criterion.laws import FittedLaw, Law, Table
 from reliab.criterion.methods import Method
 from reliab.errors import InputError
 from reliab.validation.cross_validation.cell import Cell
 from reliab.validation.cross_validation.region import Region
+from reliab.vocabulary import Side
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,10 +23,13 @@ class Limits:
     Parameters
     ----------
     law : Law
-        Limits a [-] and b [ms²] of delays.
+        Limits a [-] and b [ms²] of actuators that are late.
+    lead_law : Law, optional
+        The same of actuators that are early; None where the candidate says nothing of leads.
     """
 
     law: Law
+    lead_law: Law | None = None
 
     def regions(self, cell: Cell) -> list[Region]:
         """List what is accepted of a structure; empty where the law does not hold or promises nothing.
@@ -40,14 +42,24 @@ class Limits:
         Returns
         -------
         list of Region
-            One for delays.
+            One for lags, and one for leads where the candidate says something of them.
         """
-        try:
-            self.law.validity.require(cell.frequency, cell.damping_ratio)
-        except InputError:
-            return []
-        a, b = (float(limit) for limit in self.law.limits(cell.frequency, cell.damping_ratio))
-        return [Region(a=a, b=b)] if a > 0.0 and b > 0.0 else []
+        regions = []
+        for side, law in ((Side.LAG, self.law), (Side.LEAD, self.lead_law)):
+            if law is None or not _holds(law, cell):
+                continue
+            a, b = (float(limit) for limit in law.limits(cell.frequency, cell.damping_ratio))
+            if a > 0.0 and b > 0.0:
+                regions.append(Region(a=a, b=b, side=side))
+        return regions
+
+
+def _holds(law: Law, cell: Cell) -> bool:
+    try:
+        law.validity.require(cell.frequency, cell.damping_ratio)
+    except InputError:
+        return False
+    return True
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,13 +107,13 @@ class Derived(Candidate):
     method : Method
         What the confidence means.
     joint : bool, optional
-        Whether a and b hold together.
+        Whether a and b hold together; by default as the method means it.
     law : type, optional
         The law that is fitted to the limits of the structures; by default they are kept as they are.
     """
 
     method: Method
-    joint: bool = True
+    joint: bool | None = None
     law: FittedLaw = Table
 
     def learn(
@@ -118,24 +130,17 @@ class Derived(Candidate):
         """
         learned: dict[float, Limits] = {}
         refusals: list[InputError] = []
-        with tempfile.TemporaryDirectory() as folder:
-            chains = Path(folder) / "chains.h5" if self.method.samples_chains else None
-            for confidence in confidences:
-                try:
-                    criterion = derive_criterion(
-                        ellipses,
-                        method=self.method,
-                        chains=chains,
-                        joint=self.joint,
-                        law=self.law,
-                        threshold=threshold,
-                        metric=metric,
-                        confidence=confidence,
-                    )
-                except InputError as refusal:
-                    refusals.append(refusal)
-                else:
-                    learned[confidence] = Limits(law=criterion.law)
+        derivation = Derivation.of(
+            ellipses, method=self.method, law=self.law, threshold=threshold, metric=metric
+        )
+        for confidence in confidences:
+            try:
+                criterion = derivation.criterion(confidence, joint=self.joint)
+            except InputError as refusal:
+                refusals.append(refusal)
+            else:
+                learned[confidence] = Limits(law=criterion.law, lead_law=criterion.lead_law)
+        derivation.warn_unless_converged()
         if refusals and not learned:
             raise refusals[0]
         return learned
@@ -149,11 +154,14 @@ class Printed(Candidate):
     ----------
     law : Law
         The printed law.
+    lead_law : Law, optional
+        Its limits for leads, where it does not count them as lags.
     confidence : float, optional
         The share of the motions for which it is said to hold.
     """
 
     law: Law
+    lead_law: Law | None = None
     confidence: float = 0.95
 
     def learn(
@@ -162,7 +170,10 @@ class Printed(Candidate):
         """Return the law at the confidence that it states."""
         del ellipses, threshold, metric
         stated = [confidence for confidence in confidences if self.promises(confidence)]
-        return dict.fromkeys(stated, Limits(law=self.law))
+        return dict.fromkeys(
+            stated,
+            Limits(law=self.law, lead_law=self.law if self.law.counts_leads_as_lags else self.lead_law),
+        )
 
     def promises(self, confidence: float) -> bool:
         """Whether this is the share of the motions that the law states."""

@@ -6,6 +6,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from reliab.criterion.ellipse_sample import is_ellipse, of_curve
+from reliab.vocabulary import CurveName, Side
+
 
 @dataclass(frozen=True, kw_only=True)
 class Cell:
@@ -27,29 +30,27 @@ class Cell:
     metric: str
 
     def parameters(
-        self, ellipses: xr.Dataset, *, side: int = 1
+        self, ellipses: xr.Dataset, *, side: Side = Side.LAG
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Ellipses that were fitted to the boundaries of ground motions.
 
         Parameters
         ----------
         ellipses : xarray.Dataset
-            Over (motion, f, xi, threshold, metric, curve).
-        side : {1, -1}, optional
-            Whether the ellipses of delays or those of leads.
+            Over (motion, f, xi, threshold, metric, curve, side).
+        side : Side, optional
+            Whether the boundaries of actuators that are late or early.
 
         Returns
         -------
         a, b : numpy.ndarray
-            Parameters [-] and [ms²], shape (motions,); NaN where there is no ellipse.
+            Parameters [-] and [ms²] of the ellipses of least squares, shape (motions,); NaN where there is
+            none.
         """
-        at = ellipses.sel(
-            f=self.frequency,
-            xi=self.damping_ratio,
-            threshold=self.threshold,
-            metric=self.metric,
-            curve="ellipse",
+        of_side = of_curve(ellipses, CurveName.ELLIPSE, side)
+        at = of_side.sel(
+            f=self.frequency, xi=self.damping_ratio, threshold=self.threshold, metric=self.metric
         )
         a, b = at["a"].values, at["b"].values
-        known = np.isfinite(a) & np.isfinite(b) & (a > 0.0) & (b > 0.0)
+        known = is_ellipse(a, b)
         return np.where(known, a, np.nan), np.where(known, b, np.nan)

@@ -21,6 +21,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from reliab.criterion.ellipse_sample import names_along
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
 from reliab.validation.cross_validation.candidates import Candidate, Limits
@@ -30,12 +31,13 @@ from reliab.validation.cross_validation.intervals import event_bootstrap
 from reliab.validation.cross_validation.region import Actuators
 from reliab.validation.cross_validation.trials import draw_trials
 from reliab.validation.cross_validation.truth import EllipseTruth, Truth
+from reliab.vocabulary import Side
 
 _COUNTS: Final = (
     *("contained", "judged", "unresolved", "within_ellipse", "fitted"),
     *("tried", "accepted", "accepted_bad", "accepted_good", "good"),
 )
-_DIMENSIONS: Final = ("candidate", "confidence", "f", "xi", "motion")
+_DIMENSIONS: Final = ("candidate", "confidence", "side", "f", "xi", "motion")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -45,10 +47,10 @@ class CrossValidation:
     Attributes
     ----------
     counts : xarray.Dataset
-        Over (candidate, confidence, f, xi, motion): times `judged` and `contained` by the true error, times
-        `unresolved`, where the error along the edge is not known; times `fitted`, where the motion has an
-        ellipse, and `within_ellipse`, where it contains the criterion's; trials `tried`, `accepted`,
-        `accepted_bad`, `accepted_good`, and `good`.
+        Over (candidate, confidence, side, f, xi, motion), for actuators that are late and those that are
+        early: times `judged` and `contained` by the true error, times `unresolved`, where the error along the
+        edge is not known; times `fitted`, where the motion has an ellipse, and `within_ellipse`, where it
+        contains the criterion's; trials `tried`, `accepted`, `accepted_bad`, `accepted_good`, and `good`.
     scheme : str
         How the motions were divided.
     threshold : float
@@ -65,40 +67,44 @@ class CrossValidation:
     metric: str
     truth: str
 
-    def containment(self, over: Sequence[str] = ("f", "xi")) -> xr.Dataset:
+    def containment(self, over: Sequence[str] = ("f", "xi"), side: Side = Side.LAG) -> xr.Dataset:
         """Share of judged motions under which the error stays below the threshold along the whole edge.
 
         Parameters
         ----------
         over : sequence of str, optional
             Dimensions that are averaged over beside the motions.
+        side : Side, optional
+            Actuators that are late or early.
 
         Returns
         -------
         xarray.Dataset
             `rate`, `low` and `high` (95 % interval that respects the earthquakes).
         """
-        return self._rate("contained", "judged", over)
+        return self._rate("contained", "judged", over, side)
 
-    def containment_by_ellipse(self, over: Sequence[str] = ("f", "xi")) -> xr.Dataset:
+    def containment_by_ellipse(self, over: Sequence[str] = ("f", "xi"), side: Side = Side.LAG) -> xr.Dataset:
         """Share of motions whose fitted ellipse contains the criterion's; as :meth:`containment`."""
-        return self._rate("within_ellipse", "fitted", over)
+        return self._rate("within_ellipse", "fitted", over, side)
 
-    def false_safe(self, over: Sequence[str] = ("f", "xi")) -> xr.Dataset:
+    def false_safe(self, over: Sequence[str] = ("f", "xi"), side: Side = Side.LAG) -> xr.Dataset:
         """Share of accepted tests whose error exceeds the threshold; as :meth:`containment`."""
-        return self._rate("accepted_bad", "accepted", over)
+        return self._rate("accepted_bad", "accepted", over, side)
 
-    def accepted_share(self, over: Sequence[str] = ("f", "xi")) -> xr.Dataset:
+    def accepted_share(self, over: Sequence[str] = ("f", "xi"), side: Side = Side.LAG) -> xr.Dataset:
         """Share of truly good tests that are accepted; as :meth:`containment`."""
-        return self._rate("accepted_good", "good", over)
+        return self._rate("accepted_good", "good", over, side)
 
-    def confusion(self, over: Sequence[str] = ("f", "xi", "motion")) -> xr.Dataset:
+    def confusion(self, over: Sequence[str] = ("f", "xi", "motion"), side: Side = Side.LAG) -> xr.Dataset:
         """Confusion matrix of the verdicts on trials.
 
         Parameters
         ----------
         over : sequence of str, optional
             Dimensions that are added up.
+        side : Side, optional
+            Actuators that are late or early.
 
         Returns
         -------
@@ -106,7 +112,7 @@ class CrossValidation:
             Trials `good_accepted`, `good_rejected`, `bad_accepted` and `bad_rejected`, the error of good
             ones staying below the threshold.
         """
-        total = self.counts.sum(list(over))
+        total = self.counts.sel(side=str(side), drop=True).sum(list(over))
         good_rejected = total["good"] - total["accepted_good"]
         return xr.Dataset(
             {
@@ -117,8 +123,13 @@ class CrossValidation:
             }
         )
 
-    def _rate(self, numerator: str, denominator: str, over: Sequence[str]) -> xr.Dataset:
-        top, bottom = (self.counts[name].sum(list(over)) for name in (numerator, denominator))
+    def judges(self, side: Side) -> bool:
+        """Whether anything was judged of actuators that are late, or early."""
+        return bool((self.counts["judged"].sel(side=str(side)) > 0).any())
+
+    def _rate(self, numerator: str, denominator: str, over: Sequence[str], side: Side) -> xr.Dataset:
+        counts = self.counts.sel(side=str(side), drop=True)
+        top, bottom = (counts[name].sum(list(over)) for name in (numerator, denominator))
         low, high = event_bootstrap(
             top.transpose("motion", ...).values.astype(np.float64),
             bottom.transpose("motion", ...).values.astype(np.float64),
@@ -202,11 +213,15 @@ def cross_validate(
         progress(done, total)
     if refusals and not entries:
         raise refusals[0]
-    shape = (len(candidates), len(confidences), *(ellipses.sizes[name] for name in ("f", "xi", "motion")))
+    sizes = (ellipses.sizes[name] for name in ("f", "xi", "motion"))
+    shape = (len(candidates), len(confidences), len(Side), *sizes)
     counts = np.zeros((len(_COUNTS), *shape), dtype=np.int64)
     for done, ((i, f), (j, xi)) in enumerate(structures, start=len(folds) + 1):
         cell = Cell(frequency=f, damping_ratio=xi, threshold=threshold, metric=metric)
-        _judge(counts[:, :, :, i, j], cell, entries, ellipses, truth, trials)
+        for place, side in enumerate(Side):
+            if str(side) in names_along(ellipses, "side"):
+                at = counts[:, :, :, place, i, j]
+                _judge(at, cell, side, entries, ellipses, truth, trials)
         progress(done, total)
     return CrossValidation(
         counts=_labelled(counts, ellipses, candidates, confidences),
@@ -238,26 +253,28 @@ def _known(ellipses: xr.Dataset, fold: Fold) -> xr.Dataset:
 def _judge(
     counts: NDArray[np.int64],
     cell: Cell,
+    side: Side,
     entries: Sequence[_Entry],
     ellipses: xr.Dataset,
     truth: Truth,
     trials: int,
 ) -> None:
-    """Count what happens at one structure, in place; shape (names, candidate, confidence, motion)."""
+    """Count what happens at one structure and side; shape (names, candidate, confidence, motion)."""
     judging = [
         (entry, region)
         for entry in entries
         if entry.fold.judges(cell.frequency, cell.damping_ratio)
         for region in entry.limits.regions(cell)
+        if region.side is side
     ]
     if not judging:
         return
-    tests = draw_trials(ellipses, cell, trials)
+    tests = draw_trials(ellipses, cell, trials, side=side)
     accepted = np.array([region.accepts(tests) for _, region in judging])
     edges = [region.edge() for _, region in judging]
     places = np.array([(entry.candidate, entry.confidence) for entry, _ in judging])
     judged = np.array([entry.fold.judged for entry, _ in judging])
-    own = np.stack(cell.parameters(ellipses), axis=-1)
+    own = np.stack(cell.parameters(ellipses, side=side), axis=-1)
     limits = np.array([(region.a, region.b) for _, region in judging])
     for motion in range(judged.shape[1]):
         chosen = np.flatnonzero(judged[:, motion])
@@ -316,6 +333,7 @@ def _labelled(
         coords={
             "candidate": [candidate.name for candidate in candidates],
             "confidence": list(confidences),
+            "side": [str(side) for side in Side],
             "f": ellipses["f"].values,
             "xi": ellipses["xi"].values,
             "motion": ellipses["motion"].values,

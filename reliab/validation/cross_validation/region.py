@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.vocabulary import Side
+
 _MILLISECONDS = 1e3
 _EDGE_POINTS = 33
 
@@ -33,13 +35,13 @@ class Region:
     ----------
     a, b : float
         Its parameters [-] and [ms²]; zero where no test but the perfect one is accepted.
-    side : {1, -1}
-        Whether it holds for delays or for leads.
+    side : Side, optional
+        Whether it holds for actuators that are late or early.
     """
 
     a: float
     b: float
-    side: int = 1
+    side: Side = Side.LAG
 
     def accepts(self, tests: Actuators) -> NDArray[np.bool_]:
         """Which tests, all of this side, it accepts; shape (tests,)."""
@@ -57,6 +59,6 @@ class Region:
             33 points, so close that the error between two of them exceeds that of both by less than 0.1 %.
         """
         angle = np.linspace(0.0, np.pi, _EDGE_POINTS)
-        delay = self.side * np.sqrt(self.b) * np.sin(angle) / _MILLISECONDS
+        delay = self.side.sign * np.sqrt(self.b) * np.sin(angle) / _MILLISECONDS
         delay[[0, -1]] = 0.0
         return Actuators(gain=1.0 + np.sqrt(self.a) * np.cos(angle), delay=delay)

@@ -7,12 +7,15 @@ import pandas as pd
 import xarray as xr
 
 from reliab.validation.cross_validation.judge import CrossValidation
+from reliab.vocabulary import Side
 
 RATES: Final = ("containment", "containment_by_ellipse", "false_safe", "accepted_share")
 """Rates of a cross-validation, each a method of :class:`CrossValidation`."""
 
 
-def tabulate(validation: CrossValidation, over: Sequence[str] = ("f", "xi")) -> pd.DataFrame:
+def tabulate(
+    validation: CrossValidation, over: Sequence[str] = ("f", "xi"), *, side: Side = Side.LAG
+) -> pd.DataFrame:
     """Tabulate the rates of a cross-validation.
 
     Parameters
@@ -21,6 +24,8 @@ def tabulate(validation: CrossValidation, over: Sequence[str] = ("f", "xi")) -> 
         Its counts.
     over : sequence of str, optional
         Dimensions that are averaged over beside the motions.
+    side : Side, optional
+        Actuators that are late or early.
 
     Returns
     -------
@@ -30,9 +35,11 @@ def tabulate(validation: CrossValidation, over: Sequence[str] = ("f", "xi")) -> 
         confusion matrix `good_accepted`, `good_rejected`, `bad_accepted`, `bad_rejected` [trials].
     """
     rates = [
-        getattr(validation, name)(over).rename({"rate": name, "low": f"{name}_low", "high": f"{name}_high"})
+        getattr(validation, name)(over, side).rename(
+            {"rate": name, "low": f"{name}_low", "high": f"{name}_high"}
+        )
         for name in RATES
     ]
-    merged = xr.merge([*rates, validation.confusion((*over, "motion"))])
+    merged = xr.merge([*rates, validation.confusion((*over, "motion"), side)])
     table = merged.to_dataframe(dim_order=merged[RATES[0]].dims).reset_index()
     return table.dropna(subset=RATES[0]).reset_index(drop=True)

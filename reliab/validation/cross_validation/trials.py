@@ -13,12 +13,15 @@ from scipy.stats import qmc
 
 from reliab.validation.cross_validation.cell import Cell
 from reliab.validation.cross_validation.region import Actuators
+from reliab.vocabulary import Side
 
 _SIZE: Final = 2.0
 _MILLISECONDS: Final = 1e3
 
 
-def draw_trials(ellipses: xr.Dataset, cell: Cell, count: int, *, side: int = 1, seed: int = 0) -> Actuators:
+def draw_trials(
+    ellipses: xr.Dataset, cell: Cell, count: int, *, side: Side = Side.LAG, seed: int = 0
+) -> Actuators:
     """Draw tests for one structure.
 
     Parameters
@@ -29,7 +32,7 @@ def draw_trials(ellipses: xr.Dataset, cell: Cell, count: int, *, side: int = 1, 
         Structure and error.
     count : int
         Number of tests.
-    side : {1, -1}, optional
+    side : Side, optional
         Whether they are late or early.
     seed : int, optional
         Seed of the scrambled Sobol points.
@@ -45,5 +48,5 @@ def draw_trials(ellipses: xr.Dataset, cell: Cell, count: int, *, side: int = 1, 
     radius, angle = np.sqrt(uniform[:, 0]), np.pi * uniform[:, 1]
     return Actuators(
         gain=1.0 + half_axes[0] * radius * np.cos(angle),
-        delay=side * half_axes[1] * radius * np.sin(angle) / _MILLISECONDS,
+        delay=side.sign * half_axes[1] * radius * np.sin(angle) / _MILLISECONDS,
     )

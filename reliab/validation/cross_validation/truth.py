@@ -16,6 +16,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from reliab.boundary.surface import ErrorSurfaces
+from reliab.criterion.ellipse_sample import names_along
 from reliab.indices.response_error import relative_error
 from reliab.indices.window import Window
 from reliab.loop.engine import Loop
@@ -23,7 +24,7 @@ from reliab.loop.excitation import Excitation
 from reliab.loop.structure import Structure
 from reliab.motions import Motion
 from reliab.validation.cross_validation.cell import Cell
-from reliab.vocabulary import Metric
+from reliab.vocabulary import Metric, Side
 
 _MILLISECONDS = 1e3
 
@@ -154,8 +155,12 @@ class EllipseTruth(Truth):
         self, cell: Cell, motion: int, gain: NDArray[np.float64], delay: NDArray[np.float64]
     ) -> NDArray[np.float64]:
         """Take the index of the motion's own ellipse; NaN where it has none."""
-        a, b = (float(values[motion]) for values in cell.parameters(self._ellipses))
-        index = np.square(gain - 1.0) / a + np.square(_MILLISECONDS * delay) / b
+        index = np.full(gain.size, np.nan)
+        for side in (Side(name) for name in names_along(self._ellipses, "side")):
+            a, b = (float(values[motion]) for values in cell.parameters(self._ellipses, side=side))
+            of_side = side.sign * delay >= 0.0
+            index[of_side] = np.square(gain[of_side] - 1.0) / a
+            index[of_side] += np.square(_MILLISECONDS * delay[of_side]) / b
         return np.asarray(np.sqrt(index))
 
 

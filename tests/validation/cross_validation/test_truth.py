@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from reliab import api
-from reliab.criterion.laws import Table
+from reliab.criterion.laws import OF_MANY_MOTIONS, Table
 from reliab.indices.window import Window
 from reliab.loop import spectral
 from reliab.loop.excitation import Excitation
@@ -20,6 +20,7 @@ from reliab.validation.cross_validation import (
     leave_one_event_out,
 )
 from reliab.validation.cross_validation.region import Region
+from reliab.vocabulary import Side
 
 CELL = Cell(frequency=1.0, damping_ratio=0.02, threshold=0.05, metric="rms")
 
@@ -30,8 +31,13 @@ def motions():
 
 
 @pytest.fixture(scope="module")
-def ellipses(motions):
+def both_sides():
     return api.ellipses(synthetic_suite(count=6), f=[1.0], xi=[0.02], threshold=[0.05])
+
+
+@pytest.fixture(scope="module")
+def ellipses(both_sides):
+    return both_sides.sel(side=["lag"], curve=["ellipse"])
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +56,7 @@ def spectral_error(motion, region):
 
 
 def test_edge_is_the_ellipse_and_closes_on_the_axis_of_no_delay():
-    late, early = (Region(a=1e-4, b=4.0, side=side) for side in (1, -1))
+    late, early = (Region(a=1e-4, b=4.0, side=side) for side in Side)
     edge = late.edge()
     np.testing.assert_allclose((edge.gain - 1.0) ** 2 / 1e-4 + (1e3 * edge.delay) ** 2 / 4.0, 1.0)
     assert edge.delay[0] == edge.delay[-1] == 0.0
@@ -111,7 +117,7 @@ def test_containment_is_the_share_of_motions_with_no_error_above_along_the_edge(
         truth=SimulatedTruth(motions=motions),
         trials=64,
     )
-    assert validation.counts["contained"].values.ravel().tolist() == expected
+    assert validation.counts["contained"].sel(side="lag").values.ravel().tolist() == expected
     assert 0 < sum(expected) < 6
 
 
@@ -132,3 +138,38 @@ def test_motions_without_an_ellipse_are_judged_by_their_errors_only(motions, ell
         assert int(counts["judged"]) == judged
         assert int(counts["fitted"]) == 5
         assert int(counts["judged"] + counts["unresolved"]) == 6
+
+
+def test_leads_are_judged_by_their_own_limits_and_errors(motions, both_sides):
+    own = {
+        side: [0.999 * float(both_sides[name].sel(side=side, curve="inscribed").min()) for name in ("a", "b")]
+        for side in ("lag", "lead")
+    }
+    assert own["lead"][1] > 1.1 * own["lag"][1]
+    laws = {side: Table.fit([1.0], [0.02], [[a]], [[b]]) for side, (a, b) in own.items()}
+    candidates = [
+        Printed(name="each side", law=laws["lag"], lead_law=laws["lead"]),
+        Printed(name="lag limits of leads", law=laws["lead"], lead_law=laws["lead"]),
+    ]
+    validation = cross_validate(
+        both_sides,
+        leave_one_event_out(both_sides["event"].values),
+        candidates,
+        scheme="test",
+        confidences=(0.95,),
+        truth=SimulatedTruth(motions=motions),
+        trials=64,
+    )
+    lag, lead = (validation.containment(side=side)["rate"].squeeze().values for side in Side)
+    assert lag[0] == lead[0] == lead[1] == 1.0
+    assert lag[1] < 1.0
+
+
+def test_a_law_of_the_paper_counts_leads_as_lags_and_other_laws_say_nothing_of_them():
+    silent, printed = (
+        Printed(name="law", law=law).learn(None, 0.05, "rms", [0.95])[0.95].regions(CELL)
+        for law in (Table.fit([1.0], [0.02], [[1e-4]], [[1.0]]), OF_MANY_MOTIONS["guo_2017_18"])
+    )
+    assert [region.side for region in silent] == [Side.LAG]
+    assert [region.side for region in printed] == [Side.LAG, Side.LEAD]
+    assert printed[0].b == printed[1].b
