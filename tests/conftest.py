@@ -4,10 +4,13 @@ import json
 import unicodedata
 from pathlib import Path
 
+import numpy as np
 import pytest
 import typst
+import xarray as xr
 from hypothesis import settings
 
+from reliab.criterion.scaling import scales
 from reliab.report.content import CONTENT_FILE, files_of
 from reliab.report.document import Document
 from reliab.report.pdf import templates
@@ -81,3 +84,32 @@ def _words(content):
 
 _PIECES = ("text", "math", "strong", "source", "reference")
 _READ = ("text", "digits", "title", "unit", "math", "heading", "caption", "verdict")
+
+
+@pytest.fixture(scope="session")
+def grouped_ellipses() -> xr.Dataset:
+    """Ellipses of 60 motions of 20 earthquakes at six structures, skewed, correlated and grouped."""
+    rng = np.random.default_rng(2017)
+    f, xi = np.array([0.5, 1.0, 2.0]), np.array([0.02, 0.05])
+    event = np.repeat(np.arange(20), 3)
+    effect = 0.3 * rng.normal(size=20)[event][:, None, None]
+    common = effect + rng.gamma(2.0, 0.35, (60, 3, 2))
+    log_alpha = -1.6 + 0.2 * np.log(f)[:, None] + common + 0.05 * rng.normal(size=common.shape)
+    log_beta = -2.0 + 0.8 * common + 0.05 * rng.normal(size=common.shape)
+    scale_a, scale_b = scales(f[:, None], xi[None, :])
+    dims = ("motion", "f", "xi", "threshold", "metric", "curve")
+    a, b = (np.exp(x) * s for x, s in ((log_alpha, scale_a), (log_beta, scale_b)))
+    return xr.Dataset(
+        {name: (dims, each[..., None, None, None]) for name, each in (("a", a), ("b", b))},
+        coords={
+            "motion": [f"E{e}/M{m}" for m, e in enumerate(event)],
+            "event": ("motion", [f"E{e}" for e in event]),
+            "checksum": ("motion", [f"{m:064d}" for m in range(60)]),
+            "f": f,
+            "xi": xi,
+            "threshold": [0.05],
+            "metric": ["rms"],
+            "curve": ["ellipse"],
+        },
+        attrs={"window": "record"},
+    )

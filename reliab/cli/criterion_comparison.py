@@ -78,8 +78,8 @@ def _distributions(
     from dataclasses import asdict
 
     from reliab.criterion import sample_of
-    from reliab.criterion.distribution_comparison import compare_distributions
     from reliab.criterion.goodness_of_fit import lognormality
+    from reliab.validation.distribution_comparison import compare_distributions
 
     sample = sample_of(
         dataset, frequency=f, damping_ratio=xi, threshold=threshold, metric=metric, curve=curve
@@ -102,7 +102,7 @@ def _distributions(
 def _laws(
     dataset: "xr.Dataset", threshold: float, metric: str, confidence: float, curve: str
 ) -> list[dict[str, Any]]:
-    from reliab.criterion.law_comparison import compare_laws
+    from reliab.validation.law_comparison import compare_laws
 
     found = compare_laws(dataset, threshold=threshold, metric=metric, confidence=confidence, curve=curve)
     return [

@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 
 from reliab.boundary.first_order import first_order_ellipse
-from reliab.criterion.law_comparison import compare_laws
 from reliab.criterion.methods.hierarchical import hierarchical_model
-from reliab.criterion.motion_terms import gain_of_terms
 from reliab.criterion.population import Population
 from reliab.loop.excitation import Excitation
 from reliab.loop.structure import Structure
@@ -15,6 +13,8 @@ from reliab.paper import audit
 from reliab.sampling import Ensembles, sample
 from reliab.shipped import shipped
 from reliab.sweep import EllipseRequest, trace_ellipses
+from reliab.validation.law_comparison import compare_laws
+from reliab.validation.motion_terms import gain_of_terms
 
 pytestmark = pytest.mark.slow
 

@@ -9,12 +9,12 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import multivariate_normal, norm
 
-from reliab.criterion.distribution_comparison import leave_one_event_out
 from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, FittedLaw, Law
 from reliab.criterion.methods import Scatter
 from reliab.criterion.population import Population
 from reliab.criterion.scaling import scales
 from reliab.errors import InputError
+from reliab.validation.distribution_comparison import leave_one_event_out
 from reliab.vocabulary import CurveName
 
 _PRINTED_CONFIDENCE = 0.95

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from reliab.criterion.distribution_comparison import (
+from reliab.criterion.distributions import DISTRIBUTIONS, Lognormal
+from reliab.validation.distribution_comparison import (
     compare_distributions,
     held_out_scores,
     leave_one_event_out,
 )
-from reliab.criterion.distributions import DISTRIBUTIONS, Lognormal
 
 KINDS = {
     "lognormal": lambda rng: np.exp(rng.normal(size=600)),

@@ -8,10 +8,10 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import multivariate_normal
 
-from reliab.criterion.distribution_comparison import leave_one_event_out
 from reliab.criterion.laws import Dimensionless
 from reliab.criterion.population import Population
 from reliab.errors import InputError
+from reliab.validation.distribution_comparison import leave_one_event_out
 
 
 def gain_of_terms(

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from reliab.criterion.coverage import Truth, coverage_table, simulate_coverage
 from reliab.criterion.methods import BOUND_METHODS, Quantile, method_of
+from reliab.validation.criterion_coverage import Truth, coverage_table, simulate_coverage
 
 INDEPENDENT = Truth(n_events=60, motions_per_event=1, event_share=0.0)
 GROUPED = Truth(n_events=19, motions_per_event=5, event_share=0.15)

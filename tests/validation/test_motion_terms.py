@@ -3,43 +3,43 @@
 import numpy as np
 import pytest
 
-from reliab.criterion.motion_terms import gain_of_terms
 from reliab.criterion.population import Population
 from reliab.errors import InputError
+from reliab.validation.motion_terms import gain_of_terms
 
 
 @pytest.fixture
-def logarithms(ellipses):
-    population = Population.of(ellipses, threshold=0.05, metric="rms")
+def logarithms(grouped_ellipses):
+    population = Population.of(grouped_ellipses, threshold=0.05, metric="rms")
     return np.stack([population.log_alpha, population.log_beta], axis=-1)
 
 
-def test_the_answer_itself_explains_everything(ellipses, logarithms):
+def test_the_answer_itself_explains_everything(grouped_ellipses, logarithms):
     noise = np.random.default_rng(1).normal(0.0, 0.05, logarithms.shape)
-    found = gain_of_terms(ellipses, {"answer": logarithms + noise}).loc["answer"]
+    found = gain_of_terms(grouped_ellipses, {"answer": logarithms + noise}).loc["answer"]
     assert found["gain"] > 1.0
     assert found["explained_a"] > 0.97
     assert found["explained_b"] > 0.95
 
 
-def test_what_has_nothing_to_do_with_a_motion_gains_nothing(ellipses):
+def test_what_has_nothing_to_do_with_a_motion_gains_nothing(grouped_ellipses):
     rng = np.random.default_rng(2)
-    found = gain_of_terms(ellipses, {f"noise {k}": rng.normal(size=60) for k in range(10)})
+    found = gain_of_terms(grouped_ellipses, {f"noise {k}": rng.normal(size=60) for k in range(10)})
     assert found["gain"].mean() < 0.0
     assert (found["gain"] < 3.0 * found["standard_error"]).all()
     assert found["explained_a"].mean() == pytest.approx(1.0 / 60.0, abs=0.03)
 
 
-def test_motions_without_an_ellipse_are_left_out(ellipses, logarithms):
-    lacking = ellipses.copy(deep=True)
+def test_motions_without_an_ellipse_are_left_out(grouped_ellipses, logarithms):
+    lacking = grouped_ellipses.copy(deep=True)
     lacking["a"][0, 0, 0] = np.nan
     whole, part = (
         gain_of_terms(each, {"mean": logarithms.mean(axis=(1, 2, 3))}).loc["mean"]
-        for each in (ellipses, lacking)
+        for each in (grouped_ellipses, lacking)
     )
     assert part["gain"] == pytest.approx(whole["gain"], rel=0.05)
 
 
-def test_terms_of_another_shape_are_refused(ellipses):
+def test_terms_of_another_shape_are_refused(grouped_ellipses):
     with pytest.raises(InputError, match="one value for each motion"):
-        gain_of_terms(ellipses, {"wrong": np.zeros(3)})
+        gain_of_terms(grouped_ellipses, {"wrong": np.zeros(3)})
