@@ -48,6 +48,14 @@ FeedbackLag = Annotated[
         help="Time by which the force is fed back late [ms], 0 by default.",
     ),
 ]
+Mass = Annotated[
+    str | None,
+    typer.Option(
+        "--mass",
+        metavar="KG",
+        help="Mass of the structure, with which a recorded force joins in identifying it.",
+    ),
+]
 MotionFile = Annotated[
     Path | None,
     typer.Option("--motion", metavar="FILE", help="The test's ground motion: index by its own boundary."),
@@ -125,6 +133,7 @@ def assess(
     alpha: Alpha = None,
     scale: Scale = None,
     feedback_lag: FeedbackLag = None,
+    mass: Mass = None,
     motion: MotionFile = None,
     window: WindowName = None,
     criterion: CriterionFile = None,

@@ -16,17 +16,33 @@ from reliab.stated_value import StatedValue
 
 if TYPE_CHECKING:
     from reliab.criterion import Criterion
+    from reliab.loop.hybrid_test.model_file import UpdatedModel
     from reliab.motions import Motion
     from reliab.validation.assessment import Assessment, Recording
 
 _NINETY_FIVE = 0.95
+_SAME = 0.01
+"""Relative difference up to which a stated structure is that of a model."""
+
 
 _ONLY_FOR_TESTS = (
-    *("test", "alpha", "scale", "feedback_lag", "motion", "window", "model", "command", "measured", "time"),
+    *(
+        "test",
+        "alpha",
+        "scale",
+        "feedback_lag",
+        "mass",
+        "motion",
+        "window",
+        "model",
+        "command",
+        "measured",
+        "time",
+    ),
     *("rate", "units", "time_units", "delimiter", "report", "date", "check"),
 )
 _ONLY_FOR_DESIGN = ("figure",)
-_QUANTITIES = ("f", "xi", "alpha", "scale", "feedback_lag")
+_QUANTITIES = ("f", "xi", "alpha", "scale", "feedback_lag", "mass")
 _NEEDS = {"window": "motion", "date": "report"}
 
 
@@ -40,6 +56,7 @@ class Demand:
     alpha: StatedValue | None
     scale: StatedValue | None
     feedback_lag: StatedValue | None
+    mass: StatedValue | None
     motion: Path | None
     window: str | None
     criterion: Path | None
@@ -147,7 +164,8 @@ def judge_test(demand: Demand) -> bool:
     from reliab.validation.assessment import assess
 
     recording = _read_recording(demand)
-    stated, assumed = _stated(demand, recording)
+    model = None if demand.model is None else _read_model(demand.model)
+    stated, assumed = _stated(demand, recording, model)
     found = assess(
         recording,
         Structure(
@@ -162,7 +180,7 @@ def judge_test(demand: Demand) -> bool:
         confidence=demand.confidence[0] if demand.confidence else _NINETY_FIVE,
         metric=demand.metric or "rms",
         error_window=None if demand.window is None else Window.parse(demand.window),
-        model=demand.model,
+        model=model,
         assumed=assumed,
     )
     printed = write_json(found.to_dict(), demand.json_target)
@@ -192,7 +210,9 @@ def _read_recording(demand: Demand) -> "Recording":
     )
 
 
-def _stated(demand: Demand, recording: "Recording") -> tuple[Mapping[str, StatedValue], tuple[str, ...]]:
+def _stated(
+    demand: Demand, recording: "Recording", model: "UpdatedModel | None"
+) -> tuple[Mapping[str, StatedValue], tuple[str, ...]]:
     """Take what options state, else the file's header; say what had to be assumed."""
     options = {
         "f": demand.f[0] if demand.f else None,
@@ -200,8 +220,15 @@ def _stated(demand: Demand, recording: "Recording") -> tuple[Mapping[str, Stated
         "alpha": demand.alpha,
         "scale": demand.scale,
         "feedback_lag": demand.feedback_lag,
+        "mass": demand.mass,
     }
-    stated = {**recording.stated, **{name: value for name, value in options.items() if value is not None}}
+    if demand.mass is not None and (recording.ground is None or recording.force is None):
+        raise _unused("mass", "without columns of ground acceleration and force")
+    stated = {
+        **recording.stated,
+        **_of_model(model),
+        **{name: value for name, value in options.items() if value is not None},
+    }
     if "f" not in stated:
         raise InputError(
             "The natural frequency of the structure must be stated",
@@ -209,11 +236,37 @@ def _stated(demand: Demand, recording: "Recording") -> tuple[Mapping[str, Stated
             remedy="Give it in hertz, --f 1 or --f 1±0.01; the verdict rests on it",
             where=recording.name,
         )
+    for name, value in _of_model(model).items():
+        if abs(stated[name].value / value.value - 1.0) > _SAME:
+            raise InputError(
+                "The structure must be that of the model",
+                value=f"{name} = {stated[name]} against {value}",
+                remedy=f"Leave --{name} out, or calibrate the model for this structure",
+                where=recording.name,
+            )
     assumed = []
     if "xi" not in stated:
         assumed.append("No damping ratio was stated (--xi); 0.02 was assumed, and the verdict rests on it.")
     defaults = {"xi": StatedValue(TWO_PERCENT), "alpha": StatedValue(1.0), "scale": StatedValue(1.0)}
     return {**defaults, "feedback_lag": StatedValue(0.0), **stated}, tuple(assumed)
+
+
+def _of_model(model: "UpdatedModel | None") -> dict[str, StatedValue]:
+    """Take what a model states of its structure."""
+    if model is None or model.test.structure is None:
+        return {}
+    structure = model.test.structure
+    return {
+        "f": StatedValue(structure.frequency),
+        "xi": StatedValue(structure.damping_ratio),
+        "alpha": StatedValue(structure.experimental_fraction),
+    }
+
+
+def _read_model(path: Path) -> "UpdatedModel":
+    from reliab.loop.hybrid_test.model_file import read_model
+
+    return read_model(path)
 
 
 def _read_motion(path: Path) -> "Motion":

@@ -146,6 +146,8 @@ def test_design_states_tolerable_errors_and_a_chart(folder):
         ("good.csv", "--f", 1, "--xi", 2),
         ("good.csv", "--f", 1, "--window", 20),
         ("good.csv", "--f", 1, "--date", "2026-01-01"),
+        ("good.csv", "--f", 1, "--mass", 2),
+        ("good.csv", "--f", 1, "--model", "none.toml"),
         ("good.csv", "--f", 1, "--figure", "chart.svg"),
         ("good.csv", "--design"),
         ("--design", "--alpha", 0.5),

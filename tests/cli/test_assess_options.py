@@ -10,6 +10,11 @@ from typer.testing import CliRunner
 
 from reliab.cli.assess import assess
 from reliab.criterion import published_criterion
+from reliab.loop.actuator import Actuator
+from reliab.loop.effects import find_effect
+from reliab.loop.hybrid_test import HybridTest, run_closed_loop
+from reliab.loop.hybrid_test.model_file import UpdatedModel, write_model
+from reliab.loop.structure import Structure
 
 app = typer.Typer()
 app.command()(assess)
@@ -21,6 +26,8 @@ CHANGES = {
     "--alpha": ("test.csv", *PLAIN, "--alpha", "0.5"),
     "--scale": ("test.csv", *PLAIN, "--scale", "1.003"),
     "--feedback-lag": ("test.csv", *PLAIN, "--feedback-lag", "0.5"),
+    "--mass": ("whole.csv", *PLAIN, "--mass", "2"),
+    "--model": ("test.csv", *PLAIN, "--model", "model.toml"),
     "--motion": ("test.csv", *PLAIN, "--motion", "ground.txt"),
     "--window": ("test.csv", *PLAIN, "--motion", "ground.txt", "--window", "6"),
     "--criterion": ("test.csv", *PLAIN, "--criterion", "criterion.json"),
@@ -40,6 +47,7 @@ CHANGES = {
 WITHOUT = {
     "--f": ("test.csv", *PLAIN),
     "--xi": ("test.csv", *PLAIN),
+    "--mass": ("whole.csv", *PLAIN),
     "--window": ("test.csv", *PLAIN, "--motion", "ground.txt"),
     "--units": ("bare.csv", *PLAIN, "--rate", "128"),
     "--rate": ("bare.csv", *PLAIN),
@@ -47,7 +55,6 @@ WITHOUT = {
     "--delimiter": ("bar.csv", *PLAIN),
 }
 SEEN_ELSEWHERE = {
-    "--model": "tests/cli/test_assess.py",
     "--design": "tests/cli/test_assess.py",
     "--check": "tests/cli/test_assess.py",
     "--figure": "tests/cli/test_assess.py",
@@ -81,6 +88,16 @@ def folder(tmp_path_factory):
     shaking = np.exp(-(((times - 4.0) / 2.0) ** 2)) * rng.normal(size=times.size)
     lines = ["# units: m/s2", "# dt = 0.0078125", *(f"{sample:.6f}" for sample in shaking)]
     (made / "ground.txt").write_text("\n".join(lines), encoding="utf-8")
+    structure = Structure(frequency=1.0, damping_ratio=0.02)
+    rig = HybridTest(structure=structure, mass=2.0, actuator=Actuator(delay=1.0 / 128.0))
+    whole = run_closed_loop(rig, shaking, 1.0 / 128.0)
+    histories = {"command_m": whole.command.values[0], "measured_m": whole.measured}
+    pd.DataFrame({"time_s": times, **histories, "ag_mps2": shaking, "force_N": whole.force}).to_csv(
+        made / "whole.csv", index=False
+    )
+    cubic = find_effect("cubic_stiffness").of(np.array([1e5]))
+    model = HybridTest(structure=structure, effects=(cubic,))
+    write_model(made / "model.toml", UpdatedModel(name="cubic", test=model))
     (made / "criterion.json").write_text(published_criterion("guo_2017_18").to_json(), encoding="utf-8")
     return made
 

@@ -1,11 +1,12 @@
 """Judge a test by its command and measured displacement."""
 
 from collections.abc import Mapping
-from pathlib import Path
+from dataclasses import dataclass, replace
 
 from reliab.criterion import Criterion
 from reliab.errors import InputError
 from reliab.indices.window import Window
+from reliab.loop.hybrid_test.model_file import UpdatedModel
 from reliab.loop.structure import Structure
 from reliab.motions import Motion
 from reliab.stated_value import StatedValue
@@ -17,6 +18,7 @@ from reliab.validation.assessment.error_of_test import ErrorOfTest, Question, er
 from reliab.validation.assessment.faults import Fault, find_faults, repaired
 from reliab.validation.assessment.findings import FaultEffect
 from reliab.validation.assessment.moving_windows import track_windows
+from reliab.validation.assessment.own_equation import OwnEquation, examine_equation
 from reliab.validation.assessment.own_motion import place_on_own
 from reliab.validation.assessment.placement import place
 from reliab.validation.assessment.plausibility import require_following
@@ -42,7 +44,7 @@ def assess(
     confidence: float = 0.95,
     metric: str = "rms",
     error_window: Window | None = None,
-    model: Path | None = None,
+    model: UpdatedModel | None = None,
     assumed: tuple[str, ...] = (),
     taper: str = "hann",
     seed: int = 0,
@@ -72,8 +74,8 @@ def assess(
         Which error, "rms" or "mte".
     error_window : Window, optional
         Part of the ground motion over which the error is computed, instead of the test's own duration.
-    model : pathlib.Path, optional
-        Model of a nonlinear specimen, as `reliab diagnose` writes it.
+    model : UpdatedModel, optional
+        Calibrated model of a nonlinear specimen, as `reliab diagnose` writes it.
     assumed : tuple of str, optional
         What was not stated and had to be assumed, in sentences; repeated among the warnings.
     taper : str, optional
@@ -113,14 +115,14 @@ def assess(
     faults = _faults(recording, question, taper)
     clean = repaired(recording, faults)
     tracking = track(clean, window=taper, seed=seed)
-    error, effects = _errors(recording, faults, question)
+    judged = _judged(recording, clean, faults, question)
     own = None
     if motion is not None:
         own = place_on_own(
             motion,
             structure,
             tracking,
-            align(clean, error.reference, structure, motion),
+            align(clean, judged.error.reference, structure, motion),
             threshold=chosen.threshold,
             metric=question.metric,
             window=error_window,
@@ -135,11 +137,38 @@ def assess(
         windows=track_windows(clean, tracking, window=taper),
         population=place(chosen, structure, tracking.amplitude, tracking.delay, tracking.draws),
         own=own,
-        error=error,
-        faults=effects,
-        verdict=verdict_of_error(error, effects, question),
+        error=judged.error,
+        faults=judged.effects,
+        equation=judged.equation,
+        otherwise_stated=judged.otherwise,
+        verdict=verdict_of_error(judged.error, judged.effects, judged.equation, judged.otherwise),
         assumed=assumed,
     )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Judged:
+    """The error with what could change it."""
+
+    error: ErrorOfTest
+    effects: tuple[FaultEffect, ...]
+    equation: OwnEquation
+    otherwise: tuple[ErrorOfTest, ...]
+
+
+def _judged(recording: Recording, clean: Recording, faults: tuple[Fault, ...], question: Question) -> _Judged:
+    """Error of the test; with the structure that it shows, where it contradicts the stated one."""
+    error, effects = _errors(recording, faults, question)
+    if question.model is not None:
+        return _Judged(error=error, effects=effects, equation=OwnEquation(), otherwise=())
+    smoothed = error.rebuilt.histories.measured
+    equation = examine_equation(clean, question.structure, question.stated, smoothed)
+    shown = replace(question, structure=equation.structure(question.structure))
+    otherwise = _otherwise_stated(clean, equation, shown)
+    if shown.structure != question.structure:
+        otherwise = (error, *otherwise)
+        error, effects = _errors(recording, faults, shown)
+    return _Judged(error=error, effects=effects, equation=equation, otherwise=otherwise)
 
 
 def _faults(recording: Recording, question: Question, taper: str) -> tuple[Fault, ...]:
@@ -169,6 +198,19 @@ def _errors(
         )
         effects.append(FaultEffect(fault=fault, otherwise=changed))
     return error, tuple(effects)
+
+
+def _otherwise_stated(
+    recording: Recording, equation: OwnEquation, question: Question
+) -> tuple[ErrorOfTest, ...]:
+    """Error with the damping ratio that the test shows, where it contradicts the stated one."""
+    if equation.identified is None or "xi" not in equation.wrong:
+        return ()
+    ratio = equation.identified.damping_ratio.value
+    if not 0.0 < ratio < 1.0:
+        return ()
+    other = replace(question, structure=replace(question.structure, damping_ratio=ratio))
+    return (error_of_test(recording, other),)
 
 
 def _check_length(recording: Recording, structure: Structure) -> None:

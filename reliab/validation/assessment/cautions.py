@@ -80,7 +80,14 @@ def _consequence(effect: FaultEffect, found: Findings) -> Iterator[str]:
 
 
 def _of_error(found: Findings) -> Iterator[str]:
-    yield from found.error.contradictions
+    yield from found.equation.contradictions
+    yield from found.equation.notes
+    if found.otherwise_stated:
+        sizes = ", ".join(f"{each.of(found.metric).value:.2%}" for each in found.otherwise_stated)
+        yield (
+            f"{ERROR_NAMES[found.metric]} is {found.error.of(found.metric).value:.2%} with the frequency "
+            f"and share that the test shows and the damping ratio as stated; otherwise {sizes}."
+        )
     by_error, by_index = found.verdict.word, found.verdict_by_index.word
     if Word.UNDECIDED in (by_error, by_index) or by_error is by_index or found.index is None:
         return

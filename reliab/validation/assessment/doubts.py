@@ -1,14 +1,20 @@
 """The verdict by the error of the test, with what leaves it open."""
 
-from reliab.validation.assessment.error_of_test import ErrorOfTest, Question
+from reliab.validation.assessment.error_of_test import ErrorOfTest
 from reliab.validation.assessment.findings import FaultEffect
+from reliab.validation.assessment.own_equation import OwnEquation
 from reliab.validation.assessment.verdict import Verdict, Word, word_of_probability
 from reliab.vocabulary import Metric
 
 ERROR_NAMES = {Metric.RMS: "RMS^R", Metric.MTE: "MTE^R"}
 
 
-def verdict_of_error(error: ErrorOfTest, effects: tuple[FaultEffect, ...], question: Question) -> Verdict:
+def verdict_of_error(
+    error: ErrorOfTest,
+    effects: tuple[FaultEffect, ...],
+    equation: OwnEquation,
+    otherwise: tuple[ErrorOfTest, ...],
+) -> Verdict:
     """Judge a test by its own error.
 
     Parameters
@@ -17,8 +23,10 @@ def verdict_of_error(error: ErrorOfTest, effects: tuple[FaultEffect, ...], quest
         The error with its interval.
     effects : tuple of FaultEffect
         Faults of the recording.
-    question : Question
-        What was asked.
+    equation : OwnEquation
+        What the test's own equation of motion says of the structure.
+    otherwise : tuple of ErrorOfTest
+        Error of the test with what was stated, or could be stated, instead.
 
     Returns
     -------
@@ -26,19 +34,25 @@ def verdict_of_error(error: ErrorOfTest, effects: tuple[FaultEffect, ...], quest
         Undecided where the interval holds the threshold, where a fault of the recording would turn the
         verdict round, and where the test contradicts what was stated of it.
     """
-    size = error.of(question.metric)
+    size = error.of(error.metric)
     word = word_of_probability(error.probability)
-    name = ERROR_NAMES[question.metric]
+    name = ERROR_NAMES[error.metric]
     reason = (
         f"{name} is {size.value:.2%}, 90 % interval {size.low:.2%} to {size.high:.2%}, against a threshold "
-        f"of {question.threshold:.3g}: probability {probability_text(error.probability)} of staying below it."
+        f"of {error.threshold:.3g}: probability {probability_text(error.probability)} of staying below it."
     )
     verdict = Verdict(
         word=word,
         reasons=(reason,),
         would_decide=error.would_decide if word is Word.UNDECIDED else (),
     )
-    reasons, remedies = _doubts(error, effects, word)
+    reasons, remedies = _doubts(effects, word)
+    if equation.nonlinear:
+        reasons.append(equation.nonlinear)
+        remedies.append("Calibrate a model of the specimen with `reliab diagnose`, and give it with --model.")
+    if any(word_of_probability(each.probability) is not word for each in otherwise):
+        reasons.extend(equation.contradictions)
+        remedies.append("Find out why the structure differs from what was stated; it decides the verdict.")
     return verdict.doubted(reasons, remedies)
 
 
@@ -57,7 +71,7 @@ def probability_text(probability: float, *, bound: float = 0.99) -> str:
     return f"{probability:.2f}"
 
 
-def _doubts(error: ErrorOfTest, effects: tuple[FaultEffect, ...], word: Word) -> tuple[list[str], list[str]]:
+def _doubts(effects: tuple[FaultEffect, ...], word: Word) -> tuple[list[str], list[str]]:
     reasons, remedies = [], []
     for effect in effects:
         if effect.otherwise is None:
@@ -71,7 +85,4 @@ def _doubts(error: ErrorOfTest, effects: tuple[FaultEffect, ...], word: Word) ->
                 "known."
             )
             remedies.append("Mend the recording, or find out whether the loop felt it, and assess it again.")
-    if error.contradictions and word is not Word.NOT_RELIABLE:
-        reasons.extend(error.contradictions)
-        remedies.append("State the structure as the test shows it, or find out why it differs.")
     return reasons, remedies

@@ -3,13 +3,14 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.loop.hybrid_test.model_file import UpdatedModel
 from reliab.loop.structure import Structure
 from reliab.rebuilt_error import Estimate, Parts, RebuiltError, Tolerances, Widening, rebuild
+from reliab.rebuilt_error.nonlinear_reference import rebuild_with_specimen
 from reliab.stated_value import StatedValue
 from reliab.validation.assessment.recording import Recording
 from reliab.vocabulary import Metric
@@ -58,8 +59,8 @@ class Question:
         Which error.
     threshold : float
         Error of the whole test [-].
-    model : pathlib.Path or None
-        Model of a nonlinear specimen.
+    model : UpdatedModel or None
+        Calibrated model of a nonlinear specimen.
     seed : int
         Seed of the draws.
     """
@@ -68,7 +69,7 @@ class Question:
     stated: Mapping[str, StatedValue]
     metric: Metric
     threshold: float
-    model: Path | None
+    model: UpdatedModel | None
     seed: int
 
     @property
@@ -95,14 +96,11 @@ class ErrorOfTest:
         Which error is asked about.
     threshold : float
         Error that it is held against [-].
-    contradictions : tuple of str
-        Where the test contradicts what was stated of it, in sentences.
     """
 
     rebuilt: RebuiltError
     metric: Metric
     threshold: float
-    contradictions: tuple[str, ...] = ()
 
     def of(self, metric: Metric) -> Estimate:
         """Error by one metric, with its 90 % interval [-]."""
@@ -165,9 +163,22 @@ def error_of_test(
     """
     scale = question.stated.get("scale", StatedValue(1.0)).value
     lag = question.stated.get("feedback_lag", StatedValue(0.0)).value / _MILLISECONDS
+    measured = recording.measured / scale
+    if question.model is not None:
+        rebuilt = rebuild_with_specimen(
+            recording.command,
+            measured,
+            recording.time_step,
+            question.model.test,
+            deviations=question.model.deviations,
+            sensor_offset=sensor_offset,
+            tolerances=question.tolerances,
+            seed=question.seed,
+        )
+        return ErrorOfTest(rebuilt=rebuilt, metric=question.metric, threshold=question.threshold)
     rebuilt = rebuild(
         recording.command,
-        recording.measured / scale,
+        measured,
         recording.time_step,
         question.structure,
         feedback_lag=lag,

@@ -12,6 +12,7 @@ from reliab.validation.assessment.error_of_test import ErrorOfTest
 from reliab.validation.assessment.faults import Fault
 from reliab.validation.assessment.improvement import Improvement, improvement
 from reliab.validation.assessment.moving_windows import Windows
+from reliab.validation.assessment.own_equation import OwnEquation
 from reliab.validation.assessment.own_motion import OwnPlacement
 from reliab.validation.assessment.placement import Placement
 from reliab.validation.assessment.recording import Recording
@@ -69,6 +70,10 @@ class Findings:
         The error of this very test, rebuilt from its command and measured displacement.
     faults : tuple of FaultEffect
         Faults of the recording.
+    equation : OwnEquation
+        What the test's own equation of motion says of the structure.
+    otherwise_stated : tuple of ErrorOfTest
+        Error with the structure as stated, or with another damping ratio, where the test contradicts it.
     verdict : Verdict
         The verdict on the test, by its error.
     assumed : tuple of str
@@ -86,6 +91,8 @@ class Findings:
     own: OwnPlacement | None
     error: ErrorOfTest
     faults: tuple[FaultEffect, ...]
+    equation: OwnEquation
+    otherwise_stated: tuple[ErrorOfTest, ...]
     verdict: Verdict
     assumed: tuple[str, ...] = ()
 

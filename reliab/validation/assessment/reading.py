@@ -25,6 +25,7 @@ _HEADER_NAMES = {
     "f": ("f", "natural frequency", "natural_frequency", "f_n", "fn"),
     "xi": ("xi", "ξ", "damping ratio", "damping_ratio"),
     "alpha": ("alpha", "α", "experimental fraction", "experimental_fraction"),
+    "mass": ("mass", "mass_kg"),
     "scale": ("scale", "sensor scale", "sensor_scale"),
 }
 

@@ -7,6 +7,7 @@ import numpy as np
 from reliab.rebuilt_error import Estimate, Part, Widening
 from reliab.rebuilt_error.interval import LEVEL as ERROR_LEVEL
 from reliab.validation.assessment.findings import LARGEST_PROBABILITY, FaultEffect, Findings
+from reliab.validation.assessment.own_equation import OwnEquation
 from reliab.validation.assessment.tracking_index import LEVEL
 from reliab.validation.assessment.verdict import Word
 from reliab.vocabulary import Metric
@@ -83,8 +84,22 @@ def _error(found: Findings) -> dict[str, Any]:
         "improve_first": error.parts.first,
         "widest": [_widening(each) for each in error.widenings],
         "would_decide": list(error.would_decide),
-        "contradictions": list(error.contradictions),
+        "contradictions": [*found.equation.contradictions, *filter(None, [found.equation.nonlinear])],
+        "identified": _identified(found.equation),
+        "otherwise_stated": [_interval(each.of(found.metric)) for each in found.otherwise_stated],
     }
+
+
+def _identified(equation: OwnEquation) -> dict[str, Any] | None:
+    if equation.identified is None:
+        return None
+    quantities = {
+        name: None
+        if (found := getattr(equation.identified, name)) is None
+        else {"value": found.value, "deviation": found.deviation, "stated": found.stated}
+        for name in ("frequency", "damping_ratio", "experimental_fraction", "feedback_lag")
+    }
+    return {**quantities, "misfit": equation.identified.misfit, "contradicted": list(equation.wrong)}
 
 
 def _part(part: Part) -> dict[str, float | None]:
