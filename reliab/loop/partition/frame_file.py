@@ -305,7 +305,7 @@ def frame_of_tables(content: dict[str, Any], where: str) -> FrameUnderTest:
         raise InputError(
             "A description of a frame holds known keys with allowed values",
             value="; ".join(_fault(dict(fault)) for fault in error.errors()),
-            remedy="Compare with the frames that ship in studies/frames",
+            remedy="Compare with the frames that ship in datasets/frames",
             where=where,
         ) from None
     try:

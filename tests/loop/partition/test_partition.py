@@ -69,7 +69,7 @@ SOUND = {
 
 
 def test_a_file_describes_the_benchmark(pytestconfig):
-    read = read_frame(pytestconfig.rootpath / "studies/frames/benchmark_case_1.toml")
+    read = read_frame(pytestconfig.rootpath / "datasets/frames/benchmark_case_1.toml")
     partition = benchmark_partition(1)
     np.testing.assert_allclose(read.partition.frame.stiffness, partition.frame.stiffness, rtol=1e-6)
     np.testing.assert_allclose(read.partition.numerical_damping, partition.numerical_damping, rtol=1e-6)

@@ -1,0 +1,190 @@
+"""Report of the virtual hybrid-simulation benchmark."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+
+from reliab.report.document import Block, Column, Document, Figure, Paragraph, Section, Table
+from reliab.report.figures.rths_benchmark import benchmark_spread
+from reliab.report.kinds.provenance import provenance_of
+from reliab.report.kinds.wording import PERCENT, percent
+from reliab.report.numbers import Fixed, Whole
+from reliab.report.prose import prose
+from reliab.validation.rths_benchmark import NOMINAL, summary
+
+_CRITERIA = tuple(f"J{number}" for number in range(1, 10))
+_NAMES = {
+    "pi_phase_lead": "PI with phase lead",
+    "none": "none",
+    "inverse": "third-order inverse",
+    "adaptive_time_series": "adaptive time series",
+    "adaptive_model_based": "adaptive model-based",
+}
+
+
+def rths_benchmark_report(
+    *,
+    title: str,
+    tests: Sequence[Mapping[str, Any]],
+    published: pd.DataFrame | None,
+    provenance: Mapping[str, object],
+    purpose: str = "",
+) -> Document:
+    """Report the benchmark.
+
+    Parameters
+    ----------
+    title : str
+        Title of the report.
+    tests : sequence of mapping
+        As :func:`reliab.validation.rths_benchmark.run_benchmark` returns them.
+    published : pandas.DataFrame or None
+        As :func:`reliab.validation.rths_benchmark.beside_published` returns it; None without its motion.
+    provenance : mapping
+        What the report can be made again from, by name.
+    purpose : str, optional
+        What the study is for.
+
+    Returns
+    -------
+    Document
+        The report.
+    """
+    rows = [dict(test) for test in tests]
+    table = summary(rows)
+    lost = int(table["lost"].sum())
+    blocks: list[Block] = [Paragraph(text=purpose)] if purpose else []
+    if published is not None:
+        blocks.append(_published(published))
+    blocks += [_compensators(table, rows), _errors(rows)]
+    return Document(
+        kind="Virtual hybrid-simulation benchmark",
+        title=title,
+        verdict=prose(
+            "{tests} tests were run; {lost} were lost, because the motion of the piston grew beyond ten times "
+            "the reference.",
+            tests=len(rows),
+            lost=lost,
+        ),
+        facts={
+            "Motions": ", ".join(dict.fromkeys(str(row["motion"]) for row in rows)),
+            "Cases": ", ".join(str(case) for case in dict.fromkeys(row["case"] for row in rows)),
+        },
+        blocks=tuple(blocks),
+        provenance=provenance_of(provenance),
+    )
+
+
+def _worded(name: str) -> str:
+    return _NAMES.get(name, name.replace("_", " "))
+
+
+def _published(published: pd.DataFrame) -> Section:
+    emulated = published[published["variant"] == "emulated"]
+    exact = published[published["variant"] == "exact"]
+    frame = emulated.merge(exact, on=["case", "criterion"], suffixes=("", "_exact"))
+    reached = int(emulated["reached"].sum())
+    furthest = {
+        variant: float((chosen["mean"] / chosen["published"] - 1.0).abs().max())
+        for variant, chosen in published.groupby("variant")
+    }
+    number = Fixed(decimals=1)
+    columns = (
+        Column(key="case", heading="Case", number=Whole()),
+        Column(key="criterion", heading="Criterion"),
+        Column(key="published", heading="Printed", number=number),
+        *(
+            Column(key=key, heading=heading, number=Fixed(decimals=2), group="Difference blocks emulated")
+            for key, heading in (("mean", "Mean"), ("least", "Least"), ("most", "Most"))
+        ),
+        Column(key="reached", heading="Digits reached", group="Difference blocks emulated"),
+        Column(key="mean_exact", heading="Mean", number=Fixed(decimals=2), group="Exact"),
+    )
+    text = prose(
+        "El Centro at 0.4, PI control with phase lead, nominal plant. {reached} of {cells} printed digits are "
+        "reached by some noise when the block diagram's difference blocks are emulated; means over the noises "
+        "lie within {emulated} of the printed numbers, and within {exact} when everything is solved exactly.",
+        reached=reached,
+        cells=len(emulated),
+        emulated=percent(furthest["emulated"], 1),
+        exact=percent(furthest["exact"], 1),
+    )
+    caption = "The benchmark's Table 3 beside ours; J1 in ms, the others in %, in the order of its code."
+    return Section(
+        title="The published table",
+        blocks=(Paragraph(text=text), Table(frame=frame, columns=columns, caption=caption, label="tab:three")),
+    )
+
+
+def _compensators(table: pd.DataFrame, rows: Sequence[Mapping[str, Any]]) -> Section:
+    frame = table.assign(
+        name=[_worded(name) for name in table["compensator"]], share=table["lost"] / table["tests"]
+    )
+    columns = (
+        Column(key="name", heading="Compensator", wide=True),
+        Column(key="plants", heading="Plants"),
+        Column(key="tests", heading="Tests", number=Whole()),
+        Column(key="share", heading="Lost", unit="%", number=Fixed(decimals=1, factor=PERCENT)),
+        Column(key="over_force_limit", heading="Over 8.9 kN", number=Whole()),
+        Column(key="J1", heading="J1", unit="ms", number=Fixed(decimals=2)),
+        *(
+            Column(key=name, heading=name, unit="%", number=Fixed(decimals=1))
+            for name in _CRITERIA
+            if name in {"J2", "J4", "J6"}
+        ),
+        Column(key="A", heading="A", number=Fixed(decimals=4)),
+        Column(key="d_ms", heading="d", unit="ms", number=Fixed(decimals=2)),
+    )
+    caption = (
+        "Means over cases, motions and plants of the tests that were not lost. J2 is the RMS of tracking, J4 of "
+        "the measured first floor and J6 of the second floor against the undivided structure."
+    )
+    alive = pd.DataFrame([row for row in rows if not row["lost"]])
+    alive["name"] = [_worded(str(name)) for name in alive["compensator"]]
+    blocks: list[Block] = [Table(frame=frame, columns=columns, caption=caption, label="tab:compensators")]
+    if len(alive):
+        drawing = benchmark_spread(alive)
+        text = "First floor against the undivided structure (J4), by compensator and case; perturbed plants spread."
+        blocks.append(Figure(drawing=drawing, caption=text, label="fig:spread"))
+    return Section(title="Compensators", blocks=tuple(blocks))
+
+
+def _errors(rows: Sequence[Mapping[str, Any]]) -> Section:
+    """Errors as this project defines them, and as they are rebuilt from the test alone."""
+    judged = [row for row in rows if row["plant"] == NOMINAL and not row["lost"]]
+    frame = pd.DataFrame(
+        [
+            {
+                "name": _worded(row["compensator"]),
+                "case": row["case"],
+                "motion": row["motion"],
+                "rms": row["error"]["rms"],
+                "rebuilt": row["rebuilt"]["rms"]["value"],
+                "low": row["rebuilt"]["rms"]["low"],
+                "high": row["rebuilt"]["rms"]["high"],
+                "verdict": row["rebuilt"]["verdict"].replace("_", " "),
+            }
+            for row in judged
+        ],
+        columns=["name", "case", "motion", "rms", "rebuilt", "low", "high", "verdict"],
+    )
+    number = Fixed(decimals=2, factor=PERCENT)
+    columns = (
+        Column(key="name", heading="Compensator", wide=True),
+        Column(key="case", heading="Case", number=Whole()),
+        Column(key="motion", heading="Motion"),
+        Column(key="rms", heading="True", unit="%", number=number),
+        *(
+            Column(key=key, heading=heading, unit="%", number=number, group="Rebuilt from the test")
+            for key, heading in (("rebuilt", "Value"), ("low", "From"), ("high", "To"))
+        ),
+        Column(key="verdict", heading="Verdict at 5 %"),
+    )
+    caption = (
+        "RMS error of the piston over the peak of the reference, with the 90 % interval that the test's own "
+        "command and measured displacement give; nominal plant."
+    )
+    return Section(
+        title="The error of each test", blocks=(Table(frame=frame, columns=columns, caption=caption, label="tab:errors"),)
+    )
