@@ -12,7 +12,7 @@ from reliab.criterion import EllipseSample
 from reliab.criterion.ellipse_sample import is_ellipse
 from reliab.paper.fits import quantile
 from reliab.paper.printed import EXAMPLE, FIVE_PERCENT, ONE_HERTZ, TWO_PERCENT
-from reliab.vocabulary import Metric
+from reliab.vocabulary import CurveName, Metric, Side
 
 Values = NDArray[np.float64]
 
@@ -61,7 +61,9 @@ class Records:
             if nearest.size == 0:
                 return np.empty(0)
             cells = cells.isel({name: nearest[0]})
-        cells = cells.sel(metric=str(Metric.RMS), curve="ellipse", side="lag")
+        cells = cells.sel(metric=str(Metric.RMS))
+        for name, chosen in (("curve", CurveName.ELLIPSE), ("side", Side.LAG)):
+            cells = cells.sel({name: str(chosen)}) if name in cells.dims else cells
         return np.asarray(cells.transpose("motion").values, dtype=np.float64)
 
     def of_motion(

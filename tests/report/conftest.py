@@ -16,15 +16,15 @@ def ellipses_of():
         scatter = 0.3 * rng.normal(size=events)[event] + 0.5 * rng.normal(size=motions)
         f, xi = np.array(frequencies), np.array(damping_ratios)
         thresholds = np.array([0.02, 0.05])
-        shape = (motions, f.size, xi.size, thresholds.size, 1, 1)
+        shape = (motions, f.size, xi.size, thresholds.size, 1, 1, 1)
         size = (
-            np.exp(scatter).reshape(-1, 1, 1, 1, 1, 1) * (thresholds / 0.05).reshape(1, 1, 1, -1, 1, 1) ** 2
+            np.exp(scatter).reshape(-1, 1, 1, 1, 1, 1, 1) * (thresholds / 0.05).reshape(1, 1, 1, -1, 1, 1, 1) ** 2
         )
         noise = np.exp(0.1 * rng.normal(size=(2, *shape)))
-        of_xi = (xi / 0.02).reshape(1, 1, -1, 1, 1, 1) ** 2
+        of_xi = (xi / 0.02).reshape(1, 1, -1, 1, 1, 1, 1) ** 2
         a = 1.5e-4 * size * of_xi * noise[0]
-        b = 2.5 * size * of_xi / f.reshape(1, -1, 1, 1, 1, 1) ** 2 * noise[1]
-        dimensions = ("motion", "f", "xi", "threshold", "metric", "curve")
+        b = 2.5 * size * of_xi / f.reshape(1, -1, 1, 1, 1, 1, 1) ** 2 * noise[1]
+        dimensions = ("motion", "f", "xi", "threshold", "metric", "curve", "side")
         names = [f"E{each}/M{rank}" for rank, each in enumerate(event)] if names is None else names
         return xr.Dataset(
             {"a": (dimensions, np.broadcast_to(a, shape)), "b": (dimensions, np.broadcast_to(b, shape))},
@@ -37,6 +37,7 @@ def ellipses_of():
                 "threshold": thresholds,
                 "metric": ["rms"],
                 "curve": ["ellipse"],
+                "side": ["lag"],
             },
             attrs={"window": "record", "experimental_fraction": 1.0},
         )

@@ -81,6 +81,7 @@ def _draw(
         linestyle=(0, (1, 2)),
         label="all motions",
     )
-    axes.axvline(limit, color=VERMILION, linewidth=1.2, linestyle=(0, (5, 1.6)), label="criterion")
+    if limit > 0.0:
+        axes.axvline(limit, color=VERMILION, linewidth=1.2, linestyle=(0, (5, 1.6)), label="criterion")
     axes.set_xscale("log")
     label_logarithmic(axes.xaxis)

@@ -28,7 +28,7 @@ def posterior_and_predictive(
     sample : EllipseSample
         Ellipse parameters of many ground motions.
     limits : tuple of float
-        Limits a [-] and b [ms²] of the criterion.
+        Limits a [-] and b [ms²] of the criterion; limits of zero are not drawn on logarithmic scales.
     confidence : float
         Its confidence [-]; the quantile is that of 1 − confidence.
 
@@ -71,7 +71,8 @@ def _predictive(
 ) -> None:
     logarithms = np.log(values)
     room = 0.15 * np.ptp(logarithms)
-    x = np.linspace(min(logarithms.min(), np.log(limit)) - room, logarithms.max() + room, _POINTS)
+    least = min(logarithms.min(), np.log(limit)) if limit > 0.0 else logarithms.min()
+    x = np.linspace(least - room, logarithms.max() + room, _POINTS)
     repeated = np.repeat(logarithms[:, None], x.size, axis=1)
     learned = MotionPredictive.fit(repeated, events).cumulative(x)
     axes.ecdf(values, color=GREY, linewidth=1.0, label="motions")
@@ -86,6 +87,7 @@ def _predictive(
         label="lognormal",
     )
     axes.axhline(share, color=INK, linewidth=0.7, linestyle=(0, (1, 2)), label=f"{share:.2g}")
-    axes.axvline(limit, color=VERMILION, linestyle=(0, (5, 1.6)), label="criterion")
+    if limit > 0.0:
+        axes.axvline(limit, color=VERMILION, linestyle=(0, (5, 1.6)), label="criterion")
     axes.set(xscale="log", xlim=tuple(np.exp([x[0], x[-1]])))
     label_logarithmic(axes.xaxis)
