@@ -1,0 +1,92 @@
+"""Make the shipped results of the real ground motions again from their records.
+
+    python datasets/real_suite/make.py RECORDS [--parts FOLDER] [--workers N]
+
+Each motion is a part of its own, kept in FOLDER, so that an interrupted run resumes where it was.
+"""
+
+import argparse
+import tempfile
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+import reliab
+from reliab.indices.window import Window
+from reliab.motions import Motion, load_motions
+from reliab.sweep import open_results, write_compact, write_ellipses
+
+HERE = Path(__file__).parent
+FREQUENCIES = (0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0)
+DAMPING_RATIOS = (0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09, 0.10)
+THRESHOLDS = (0.01, 0.02, 0.03, 0.05, 0.10, 0.20)
+METRICS = ("rms", "mte")
+WINDOWS = ("record", "arias", "10", "15", "20", "30", "40")
+
+
+def bounds(motion: Motion, label: str) -> tuple[float, float]:
+    """Begin and end of a window [s]."""
+    return Window.parse(label).bounds(motion.acceleration, motion.time_step)
+
+
+def make_part(records: str, index: int, folder: Path) -> None:
+    """Simulate one motion in every window and trace its boundaries on the stored grid."""
+    motions = load_motions(records)[index : index + 1]
+    motion = motions[0]
+    distinct = {bounds(motion, label): label for label in reversed(WINDOWS)}  # a short record is its own window
+    with tempfile.TemporaryDirectory() as scratch:
+        store = Path(scratch) / "results.zarr"
+        windows = [label for label in WINDOWS if label in distinct.values()]
+        reliab.simulate(motions, out=store, f=FREQUENCIES, xi=DAMPING_RATIOS, window=windows, workers=1)
+        traced = {}
+        for label in windows:
+            results = open_results(store, window=label).load()
+            traced[label] = reliab.ellipses(results, threshold=THRESHOLDS, metric=METRICS)
+            if label == "record":
+                write_compact(results, folder / f"results_{index:03d}.nc")
+    parts = [traced[distinct[bounds(motion, label)]] for label in WINDOWS]
+    several = xr.concat(parts, dim="window", data_vars="all", combine_attrs="drop_conflicts", coords="minimal")
+    part = folder / f"ellipses_{index:03d}.nc"
+    write_ellipses(several.assign_coords(window=list(WINDOWS)), part.with_suffix(".tmp"))
+    part.with_suffix(".tmp").rename(part)
+
+
+def rounded(dataset: xr.Dataset) -> xr.Dataset:
+    """Keep five digits of what is not a whole number, and the misfit of the whole record only."""
+    dataset = dataset.copy()
+    for name in ("a", "b", "sse", "error_at_rest"):
+        values = dataset[name].values.astype(np.float32)
+        bits = values.view(np.uint32)
+        kept = ((bits + np.uint32(1 << 5)) & ~np.uint32((1 << 6) - 1)).view(np.float32)
+        dataset[name] = dataset[name].copy(data=np.where(np.isfinite(values), kept, values))
+    record = dataset["window"] == "record"
+    dataset["sse"] = dataset["sse"].where(record).astype(np.float32)
+    dataset["n"] = dataset["n"].where(record, 0).astype(np.int16)
+    return dataset
+
+
+def main() -> None:
+    """Make all parts, then both files."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("records")
+    parser.add_argument("--parts", type=Path, default=Path("real_suite_parts"))
+    parser.add_argument("--workers", type=int, default=2)
+    given = parser.parse_args()
+    given.parts.mkdir(parents=True, exist_ok=True)
+    count = len(load_motions(given.records))
+    missing = [index for index in range(count) if not (given.parts / f"ellipses_{index:03d}.nc").exists()]
+    with ProcessPoolExecutor(given.workers) as pool:
+        jobs = [pool.submit(make_part, given.records, index, given.parts) for index in missing]
+        for done, job in enumerate(as_completed(jobs), start=count - len(missing) + 1):
+            job.result()
+            print(f"{done} of {count}", flush=True)
+    ellipses = [xr.open_dataset(given.parts / f"ellipses_{index:03d}.nc", engine="h5netcdf") for index in range(count)]
+    write_ellipses(rounded(xr.concat(ellipses, dim="motion", data_vars="minimal")), HERE / "ellipses.nc")
+    results = [xr.open_dataset(given.parts / f"results_{index:03d}.nc", engine="h5netcdf") for index in range(count)]
+    write_compact(xr.concat(results, dim="motion", data_vars="minimal"), HERE / "results.nc")
+
+
+if __name__ == "__main__":
+    main()
