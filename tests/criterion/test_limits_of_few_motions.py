@@ -5,14 +5,18 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from reliab.criterion import Criterion, derive_criterion
 from reliab.criterion.distributions import DISTRIBUTIONS
 from reliab.criterion.ellipse_sample import EllipseSample
+from reliab.criterion.laws import FITTED
 from reliab.criterion.methods import BOUND_METHODS, limits, method_of
 from reliab.criterion.motion_predictive import MotionPredictive
 from reliab.errors import InputError
+from reliab.vocabulary import ELLIPSE_DIMENSIONS
 
 EXAMPLES = 6
 CONFIDENCES = (0.3, 0.6, 0.75, 0.9, 0.95, 0.99, 0.995, 0.999)
@@ -116,3 +120,44 @@ def test_ties_have_an_empirical_distribution():
     with warnings.catch_warnings(action="error"):
         fitted = DISTRIBUTIONS["empirical"].fit([1.0, 2.0, 2.0, 2.0, 2.0, 2.0])
         assert 0.0 < float(fitted.quantile(0.05)) < 2.0
+
+
+@settings(max_examples=25, deadline=None, derandomize=True)
+@given(
+    motions=st.integers(3, 12),
+    earthquakes=st.integers(1, 8),
+    seed=st.integers(0, 2**32 - 1),
+    method=st.sampled_from(list(BOUND_METHODS)),
+    law=st.sampled_from(list(FITTED)),
+    confidence=st.sampled_from(CONFIDENCES),
+)
+def test_a_criterion_of_few_motions_is_finite_and_comes_back_from_its_file_or_is_refused(
+    motions, earthquakes, seed, method, law, confidence
+):
+    rng = np.random.default_rng(seed)
+    shape = (motions, 2, 2, 1, 1, 1, 1)
+    events = rng.integers(earthquakes, size=motions).astype(np.str_)
+    ellipses = xr.Dataset(
+        {name: (ELLIPSE_DIMENSIONS, np.exp(rng.normal(size=shape))) for name in "ab"},
+        coords={
+            "motion": np.arange(motions).astype(np.str_),
+            "event": ("motion", events),
+            "f": [0.5, 1.0],
+            "xi": [0.02, 0.05],
+            "threshold": [0.05],
+            "metric": ["rms"],
+            "curve": ["inscribed"],
+            "side": ["lag"],
+        },
+    )
+    try:
+        criterion = derive_criterion(ellipses, method=method, law=law, confidence=confidence)
+    except InputError:
+        return
+    again = Criterion.from_json(criterion.to_json())
+    limits_of_both = [np.stack(one.limits([0.5, 0.7, 1.0], 0.03)) for one in (criterion, again)]
+    np.testing.assert_array_equal(*limits_of_both)
+    assert np.isfinite(limits_of_both[0]).all()
+    assert (limits_of_both[0] >= 0.0).all()
+    if (limits_of_both[0] == 0.0).any():
+        assert "no test is accepted" in criterion.provenance.warnings[0]

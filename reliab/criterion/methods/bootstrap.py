@@ -39,6 +39,7 @@ class Bootstrap(BoundMethod):
     """
 
     name: ClassVar[str] = "bootstrap"
+    meaning: ClassVar[str] = "a bound from resampling whole earthquakes"
     exchangeable: ClassVar[str] = "earthquakes, each with all its motions; lognormal"
 
     assurance: float = 0.95

@@ -34,6 +34,9 @@ class Conformal(BoundMethod):
     """
 
     name: ClassVar[str] = "conformal"
+    meaning: ClassVar[str] = (
+        "the predictive probability for a motion of a further earthquake, free of any distribution"
+    )
     exchangeable: ClassVar[str] = "earthquakes, and the motions within each, of any distribution"
     distribution_free: ClassVar[bool] = True
 

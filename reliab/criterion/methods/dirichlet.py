@@ -33,6 +33,11 @@ class Dirichlet(BoundMethod):
     """
 
     name: ClassVar[str] = "dirichlet"
+    meaning: ClassVar[str] = (
+        "the predictive probability for a motion of a further earthquake, learned from the motions "
+        "themselves and, beyond them, from a fitted shape; motions count as many as their earthquakes are"
+        " worth"
+    )
     exchangeable: ClassVar[str] = "motions, those of one earthquake alike as analysis of variance finds"
 
     concentration: float = CONCENTRATION

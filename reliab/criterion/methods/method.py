@@ -80,6 +80,8 @@ class Method(ABC):
     ----------
     name : str
         How the method is called on the command line.
+    meaning : str
+        What a confidence stated by the method means, as the end of a sentence.
     exchangeable : str
         What has to be interchangeable for the method to keep its promise.
     curve : str
@@ -93,6 +95,7 @@ class Method(ABC):
     """
 
     name: ClassVar[str]
+    meaning: ClassVar[str]
     exchangeable: ClassVar[str]
     curve: ClassVar[str] = CurveName.INSCRIBED
     joint_by_default: ClassVar[bool] = True

@@ -39,6 +39,7 @@ class OrderStatistic(BoundMethod):
     """
 
     name: ClassVar[str] = "order_statistic"
+    meaning: ClassVar[str] = "a bound by order statistics, free of any distribution"
     exchangeable: ClassVar[str] = "motions, each counted as independent, of any distribution"
     distribution_free: ClassVar[bool] = True
 

@@ -32,6 +32,9 @@ class Posterior(BoundMethod):
     """
 
     name: ClassVar[str] = "posterior"
+    meaning: ClassVar[str] = (
+        "a credible bound of the population's quantile, if motions are independent and lognormal"
+    )
     exchangeable: ClassVar[str] = "motions, each counted as independent and lognormal"
 
     assurance: float = 0.95

@@ -26,6 +26,7 @@ class Predictive(BoundMethod):
     """
 
     name: ClassVar[str] = "predictive"
+    meaning: ClassVar[str] = "the predictive probability for one further motion, if motions are lognormal"
     exchangeable: ClassVar[str] = "motions, each counted as independent and lognormal"
 
     @property

@@ -40,6 +40,10 @@ class Quantile(BoundMethod):
     """
 
     name: ClassVar[str] = "quantile"
+    meaning: ClassVar[str] = (
+        "the quantile of the fitted distribution, as in the paper: no allowance is made for how few "
+        "motions there are"
+    )
     exchangeable: ClassVar[str] = "motions, each counted as independent"
     curve: ClassVar[str] = CurveName.ELLIPSE
     joint_by_default: ClassVar[bool] = False

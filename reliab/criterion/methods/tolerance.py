@@ -66,6 +66,10 @@ class Tolerance(BoundMethod):
     """
 
     name: ClassVar[str] = "tolerance"
+    meaning: ClassVar[str] = (
+        "a tolerance bound: suites like this one keep the promise with the stated assurance, if motions "
+        "are independent and lognormal"
+    )
     exchangeable: ClassVar[str] = "motions, each counted as independent and lognormal"
 
     assurance: float = 0.95

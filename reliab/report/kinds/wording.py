@@ -6,6 +6,7 @@ from typing import Final
 
 import numpy as np
 
+from reliab.criterion.methods import METHODS as KNOWN_METHODS
 from reliab.report.prose import Math, Piece
 from reliab.vocabulary import Metric
 
@@ -39,34 +40,7 @@ def window_in_words(window: str) -> str:
     return known.get(window, f"the first {window} s of the record")
 
 
-METHODS: Final = {
-    "quantile": (
-        "the quantile of the fitted distribution, as in the paper: no allowance is made for how few motions "
-        "there are"
-    ),
-    "tolerance": (
-        "a tolerance bound: suites like this one keep the promise with the stated assurance, if motions are "
-        "independent and lognormal"
-    ),
-    "posterior": "a credible bound of the population's quantile, if motions are independent and lognormal",
-    "predictive": "the predictive probability for one further motion, if motions are lognormal",
-    "dirichlet": (
-        "the predictive probability for a motion of a further earthquake, learned from the motions "
-        "themselves and, beyond them, from a fitted shape; motions count as many as their earthquakes are "
-        "worth"
-    ),
-    "order_statistic": "a bound by order statistics, free of any distribution",
-    "conformal": "the predictive probability for a motion of a further earthquake, free of any distribution",
-    "bootstrap": "a bound from resampling whole earthquakes",
-    "hierarchical": (
-        "the posterior of a hierarchical model of earthquakes, motions and structures together: predictive, "
-        "or with the stated assurance"
-    ),
-    "hierarchical_robust": (
-        "the posterior of a hierarchical model of earthquakes, motions and structures together, in which "
-        "outlying motions count less: predictive, or with the stated assurance"
-    ),
-}
+METHODS: Final = {name: method.meaning for name, method in KNOWN_METHODS.items()}
 """What a stated confidence means, by the name of the method."""
 
 

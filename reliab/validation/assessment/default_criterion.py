@@ -128,4 +128,5 @@ def _at_threshold(ellipses: xr.Dataset, threshold: float) -> xr.Dataset:
         sound = pair.where((pair["a"] > 0.0) & (pair["b"] > 0.0))
         below, above = (np.log(sound.isel(threshold=place)) for place in (0, 1))
         pair = np.exp((1.0 - weight) * below + weight * above).expand_dims("threshold")
-    return pair.assign_coords(threshold=[threshold]).assign_attrs(ellipses.attrs)
+    rest = {name: ellipses[name] for name in ("error_at_rest",) if name in ellipses}
+    return pair.assign_coords(threshold=[threshold]).assign(rest).assign_attrs(ellipses.attrs)

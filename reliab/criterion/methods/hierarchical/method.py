@@ -87,6 +87,10 @@ class HierarchicalNormal(HierarchicalMethod):
     """
 
     name: ClassVar[str] = "hierarchical"
+    meaning: ClassVar[str] = (
+        "the posterior of a hierarchical model of earthquakes, motions and structures together: "
+        "predictive, or with the stated assurance"
+    )
     robust: ClassVar[bool] = False
 
 
@@ -98,4 +102,8 @@ class HierarchicalRobust(HierarchicalMethod):
     """
 
     name: ClassVar[str] = "hierarchical_robust"
+    meaning: ClassVar[str] = (
+        "the posterior of a hierarchical model of earthquakes, motions and structures together, in which "
+        "outlying motions count less: predictive, or with the stated assurance"
+    )
     robust: ClassVar[bool] = True
