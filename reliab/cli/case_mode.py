@@ -18,7 +18,13 @@ _HEADINGS = (
 
 
 def judge_cases(
-    motions: list[str] | None, sets: list[str] | None, case: str, json_target: str | None
+    motions: list[str] | None,
+    sets: list[str] | None,
+    case: str,
+    *,
+    integrator: str,
+    compensator: str,
+    json_target: str | None,
 ) -> None:
     """Run the paper's four cases under a ground motion and print the verdicts.
 
@@ -28,25 +34,51 @@ def judge_cases(
         Sources of ground motions and sets of their catalogue.
     case : str
         Name of the motion; it may be one that is held out.
+    integrator, compensator : str
+        How the command is computed, and how the actuator's delay is compensated.
     json_target : str or None
         File for JSON, or "-".
     """
     from reliab.criterion import published_criterion
     from reliab.paper.case_verdicts import case_verdicts
+    from reliab.paper.cases import RECORD_SECONDS
+    from reliab.shipped import shipped
+    from reliab.sweep import open_ellipses
     from reliab.validation.assessment import default_criterion
+    from reliab.validation.earthquakes import earthquakes_among
 
     motion = _motion(motions, sets, case)
     printed = published_criterion("guo_2017_18")
-    found = case_verdicts(
+    learned = open_ellipses(shipped("datasets", "real_suite/ellipses.nc"))
+    (event,) = earthquakes_among([motion.event], [motion.checksum], learned)
+    verdicts = case_verdicts(
         motion,
         {
             "guo_2017_18": lambda f, xi: printed,  # noqa: ARG005 - one law for all structures
-            "recommended": lambda f, xi: default_criterion(f, xi, without=motion.event),
+            "recommended": lambda f, xi: default_criterion(f, xi, without=event),
         },
+        integrator=integrator,
+        compensator=compensator,
     )
-    rows = found.astype(object).where(found.notna(), None).to_dict(orient="records")
-    if not write_json({"motion": motion.name, "cases": rows}, json_target):
-        _show_cases(motion.name, found)
+    rows = verdicts.astype(object).where(verdicts.notna(), None).to_dict(orient="records")
+    window = min(RECORD_SECONDS, motion.duration)
+    content = {
+        "motion": motion.name,
+        "held_out": event,
+        "window": f"{window:g}",
+        "integrator": integrator,
+        "compensator": compensator,
+        "cases": rows,
+    }
+    if write_json(content, json_target):
+        return
+    _show_cases(motion.name, verdicts)
+    console().print(
+        "RMS^R is the RMS of measured minus exact displacement over the peak of the exact one, in the first "
+        f"{window:g} s of the record. Integrator: {integrator}; compensator: {compensator}. The recommended "
+        f"criterion was learned {f'without {event}' if event else 'from all shipped motions'}.",
+        highlight=False,
+    )
 
 
 def _motion(motions: list[str] | None, sets: list[str] | None, name: str) -> "Motion":
@@ -66,9 +98,9 @@ def _motion(motions: list[str] | None, sets: list[str] | None, name: str) -> "Mo
     return suite.select(names=[name])[0]
 
 
-def _show_cases(motion: str, found: "pd.DataFrame") -> None:
+def _show_cases(motion: str, verdicts: "pd.DataFrame") -> None:
     shown = table(f"The paper's cases under {motion}", dict.fromkeys(_HEADINGS, "right"))
-    for row in found.to_dict(orient="records"):
+    for row in verdicts.to_dict(orient="records"):
         shown.add_row(
             *(str(row["case"]), f"{row['f']:g}", f"{row['xi']:g}", f"{row['A']:.4f}", f"{row['d_ms']:.3f}"),
             *(row["criterion"], f"{row['index']:.3g}", "yes" if row["accepted"] else "no"),

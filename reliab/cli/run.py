@@ -7,15 +7,17 @@ import typer
 
 from reliab.cli.options import JsonTarget, Motions, Sets
 from reliab.cli.output import console, progress_bar, table, write_json
+from reliab.errors import InputError
 
 _OUT = Path("reliab-run")
+_DEFAULT = "quick"
 
 
 def run(
     *,
     study: Annotated[
         str, typer.Argument(metavar="[STUDY.toml]", help="A study's file, or the name of one that ships.")
-    ] = "quick",
+    ] = _DEFAULT,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="Run folder; reliab-run/STUDY by default.")
     ] = None,
@@ -26,6 +28,7 @@ def run(
 ) -> None:
     """Run a study: simulate, fit, derive, validate, report."""
     if listed:
+        _refuse_beside_list(study, out, motions, sets)
         _list(json_target)
         return
     from reliab.study import open_study, run_study
@@ -47,11 +50,26 @@ def run(
         console().print(f"Report: {report}", highlight=False)
 
 
+def _refuse_beside_list(
+    study: str, out: Path | None, motions: list[str] | None, sets: list[str] | None
+) -> None:
+    """Refuse what a list of the studies that ship leaves without effect."""
+    idle = {
+        "a study": study != _DEFAULT,
+        "--out": out is not None,
+        "--motions": motions is not None,
+        "--sets": sets is not None,
+    }
+    for name, given in idle.items():
+        if given:
+            raise InputError("--list only lists the studies that ship", value=name, remedy="Leave it out")
+
+
 def _list(json_target: str | None) -> None:
     from reliab.study import shipped_studies
 
     studies = shipped_studies()
-    rows = [{"name": name, "kind": each.kind, "title": each.title} for name, each in studies.items()]
+    rows = [{"name": name, "kind": study.kind, "title": study.title} for name, study in studies.items()]
     if write_json({"studies": rows}, json_target):
         return
     shown = table("Studies that ship", {"study": "left", "kind": "left", "title": "left"})

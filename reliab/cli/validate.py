@@ -90,6 +90,22 @@ Case = Annotated[
     str | None,
     typer.Option("--case", metavar="MOTION", help="Run the paper's four cases under this motion instead."),
 ]
+IntegratorName = Annotated[
+    str | None,
+    typer.Option(
+        "--integrator",
+        metavar="NAME",
+        help="For --case: chen_ricles (the paper's), central_difference, operator_splitting or exact.",
+    ),
+]
+CompensatorName = Annotated[
+    str | None,
+    typer.Option(
+        "--compensator",
+        metavar="NAME",
+        help="For --case: inverse (the paper's), feedforward, polynomial_extrapolation or none.",
+    ),
+]
 
 
 def validate(
@@ -115,15 +131,29 @@ def validate(
     trials: Tests = None,
     calibration: Calibration = False,
     case: Case = None,
+    integrator: IntegratorName = None,
+    compensator: CompensatorName = None,
     json_target: JsonTarget = None,
 ) -> None:
     """Judge criteria on earthquakes that they were not learned from."""
     if case is not None:
         from reliab.cli.case_mode import judge_cases
 
-        _refuse_beside("--case", locals(), ("motions", "sets"))
-        judge_cases(motions, sets, case, json_target)
+        _refuse_beside("--case", locals(), ("motions", "sets", "integrator", "compensator"))
+        judge_cases(
+            motions,
+            sets,
+            case,
+            integrator=integrator or "chen_ricles",
+            compensator=compensator or "inverse",
+            json_target=json_target,
+        )
         return
+    for option, value in (("--integrator", integrator), ("--compensator", compensator)):
+        if value is not None:
+            raise InputError(
+                f"{option} is of the paper's cases", value=value, remedy="Give --case, or leave it out"
+            )
     from reliab.cli.validation_choice import Asked, candidates_of, folds_of, truth_of
 
     asked = Asked(

@@ -14,7 +14,13 @@ CriterionOf = Callable[[float, float], Criterion]
 """Gives the criterion of a structure: frequency [Hz] and damping ratio [-]."""
 
 
-def case_verdicts(motion: Motion, criteria: Mapping[str, CriterionOf]) -> pd.DataFrame:
+def case_verdicts(
+    motion: Motion,
+    criteria: Mapping[str, CriterionOf],
+    *,
+    integrator: str = "chen_ricles",
+    compensator: str = "inverse",
+) -> pd.DataFrame:
     """Simulate the paper's cases under a ground motion and hold criteria against what happened.
 
     Parameters
@@ -23,6 +29,8 @@ def case_verdicts(motion: Motion, criteria: Mapping[str, CriterionOf]) -> pd.Dat
         The ground motion, KOBE/KJM000 in the paper.
     criteria : mapping of str to callable
         Criteria by name.
+    integrator, compensator : str, optional
+        Names of :mod:`reliab.paper.equipment`; the paper's by default.
 
     Returns
     -------
@@ -32,7 +40,8 @@ def case_verdicts(motion: Motion, criteria: Mapping[str, CriterionOf]) -> pd.Dat
         `accepted`, and `probability` [-] of staying below the threshold, None where it is unknown.
     """
     rows = []
-    for number, outcome in enumerate(run_paper_cases(motion), start=1):
+    outcomes = run_paper_cases(motion, integrator=integrator, compensator=compensator)
+    for number, outcome in enumerate(outcomes, start=1):
         case = outcome.case
         for name, criterion_of in criteria.items():
             criterion = criterion_of(case.frequency, case.damping_ratio)

@@ -19,14 +19,12 @@ from reliab.indices.frequency_evaluation import frequency_evaluation
 from reliab.indices.response_error import response_error
 from reliab.loop.actuator import Actuator
 from reliab.loop.hybrid_test.closed_loop import run_closed_loop
-from reliab.loop.hybrid_test.compensators import InverseCompensation
-from reliab.loop.hybrid_test.integrators import ChenRicles
 from reliab.loop.hybrid_test.model import HybridTest
 from reliab.loop.structure import Structure
 from reliab.motions import Motion, resample, truncate
+from reliab.paper.equipment import RATE_HZ, compensator_of, integrator_of
 from reliab.paper.printed import FIVE_PERCENT, FRAME_STIFFNESS, SPECIMEN_STIFFNESS, PrintedTables
 
-RATE_HZ = 1024.0
 _MILLISECONDS = 1e3
 DELAY_STEPS = 4
 RECORD_SECONDS = 40.0
@@ -118,7 +116,13 @@ class CaseOutcome:
     measured: NDArray[np.float64]
 
 
-def run_paper_cases(motion: Motion, cases: Sequence[PaperCase] | None = None) -> list[CaseOutcome]:
+def run_paper_cases(
+    motion: Motion,
+    cases: Sequence[PaperCase] | None = None,
+    *,
+    integrator: str = "chen_ricles",
+    compensator: str = "inverse",
+) -> list[CaseOutcome]:
     """Simulate cases under a ground motion.
 
     Parameters
@@ -127,18 +131,25 @@ def run_paper_cases(motion: Motion, cases: Sequence[PaperCase] | None = None) ->
         The ground motion, KOBE/KJM000 in the paper; its first 40 s are used.
     cases : sequence of PaperCase, optional
         The cases; those of Table 5 by default.
+    integrator, compensator : str, optional
+        Names of :mod:`reliab.paper.equipment`; the paper's by default.
 
     Returns
     -------
     list of CaseOutcome
         One for each case.
+
+    Raises
+    ------
+    InputError
+        If there is no such integrator or compensator.
     """
     record = resample(truncate(motion, min(RECORD_SECONDS, motion.duration)), RATE_HZ)
-    return [_run(record, case) for case in (printed_cases() if cases is None else cases)]
+    chosen = printed_cases() if cases is None else cases
+    return [_run(record, case, integrator, compensator) for case in chosen]
 
 
-def _run(record: Motion, case: PaperCase) -> CaseOutcome:
-    integrator = ChenRicles(structure=case.structure)
+def _run(record: Motion, case: PaperCase, integrator: str, compensator: str) -> CaseOutcome:
     perfect = HybridTest(structure=case.structure, mass=case.mass)
     flawed = HybridTest(
         structure=case.structure,
@@ -147,12 +158,13 @@ def _run(record: Motion, case: PaperCase) -> CaseOutcome:
     )
     first, second = (
         run_closed_loop(
-            test, record.acceleration, record.time_step, integrator=integrator, compensator=compensator
+            test,
+            record.acceleration,
+            record.time_step,
+            integrator=integrator_of(integrator, case.structure),
+            compensator=control,
         )
-        for test, compensator in (
-            (perfect, None),
-            (flawed, InverseCompensation(steps=case.estimated_delay)),
-        )
+        for test, control in ((perfect, None), (flawed, compensator_of(compensator, case.estimated_delay)))
     )
     ideal = first.command.values[0]
     found = frequency_evaluation(second.command.values[0], second.measured, record.time_step)

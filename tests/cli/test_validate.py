@@ -128,3 +128,27 @@ def test_the_command_file_imports_no_numerics():
     code = "import sys, reliab.cli.validate; print('numpy' in sys.modules)"
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)  # noqa: S603
     assert result.stdout.strip() == "False"
+
+
+def test_own_motions_are_judged_by_the_shipped_suite(tmp_path):
+    from reliab.motions.synthetic import synthetic_suite
+    from reliab.motions.writing import write_suite
+
+    write_suite(synthetic_suite(count=4), tmp_path / "suite")
+    path = tmp_path / "suite" / "catalog.csv"
+    path.write_text(
+        path.read_text(encoding="utf-8").replace("SYN001,", "KOBE JAPAN 1995-01-16,"), encoding="utf-8"
+    )
+    own = (
+        *("--motions", tmp_path / "suite", "--learn", "real_suite"),
+        *("--confidence", 0.8, "--law", "table", "--trials", 64),
+    )
+    found = answer(*own)
+    assert found["scheme"] == "learned from real_suite"
+    assert found["truth"] == "simulated"
+    assert found["n_of_learned_earthquakes"] == 2  # both components of the earthquake that is called Kobe's
+    assert sum(found["rows"][0]["confusion"].values()) == 4 * 64
+    shown = run(*own).stdout
+    assert "2 of the motions are of earthquakes that the suite holds" in shown
+    for idle in (("--judge", "synthetic"), ("--scheme", "k_fold")):
+        assert isinstance(run(*own, *idle).exception, InputError)

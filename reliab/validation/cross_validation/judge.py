@@ -22,6 +22,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from reliab.criterion.ellipse_sample import names_along
+from reliab.criterion.meaning import require_meaning
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
 from reliab.validation.cross_validation.candidates import Candidate, Limits
@@ -189,8 +190,10 @@ def cross_validate(
     Raises
     ------
     InputError
-        If no candidate can promise anything in any fold; the first reason.
+        If an actuator that does not move would pass at the threshold, or no candidate can promise anything
+        in any fold; the first reason.
     """
+    require_meaning(ellipses, threshold=threshold, metric=metric)
     folds, truth = list(folds), truth or EllipseTruth(ellipses)
     structures = list(
         product(enumerate(ellipses["f"].values.tolist()), enumerate(ellipses["xi"].values.tolist()))

@@ -5,6 +5,7 @@ import pytest
 
 from reliab import api
 from reliab.criterion.laws import OF_MANY_MOTIONS, Table
+from reliab.errors import InputError
 from reliab.indices.window import Window
 from reliab.loop import spectral
 from reliab.loop.excitation import Excitation
@@ -163,6 +164,21 @@ def test_leads_are_judged_by_their_own_limits_and_errors(motions, both_sides):
     lag, lead = (validation.containment(side=side)["rate"].squeeze().values for side in Side)
     assert lag[0] == lead[0] == lead[1] == 1.0
     assert lag[1] < 1.0
+
+
+def test_a_threshold_that_an_actuator_at_rest_keeps_is_refused(motions, both_sides):
+    at_rest = both_sides.assign(error_at_rest=0.1 * both_sides["error_at_rest"])
+    law = Table.fit([1.0], [0.02], [[1e-6]], [[0.01]])
+    with pytest.raises(InputError, match="does not move"):
+        cross_validate(
+            at_rest,
+            leave_one_event_out(both_sides["event"].values),
+            [Printed(name="printed", law=law)],
+            scheme="test",
+            confidences=(0.95,),
+            truth=SimulatedTruth(motions=motions),
+            trials=64,
+        )
 
 
 def test_a_law_of_the_paper_counts_leads_as_lags_and_other_laws_say_nothing_of_them():

@@ -1,0 +1,62 @@
+"""Earthquakes are known by record, date and name."""
+
+import pytest
+import xarray as xr
+
+from reliab.motions import load_motions
+from reliab.shipped import shipped
+from reliab.sweep import open_ellipses
+from reliab.validation.earthquakes import earthquakes_among
+
+
+@pytest.fixture(scope="module")
+def real():
+    return open_ellipses(shipped("datasets", "real_suite/ellipses.nc"))
+
+
+@pytest.mark.parametrize(
+    ("event", "name"),
+    [
+        ("KOBE", "KOBE"),
+        ("KOBE JAPAN 1995-01-16", "KOBE"),
+        ("KOBE/KJM000", "KOBE"),
+        ("Hyogo-ken Nanbu 1995-01-17", "KOBE"),
+        ("Kobe, 1995", "KOBE"),
+        ("IMPERIAL VALLEY-06 1979-10-15", "IMPVALL"),
+        ("IMPERIAL VALLEY-02 1940-05-19", None),
+        ("Loma Prieta", "LOMAP"),
+        ("CHI-CHI TAIWAN 1999-09-21", "CHICHI"),
+        ("Irpinia 1980/11/23", "ITALY"),
+        ("Tohoku 2011-03-11", None),
+        ("SYN001", None),
+        ("KO", None),
+        ("1995-13-99", None),
+    ],
+)
+def test_an_earthquake_is_known_by_name_and_date(event, name, real):
+    assert earthquakes_among([event], [""], real) == [name]
+
+
+def test_a_record_is_known_whatever_it_is_called(real):
+    place = real["event"].values.tolist().index("KOBE")
+    checksum = str(real["checksum"].values[place])
+    assert earthquakes_among(["mine", "mine"], [checksum, "0" * 64], real) == ["KOBE", None]
+
+
+def test_earthquakes_that_do_not_ship_are_known_by_their_own_names():
+    suite = xr.Dataset(coords={"event": ("motion", ["TOHOKU 2011-03-11", "Maule"])})
+    assert earthquakes_among(["Tohoku", "MAULE 2010-02-27", "Illapel"], ["", "", ""], suite) == [
+        "TOHOKU 2011-03-11",
+        "Maule",
+        None,
+    ]
+
+
+def test_headers_of_all_real_records_are_recognised(real_motions_folder, real):
+    for folder in ("far_field", "near_field"):
+        catalogued = {
+            motion.checksum: motion.event for motion in load_motions(real_motions_folder, sets=[folder])
+        }
+        motions = list(load_motions(real_motions_folder / folder))
+        named = earthquakes_among([motion.event for motion in motions], [""] * len(motions), real)
+        assert named == [catalogued[motion.checksum] for motion in motions]
