@@ -27,7 +27,7 @@ def tracking_overview(
     draws: NDArray[np.float64],
     boundaries: Mapping[str, tuple[float, float]],
     windows: Windows | None,
-    height: float = 56.0,
+    height: float = 46.0,
 ) -> Figure:
     """Draw a test in the plane of amplitude and delay, and both over the test.
 
@@ -118,7 +118,7 @@ def error_over_time(
     error: NDArray[np.float64],
     band: tuple[NDArray[np.float64], NDArray[np.float64]],
     parts: Mapping[str, NDArray[np.float64]],
-    height: float = 92.0,
+    height: float = 76.0,
 ) -> Figure:
     """Draw the exact and the measured history, the error with its band, and its parts over time.
 

@@ -127,7 +127,6 @@ def _numbers(found: Assessment) -> Table:
     tracking = found.tracking
     (low_a, high_a), (low_d, high_d) = tracking.interval(LEVEL)
     a, b = found.limits
-    critical = _MILLISECONDS * found.critical_delay
     rows = [
         ("Amplitude A", f"{tracking.amplitude:.5f}", f"{low_a:.5f} to {high_a:.5f}", f"1 ± {np.sqrt(a):.5f}"),
         ("Equivalent delay d [ms]", *_milliseconds(tracking.delay, low_d, high_d), f"{np.sqrt(b):.3f}"),
@@ -139,18 +138,11 @@ def _numbers(found: Assessment) -> Table:
         ),
         *_own(found),
         *_tracking(found),
-        ("Equivalent frequency [Hz]", f"{tracking.plain.equivalent_frequency:.3f}", "", ""),
         (
-            "Delay at which the loop is unstable [ms]",
-            f"{critical:.2f}" if np.isfinite(critical) else "none",
+            "Delay at which the loop is unstable [ms], share of it that is free [%]",
+            f"{_unstable(found)}, {Fixed(decimals=1, factor=PERCENT)(found.stability_margin).digits}",
             "",
             "",
-        ),
-        (
-            "Share of it that is free [%]",
-            Fixed(decimals=1, factor=PERCENT)(found.stability_margin).digits,
-            "",
-            "0 at least",
         ),
         ("Noise in the measured displacement [%]", f"{PERCENT * tracking.noise_share:.2f}", "", ""),
     ]
@@ -168,6 +160,11 @@ def _numbers(found: Assessment) -> Table:
         ),
         label="tab:numbers",
     )
+
+
+def _unstable(found: Assessment) -> str:
+    critical = _MILLISECONDS * found.critical_delay
+    return f"{critical:.2f}" if np.isfinite(critical) else "none"
 
 
 def _index(value: float) -> str:

@@ -2,15 +2,19 @@
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import correlate
 
 from reliab.errors import InputError
 from reliab.validation.assessment.recording import Recording
 
-_OPPOSITE = -0.5
+_OPPOSITE = -0.8
 """Correlation below which the measured displacement runs against the command."""
 
 _UNRELATED = 0.45
-"""Correlation below which it does not follow the command; a rig that loses a test follows it better."""
+"""Correlation, at the best lag, below which it does not follow the command; a rig that loses a test follows
+it late, but better."""
+
+_LONGEST_LAG = 0.25  # of the test
 
 _UNIT_FACTORS = {
     1000.0: "millimetres beside metres",
@@ -40,7 +44,8 @@ def require_following(recording: Recording) -> None:
         smaller by the ratio of two units of length.
     """
     command, measured = _moving(recording.command), _moving(recording.measured)
-    correlation = float(command @ measured) / float(np.linalg.norm(command) * np.linalg.norm(measured))
+    size = float(np.linalg.norm(command) * np.linalg.norm(measured))
+    correlation = float(command @ measured) / size
     if correlation < _OPPOSITE:
         raise InputError(
             "The measured displacement must have the command's sign",
@@ -48,10 +53,13 @@ def require_following(recording: Recording) -> None:
             remedy="Reverse the sign of one channel",
             where=recording.name,
         )
-    if correlation < _UNRELATED:
+    reach = int(_LONGEST_LAG * command.size)
+    products = correlate(measured, command, method="fft")[command.size - 1 - reach : command.size + reach]
+    best = float(products.max()) / size
+    if best < _UNRELATED:
         raise InputError(
             "The measured displacement must follow the command",
-            value=f"a correlation of {correlation:.2f} between the two",
+            value=f"a correlation of at most {best:.2f} between the two",
             remedy="Check that the columns and their units are the right ones",
             where=recording.name,
         )

@@ -11,6 +11,7 @@ from reliab.loop.structure import Structure
 from reliab.report.kinds.assessment import assessment_report
 from reliab.report.kinds.suites import suites_report
 from reliab.report.kinds.validation import validation_report
+from reliab.stated_value import StatedValue
 from reliab.validation.assessment import Recording, assess
 
 
@@ -33,18 +34,34 @@ def criterion(ellipses_of):
     return derive_criterion(ellipses_of(), method=method_of("dirichlet"), joint=True)
 
 
-@pytest.mark.parametrize(("delay", "reliable"), [(1e-4, True), (4e-3, False)])
-def test_a_test_is_reported_on_two_pages(criterion, set_without_warnings, delay, reliable):
+@pytest.mark.parametrize(
+    ("delay", "deviation", "tone", "word"),
+    [
+        (1e-4, 0.0, "good", "reliable"),
+        (1.3e-3, 0.05, "plain", "undecided"),
+        (4e-3, 0.0, "bad", "not reliable"),
+    ],
+)
+def test_a_test_is_reported_on_two_pages(
+    criterion, set_without_warnings, text_of, delay, deviation, tone, word
+):
     times = np.arange(0.0, 40.0, 1.0 / 256.0)
     command = 0.02 * np.sin(2.0 * np.pi * times) * np.hanning(times.size)
     noise = 1e-6 * np.random.default_rng(1).normal(size=times.size)
     measured = 0.999 * np.interp(times - delay, times, command) + noise
     recording = Recording(command=command, measured=measured, time_step=1.0 / 256.0, name="#1 $test$")
-    found = assess(recording, Structure(frequency=1.0, damping_ratio=0.02), criterion=criterion)
+    stated = {"f": StatedValue(1.0, deviation), "xi": StatedValue(0.02)}
+    structure = Structure(frequency=1.0, damping_ratio=0.02)
+    found = assess(recording, structure, stated=stated, criterion=criterion)
     notes = ("A remark of the laboratory, long enough to take more than one line of the sheet. " * 2,) * 5
     document = assessment_report(found, provenance={"file": "a.csv"}, notes=notes)
-    assert document.tone == ("good" if reliable else "bad")
+    assert document.tone == tone
     assert pages(set_without_warnings(document)) == 2
+    read = text_of(document)
+    assert f"The test is {word}" in read
+    assert "over the test's own 40 s" in read
+    assert f"{100.0 * found.error.rebuilt.rms.value:.2f}" in read
+    assert ("What would decide" in read) is (word == "undecided")
 
 
 @pytest.mark.parametrize(("lowered", "tone"), [(0.0, "good"), (0.2, "bad")])
