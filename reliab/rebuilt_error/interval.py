@@ -17,7 +17,7 @@ from reliab.rebuilt_error.error_statistics import mean_square, sweep_draws
 from reliab.rebuilt_error.noise import SensorNoise
 from reliab.rebuilt_error.recursion import Recursion, respond
 from reliab.rebuilt_error.tolerances import Tolerances
-from reliab.rebuilt_error.whole_structure import WholeStructure
+from reliab.rebuilt_error.whole_structure import WholeStructure, first_mode
 
 Array = NDArray[np.float64]
 
@@ -305,17 +305,6 @@ def _recursions(structure: WholeStructure, drawn: dict[str, Array], step: float)
         )
         for f, xi, share in zip(*(drawn[name] for name in names), strict=True)
     ]
-
-
-def first_mode(structure: WholeStructure) -> Array:
-    """Shape of the lowest undamped mode that moves the interface by one, shape (n,)."""
-    values, vectors = np.linalg.eig(np.linalg.solve(structure.mass, structure.stiffness))
-    for place in np.argsort(values.real):
-        shape = vectors[:, place].real
-        moved = float(structure.interface @ shape)
-        if abs(moved) > 1e-6 * np.abs(shape).max():
-            return np.asarray(shape / moved)
-    return np.asarray(structure.interface / float(structure.interface @ structure.interface))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

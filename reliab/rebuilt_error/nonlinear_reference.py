@@ -185,7 +185,7 @@ def _reference(perfect: HybridTest, histories: Histories) -> Array:
             "The model must stay bounded under the demand of the test",
             remedy="Calibrate the specimen on tests as large as this one",
         )
-    return reference
+    return np.asarray(reference, dtype=np.float64)
 
 
 def _sweep(

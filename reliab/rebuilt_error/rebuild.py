@@ -15,6 +15,7 @@ structure whose properties are the stated ones (derivation: subtract the two equ
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.loop.partition.partition import Partition
 from reliab.loop.structure import Structure
 from reliab.rebuilt_error.channels import checked_histories, stated_start
 from reliab.rebuilt_error.error_statistics import mean_square
@@ -24,7 +25,7 @@ from reliab.rebuilt_error.noise import estimate_noise
 from reliab.rebuilt_error.rebuilt import RebuiltError, conclude
 from reliab.rebuilt_error.recursion import Recursion, respond
 from reliab.rebuilt_error.tolerances import Tolerances
-from reliab.rebuilt_error.whole_structure import WholeStructure
+from reliab.rebuilt_error.whole_structure import WholeStructure, whole_structure
 
 Array = NDArray[np.float64]
 
@@ -36,7 +37,7 @@ def rebuild(
     command: Array,
     measured: Array,
     time_step: float,
-    structure: Structure | WholeStructure,
+    structure: Structure | Partition | WholeStructure,
     *,
     feedback_lag: float = 0.0,
     sensor_offset: float | None = None,
@@ -52,7 +53,7 @@ def rebuild(
         x_c and x_m at the interface [m] at equal steps, shape (n,), n ≥ 64.
     time_step : float
         Step between samples [s].
-    structure : Structure or WholeStructure
+    structure : Structure, Partition or WholeStructure
         The whole structure under test.
     feedback_lag : float, optional
         Time by which the force was fed back late [s].
@@ -87,7 +88,7 @@ def rebuild(
     >>> round(error.rms.value, 3)
     0.06
     """
-    whole = WholeStructure.of(structure) if isinstance(structure, Structure) else structure
+    whole = whole_structure(structure)
     command, measured = checked_histories(command, measured, time_step, whole)
     noise = estimate_noise(command, measured, time_step)
     start = stated_start(command, measured, time_step, whole, noise, sensor_offset)

@@ -1,24 +1,21 @@
 """Does the loop gain energy? The damping ratio that the actuator leaves, while the test runs.
 
-The actuator's error puts the restoring force k(x_m − x_c) into the loop, whose work on the command's motion is
-damping that the structure does not have, or lacks. Over a moving window ::
+The actuator's error puts the restoring force k(x_m − x_c) into the loop, whose work on the command's
+motion is damping that the structure does not have, or lacks. Over a moving window ::
 
     ξ_net = ξ + (ω₀/2) Σ α (x_m − x_c) Δx_c / (Σ Δx_c²/Δt)
 
-(equate the work 2ξω₀Σx_c'²Δt of the damping with αω₀²Σ(x_m − x_c)Δx_c; for a delay τ it is ξ − αω₀τ/2, whose
-zero is the stability limit to first order; the balance of energy is that of Mosqueda, Stojadinovic and Mahin
-2007, J. Struct. Eng. 133, 1). The window forgets exponentially. The loop diverges where ξ_net stays below zero,
-and the indicator says so while the motion is still small.
+(equate the work 2ξω₀Σx_c'²Δt of the damping with αω₀²Σ(x_m − x_c)Δx_c; for a delay τ it is ξ − αω₀τ/2,
+whose zero is the stability limit to first order; the balance of energy is that of Mosqueda, Stojadinovic
+and Mahin 2007, J. Struct. Eng. 133, 1). The window forgets exponentially. The loop diverges where ξ_net
+stays below zero, and the indicator says so while the motion is still small.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from reliab.rebuilt_error.whole_structure import WholeStructure
-
-Array = NDArray[np.float64]
+from reliab.rebuilt_error.whole_structure import WholeStructure, first_mode
 
 MEMORY = 2.0
 """Periods after which the window has forgotten all but 1/e."""
@@ -61,8 +58,6 @@ class Damping:
         Damping
             Of the lowest mode that moves the interface.
         """
-        from reliab.rebuilt_error.interval import first_mode
-
         shape = first_mode(structure)
         mass = float(shape @ structure.mass @ shape)
         w0 = float(np.sqrt(shape @ structure.stiffness @ shape / mass))

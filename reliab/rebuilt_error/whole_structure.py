@@ -6,9 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.errors import InputError
+from reliab.loop.partition.partition import Partition
 from reliab.loop.structure import Structure
 
 Array = NDArray[np.float64]
+
+_MOVES = 1e-6  # of a mode's largest displacement: less at the interface is none
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -99,6 +102,31 @@ class WholeStructure:
             specimen_stiffness=structure.experimental_fraction * w0**2,
         )
 
+    @classmethod
+    def of_partition(cls, partition: Partition) -> "WholeStructure":
+        """Take a frame of which one specimen stands in the laboratory.
+
+        Parameters
+        ----------
+        partition : Partition
+            The frame with its interface and specimen.
+
+        Returns
+        -------
+        WholeStructure
+            In SI units; effects of the specimen are no part of it.
+        """
+        frame, specimen = partition.frame, partition.specimen
+        return cls(
+            mass=frame.mass,
+            damping=frame.damping,
+            stiffness=frame.stiffness,
+            interface=partition.interface,
+            specimen_stiffness=specimen.stiffness,
+            specimen_damping=specimen.damping,
+            specimen_mass=specimen.mass,
+        )
+
     @property
     def natural_frequencies(self) -> Array:
         """Natural frequencies of the undamped structure [Hz], ascending, shape (n,)."""
@@ -166,3 +194,23 @@ class WholeStructure:
         """
         specimen = self.specimen_stiffness + self.specimen_damping * s + self.specimen_mass * s**2
         return np.asarray((self.receptance(s) @ self.interface) * specimen)
+
+
+def whole_structure(structure: Structure | Partition | WholeStructure) -> WholeStructure:
+    """Return the whole structure of what describes one."""
+    if isinstance(structure, WholeStructure):
+        return structure
+    if isinstance(structure, Partition):
+        return WholeStructure.of_partition(structure)
+    return WholeStructure.of(structure)
+
+
+def first_mode(structure: WholeStructure) -> Array:
+    """Shape of the lowest undamped mode that moves the interface by one, shape (n,)."""
+    values, vectors = np.linalg.eig(np.linalg.solve(structure.mass, structure.stiffness))
+    for place in np.argsort(values.real):
+        shape = vectors[:, place].real
+        moved = float(structure.interface @ shape)
+        if abs(moved) > _MOVES * np.abs(shape).max():
+            return np.asarray(shape / moved)
+    return np.asarray(structure.interface / float(structure.interface @ structure.interface))
