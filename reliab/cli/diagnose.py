@@ -10,7 +10,7 @@ from reliab.cli.output import console, progress_bar, table, write_json
 from reliab.errors import InputError
 
 if TYPE_CHECKING:
-    from reliab.discrepancy import Addition, Diagnosis
+    from reliab.discrepancy import Addition, BlockDiagnosis, Diagnosis
 
 RESULT_FILE = "diagnosis.json"
 REPORT_FILE = "report.pdf"
@@ -51,14 +51,18 @@ def diagnose(
         _make(out)
     with progress_bar("Searching the blocks") as progress:
         found = diagnose_campaign(measured, progress=progress)
+    quiet = json_target == "-"
+    if not quiet:
+        console().print(f"{found.campaign.name}: {found.verdict}. {_SENTENCES[found.verdict]}")
     with progress_bar("Sampling posteriors") as progress:
         addition = add(found, out=out, progress=progress)
     content = addition.as_dict()
     if out is not None:
         write_json(content, str(out / RESULT_FILE))
-        _report(addition, campaign, out)
     if not write_json(content, json_target):
         _show(addition.diagnosis)
+    if out is not None:
+        _report(addition, campaign, out)
 
 
 def _make(folder: Path) -> None:
@@ -90,9 +94,8 @@ def _report(addition: "Addition", campaign: Path, out: Path) -> None:
 
 
 def _show(found: "Diagnosis") -> None:
-    """Print verdict, places, effects and proof."""
+    """Print places, effects and proof."""
     screen = console()
-    screen.print(f"{found.campaign.name}: {found.verdict}. {_SENTENCES[found.verdict]}")
     if found.where:
         places = table("Where the calibrated model fails", _WHERE)
         for one in found.where:
@@ -105,15 +108,31 @@ def _show(found: "Diagnosis") -> None:
         for effect in effects:
             for estimate in effect.estimates:
                 value, spread = f"{estimate.value:.4g} {estimate.units}", f"{estimate.sd:.2g}"
-                names.add_row(effect.name, f"{effect.probability:.3f}", estimate.name, value, spread)
+                mark = " (on a bound)" if estimate.name in effect.on_bounds else ""
+                name = f"{estimate.name}{mark}"
+                names.add_row(effect.name, f"{effect.probability:.3f}", name, value, spread)
         screen.print(names)
-    if found.unknown is not None:
-        screen.print(f"Unknown effect in the {found.unknown.block}: {found.unknown.expression}")
+        for effect in effects:
+            screen.print(
+                f"{effect.name}: error on held-out tests {effect.error_with:.4f} with it,"
+                f" {effect.error_without:.4f} without it."
+            )
+    for block in found.blocks:
+        if block.unknown is not None:
+            what = block.unknown.expression or block.unknown.description
+            screen.print(f"Unknown effect in the {block.unknown.block}: {what}")
     for remark in found.remarks:
         screen.print(remark)
-    gap = found.gap
+    for block in found.blocks:
+        screen.print(_proved(block))
+
+
+def _proved(block: "BlockDiagnosis") -> str:
+    """Sentence on the gap of a block."""
+    gap = block.gap
     closed = "" if gap.closed_fraction is None else f", {gap.closed_fraction:.1%} of the gap closed"
-    screen.print(
-        f"Held-out {', '.join(gap.held_out)}, {gap.channel}: error {gap.before:.4f} before,"
-        f" {gap.after:.4f} after, noise {gap.floor:.4f} of the signal's RMS{closed}."
+    floor = "not known" if gap.floor is None else f"{gap.floor:.4f} ({gap.source})"
+    return (
+        f"{block.block.block}, held-out {', '.join(gap.held_out)}, {gap.channel}: error {gap.before:.4f} before,"
+        f" {gap.after:.4f} after, noise {floor} of the signal's RMS{closed}."
     )

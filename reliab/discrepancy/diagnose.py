@@ -13,7 +13,7 @@ from reliab.discrepancy.blocks.specimen import SpecimenBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.search import Search
-from reliab.discrepancy.locating.noise_test import is_noise
+from reliab.discrepancy.locating.noise_test import is_model_error
 from reliab.discrepancy.naming.naming import diagnose_block
 from reliab.discrepancy.result import BlockDiagnosis, Diagnosis
 from reliab.discrepancy.spectra.scales import motions_of, scales_of
@@ -126,7 +126,7 @@ def _examined(block: ObservedBlock, campaign: Campaign) -> BlockDiagnosis:
     search = Search(training)
     search.whole()
     searched = search.again()
-    if not is_noise(searched.problem, searched.best):
+    if is_model_error(searched.problem, searched.best):
         searched = searched.tempered()
     searched.refine()
     searched.settle()

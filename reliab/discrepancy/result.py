@@ -20,6 +20,10 @@ from reliab.loop.effects import Effect
 Array = NDArray[np.float64]
 
 
+SHORT_RECORD = 256
+"""Samples of a test below which a remark says that it is short."""
+
+
 class Verdict(StrEnum):
     """What a campaign says as a whole."""
 
@@ -231,6 +235,28 @@ class Ranked:
     probability: float
 
 
+@dataclass(frozen=True, kw_only=True)
+class FurtherError:
+    """Error to expect on a further test: RMS over that of the signal at the judged frequencies.
+
+    Attributes
+    ----------
+    value, low, high : float
+        Median and ends of the 90 % prediction interval.
+    tests : int
+        Number of left-out tests that it rests on.
+    """
+
+    value: float
+    low: float
+    high: float
+    tests: int
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the entry `further_test`."""
+        return {"value": self.value, "low": self.low, "high": self.high, "tests": self.tests}
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class BlockDiagnosis:
     """All that was found in one observed block.
@@ -262,7 +288,12 @@ class BlockDiagnosis:
     structured_share : float
         Share of what the best model leaves of the tests it was fitted to that is concentrated as no noise is.
     calibration : tuple of Estimate
-        Gain, delay, stiffness or scale as calibrated in the best model, in the units of the model's file.
+        Gain, delay, stiffness or scale as calibrated in the best model.
+    further : FurtherError or None
+        Error to expect on a further test, None from too few tests.
+    converged : bool, optional
+        Whether the posterior of the parameters has converged, where it was sampled. Where it has not,
+        standard deviations are those of a normal approximation.
     """
 
     block: ObservedBlock
@@ -280,6 +311,8 @@ class BlockDiagnosis:
     gap: Gap
     structured_share: float
     calibration: tuple[Estimate, ...]
+    further: FurtherError | None
+    converged: bool | None = None
 
     @property
     def leaves_noise(self) -> bool:
@@ -307,6 +340,8 @@ class BlockDiagnosis:
             "residual_is_noise": self.leaves_noise,
             "structured_share": self.structured_share,
             "calibration": {one.name: one.as_dict() for one in self.calibration},
+            "further_test": None if self.further is None else self.further.as_dict(),
+            "posterior_converged": self.converged,
         }
 
 
@@ -365,8 +400,16 @@ class Diagnosis:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Sentences on what cannot be told apart, and the test that would tell."""
-        return tuple(dict.fromkeys(effect.remark for effect in self.doubtful))
+        """Sentences on what limits the answer: effects in doubt, bounds, convergence, model error, records."""
+        remarks = [effect.remark for effect in self.doubtful]
+        for block in self.blocks:
+            remarks += _limits_of(block)
+        remarks += [
+            f"{test.file} has {test.size} samples only: what it says of an effect is little."
+            for test in self.campaign.tests
+            if test.size < SHORT_RECORD
+        ]
+        return tuple(dict.fromkeys(remarks))
 
     def as_dict(self) -> dict[str, Any]:
         """Return what `reliab diagnose --json` writes."""
@@ -382,3 +425,25 @@ class Diagnosis:
             "criterion_shift": self.criterion_shift,
             "remarks": list(self.remarks),
         }
+
+
+def _limits_of(block: BlockDiagnosis) -> list[str]:
+    """Sentences on what limits the answer for a block."""
+    name, gap = str(block.block.block), block.gap
+    remarks = [
+        f"{parameter} of {effect.name} lies on a bound of its range: its value and deviation mean little."
+        for effect in (*block.effects, *block.doubtful)
+        for parameter in effect.on_bounds
+    ]
+    if block.converged is False:
+        remarks.append(
+            f"The posterior of the {name} has not converged: its deviations are a normal approximation."
+        )
+    if not block.leaves_noise:
+        floor = "unknown" if gap.floor is None else f"{gap.floor:.3g} by the {gap.source}"
+        remarks.append(
+            f"What the model of the {name} leaves is no noise but an error of the model: {gap.model_error:.3g} of"
+            f" the signal's RMS on held-out tests, with a noise floor that is {floor}. No probability is stated"
+            " above 0.99."
+        )
+    return remarks

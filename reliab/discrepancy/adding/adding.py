@@ -9,7 +9,7 @@ from threadpoolctl import threadpool_limits
 from reliab.discrepancy.adding.criterion_shift import criterion_shift, shaking_of
 from reliab.discrepancy.adding.posterior import Posterior, sample_posterior
 from reliab.discrepancy.adding.update import updated_model
-from reliab.discrepancy.result import BlockDiagnosis, Diagnosis
+from reliab.discrepancy.result import BlockDiagnosis, Diagnosis, MissingEffect
 from reliab.errors import InputError
 from reliab.loop.hybrid_test.model_file import MODEL_FILE, UpdatedModel, write_model
 from reliab.progress import Progress, silent
@@ -34,13 +34,8 @@ class Addition:
     model: UpdatedModel
 
     def as_dict(self) -> dict[str, Any]:
-        """Return what `reliab diagnose --json` writes; parameters are those of the posteriors."""
-        content = self.diagnosis.as_dict()
-        for block, posterior in self.posteriors.items():
-            for effect in content["effects"]:
-                if effect["name"] in _effects_of(self.diagnosis, block):
-                    effect["parameters"].update(posterior.of(effect["name"]))
-        return content
+        """Return what `reliab diagnose --json` writes."""
+        return self.diagnosis.as_dict()
 
 
 def add(diagnosis: Diagnosis, *, out: Path | None = None, progress: Progress = silent) -> Addition:
@@ -60,22 +55,48 @@ def add(diagnosis: Diagnosis, *, out: Path | None = None, progress: Progress = s
     Addition
         Posteriors, updated model and shift of the criterion.
     """
-    acting = [one for one in diagnosis.blocks if one.effects or one.doubtful]
+    acting = [block for block in diagnosis.blocks if block.effects or block.doubtful]
     posteriors = {}
-    for done, one in enumerate(acting, start=1):
-        name = str(one.block.block)
+    for done, block in enumerate(acting, start=1):
+        name = str(block.block.block)
         chains = None if out is None else out / f"posterior_{name.replace(' ', '_')}.h5"
         with threadpool_limits(limits=1, user_api="blas"):
-            posteriors[name] = sample_posterior(one.problem, one.best, out=chains)
+            posteriors[name] = sample_posterior(block.problem, block.best, out=chains)
         progress(done, len(acting))
-    model = updated_model(diagnosis)
+    blocks = tuple(_sampled(block, posteriors.get(str(block.block.block))) for block in diagnosis.blocks)
+    sampled = replace(diagnosis, blocks=blocks)
+    model = updated_model(sampled)
     if out is not None:
         write_model(out / MODEL_FILE, model)
     return Addition(
-        diagnosis=replace(diagnosis, criterion_shift=_shift(diagnosis, model)),
+        diagnosis=replace(sampled, criterion_shift=_shift(diagnosis, model)),
         posteriors=posteriors,
         model=model,
     )
+
+
+def _sampled(block: BlockDiagnosis, posterior: Posterior | None) -> BlockDiagnosis:
+    """Take over standard deviations and intervals of a converged posterior; values stay the most probable."""
+    if posterior is None:
+        return block
+    if not posterior.converged:
+        return replace(block, converged=False)
+    return replace(
+        block,
+        converged=True,
+        effects=tuple(_with_spread(effect, posterior) for effect in block.effects),
+        doubtful=tuple(_with_spread(effect, posterior) for effect in block.doubtful),
+    )
+
+
+def _with_spread(effect: MissingEffect, posterior: Posterior) -> MissingEffect:
+    known = posterior.of(str(effect.effect.name))
+    estimates = []
+    for estimate in effect.estimates:
+        low, high = known[estimate.name]["interval_90"]
+        interval = (min(low, estimate.value), max(high, estimate.value))
+        estimates.append(replace(estimate, sd=known[estimate.name]["sd"], interval=interval))
+    return replace(effect, estimates=tuple(estimates))
 
 
 def _shift(diagnosis: Diagnosis, model: UpdatedModel) -> dict[str, float] | None:
@@ -85,9 +106,3 @@ def _shift(diagnosis: Diagnosis, model: UpdatedModel) -> dict[str, float] | None
         return criterion_shift(model.test, shaking_of(diagnosis.campaign)).as_dict()
     except InputError:  # no boundary under these motions: there is no criterion to be shifted
         return None
-
-
-def _effects_of(diagnosis: Diagnosis, block: str) -> set[str]:
-    """Names of the effects that a block saw, offsets of its sensor among them."""
-    seen: list[BlockDiagnosis] = [one for one in diagnosis.blocks if str(one.block.block) == block]
-    return {effect.name for one in seen for effect in one.effects}

@@ -5,6 +5,7 @@ from dataclasses import replace
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.result import BlockDiagnosis, Diagnosis
 from reliab.loop.effects import library
+from reliab.loop.effects.excitation_scale import ExcitationScale
 from reliab.loop.hybrid_test import HybridTest
 from reliab.loop.hybrid_test.model_file import UpdatedModel
 
@@ -46,6 +47,8 @@ def _joined(test: HybridTest, one: BlockDiagnosis) -> HybridTest:
         test = replace(test, specimen=found.specimen)
     if "damping" in names:
         test = replace(test, structure=found.structure)
+    if "excitation_scale" in names:
+        test = test.adding(*(effect for effect in found.effects if isinstance(effect, ExcitationScale)))
     return test
 
 
@@ -76,4 +79,14 @@ def _sizes(fitted: Fit) -> dict[str, tuple[str, float]]:
         "delay_s": ("delay_s", 1.0),
         "stiffness": ("stiffness_n_per_m", stiffness),
         "stiffness_n_per_m": ("stiffness_n_per_m", 1.0),
+        "excitation_scale": ("excitation_scale.scale", _expected_scale(fitted)),
     }
+
+
+def _expected_scale(fitted: Fit) -> float:
+    """Scale of the ground motion at which the calibrated factor on it is one."""
+    calibrations = fitted.space.block.calibrations
+    nominal = fitted.space.block.nominal
+    return next(
+        (1.0 / c.nominal(nominal) for c in calibrations if c.parameter.name == "excitation_scale"), 1.0
+    )

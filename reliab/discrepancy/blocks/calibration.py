@@ -123,12 +123,15 @@ def damping(nominal: HybridTest) -> Calibration:
     )  # fmt: skip
 
 
-def scale_of_excitation(expected: float, spread: float = 0.2) -> Calibration:
-    """Scale of the ground motion over what is expected of it, where there is no rig that states it."""
+def scale_of_excitation(expected: float, spread: float = 0.5) -> Calibration:
+    """Scale of the ground motion over what a linear model expects of it, where there is no rig that states it.
+
+    A nonlinear specimen may be off that by any factor: the scale has no bound that data could reach.
+    """
     return Calibration(
         parameter=Parameter(
             name="excitation_scale", units="-", meaning="factor on the ground acceleration over what is due",
-            signed=True, neutral=1.0, typical=spread, lower=0.2, upper=5.0, starts=(1.0,),
+            typical=1.0, spread=spread, lower=1e-3, upper=1e3, starts=(1.0,),
         ),
         nominal=lambda _model: 1.0 / expected,
         apply=lambda model, value: _with_scale(model, value * expected),

@@ -11,7 +11,7 @@ from reliab.discrepancy.campaign.campaign import Channel
 from reliab.errors import InputError
 
 TIME = "time_s"
-_FEWEST_SAMPLES = 256
+_FEWEST_SAMPLES = 64
 _RATE_TOLERANCE = 2e-3
 _LARGEST_ERROR_OF_STEP = 0.75
 _KNOWN = (TIME, *Channel)
@@ -41,7 +41,10 @@ def read_table(path: Path, rate: float) -> dict[Channel, NDArray[np.float64]]:
     time = columns.pop(TIME)
     if time.size < _FEWEST_SAMPLES:
         raise InputError(
-            f"A test must have at least {_FEWEST_SAMPLES} samples", value=time.size, where=path.name
+            f"A test must have at least {_FEWEST_SAMPLES} samples",
+            value=time.size,
+            remedy="Leave it out, or record longer",
+            where=path.name,
         )
     _check_time(time, rate, path)
     return {Channel(name): values for name, values in columns.items()}

@@ -161,7 +161,11 @@ class Search:
         sketched = self.problem.sketch.whitened(parent.space, parent.coordinates, parent.noise)
         with ThreadPoolExecutor(_WORKERS) as pool:
             screened = pool.map(lambda kind: self._screen_one(parent, sketched, basis, kind), fresh)
-        return sorted(screened, key=lambda one: -one.gain)
+            ranked = sorted(screened, key=lambda one: -one.gain)
+        if not self.problem.flat:
+            return ranked
+        whole = 0.5 * float(parent.residual @ parent.residual)
+        return [replace(one, gain=-whole * np.log1p(-min(one.gain / whole, 0.99))) for one in ranked]
 
     def _screen_one(self, parent: Fit, sketched: Array, basis: Array, kind: type[Effect]) -> Screened:
         space = ModelSpace(parent.space.block, (*parent.space.effects, kind))
@@ -252,6 +256,14 @@ class Search:
         rows = self.problem.whitened(one.space, one.coordinates, noise)
         return float(rows @ rows)
 
+    @property
+    def _least_promise(self) -> float:
+        """Gain to first order below which an effect is not fitted.
+
+        Where errors judge, the first order says little of what a large change of the model will gain.
+        """
+        return 0.0 if self.problem.flat else COST
+
     def forward(self, begin: Fit, kinds: Sequence[type[Effect]], *, deepest: int = MOST_EFFECTS) -> Fit:
         """Add effects as long as the evidence grows."""
         beam, best = [begin], begin
@@ -259,7 +271,7 @@ class Search:
             children: list[Fit] = []
             for parent in beam:
                 promising = self.screen(parent, kinds)
-                floor = max(COST, 0.02 * promising[0].gain) if promising else 0.0
+                floor = max(self._least_promise, 0.02 * promising[0].gain) if promising else 0.0
                 children += self.extend(parent, [one for one in promising[:_TRIED] if one.gain > floor])
             children.sort(key=self.score, reverse=True)
             beam = [one for one in children[:_BEAM] if self._within_reach(one, children[0])]
@@ -318,7 +330,14 @@ class Search:
                 return
             for kind in best.space.effects:
                 parent = self.without(best, kind)
-                self.extend(parent, [one for one in self.screen(parent, candidates)[:_TRIED] if one.gain > COST])
+                self.extend(
+                    parent,
+                    [
+                        one
+                        for one in self.screen(parent, candidates)[:_TRIED]
+                        if one.gain > self._least_promise
+                    ],
+                )
             if self.best is best:
                 return
             best = self.best
@@ -360,7 +379,9 @@ class Search:
 
     def sharpen(self) -> None:
         """Differentiate anew, at every instant, the models that may be named."""
-        close = [key for key, one in self.fitted.items() if self.score(one) > self.score(self.best) - _POSSIBLE]
+        close = [
+            key for key, one in self.fitted.items() if self.score(one) > self.score(self.best) - _POSSIBLE
+        ]
         with ThreadPoolExecutor(_WORKERS) as pool:
             sharp = pool.map(lambda key: sharpened(self.problem, self.fitted[key]), close)
             self.fitted.update(zip(close, sharp, strict=True))

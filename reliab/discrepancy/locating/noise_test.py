@@ -17,8 +17,11 @@ from reliab.discrepancy.spectra.noise import near_mains
 Array = NDArray[np.float64]
 Spectrum = NDArray[np.complex128]
 
-LARGEST_STRUCTURED_SHARE = 0.15
-"""Share of what a model leaves that may lie in cells that noise would not fill."""
+LARGEST_STRUCTURED_SHARE = 0.02
+"""Share of what a model leaves that may lie in cells that noise would not fill, where it passes for noise."""
+
+_DOMINANT, _DOMINANT_WITH_STEPS = 0.05, 0.15
+# shares from which an error of the model, not noise, decides; a converter's own error is structured, too
 
 _BANDS = (1, 4, 16, 64, 256, 1024)  # bins that are transformed together
 _ABOVE = 7.0  # times the mean energy; noise has a thousandth of its energy above
@@ -43,9 +46,10 @@ def structured_share(problem: Problem, fitted: Fit) -> float:
     return max(_share(spectra, size) for size in _BANDS)
 
 
-def is_noise(problem: Problem, fitted: Fit) -> bool:
-    """Whether what a model leaves passes for noise."""
-    return structured_share(problem, fitted) <= LARGEST_STRUCTURED_SHARE
+def is_model_error(problem: Problem, fitted: Fit) -> bool:
+    """Whether what a model leaves is an error of the model rather than noise."""
+    stepped = any(step > 0.0 for step in problem.steps.values())
+    return structured_share(problem, fitted) > (_DOMINANT_WITH_STEPS if stepped else _DOMINANT)
 
 
 def _spectra(problem: Problem, fitted: Fit) -> list[Spectrum]:

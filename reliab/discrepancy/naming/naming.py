@@ -1,6 +1,6 @@
 """From all fitted models of a block to the names that the data support."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,6 +14,7 @@ from reliab.discrepancy.locating.line_above import line_above
 from reliab.discrepancy.locating.locate import locate
 from reliab.discrepancy.locating.noise_test import LARGEST_STRUCTURED_SHARE, structured_share
 from reliab.discrepancy.locating.standstill import standstill
+from reliab.discrepancy.naming.further_test import expected_error
 from reliab.discrepancy.proof import gap, held_out_nrmse, residuals
 from reliab.discrepancy.result import BlockDiagnosis, Estimate, Gap, MissingEffect, Ranked, Rival, Unknown
 from reliab.discrepancy.terms import OutsideTerm, is_outside
@@ -38,6 +39,7 @@ SMALLEST_GAP = 0.1
 
 _NEGLIGIBLE = 0.05  # probability of no effect below which something is missing for sure
 _RIVALS = 4
+_NOTHING = 1e-8  # SI value of a parameter whose lower bound stands a hair below zero
 _SMALLEST_OFFSET = 2e-3  # of the channel's RMS
 
 
@@ -88,6 +90,7 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         gap=proved,
         structured_share=structured,
         calibration=_calibration(best),
+        further=expected_error(search.error(best)),
     )
 
 
@@ -135,7 +138,9 @@ def estimates(effect: type[Effect], one: Fit) -> tuple[Estimate, ...]:
     values = one.space.values(one.coordinates)[place]
     spread = one.space.standard_deviations(one.coordinates, one.covariance)[place]
     return tuple(
-        Estimate(name=parameter.name, value=value, sd=sd, units=parameter.units)
+        Estimate(
+            name=parameter.name, value=value if abs(value) > _NOTHING else 0.0, sd=sd, units=parameter.units
+        )
         for parameter, value, sd in zip(effect.parameters, values.tolist(), spread.tolist(), strict=True)
     )
 

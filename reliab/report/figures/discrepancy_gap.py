@@ -31,10 +31,10 @@ class GapPanel:
         Sampling rate [Hz].
     before, after : numpy.ndarray
         Residuals in that unit, shape (n,).
-    noise : float
-        RMS of the noise in that unit.
+    noise : float or None
+        RMS in that unit of what the recordings do not repeat, None where it is not known.
     errors : tuple of float
-        RMS over that of the signal, over all held-out tests: before, after, noise [-].
+        RMS over that of the signal, over all held-out tests: before, after and, where known, noise [-].
     """
 
     title: str
@@ -42,8 +42,8 @@ class GapPanel:
     rate: float
     before: NDArray[np.float64]
     after: NDArray[np.float64]
-    noise: float
-    errors: tuple[float, float, float]
+    noise: float | None
+    errors: tuple[float, ...]
 
 
 @styled
@@ -73,10 +73,10 @@ def discrepancy_gap(shown: Sequence[GapPanel]) -> Figure:
 def _histories(place: Axes, channel: GapPanel, *, legend: bool) -> None:
     every = max(1, channel.before.size // _MOST_SAMPLES)
     time = np.arange(channel.before.size)[::every] / channel.rate
-    reach = _BAND * channel.noise
+    reach = _BAND * (channel.noise or 0.0)
     place.plot(time, channel.before[::every], color=VERMILION, linewidth=0.6, label="before")
     place.plot(time, channel.after[::every], color=BLUE, linewidth=0.6, label="after")
-    for side in (-reach, reach):
+    for side in (-reach, reach) if reach > 0.0 else ():
         place.axhline(
             side,
             color=INK,
@@ -93,7 +93,8 @@ def _histories(place: Axes, channel: GapPanel, *, legend: bool) -> None:
 
 
 def _bars(place: Axes, channel: GapPanel) -> None:
-    names, colours = ("before", "after", "noise"), (VERMILION, BLUE, GREY)
+    count = len(channel.errors)
+    names, colours = ("before", "after", "noise")[:count], (VERMILION, BLUE, GREY)[:count]
     place.barh(names, channel.errors, color=colours, height=0.6)
     place.invert_yaxis()
     place.set_xscale("log")

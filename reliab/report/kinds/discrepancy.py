@@ -1,16 +1,22 @@
 """Report of a measured campaign: where the model fails, what is missing, and the proof."""
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import numpy as np
 import pandas as pd
 
-from reliab.discrepancy import Diagnosis, MissingEffect, Verdict
+from reliab.discrepancy import BlockDiagnosis, Diagnosis, MissingEffect, Verdict
 from reliab.discrepancy.adding.posterior import Posterior
+from reliab.discrepancy.fitting.observations import MOST_OF_A_TEST
+from reliab.discrepancy.naming.naming import LARGEST_REMAINDER
+from reliab.discrepancy.result import Unknown
 from reliab.report.document import Block, Column, Document, Paragraph, Points, Section, Table
 from reliab.report.kinds.discrepancy_figures import (
     block_figure,
+    drawn,
     gap_figure,
+    histories_figure,
     posterior_figure,
     state_plane_figure,
     time_frequency_figure,
@@ -74,7 +80,13 @@ def _verdict(found: Diagnosis) -> Prose:
             return prose("The model lacks *{names}*. {closed}", names=names, closed=_closed(found))
         case Verdict.UNKNOWN_EFFECT:
             where = "" if found.unknown is None else found.unknown.block
-            return prose("The *{where}* has an effect that is none of the known ones.", where=where)
+            if not names:
+                return prose("The *{where}* has an effect that is none of the known ones.", where=where)
+            return prose(
+                "The model lacks *{names}*, and the *{where}* has an effect that is none of the known ones.",
+                names=names,
+                where=where,
+            )
         case Verdict.NOT_IDENTIFIABLE:
             doubtful = " or ".join(_words(effect.name) for effect in found.doubtful)
             return prose("Something is missing, and these tests do not tell what: *{names}*.", names=doubtful)
@@ -83,7 +95,7 @@ def _verdict(found: Diagnosis) -> Prose:
 def _closed(found: Diagnosis) -> str:
     share = found.gap.closed_fraction
     if share is None:
-        return "There was no gap beyond the noise on the held-out tests."
+        return f"On held-out tests the error falls from {percent(found.gap.before)} to {percent(found.gap.after)}."
     if share >= _WHOLLY:
         return "With it the gap on held-out tests closes to the noise."
     left = "" if share >= _CLOSED else " Something is left."
@@ -113,7 +125,7 @@ def _facts(found: Diagnosis) -> dict[str, Prose]:
 
 
 def _where(found: Diagnosis) -> Section:
-    blocks: list[Block] = [block_figure(found)]
+    blocks: list[Block] = [*drawn("the loop", partial(block_figure, found))]
     if found.where:
         blocks.append(Points(items=tuple(dict.fromkeys(one.detail for one in found.where))))
         rows = [{**one.as_dict(), "block": str(one.block)} for one in found.where]
@@ -133,7 +145,8 @@ def _where(found: Diagnosis) -> Section:
         blocks.append(Paragraph(text="The calibrated model leaves nothing that differs from noise."))
     for one in found.blocks:
         if one.findings:
-            blocks += [time_frequency_figure(one), state_plane_figure(one)]
+            blocks += drawn("residuals over frequency", partial(time_frequency_figure, one))
+            blocks += drawn("residuals over the state plane", partial(state_plane_figure, one))
     return Section(title="Where the model fails", blocks=tuple(blocks))
 
 
@@ -141,38 +154,33 @@ def _what(found: Diagnosis, sampled: Mapping[str, Posterior]) -> Section:
     effects = (*found.effects, *found.doubtful)
     blocks: list[Block] = []
     if effects:
-        blocks.append(_parameters(found, sampled))
+        blocks.append(_parameters(found))
         blocks += [Paragraph(text=_sentence(effect)) for effect in effects]
-        blocks += [posterior_figure(found, name, each) for name, each in sampled.items()]
-    if found.unknown is not None:
-        text = prose(
-            "In the {block}: {description}. An expression for it is {expression}; with it {error} of the "
-            "signal remains on held-out tests.",
-            block=found.unknown.block,
-            description=found.unknown.description,
-            expression=found.unknown.expression,
-            error=percent(found.unknown.held_out_nrmse),
-        )
-        blocks.append(Paragraph(text=text))
+        for name, posterior in sampled.items():
+            blocks += drawn("the posterior", partial(posterior_figure, found, name, posterior))
+    blocks += [Paragraph(text=_unknown(one.unknown)) for one in found.blocks if one.unknown is not None]
+    if any(one.calibration for one in found.blocks):
+        blocks.append(_calibration(found))
     return Section(title="What is missing", blocks=tuple(blocks) or (Paragraph(text="Nothing."),))
 
 
-def _parameters(found: Diagnosis, sampled: Mapping[str, Posterior]) -> Table:
+def _parameters(found: Diagnosis) -> Table:
     rows = []
     for one in found.blocks:
-        posterior = sampled.get(str(one.block.block))
         for effect in (*one.effects, *one.doubtful):
-            known = {} if posterior is None else posterior.of(effect.name)
             for estimate in effect.estimates:
-                low, high = known.get(estimate.name, {}).get("interval_90", (np.nan, np.nan))
-                row = {
-                    "effect": _words(effect.name),
-                    "probability": effect.probability,
-                    "low": low,
-                    "high": high,
-                }
+                low, high = estimate.interval or (np.nan, np.nan)
+                mark = " (on a bound)" if estimate.name in effect.on_bounds else ""
                 rows.append(
-                    {**row, "parameter": f"{estimate.name}", "value": estimate.value, "sd": estimate.sd}
+                    {
+                        "effect": _words(effect.name),
+                        "probability": effect.probability,
+                        "parameter": f"{estimate.name} [{estimate.units}]{mark}",
+                        "value": estimate.value,
+                        "sd": estimate.sd,
+                        "low": low,
+                        "high": high,
+                    }
                 )
     digits = Significant(digits=4)
     columns = (
@@ -185,8 +193,43 @@ def _parameters(found: Diagnosis, sampled: Mapping[str, Posterior]) -> Table:
         Column(key="high", heading="to", number=digits, group="90 % interval"),
     )
     return Table(
-        frame=pd.DataFrame(rows), columns=columns, caption="Effects with their parameters, SI units."
+        frame=pd.DataFrame(rows),
+        columns=columns,
+        caption="Effects with the most probable values of their parameters.",
     )
+
+
+def _unknown(unknown: Unknown) -> Prose:
+    text = "In the {block}: {description}. "
+    if unknown.expression:
+        text += (
+            "An expression for it is {expression}; with it {error} of the signal remain on held-out tests."
+        )
+    else:
+        text += "It is {error} of the signal on held-out tests."
+    return prose(
+        text,
+        block=unknown.block,
+        description=unknown.description,
+        expression=unknown.expression,
+        error=percent(unknown.held_out_nrmse),
+    )
+
+
+def _calibration(found: Diagnosis) -> Table:
+    rows = [
+        {"block": str(one.block.block), "parameter": e.name, "value": e.value, "sd": e.sd, "units": e.units}
+        for one in found.blocks
+        for e in one.calibration
+    ]
+    columns = (
+        Column(key="block", heading="Block"),
+        Column(key="parameter", heading="Calibrated"),
+        Column(key="value", heading="Value", number=Significant(digits=4)),
+        Column(key="sd", heading="± sd", number=Significant(digits=2)),
+        Column(key="units", heading="Unit"),
+    )
+    return Table(frame=pd.DataFrame(rows), columns=columns, caption="What was calibrated along with them.")
 
 
 def _sentence(effect: MissingEffect) -> Prose:
@@ -196,7 +239,16 @@ def _sentence(effect: MissingEffect) -> Prose:
         for rival in effect.rivals
     )
     others = f"In its place, with errors on held-out tests: {listed}." if listed else "It has no rival."
-    return prose("*{name}*: {description}. {others}", name=name, description=description, others=others)
+    return prose(
+        "*{name}*{position}: {description}. With it {after} of the signal remain on held-out tests, without it "
+        "{before}. {others}",
+        name=name,
+        position=f" ({effect.effect.position})" if effect.effect.position else "",
+        description=description,
+        after=percent(effect.error_with),
+        before=percent(effect.error_without),
+        others=others,
+    )
 
 
 def _proof(found: Diagnosis) -> Section:
@@ -204,6 +256,7 @@ def _proof(found: Diagnosis) -> Section:
         {
             **one.gap.as_dict(),
             "closed": np.nan if one.gap.closed_fraction is None else one.gap.closed_fraction,
+            "noise_floor": np.nan if one.gap.floor is None else one.gap.floor,
         }
         for one in found.blocks
     ]
@@ -217,7 +270,48 @@ def _proof(found: Diagnosis) -> Section:
     )
     caption = "Difference between model and measurement on held-out tests, RMS over that of the signal."
     table = Table(frame=pd.DataFrame(rows), columns=columns, caption=caption)
-    return Section(title="The proof on held-out tests", blocks=(table, gap_figure(found)))
+    blocks: list[Block] = [Paragraph(text=_floor(one)) for one in found.blocks]
+    blocks += [table, _errors_by_test(found), *drawn("the gap", partial(gap_figure, found))]
+    for one in found.blocks:
+        blocks += drawn("histories and loops", partial(histories_figure, one))
+    return Section(title="The proof on held-out tests", blocks=tuple(blocks))
+
+
+def _floor(one: BlockDiagnosis) -> Prose:
+    """Sentence on what no model could explain, and what is the model's own error."""
+    gap = one.gap
+    if gap.floor is None:
+        return prose(
+            "{channel}: the recordings do not tell how much of it is noise (no repeated tests or cycles, no rest, "
+            "no white band above the motion). What remains is {left} of the signal.",
+            channel=gap.channel,
+            left=percent(gap.after),
+        )
+    return prose(
+        "{channel}: by the {source} {floor} of the signal cannot be explained by any model. What remains above it, "
+        "{left} of the signal, is an error of the model.",
+        channel=gap.channel,
+        source=gap.source or "",
+        floor=percent(gap.floor),
+        left=percent(gap.model_error),
+    )
+
+
+def _errors_by_test(found: Diagnosis) -> Table:
+    rows = [
+        {"channel": one.gap.channel, "test": file, "before": one.gap.tests_before[file], "after": after}
+        for one in found.blocks
+        for file, after in one.gap.tests_after.items()
+    ]
+    size = Significant(digits=3)
+    columns = (
+        Column(key="channel", heading="Channel"),
+        Column(key="test", heading="Held-out test"),
+        Column(key="before", heading="Before", number=size),
+        Column(key="after", heading="After", number=size),
+    )
+    caption = "The same for each held-out test by itself."
+    return Table(frame=pd.DataFrame(rows), columns=columns, caption=caption)
 
 
 def _shift(ratios: Mapping[str, float]) -> Section:
@@ -235,10 +329,16 @@ def _method(remarks: Sequence[Prose]) -> Section:
     text = (
         "Each observed block is driven with its measured input and simulated freely. Calibration and offsets "
         "are fitted with every candidate. Noise is a smooth spectrum that is fitted to what a model leaves, "
-        "so that the lines of a structure's response do not pass for noise. Candidates are compared by their "
-        "evidence, and each effect pays for being added; held-out tests take no part in the choice."
+        "so that the lines of a structure's response do not pass for noise. Where what the best model leaves "
+        "passes for noise, candidates are compared by their evidence, and each effect pays for being added. Where "
+        "it follows the motion instead, it is an error of the model: candidates are then compared by their error "
+        "on tests that are left out one at a time, in the channel's own unit, a test counts as no more than "
+        "{most:.0f} observations, and an effect beside others must take a tenth off that error. Held-out tests take "
+        "no part in the choice. The verdict is named where at most {share} of the energy that the effects "
+        "took away remains."
     )
-    blocks: list[Block] = [Paragraph(text=text)]
+    described = prose(text, most=MOST_OF_A_TEST, share=percent(LARGEST_REMAINDER))
+    blocks: list[Block] = [Paragraph(text=described)]
     if remarks:
         blocks.append(Points(items=tuple(remarks)))
     return Section(title="How it was found, and what to know", blocks=tuple(blocks))

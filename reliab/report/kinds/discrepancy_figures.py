@@ -1,21 +1,32 @@
 """Figures of a diagnosis, from its blocks."""
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from reliab.discrepancy import BlockDiagnosis, Channel, Diagnosis
 from reliab.discrepancy.adding.posterior import Posterior
 from reliab.loop.effects import find_effect
-from reliab.report.document import Figure
+from reliab.report.document import Block as DocumentBlock
+from reliab.report.document import Figure, Paragraph
 from reliab.report.figures.discrepancy_blocks import discrepancy_blocks
 from reliab.report.figures.discrepancy_gap import GapPanel, discrepancy_gap
+from reliab.report.figures.discrepancy_histories import ModelledHistory, discrepancy_histories
 from reliab.report.figures.discrepancy_posterior import discrepancy_posterior
 from reliab.report.figures.discrepancy_state_plane import discrepancy_state_plane
 from reliab.report.figures.discrepancy_time_frequency import discrepancy_time_frequency
 from reliab.report.prose import prose
 from reliab.vocabulary import Block
 
-_UNITS = {Channel.MEASURED: ("mm", 1e3), Channel.FORCE: ("N", 1.0)}
+_STRETCHES, _SHORTEST_STRETCH = 5, 4.0  # of a test; s
+_UNITS = {
+    Channel.COMMAND: ("mm", 1e3),
+    Channel.GROUND: ("m/s²", 1.0),
+    Channel.MEASURED: ("mm", 1e3),
+    Channel.FORCE: ("N", 1.0),
+}
 _HIGHEST = 45.0  # Hz
 _DENSITY_POINTS = 1025
 _MOST_PARAMETERS = 5
@@ -44,17 +55,19 @@ def _held_out(one: BlockDiagnosis) -> tuple[str, NDArray[np.float64], NDArray[np
     return file, one.residuals_before[file], one.residuals_after[file]
 
 
-def _noise(one: BlockDiagnosis) -> float:
-    """RMS of the noise in the unit of the channel."""
+def _noise(one: BlockDiagnosis) -> float | None:
+    """RMS of what the recordings do not repeat, in the unit of the channel; None where it is not known."""
     left = np.concatenate(list(one.residuals_before.values()))
-    return float(np.sqrt(np.mean(left**2))) * one.gap.floor / one.gap.before
+    if one.gap.floor is None:
+        return None
+    return float(np.sqrt(np.mean(left**2))) * one.gap.floor / max(one.gap.before, 1e-300)
 
 
 def _density(one: BlockDiagnosis) -> NDArray[np.float64]:
-    """Spectrum of the noise; what a converter adds to it is white."""
+    """Smooth spectrum of what the best model leaves of the tests that it was fitted to."""
     frequency = np.linspace(0.0, 0.5 * one.block.rate, _DENSITY_POINTS)
-    white = max(_noise(one) ** 2 - one.best.noise.rms**2, 0.0)
-    return one.best.noise.density(frequency) + white
+    plain = replace(one.problem, tempering=(), powers=(), conversion={})
+    return plain.noise_of(one.best.space, one.best.coordinates).density(frequency)
 
 
 def time_frequency_figure(one: BlockDiagnosis) -> Figure:
@@ -91,6 +104,73 @@ def state_plane_figure(one: BlockDiagnosis) -> Figure:
     return Figure(drawing=drawing, caption=caption, label=f"fig:state-{one.block.block}", floats=True)
 
 
+def histories_figure(one: BlockDiagnosis) -> Figure:
+    """Draw measured against modelled channel of a held-out test where it moves most."""
+    file, before, after = _held_out(one)
+    test = next(k for k, each in enumerate(one.block.tests) if each.file == file)
+    measured, driven = one.block.measured(test), one.block.tests[test].channels[one.block.inputs[-1]]
+    cut = _strongest(measured, one.block.rate)
+    unit, factor = _UNITS[one.block.channel]
+    input_unit, input_factor = _UNITS[one.block.inputs[-1]]
+    shown = ModelledHistory(
+        time=np.arange(measured.size)[cut] / one.block.rate,
+        driven=input_factor * driven[cut],
+        measured=factor * measured[cut],
+        before=factor * (measured - before)[cut],
+        after=factor * (measured - after)[cut],
+        input_label=f"{one.block.inputs[-1]} [{input_unit}]",
+        label=f"{one.block.channel} [{unit}]",
+    )
+    caption = prose(
+        "Measured and modelled {channel} of held-out test {file} in the stretch in which it is strongest: over "
+        "time, and over {driven}.",
+        channel=str(one.block.channel),
+        file=file,
+        driven=str(one.block.inputs[-1]),
+    )
+    return Figure(
+        drawing=discrepancy_histories(shown),
+        caption=caption,
+        label=f"fig:histories-{one.block.block}",
+        floats=True,
+    )
+
+
+def _strongest(values: NDArray[np.float64], rate: float) -> slice:
+    """Stretch of a test, a fifth of it but some seconds at least, that holds most of the signal."""
+    length = min(max(values.size // _STRETCHES, int(_SHORTEST_STRETCH * rate)), values.size)
+    sums = np.concatenate([[0.0], np.cumsum((values - values.mean()) ** 2)])
+    begin = int(np.argmax(sums[length:] - sums[:-length]))
+    return slice(begin, begin + length)
+
+
+def drawn(what: str, draw: Callable[[], Figure | None]) -> tuple[DocumentBlock, ...]:
+    """Return a figure as a block, or a line that says why it could not be drawn; the report goes on.
+
+    Parameters
+    ----------
+    what : str
+        What the figure shows, in a few words.
+    draw : callable
+        Draws it; None where there is nothing to draw.
+
+    Returns
+    -------
+    tuple of reliab.report.document.Block
+        The figure, a line in its place, or nothing.
+    """
+    try:
+        figure = draw()
+    except Exception as error:  # noqa: BLE001 - whatever fails in a figure must cost the figure alone
+        reason = f"{type(error).__name__}: {error}"
+        return (
+            Paragraph(
+                text=prose("The figure of {what} could not be drawn ({reason}).", what=what, reason=reason)
+            ),
+        )
+    return () if figure is None else (figure,)
+
+
 def gap_figure(found: Diagnosis) -> Figure:
     """Draw what is left in every observed channel."""
     caption = (
@@ -104,14 +184,15 @@ def gap_figure(found: Diagnosis) -> Figure:
 def _panel(one: BlockDiagnosis) -> GapPanel:
     file, before, after = _held_out(one)
     unit, factor = _UNITS[one.block.channel]
+    noise = _noise(one)
     return GapPanel(
         title=f"{one.block.block}: {one.block.channel}, {file}",
         label=f"Residual [{unit}]",
         rate=one.block.rate,
         before=factor * before,
         after=factor * after,
-        noise=factor * _noise(one),
-        errors=(one.gap.before, one.gap.after, one.gap.floor),
+        noise=None if noise is None else factor * noise,
+        errors=tuple(e for e in (one.gap.before, one.gap.after, one.gap.floor) if e is not None),
     )
 
 
@@ -121,10 +202,17 @@ def _meaning(name: str) -> str:
     return next(one.meaning for one in find_effect(effect).parameters if one.name == parameter)
 
 
-def posterior_figure(found: Diagnosis, block: str, posterior: Posterior) -> Figure:
-    """Draw the posterior of the effects that are named in a block."""
-    named = {effect.name for one in found.blocks if str(one.block.block) == block for effect in one.effects}
+def posterior_figure(found: Diagnosis, block: str, posterior: Posterior) -> Figure | None:
+    """Draw the posterior of the effects that are named in a block, None where none has parameters."""
+    named = {
+        str(effect.effect.name)
+        for one in found.blocks
+        if str(one.block.block) == block
+        for effect in one.effects
+    }
     chosen = [k for k, name in enumerate(posterior.names) if name.split(".")[0] in named][:_MOST_PARAMETERS]
+    if not chosen:
+        return None
     names = [f"{_meaning(posterior.names[k])} [{posterior.units[k]}]" for k in chosen]
     caption = prose(
         "Posterior of the effects in the {block}: 90 % intervals, and contours around 50 and 90 % of draws.",

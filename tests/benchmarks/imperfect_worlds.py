@@ -1,0 +1,143 @@
+"""Measure `diagnose` where no model is exact, restartable.
+
+`python tests/benchmarks/imperfect_worlds.py FOLDER --seed S --count N` draws the worlds of the seeds from S on
+(`tests/imperfect_worlds`), diagnoses each, predicts a further test with the model found, keeps an answer for
+each seed in FOLDER, and prints: how often the dominant effect is named, how often a false name stands beside it,
+how often stated probabilities are true, and how often the stated 90 % interval of the error holds the error on
+the further test. What is there already is not done again.
+"""
+
+import argparse
+import json
+import sys
+import tempfile
+import time
+from collections import Counter
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests"))
+
+from blind_campaigns.scoring import wilson_interval  # noqa: E402
+from imperfect_worlds.world import FURTHER, RATE, write_world  # noqa: E402
+
+from reliab.discrepancy import BlockDiagnosis, MeasuredTest, diagnose, read_campaign  # noqa: E402
+from reliab.discrepancy.blocks.actuator import ActuatorBlock  # noqa: E402
+from reliab.discrepancy.blocks.specimen import SpecimenBlock  # noqa: E402
+from reliab.discrepancy.campaign.campaign import Campaign, Stretch  # noqa: E402
+from reliab.discrepancy.campaign.table import read_table  # noqa: E402
+from reliab.discrepancy.spectra.scales import motions_of  # noqa: E402
+from reliab.discrepancy.spectra.segment import cut_segments  # noqa: E402
+
+OFFSETS = {"sensor_bias", "force_bias"}
+BINS = (0.0, 0.5, 0.9, 0.95, 0.98, 0.991, 1.001)
+
+
+def evaluate(seed: int, folder: Path) -> None:
+    """Draw, diagnose and record the world of one seed."""
+    with tempfile.TemporaryDirectory() as scratch:
+        path = Path(scratch)
+        world = write_world(path, seed)
+        begin, worked = time.perf_counter(), time.process_time()
+        campaign = read_campaign(path)
+        diagnosis = diagnose(campaign)
+        seconds, processor = time.perf_counter() - begin, time.process_time() - worked
+        further = MeasuredTest(
+            file=FURTHER, motion="further", held_out=True, channels=read_table(path / FURTHER, RATE)
+        )
+    block = diagnosis.blocks[0]
+    result = {
+        "world": asdict(world),
+        "verdict": str(diagnosis.verdict),
+        "effects": [{"name": e.name, "probability": e.probability} for e in diagnosis.effects],
+        "unknown": None if diagnosis.unknown is None else diagnosis.unknown.expression,
+        "gap": diagnosis.gap.as_dict(),
+        "expected": None if block.further is None else block.further.as_dict(),
+        "error": error_on(block, replace(campaign, tests=(*campaign.tests, further))),
+        "structured_share": block.structured_share,
+        "seconds": seconds,
+        "processor_seconds": processor,
+    }
+    (folder / f"world_{seed}.json").write_text(json.dumps(result), encoding="utf-8")
+    names = [effect.name for effect in diagnosis.effects]
+    print(f"{seed} {world.name} {world.model_error:.2f}: {diagnosis.verdict} {names}", flush=True)
+
+
+def error_on(found: BlockDiagnosis, campaign: Campaign) -> float:
+    """Error of the model found on the last test of a campaign, RMS over that of the signal, judged frequencies."""
+    last = len(campaign.tests) - 1
+    if isinstance(found.block, ActuatorBlock):
+        block = ActuatorBlock(campaign, found.block.scales)
+    else:
+        block = SpecimenBlock(campaign, found.block.scales, motions_of(campaign), smoothed=True)
+    whole = Stretch(test=last, begin=0, end=campaign.tests[last].size)
+    (segment, *rest) = cut_segments((whole,) * 3, campaign.rate, lambda _: found.block.highest)
+    del rest
+    model = found.best.space.model(found.best.coordinates)
+    measured = block.measured(last)
+    missed = segment.spectrum(measured) - segment.spectrum(block.predict(model, last))
+    return float(np.linalg.norm(missed) / np.linalg.norm(segment.spectrum(measured)))
+
+
+def share(answers: list[bool]) -> str:
+    """Count, share and its 95 % interval as text."""
+    low, high = wilson_interval(sum(answers), len(answers))
+    return f"{sum(answers)}/{len(answers)} = {np.mean(answers):.1%} ({low:.1%} to {high:.1%})" if answers else "none"
+
+
+def show(folder: Path) -> None:
+    """Print all rates of what is in a folder."""
+    results = [json.loads(path.read_text(encoding="utf-8")) for path in sorted(folder.glob("world_*.json"))]
+    names = [[e["name"] for e in one["effects"]] for one in results]
+    accepted = [set(one["world"]["accepted"]) for one in results]
+    dominant = [bool(set(n) & a) for n, a in zip(names, accepted, strict=True)]
+    false = [bool(set(n) - a - OFFSETS) for n, a in zip(names, accepted, strict=True)]
+    offsets = [bool(set(n) & OFFSETS) for n in names]
+    print(f"{len(results)} worlds, model error {min(r['world']['model_error'] for r in results):.2f} to"
+          f" {max(r['world']['model_error'] for r in results):.2f} of the signal")  # fmt: skip
+    print(f"dominant effect named: {share(dominant)}")
+    print(f"a false name: {share(false)}; a false offset: {share(offsets)}")
+    print("verdicts:", dict(Counter(one["verdict"] for one in results)))
+    stated = [
+        (e["probability"], e["name"] in a)
+        for one, a in zip(results, accepted, strict=True)
+        for e in one["effects"]
+    ]
+    for low, high in zip(BINS[:-1], BINS[1:], strict=True):
+        inside = [true for p, true in stated if low <= p < high]
+        if inside:
+            print(f"  stated {low:.2f} to {min(high, 1.0):.2f}: true {share(inside)}")
+    covered = [
+        one["expected"]["low"] <= one["error"] <= one["expected"]["high"] for one in results if one["expected"]
+    ]
+    print(f"90 % intervals hold the error on a further test: {share(covered)}")
+    closed = [one["gap"]["closed_fraction"] for one in results]
+    print("closed fractions within [0, 1]:", all(c is None or 0.0 <= c <= 1.0 for c in closed))
+    for key in ("seconds", "processor_seconds"):
+        taken = np.quantile([one[key] for one in results], (0.5, 0.9, 0.95, 1.0))
+        print(f"{key}: median {taken[0]:.1f}, 90 % {taken[1]:.1f}, 95 % {taken[2]:.1f}, largest {taken[3]:.1f}")
+    rows = zip(results, dominant, false, names, strict=True)
+    for one, right, wrong, given in rows:
+        if not right or wrong:
+            print(f"  {one['world']['name']} {one['world']['model_error']:.2f}: {one['verdict']} {given}")
+
+
+def main() -> None:
+    """Run the command line."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--count", type=int, default=200)
+    given = parser.parse_args()
+    given.folder.mkdir(parents=True, exist_ok=True)
+    for seed in range(given.seed, given.seed + given.count):
+        if not (given.folder / f"world_{seed}.json").exists():
+            evaluate(seed, given.folder)
+    show(given.folder)
+
+
+if __name__ == "__main__":
+    main()
