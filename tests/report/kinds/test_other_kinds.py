@@ -8,6 +8,10 @@ import xarray as xr
 from reliab.criterion import derive_criterion
 from reliab.criterion.methods import method_of
 from reliab.loop.structure import Structure
+from reliab.motions import Motion
+from reliab.paper.cases import cases_dataset, run_paper_cases
+from reliab.report.document import Table
+from reliab.report.kinds.rates import rates_section
 from reliab.report.kinds.assessment import assessment_report
 from reliab.report.kinds.suites import suites_report
 from reliab.report.kinds.validation import validation_report
@@ -77,6 +81,31 @@ def test_a_validation_says_whether_the_promise_is_kept(rates, set_without_warnin
     )
     assert document.tone == tone
     set_without_warnings(document)
+
+
+def test_a_table_of_rates_names_those_that_it_shows(rates, text_of):
+    contained = rates[rates["measure"] == "containment"]
+    section = rates_section(contained, confidence=0.95)
+    (table,) = [block for block in section.blocks if isinstance(block, Table)]
+    assert "motions that contain the criterion" in table.caption
+    assert "accepted" not in table.caption
+    document = validation_report(title="V", rates={"one": rates}, confidence=0.95, provenance={})
+    assert "tests that are accepted although their error is too large" in text_of(document)
+
+
+def test_the_cases_stand_beside_what_is_printed(rates, text_of):
+    noise = np.random.default_rng(1).normal(size=2000) * np.hanning(2000)
+    motion = Motion(name="NOISE", acceleration=noise, time_step=0.02)
+    cases = cases_dataset(run_paper_cases(motion), motion)
+    document = validation_report(
+        title="V", rates={"one": rates}, confidence=0.95, cases=cases, provenance={}
+    )
+    text = text_of(document)
+    assert "over the first 39.98 s" in text
+    for printed in ("0.956", "0.760", "0.977", "3.830", "2.55", "3.16", "2.00", "5.35"):
+        assert printed in text
+    assert "index at most 1" in text
+    assert "of its RMS" in text
 
 
 def test_suites_are_compared_with_the_first(rates, set_without_warnings):

@@ -1,0 +1,92 @@
+"""Make the reports of this folder again, each into its file.
+
+    python reports/make.py [--motions RECORDS] [NAME ...]
+
+Without names, all of them: every study that ships, `assessment` and `criterion`. Studies of the paper need
+its records and are skipped without them; where records are given, `validation` runs the paper's cases too.
+"""
+
+import argparse
+import shutil
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+from reliab.cli import run
+from reliab.criterion import derive_criterion, sample_of
+from reliab.criterion.laws.guo_2017 import Equation18
+from reliab.report.figures.ellipses_and_criterion import ellipses_and_criterion
+from reliab.report.style import svg
+from reliab.shipped import shipped
+from reliab.study import shipped_studies
+from reliab.sweep import open_ellipses
+
+HERE = Path(__file__).resolve().parent
+NEED_RECORDS = ("paper2017", "table2_audit")
+USE_RECORDS = (*NEED_RECORDS, "validation")
+FREQUENCY, DAMPING_RATIO = 1.0, 0.02
+
+
+def of_study(name: str, records: Path | None) -> bool:
+    """Run a study in a temporary folder and keep its report; tell whether it was made."""
+    if records is None and name in NEED_RECORDS:
+        print(f"{name}: skipped, it needs --motions RECORDS")  # noqa: T201
+        return True
+    motions = ["--motions", str(records)] if records and name in USE_RECORDS else []
+    with tempfile.TemporaryDirectory() as folder:
+        done = run(["run", name, "--out", f"{folder}/run", *motions]) == 0
+        if done:
+            shutil.copyfile(f"{folder}/run/report.pdf", HERE / f"{name}.pdf")
+    return done
+
+
+def assessment() -> bool:
+    """Assess the sample test that ships."""
+    test = str(shipped("datasets", "sample_test/test.csv"))
+    structure = ["--f", f"{FREQUENCY:g}", "--xi", f"{DAMPING_RATIO:g}"]
+    report = ["--report", str(HERE / "assessment.pdf"), "--date", "2026-01-01"]
+    return run(["assess", test, *structure, *report]) == 0
+
+
+def criterion() -> bool:
+    """Draw the figure of the README: the real motions, the criterion, and equation (18)."""
+    ellipses = open_ellipses(shipped("datasets", "real_suite/ellipses.nc"))
+    derived = derive_criterion(ellipses, frequency=FREQUENCY, damping_ratio=DAMPING_RATIO)
+    sample = sample_of(
+        ellipses,
+        frequency=FREQUENCY,
+        damping_ratio=DAMPING_RATIO,
+        threshold=derived.threshold,
+        metric=derived.metric,
+        curve=derived.provenance.curve,
+    )
+    limits = {"95 % of motions": derived.limits(FREQUENCY, DAMPING_RATIO)}
+    limits["equation (18) of the paper"] = Equation18().limits(FREQUENCY, DAMPING_RATIO)
+    named = {name: (float(a), float(b)) for name, (a, b) in limits.items()}
+    (HERE / "criterion.svg").write_bytes(svg(ellipses_and_criterion(sample, named)))
+    return True
+
+
+def main(arguments: list[str]) -> int:
+    """Make the reports that are named, or all; return how many could not be made."""
+    parser = argparse.ArgumentParser(description="Make the reports of this folder again.")
+    parser.add_argument("names", nargs="*", metavar="NAME", help="reports; all by default")
+    parser.add_argument("--motions", type=Path, metavar="RECORDS", help="folder of the paper's records")
+    asked = parser.parse_args(arguments)
+    makers: dict[str, Callable[[], bool]] = {
+        name: lambda name=name: of_study(name, asked.motions)  # type: ignore[misc]
+        for name in shipped_studies()
+    }
+    makers |= {"assessment": assessment, "criterion": criterion}
+    unknown = set(asked.names) - set(makers)
+    if unknown:
+        parser.error(f"no report {', '.join(sorted(unknown))}; there are {', '.join(makers)}")
+    failures = [name for name in asked.names or makers if not makers[name]()]
+    if failures:
+        print(f"not made: {', '.join(failures)}")  # noqa: T201
+    return len(failures)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
