@@ -148,11 +148,11 @@ def show(rows: Sequence[Mapping[str, Any]], posteriors: Sequence[Mapping[str, An
         f"{first['n_events']} earthquakes",
         dict.fromkeys(_HEADINGS, "right"),
     )
-    for each in rows:
+    for row in rows:
         shown.add_row(
-            *(f"{each[key]:g}" for key in ("f", "xi", "threshold", "confidence")),
-            *(f"{each[key]:.3g}" for key in ("a", "b", "amplitude_limit", "delay_limit_ms")),
-            "-" if each["lead_limit_ms"] is None else f"{each['lead_limit_ms']:.3g}",
+            *(f"{row[key]:g}" for key in ("f", "xi", "threshold", "confidence")),
+            *(f"{row[key]:.3g}" for key in ("a", "b", "amplitude_limit", "delay_limit_ms")),
+            "-" if row["lead_limit_ms"] is None else f"{row['lead_limit_ms']:.3g}",
         )
     terminal = console()
     for posterior in posteriors:
@@ -162,7 +162,7 @@ def show(rows: Sequence[Mapping[str, Any]], posteriors: Sequence[Mapping[str, An
     terminal.print(f"Method: {first['method']}, {together}. Law: {first['law']}.", highlight=False)
     for sentence in _definitions(first):
         terminal.print(sentence, markup=False, highlight=False)
-    for warning in dict.fromkeys(warning for each in rows for warning in each["warnings"]):
+    for warning in dict.fromkeys(warning for row in rows for warning in row["warnings"]):
         terminal.print(f"Note: {warning}", markup=False, highlight=False)
 
 
@@ -186,11 +186,11 @@ def _show_posterior(posterior: Mapping[str, Any]) -> None:
         f"{posterior['accepted']:.0%} of the moves taken",
         _DIAGNOSTICS,
     )
-    for each in posterior["parameters"]:
+    for parameter in posterior["parameters"]:
         numbers = zip(_KEYS, _FORMATS, strict=True)
         shown.add_row(
-            each["parameter"],
-            *("-" if each[key] is None else format(each[key], digits) for key, digits in numbers),
+            parameter["parameter"],
+            *("-" if parameter[key] is None else format(parameter[key], digits) for key, digits in numbers),
         )
     terminal = console()
     terminal.print(shown)

@@ -56,8 +56,8 @@ def compare(
             value=1,
             remedy="Give motions of more earthquakes, or leave --compare out",
         )
-    there = [(f, xi) for f, xi in structures if f in dataset["f"] and xi in dataset["xi"]]
-    jobs = [(f, xi, each) for f, xi in there for each in thresholds]
+    held = [(f, xi) for f, xi in structures if f in dataset["f"] and xi in dataset["xi"]]
+    jobs = [(f, xi, threshold) for f, xi in held for threshold in thresholds]
     distributions: list[dict[str, Any]] = []
     with progress_bar("Comparing distributions") as progress:
         for done, (f, xi, threshold) in enumerate(jobs, start=1):
@@ -65,7 +65,7 @@ def compare(
             progress(done, len(jobs))
     several = dataset.sizes["f"] * dataset.sizes["xi"] > 1
     laws = (
-        [row for each in thresholds for row in _laws(dataset, each, metric, confidence, curve)]
+        [row for threshold in thresholds for row in _laws(dataset, threshold, metric, confidence, curve)]
         if several
         else []
     )
@@ -104,9 +104,9 @@ def _laws(
 ) -> list[dict[str, Any]]:
     from reliab.validation.law_comparison import compare_laws
 
-    found = compare_laws(dataset, threshold=threshold, metric=metric, confidence=confidence, curve=curve)
+    scores = compare_laws(dataset, threshold=threshold, metric=metric, confidence=confidence, curve=curve)
     return [
-        {"threshold": threshold, **{str(k): v for k, v in row.items()}} for row in found.to_dict("records")
+        {"threshold": threshold, **{str(k): v for k, v in row.items()}} for row in scores.to_dict("records")
     ]
 
 
@@ -118,31 +118,31 @@ def show_comparison(comparison: Mapping[str, Any]) -> None:
     comparison : mapping
         As :func:`compare` makes it.
     """
-    for each in comparison["distributions"]:
-        tests = ", ".join(f"{name.replace('_', '-')} {p:.2g}" for name, p in each["lognormality"].items())
-        where = f"f = {each['f']:g} Hz, ξ = {each['xi']:g}, error {each['threshold']:g}"
-        heading = f"Distributions of {each['parameter']} at {where}, earthquakes held out."
+    for judged in comparison["distributions"]:
+        tests = ", ".join(f"{name.replace('_', '-')} {p:.2g}" for name, p in judged["lognormality"].items())
+        where = f"f = {judged['f']:g} Hz, ξ = {judged['xi']:g}, error {judged['threshold']:g}"
+        heading = f"Distributions of {judged['parameter']} at {where}, earthquakes held out."
         console().print(f"{heading} p of lognormality: {tests}.", highlight=False)
         shown = table(
             "",
             {"distribution": "left", **{name.replace("_", " "): "right" for name in _FIGURES}},
         )
-        for row in each["scores"]:
+        for row in judged["scores"]:
             shown.add_row(row["distribution"], *(f"{row[name]:.3g}" for name in _FIGURES))
         console().print(shown)
-    for threshold in dict.fromkeys(each["threshold"] for each in comparison["laws"]):
-        alike = [each for each in comparison["laws"] if each["threshold"] == threshold]
+    for threshold in dict.fromkeys(row["threshold"] for row in comparison["laws"]):
+        alike = [row for row in comparison["laws"] if row["threshold"] == threshold]
         _show_laws(f"error {threshold:g}", alike)
 
 
 def _show_laws(error: str, rows: Sequence[Mapping[str, Any]]) -> None:
-    frequencies = list(dict.fromkeys(each["f"] for each in rows))
+    frequencies = list(dict.fromkeys(row["f"] for row in rows))
     for key, what in (
         ("log_score", "held-out log score"),
         ("region_at_f", "accepted region at equal coverage"),
     ):
         console().print(f"Laws at {error}: {what} by f [Hz].", highlight=False)
         shown = table("", {"law": "left", **{f"{f:g}": "right" for f in frequencies}})
-        for law in dict.fromkeys(each["law"] for each in rows):
-            shown.add_row(law, *(f"{each[key]:.3g}" for each in rows if each["law"] == law))
+        for law in dict.fromkeys(row["law"] for row in rows):
+            shown.add_row(law, *(f"{row[key]:.3g}" for row in rows if row["law"] == law))
         console().print(shown)

@@ -50,15 +50,15 @@ def draw_all(
     """
     from reliab.vocabulary import Side
 
-    there = [(f, xi) for f, xi in structures if f in dataset["f"] and xi in dataset["xi"]]
-    if not there:
+    held = [(f, xi) for f, xi in structures if f in dataset["f"] and xi in dataset["xi"]]
+    if not held:
         raise InputError(
             "A criterion is drawn over ellipses of motions at the same structure",
             value="none of those that are asked for",
             remedy=f"Choose f among {_listed(dataset, 'f')} and ξ among {_listed(dataset, 'xi')}",
         )
     errors = list(dict.fromkeys((criterion.threshold, str(criterion.metric)) for criterion in criteria))
-    jobs = [(*structure, *error) for structure in there for error in errors]
+    jobs = [(*structure, *error) for structure in held for error in errors]
     names = []
     with progress_bar("Drawing") as progress:
         for done, (f, xi, threshold, metric) in enumerate(jobs, start=1):

@@ -229,7 +229,7 @@ def _among(dataset: "xr.Dataset", f: list[float] | None, xi: list[float] | None)
     import numpy as np
 
     for name, wanted in (("f", f), ("xi", xi)):
-        there = dataset[name].values
-        if wanted and all(np.isclose(there, value, rtol=1e-9).any() for value in wanted):
+        held = dataset[name].values
+        if wanted and all(np.isclose(held, value, rtol=1e-9).any() for value in wanted):
             dataset = dataset.sel({name: wanted}, method="nearest")
     return dataset

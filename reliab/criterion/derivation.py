@@ -225,12 +225,12 @@ class Derivation:
     @property
     def diagnostics(self) -> list[Mapping[str, Any]]:
         """Convergence of sampled posteriors, one for each side; empty for methods that sample none."""
-        return [each.learned.diagnostics for each in self._sides if each.learned.diagnostics is not None]
+        return [side.learned.diagnostics for side in self._sides if side.learned.diagnostics is not None]
 
     @property
     def learned(self) -> list[Learned]:
         """What was learned of each side, lags first."""
-        return [each.learned for each in self._sides]
+        return [side.learned for side in self._sides]
 
     @property
     def _sides(self) -> list[_LearnedSide]:
@@ -261,7 +261,7 @@ class Derivation:
         """
         checked_share(confidence, "confidence")
         joint = self.method.joint_by_default if joint is None else joint
-        laws = [each.law(self.law, self.method, confidence, joint=joint) for each in self._sides]
+        laws = [side.law(self.law, self.method, confidence, joint=joint) for side in self._sides]
         grid = self.lag.grid
         return Criterion(
             law=laws[0][0],
@@ -294,7 +294,7 @@ class Derivation:
                 **({"converged": self.converged} if self.diagnostics else {}),
             },
             warnings=(
-                *(sentence for each in self._sides for sentence in each.learned.warnings),
+                *(sentence for side in self._sides for sentence in side.learned.warnings),
                 *cautions_of(self.ellipses, self.lag.grid, self.method, confidence, empty),
                 *few_leads(self.ellipses, leads=self.lead is not None),
             ),
@@ -303,12 +303,12 @@ class Derivation:
     @property
     def converged(self) -> bool:
         """Whether every posterior that was sampled can be relied on."""
-        return all(bool(each["converged"]) for each in self.diagnostics)
+        return all(bool(side["converged"]) for side in self.diagnostics)
 
     def warn_unless_converged(self) -> None:
         """Issue a :class:`~reliab.sampling.ConvergenceWarning` where a posterior cannot be relied on."""
-        for each in self.learned:
-            each.warn_unless_converged()
+        for side in self.learned:
+            side.warn_unless_converged()
 
 
 def _only(ellipses: xr.Dataset, name: str, value: float | None) -> xr.Dataset:

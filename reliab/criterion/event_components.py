@@ -59,8 +59,8 @@ def event_components(values: NDArray[np.float64], events: NDArray[np.str_]) -> E
     Examples
     --------
     >>> values = np.array([1.0, 1.2, 3.0, 3.2, 5.0, 5.2])
-    >>> found = event_components(values, np.array(["a", "a", "b", "b", "c", "c"]))
-    >>> float(found.event_share.round(3)), float(found.effective_number.round(1))
+    >>> components = event_components(values, np.array(["a", "a", "b", "b", "c", "c"]))
+    >>> float(components.event_share.round(3)), float(components.effective_number.round(1))
     (0.995, 3.0)
     """
     _, group, sizes = np.unique(events, return_inverse=True, return_counts=True)

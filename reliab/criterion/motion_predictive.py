@@ -54,8 +54,8 @@ class MotionPredictive:
     Examples
     --------
     >>> values = np.random.default_rng(1).normal(size=(400, 1))
-    >>> found = MotionPredictive.fit(values, np.arange(400).astype(str))
-    >>> found.quantile(0.05).round(2), found.cumulative([0.0]).round(2)
+    >>> predictive = MotionPredictive.fit(values, np.arange(400).astype(str))
+    >>> predictive.quantile(0.05).round(2), predictive.cumulative([0.0]).round(2)
     (array([-1.62]), array([0.53]))
     """
 

@@ -156,9 +156,9 @@ class Population:
         """
         self.validity.require(frequency, damping_ratio)
         arrays = np.broadcast_arrays(
-            *(np.asarray(each, dtype=np.float64) for each in (amplitude, delay, frequency, damping_ratio))
+            *(np.asarray(values, dtype=np.float64) for values in (amplitude, delay, frequency, damping_ratio))
         )
-        capital_a, d, f, xi = (each.ravel() for each in arrays)
+        capital_a, d, f, xi = (values.ravel() for values in arrays)
         scale_a, scale_b = scales(f, xi)
         u, v = (capital_a - 1.0) ** 2 / scale_a, (_MILLISECONDS * d) ** 2 / scale_b
         along_f, along_xi = tents(self.frequencies, f), tents(self.damping_ratios, xi)

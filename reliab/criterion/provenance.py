@@ -109,7 +109,7 @@ def records_checksum(ellipses: xr.Dataset) -> str:
         SHA-256 in hexadecimal digits.
     """
     if "checksum" in ellipses.coords:
-        parts = sorted(str(each) for each in ellipses["checksum"].values)
+        parts = sorted(str(checksum) for checksum in ellipses["checksum"].values)
     else:
         parts = [ellipses[name].values.astype("<f8").tobytes().hex() for name in ("a", "b")]
     return hashlib.sha256("\n".join(parts).encode()).hexdigest()

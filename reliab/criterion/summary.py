@@ -31,8 +31,8 @@ def summarise(criterion: Criterion, frequency: float, damping_ratio: float) -> d
     Examples
     --------
     >>> from reliab.criterion.criterion import published_criterion
-    >>> found = summarise(published_criterion("guo_2017_12"), 1.0, 0.02)
-    >>> round(found["amplitude_limit"], 4), round(found["delay_limit_ms"], 2)
+    >>> summary = summarise(published_criterion("guo_2017_12"), 1.0, 0.02)
+    >>> round(summary["amplitude_limit"], 4), round(summary["delay_limit_ms"], 2)
     (0.0073, 1.02)
     """
     a, b = (float(limit) for limit in criterion.limits(frequency, damping_ratio))

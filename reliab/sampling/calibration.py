@@ -83,5 +83,5 @@ def uniformity(ranks: NDArray[np.int64]) -> NDArray[np.float64]:
     (True, False)
     """
     edges = np.linspace(0, DRAWS + 1, _BINS + 1)
-    counts = np.stack([np.histogram(each, edges)[0] for each in ranks.T])
+    counts = np.stack([np.histogram(of_parameter, edges)[0] for of_parameter in ranks.T])
     return np.asarray(chisquare(counts, axis=1).pvalue)

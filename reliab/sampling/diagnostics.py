@@ -49,7 +49,7 @@ class Diagnostics:
         """What speaks against convergence, in plain sentences; nothing when all is well."""
         smallest = np.minimum(self.bulk_size, self.tail_size)
         worst, least = int(np.argmax(self.r_hat)), int(np.argmin(smallest))
-        found = (
+        sentences = (
             (
                 not self.r_hat.max() < LARGEST_R_HAT,
                 f"R-hat of {self.names[worst]} is {self.r_hat[worst]:.3f}, not below {LARGEST_R_HAT}.",
@@ -63,7 +63,7 @@ class Diagnostics:
                 f"Only {self.ensembles} independent ensembles were run, not {FEWEST_ENSEMBLES}.",
             ),
         )
-        return tuple(sentence for wrong, sentence in found if wrong)
+        return tuple(sentence for wrong, sentence in sentences if wrong)
 
     @property
     def converged(self) -> bool:
@@ -108,7 +108,7 @@ def diagnose(draws: NDArray[np.float64], names: tuple[str, ...], thin: int) -> D
         sizes = [
             arviz.ess(_one_chain_each(draws), method=method)["theta"].values for method in ("bulk", "tail")
         ]
-        times = [integrated_time(each, tol=0, quiet=True) for each in draws]
+        times = [integrated_time(ensemble, tol=0, quiet=True) for ensemble in draws]
     return Diagnostics(
         names=names,
         r_hat=r_hat,

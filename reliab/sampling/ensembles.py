@@ -111,9 +111,9 @@ def sample(
     >>> posterior.converged, bool(abs(posterior.flat[:, 0].mean() - model.values.mean()) < 0.01)
     (True, True)
     """
-    found = draw(model, ensembles, file=file, group=group, progress=progress)
-    found.warn_unless_converged()
-    return found
+    posterior = draw(model, ensembles, file=file, group=group, progress=progress)
+    posterior.warn_unless_converged()
+    return posterior
 
 
 def draw(
@@ -150,19 +150,19 @@ def draw(
         steps = ensembles.steps
         while True:
             _run(samplers, starts, steps // ensembles.thin, ensembles.thin, progress)
-            found = _found(model, samplers, steps // ensembles.thin // 2, ensembles.thin)
-            if found.converged or 2 * steps > ensembles.longest:
-                return found
+            posterior = _kept_draws(model, samplers, steps // ensembles.thin // 2, ensembles.thin)
+            if posterior.converged or 2 * steps > ensembles.longest:
+                return posterior
             steps *= 2
 
 
-def _found(model: Model, samplers: list[emcee.EnsembleSampler], kept: int, thin: int) -> PosteriorSample:
+def _kept_draws(model: Model, samplers: list[emcee.EnsembleSampler], kept: int, thin: int) -> PosteriorSample:
     """Take as many draws as are left out before them."""
     return PosteriorSample(
-        names=tuple(each.name for each in model.parameters),
-        draws=np.stack([each.get_chain(discard=kept)[:kept] for each in samplers]),
+        names=tuple(parameter.name for parameter in model.parameters),
+        draws=np.stack([sampler.get_chain(discard=kept)[:kept] for sampler in samplers]),
         thin=thin,
-        accepted=float(np.mean([each.acceptance_fraction for each in samplers])),
+        accepted=float(np.mean([sampler.acceptance_fraction for sampler in samplers])),
     )
 
 
@@ -196,7 +196,7 @@ def _run(
     for sampler, start in zip(samplers, starts, strict=True):
         while (done := sampler.backend.iteration) < draws:
             sampler.run_mcmc(start if done == 0 else None, min(block, draws - done), thin_by=thin)
-            finished = sum(min(each.backend.iteration, draws) for each in samplers)
+            finished = sum(min(sampler.backend.iteration, draws) for sampler in samplers)
             progress(thin * finished, thin * draws * len(samplers))
 
 

@@ -48,14 +48,14 @@ class Laplace:
         Laplace
             Nowhere wider than the prior.
         """
-        begin = np.array([each.mean for each in model.parameters])
-        spreads = np.array([each.spread for each in model.parameters])
+        begin = np.array([parameter.mean for parameter in model.parameters])
+        spreads = np.array([parameter.spread for parameter in model.parameters])
 
         def loss(scaled: NDArray[np.float64]) -> NDArray[np.float64]:
             return np.minimum(-model.log_posterior(begin + spreads * scaled), _DESERT)
 
         bounds = [(-_FARTHEST, _FARTHEST)] * begin.size
-        found = minimize(
+        optimum = minimize(
             lambda scaled: _with_gradient(loss, scaled),
             np.zeros_like(begin),
             jac=True,
@@ -65,13 +65,13 @@ class Laplace:
         )
         steps = _DIFFERENCE * np.eye(begin.size)
         gradients = [
-            (_with_gradient(loss, found.x + step)[1] - _with_gradient(loss, found.x - step)[1])
+            (_with_gradient(loss, optimum.x + step)[1] - _with_gradient(loss, optimum.x - step)[1])
             / (2.0 * _DIFFERENCE)
             for step in steps
         ]
         curvature, axes = np.linalg.eigh((np.array(gradients) + np.array(gradients).T) / 2.0)
         factor = spreads[:, None] * axes / np.sqrt(np.maximum(curvature, 1.0))
-        return cls(mode=begin + spreads * found.x, factor=factor)
+        return cls(mode=begin + spreads * optimum.x, factor=factor)
 
     def around(self, count: int, width: float, rng: np.random.Generator) -> NDArray[np.float64]:
         """Draw parameter vectors about the mode, `width` times as far as the posterior reaches."""

@@ -73,13 +73,13 @@ class Model(ABC):
     def log_posterior(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
         """Log-density up to a constant of the posterior, shape (vectors,); minus infinity where undefined."""
         with np.errstate(all="ignore"):
-            found = self.log_prior(theta) + self.log_likelihood(theta)
-        return np.where(np.isfinite(found), found, -np.inf)
+            density = self.log_prior(theta) + self.log_likelihood(theta)
+        return np.where(np.isfinite(density), density, -np.inf)
 
     @property
     def _prior(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        means = np.array([each.mean for each in self.parameters])
-        return means, np.array([each.spread for each in self.parameters])
+        means = np.array([parameter.mean for parameter in self.parameters])
+        return means, np.array([parameter.spread for parameter in self.parameters])
 
 
 def prior_predictive(model: Model, *, count: int = 1000, seed: int = 2017) -> NDArray[np.float64]:
@@ -106,7 +106,7 @@ def prior_predictive(model: Model, *, count: int = 1000, seed: int = 2017) -> ND
 
     >>> from reliab.sampling import NormalValues
     >>> drawn = prior_predictive(NormalValues(values=np.zeros(20)), count=4000)
-    >>> [f"{each:.0e}" for each in np.exp(np.quantile(drawn, [0.025, 0.5, 0.975]))]
+    >>> [f"{value:.0e}" for value in np.exp(np.quantile(drawn, [0.025, 0.5, 0.975]))]
     ['7e-04', '4e-01', '3e+02']
     """
     rng = np.random.default_rng(seed)

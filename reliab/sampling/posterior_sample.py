@@ -55,7 +55,7 @@ class PosteriorSample:
 
     def table(self) -> pd.DataFrame:
         """Summarise each parameter: mean, spread, 5 %, 50 % and 95 % quantiles and diagnostics."""
-        found = self.diagnostics
+        diagnostics = self.diagnostics
         low, middle, high = np.quantile(self.flat, [0.05, 0.5, 0.95], axis=0)
         columns = {
             "mean": self.flat.mean(axis=0),
@@ -63,10 +63,10 @@ class PosteriorSample:
             "quantile_05": low,
             "median": middle,
             "quantile_95": high,
-            "r_hat": found.r_hat,
-            "bulk_size": found.bulk_size,
-            "tail_size": found.tail_size,
-            "autocorrelation_time": found.autocorrelation_time,
+            "r_hat": diagnostics.r_hat,
+            "bulk_size": diagnostics.bulk_size,
+            "tail_size": diagnostics.tail_size,
+            "autocorrelation_time": diagnostics.autocorrelation_time,
         }
         return pd.DataFrame(columns, index=pd.Index(self.names, name="parameter"))
 

@@ -183,7 +183,7 @@ def coverage_table(
     ]
     rows = []
     for done, (method, joint, truth, confidence) in enumerate(combinations, start=1):
-        found = simulate_coverage(method, truth, confidence, joint=joint, suites=suites)
+        coverage = simulate_coverage(method, truth, confidence, joint=joint, suites=suites)
         rows.append(
             {
                 "method": method.name,
@@ -193,8 +193,8 @@ def coverage_table(
                 "event_share": truth.event_share,
                 "skewness": truth.skewness,
                 "confidence": confidence,
-                "content": found.mean,
-                "kept": found.kept,
+                "content": coverage.mean,
+                "kept": coverage.kept,
             }
         )
         progress(done, len(combinations))

@@ -61,8 +61,8 @@ def gain_of_terms(
     ...             "curve": ["ellipse"], "side": ["lag"],
     ...             "event": ("motion", np.repeat(np.arange(20), 3).astype(str))},
     ... )
-    >>> found = gain_of_terms(dataset, {"length": length, "noise": rng.normal(size=60)})
-    >>> found["gain"].gt(2.0 * found["standard_error"]).to_dict()
+    >>> gains = gain_of_terms(dataset, {"length": length, "noise": rng.normal(size=60)})
+    >>> gains["gain"].gt(2.0 * gains["standard_error"]).to_dict()
     {'length': True, 'noise': False}
     """
     population = Population.of(ellipses, threshold=threshold, metric=metric)

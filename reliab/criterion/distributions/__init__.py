@@ -12,8 +12,8 @@ from reliab.criterion.distributions.student_t import LogStudentT
 from reliab.criterion.distributions.weibull import Weibull
 
 DISTRIBUTIONS: Final[dict[str, type[Distribution]]] = {
-    each.name: each
-    for each in (Lognormal, LogStudentT, LogSkewNormal, Gamma, Weibull, LogGaussianMixture, Empirical)
+    family.name: family
+    for family in (Lognormal, LogStudentT, LogSkewNormal, Gamma, Weibull, LogGaussianMixture, Empirical)
 }
 """Every distribution by its name."""
 

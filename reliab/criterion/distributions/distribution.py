@@ -101,5 +101,5 @@ def maximise_likelihood(
     numpy.ndarray
         The parameters, shape (k,).
     """
-    found = minimize(lambda p: -log_likelihood(p), np.asarray(start), bounds=bounds, method="L-BFGS-B")
-    return np.asarray(found.x, dtype=np.float64)
+    optimum = minimize(lambda p: -log_likelihood(p), np.asarray(start), bounds=bounds, method="L-BFGS-B")
+    return np.asarray(optimum.x, dtype=np.float64)

@@ -41,8 +41,8 @@ class LogGaussianMixture(NormalKernels):
             if density.sum() - before < _TOLERANCE:
                 break
             before = density.sum()
-            each = np.log(weights) + norm.logpdf(logarithms[:, None], means, spreads)
-            share = np.exp(each - density[:, None])
+            by_component = np.log(weights) + norm.logpdf(logarithms[:, None], means, spreads)
+            share = np.exp(by_component - density[:, None])
             total = np.maximum(share.sum(axis=0), 1e-12)
             weights, means = total / total.sum(), (share * logarithms[:, None]).sum(axis=0) / total
             variance = (share * (logarithms[:, None] - means) ** 2).sum(axis=0) / total

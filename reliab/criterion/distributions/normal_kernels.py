@@ -57,5 +57,5 @@ def log_mixture(
     spreads: NDArray[np.float64],
 ) -> NDArray[np.float64]:
     """Logarithm of a mixture's density of the logarithm, shape of `logarithms`."""
-    each = norm.logpdf(logarithms[..., None], means, spreads)
-    return np.asarray(logsumexp(each, b=weights, axis=-1))
+    by_kernel = norm.logpdf(logarithms[..., None], means, spreads)
+    return np.asarray(logsumexp(by_kernel, b=weights, axis=-1))

@@ -39,10 +39,10 @@ class LogLinearLaw(Law):
         for name, bounds in (("natural frequencies", self.frequency), ("damping ratios", self.damping_ratio)):
             checked_grid(name, np.unique(bounds))
         terms = self._terms(np.ones(1), np.ones(1))
-        for name, each, of_law in zip(
+        for name, coefficients, of_law in zip(
             ("a", "b"), (self.coefficients_a, self.coefficients_b), terms, strict=True
         ):
-            checked_coefficients(name, each, of_law.shape[-1])
+            checked_coefficients(name, coefficients, of_law.shape[-1])
 
     @classmethod
     def fit(cls, frequencies: ArrayLike, damping_ratios: ArrayLike, a: ArrayLike, b: ArrayLike) -> Self:
@@ -69,7 +69,7 @@ class LogLinearLaw(Law):
             np.asarray(frequencies, dtype=np.float64),
             np.asarray(damping_ratios, dtype=np.float64),
         )
-        f, xi = (each.ravel() for each in np.meshgrid(grid_f, grid_xi, indexing="ij"))
+        f, xi = (grid.ravel() for grid in np.meshgrid(grid_f, grid_xi, indexing="ij"))
         for name, limits in (("a", a), ("b", b)):
             _require_positive(checked_limits(name, limits, (grid_f.size, grid_xi.size)))
         coefficients = (
@@ -78,7 +78,7 @@ class LogLinearLaw(Law):
                 cls._terms(f, xi), (a, b), cls._references(f, xi), strict=True
             )
         )
-        of_a, of_b = (tuple(each.tolist()) for each in coefficients)
+        of_a, of_b = (tuple(values.tolist()) for values in coefficients)
         return cls(
             coefficients_a=of_a,
             coefficients_b=of_b,

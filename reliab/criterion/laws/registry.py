@@ -18,7 +18,7 @@ FittedLaw = type[Table] | type[LogLinearLaw]
 
 LawKind = TypeVar("LawKind")
 
-FITTED: Final[dict[str, FittedLaw]] = {each.name: each for each in (Table, Dimensionless, Power, Exponential)}
+FITTED: Final[dict[str, FittedLaw]] = {law.name: law for law in (Table, Dimensionless, Power, Exponential)}
 """Laws that are fitted, by name."""
 
 OF_MANY_MOTIONS: Final[dict[str, Law]] = {
@@ -26,7 +26,7 @@ OF_MANY_MOTIONS: Final[dict[str, Law]] = {
 }
 """Published and corrected laws that promise a confidence over motions, by name."""
 
-LAWS: Final[dict[str, type[Law]]] = {each.name: each for each in (*FITTED.values(), *PUBLISHED, *CORRECTED)}
+LAWS: Final[dict[str, type[Law]]] = {law.name: law for law in (*FITTED.values(), *PUBLISHED, *CORRECTED)}
 """Every law by its name."""
 
 
@@ -77,7 +77,7 @@ def law_from_dict(content: Mapping[str, Any]) -> Law:
     """
     parameters = {key: _tuples(value) for key, value in content.items() if key != "name"}
     law = known(LAWS, content.get("name"))
-    needed = {each.name for each in fields(cast("Any", law))}
+    needed = {parameter.name for parameter in fields(cast("Any", law))}
     if parameters.keys() != needed:
         raise InputError(
             f"The law {law.name} has the parameters {', '.join(sorted(needed)) or 'none'}",
@@ -95,4 +95,4 @@ def known(laws: Mapping[str, LawKind], name: object) -> LawKind:
 
 
 def _tuples(value: object) -> object:
-    return tuple(_tuples(each) for each in value) if isinstance(value, list | tuple) else value
+    return tuple(_tuples(item) for item in value) if isinstance(value, list | tuple) else value

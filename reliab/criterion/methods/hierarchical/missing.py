@@ -47,19 +47,19 @@ def filled(model: Hierarchical, lacking: NDArray[np.float64], events: NDArray[np
     """
     if not len(lacking):
         return model
-    found = model
+    completed = model
     for _ in range(_ROUNDS):
-        theta = Laplace.of(found).mode[None]
-        law = np.einsum("tq,fxt->fxq", found.coefficients(theta)[0], found.terms)
-        covariance = _covariance(found.grid, found.covariances(theta)[0])
+        theta = Laplace.of(completed).mode[None]
+        law = np.einsum("tq,fxt->fxq", completed.coefficients(theta)[0], completed.terms)
+        covariance = _covariance(completed.grid, completed.covariances(theta)[0])
         rng = np.random.default_rng(2017)  # the same draws in every round
-        drawn = np.stack([_drawn(each, law, covariance, rng) for each in lacking])
-        found = replace(
+        drawn = np.stack([_drawn(motion, law, covariance, rng) for motion in lacking])
+        completed = replace(
             model,
             values=np.concatenate([model.values, drawn]),
             events=np.concatenate([model.events, events]),
         )
-    return found
+    return completed
 
 
 def _covariance(grid: Grid, covariances: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -76,8 +76,8 @@ def _covariance(grid: Grid, covariances: NDArray[np.float64]) -> NDArray[np.floa
         REMAINDER: np.eye(along_f * along_xi),
     }
     pairs = [np.array([[aa, ab], [ab, bb]]) for aa, bb, ab in covariances]
-    each = (np.kron(over_structures[name], pair) for name, pair in zip(grid.effects, pairs, strict=True))
-    return np.asarray(sum(each))
+    parts = (np.kron(over_structures[name], pair) for name, pair in zip(grid.effects, pairs, strict=True))
+    return np.asarray(sum(parts))
 
 
 def _drawn(
@@ -92,6 +92,6 @@ def _drawn(
     has = covariance[np.ix_(~gone, ~gone)]
     weight = np.linalg.solve(has, covariance[np.ix_(~gone, gone)]).T
     mean = centre[gone] + weight @ (y[~gone] - centre[~gone])
-    left = covariance[np.ix_(gone, gone)] - weight @ covariance[np.ix_(~gone, gone)]
-    y[gone] = rng.multivariate_normal(mean, left, method="eigh")
+    remaining = covariance[np.ix_(gone, gone)] - weight @ covariance[np.ix_(~gone, gone)]
+    y[gone] = rng.multivariate_normal(mean, remaining, method="eigh")
     return y.reshape(values.shape)

@@ -108,15 +108,17 @@ class Hierarchical(Model):
         names = tuple(self._terms)
         coefficients = (
             Parameter(
-                name=f"{each}: {term}",
+                name=f"{name}: {term}",
                 mean=-1.0 if term == "constant" else 0.0,
                 spread=1.5 if term == "constant" else 0.5,
             )
-            for each in "ab"
+            for name in "ab"
             for term in names
         )
         covariances = (
-            each for effect in self.grid.effects for each in covariance_parameters(effect, _TYPICAL[effect])
+            parameter
+            for effect in self.grid.effects
+            for parameter in covariance_parameters(effect, _TYPICAL[effect])
         )
         degrees = (Parameter(name="log degrees of freedom", mean=float(np.log(10.0)), spread=0.8),)
         return (*coefficients, *covariances, *(degrees if self.robust else ()))
@@ -135,9 +137,9 @@ class Hierarchical(Model):
     def _terms(self) -> dict[str, NDArray[np.float64]]:
         phi, eta = np.meshgrid(np.log(self.frequencies), np.log(self.damping_ratios / 0.05), indexing="ij")
         fits = {"constant": True, "ln f": phi.shape[0] > 1, "ln ξ": phi.shape[1] > 1}
-        found = {"constant": np.ones_like(phi), "ln f": phi, "ln ξ": eta}
+        terms = {"constant": np.ones_like(phi), "ln f": phi, "ln ξ": eta}
         if self.curved:
-            found.update({"ln² f": phi**2, "ln f ln ξ": phi * eta, "ln² ξ": eta**2})
+            terms.update({"ln² f": phi**2, "ln f ln ξ": phi * eta, "ln² ξ": eta**2})
             fits.update(
                 {
                     "ln² f": phi.shape[0] > _PAIR,
@@ -145,7 +147,7 @@ class Hierarchical(Model):
                     "ln² ξ": phi.shape[1] > _PAIR,
                 }
             )
-        return {name: term for name, term in found.items() if fits[name]}
+        return {name: term for name, term in terms.items() if fits[name]}
 
     @cached_property
     def _strata(self) -> Strata:

@@ -109,8 +109,8 @@ class Strata:
         array of float, shape (vectors,)
             Sum over the strata.
         """
-        own = np.broadcast_to(np.eye(2), (len(coefficients), 2, 2))
-        residual = np.concatenate([-coefficients, own], axis=1)[:, None]  # values minus the law
+        identity = np.broadcast_to(np.eye(2), (len(coefficients), 2, 2))
+        residual = np.concatenate([-coefficients, identity], axis=1)[:, None]  # values minus the law
         squares = residual.swapaxes(-1, -2) @ self.products @ residual
         about = np.stack([squares[..., 0, 0], squares[..., 1, 1], squares[..., 0, 1]], axis=-1)
         covariance = self.weights @ covariances
@@ -151,8 +151,8 @@ def divide(grid: Grid, values: NDArray[np.float64], terms: NDArray[np.float64]) 
         (contrasts, slope, {FREQUENCY_SLOPE: damping, REMAINDER: 1.0}),
         (slice(None), bends, {REMAINDER: 1.0}),
     )
-    found = [(both[:, of_f, of_xi].reshape(-1, both.shape[-1]), w) for of_f, of_xi, w in places]
-    present = [(pairs, weights) for pairs, weights in found if pairs.size]
+    pairs_of_strata = [(both[:, of_f, of_xi].reshape(-1, both.shape[-1]), w) for of_f, of_xi, w in places]
+    present = [(pairs, weights) for pairs, weights in pairs_of_strata if pairs.size]
     return Strata(
         weights=np.array([_weights(grid, each) for _, each in present]).reshape(-1, len(grid.effects)),
         counts=np.array([float(len(pairs)) for pairs, _ in present]),
