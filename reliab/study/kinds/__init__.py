@@ -16,7 +16,16 @@ from reliab.study.kinds.kind import Kind
 
 KINDS: Final[dict[str, Kind]] = {
     module.KIND.name: module.KIND
-    for module in (blind_evaluation, criterion, discrepancy, paper, rths_benchmark, suites, table_audit, validation)
+    for module in (
+        blind_evaluation,
+        criterion,
+        discrepancy,
+        paper,
+        rths_benchmark,
+        suites,
+        table_audit,
+        validation,
+    )
 }
 """Every kind by the name that a study's file gives it."""
 

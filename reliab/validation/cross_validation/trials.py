@@ -44,7 +44,7 @@ def draw_trials(
     """
     parameters = cell.parameters(ellipses, side=side)
     half_axes = _SIZE * np.exp([0.5 * np.nanmean(np.log(values)) for values in parameters])
-    uniform = qmc.Sobol(2, rng=seed).random(count)
+    uniform = qmc.Sobol(2, rng=seed).random_base2(max(count - 1, 0).bit_length())[:count]
     radius, angle = np.sqrt(uniform[:, 0]), np.pi * uniform[:, 1]
     return Actuators(
         gain=1.0 + half_axes[0] * radius * np.cos(angle),
