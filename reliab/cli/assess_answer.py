@@ -64,6 +64,8 @@ def _asked(found: "Assessment") -> str:
 
 
 def _errors(summary: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
+    from reliab.validation.assessment.error_of_test import PART_NAMES
+
     shown = table(
         f"Error of {summary['test']}, rebuilt from its command and measured displacement",
         {"error": "left", "value": "right", "90 % interval": "left"},
@@ -73,7 +75,7 @@ def _errors(summary: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
         shown.add_row(name, f"{size['value']:.2%}", f"{_PERCENT * size['low']:.2f} … {size['high']:.2%}")
     for name, part in summary["error"]["parts"].items():
         shown.add_row(
-            f"  from {name.replace('_', ' ')}",
+            f"  from {PART_NAMES[name]}",
             f"{part['rms']:.2%}",
             f"RMS^R without it: {part['remaining_rms']:.2%}",
         )
@@ -109,6 +111,7 @@ def _range(ends: list[float], digits: int) -> str:
 
 def _sentences(found: "Assessment", summary: dict[str, Any]) -> Iterator[str]:
     from reliab.validation.assessment.doubts import probability_text
+    from reliab.validation.assessment.error_of_test import PART_NAMES
 
     if found.own is not None:
         yield (
@@ -125,11 +128,14 @@ def _sentences(found: "Assessment", summary: dict[str, Any]) -> Iterator[str]:
         yield f"The index: {reason}"
     if summary["stability_margin"] is not None:
         yield f"Stability margin: {summary['stability_margin']:.0%} of the critical delay is free."
+    parts = found.error.parts
+    remaining = parts.by_name[parts.first].remaining_rms
+    yield (f"Improve first: {PART_NAMES[parts.first]}; without its part RMS^R would be {remaining:.2%}.")
     advice = summary["improve"]
     share = advice["share_of_delay"] if advice["first"] == "delay" else 1.0 - advice["share_of_delay"]
     yield (
-        f"Improve first: the {advice['first']} ({share:.0%} of the index). Tolerable with the other as it "
-        f"is: {_or_none('delay', advice['tolerable_delay_ms'], ' ms')}, "
+        f"By the index the {advice['first']} weighs most ({share:.0%}). Tolerable with the other as it is: "
+        f"{_or_none('delay', advice['tolerable_delay_ms'], ' ms')}, "
         f"{_or_none('amplitude error', advice['tolerable_amplitude_error'], '')}."
     )
     yield _tracking(summary["tracking"])

@@ -26,6 +26,8 @@ DELAY = "delay"
 NEITHER = "neither"
 FED_BACK_FORCE = "fed_back_force"
 
+_ROUNDING = 1e-12
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Part:
@@ -126,8 +128,10 @@ def divide(histories: Histories, recursion: Recursion) -> Parts:
     """
     command, measured, step = histories.command, histories.measured, histories.time_step
     velocity = np.gradient(command, step)
-    basis = np.stack([command, -velocity])
-    gain, delay = np.linalg.lstsq(basis @ basis.T, basis @ measured, rcond=None)[0]
+    basis = np.stack([command, -velocity, np.ones(command.size)])  # an offset is neither gain nor delay
+    scale = np.abs(basis).max(axis=1)
+    rows = basis / scale[:, np.newaxis]
+    gain, delay, _ = np.linalg.lstsq(rows @ rows.T, rows @ measured, rcond=None)[0] / scale
     differences = {
         AMPLITUDE: (1.0 - gain) * command,
         DELAY: delay * velocity,
@@ -137,7 +141,7 @@ def divide(histories: Histories, recursion: Recursion) -> Parts:
         name: respond(recursion, difference)[0] - difference for name, difference in differences.items()
     }
     late = histories.fed_back - histories.difference
-    if late.any():
+    if np.abs(late).max() > _ROUNDING * np.abs(measured).max():
         pieces[FED_BACK_FORCE] = respond(recursion, late)[0]
     whole = np.sum(list(pieces.values()), axis=0)
     ideal_peak = float(np.abs(measured - whole).max())

@@ -69,7 +69,7 @@ def test_good_test_is_reliable_and_says_so(folder):
 @pytest.mark.parametrize(("name", "first"), [("late", "delay"), ("weak", "amplitude")])
 def test_what_to_improve_first_is_named(folder, name, first):
     assert answer(folder / f"{name}.csv")["improve"]["first"] == first
-    assert f"Improve first: the {first}" in run(folder / f"{name}.csv", *ONE_HERTZ).stdout
+    assert f"Improve first: {first}" in run(folder / f"{name}.csv", *ONE_HERTZ).stdout
 
 
 def test_check_turns_the_verdict_into_an_exit_code(folder):

@@ -8,7 +8,7 @@ import pandas as pd
 
 from reliab.report.document import Column, Document, Figure, Paragraph, Points, Section, Table
 from reliab.report.figures.measured_test import tracking_overview
-from reliab.report.kinds.assessment_error import errors_table, histories_figure
+from reliab.report.kinds.assessment_error import advice, errors_table, histories_figure
 from reliab.report.kinds.provenance import provenance_of
 from reliab.report.kinds.wording import ERRORS, METHODS, PERCENT, percent
 from reliab.report.numbers import MISSING, Fixed
@@ -57,7 +57,7 @@ def assessment_report(
     sections = [
         Section(title="The error of this test", blocks=error),
         Section(title="What to know", blocks=(Points(items=(*_cautions(assessment), *notes)),)),
-        Section(title="What to improve", blocks=(Paragraph(text=_advice(assessment)),)),
+        Section(title="What to improve", blocks=(Paragraph(text=advice(assessment)),)),
         Section(title="Amplitude and delay", blocks=(_numbers(assessment), _plane(assessment))),
         Section(title="How it was judged", blocks=(Paragraph(text=_method(assessment)),)),
     ]
@@ -242,23 +242,6 @@ def _plane(found: Assessment) -> Figure:
             f"{over_time}"
         ),
         label="fig:plane",
-    )
-
-
-def _advice(found: Assessment) -> Prose:
-    advice = found.improvement
-    share = advice.share_of_delay if advice.first == "delay" else 1.0 - advice.share_of_delay
-    late, off = _MILLISECONDS * advice.tolerable_delay, advice.tolerable_amplitude_error
-    return " ".join(
-        (
-            f"{percent(share, 2)} of the index comes from the {advice.first}.",
-            f"At its own amplitude the test is accepted up to a delay of {late:.2f} ms."
-            if late > 0.0
-            else "At its own amplitude the test is not accepted with any delay.",
-            f"At its own delay it is accepted up to an amplitude error of {percent(off, 2)}."
-            if off > 0.0
-            else "At its own delay it is not accepted with any amplitude.",
-        )
     )
 
 

@@ -5,11 +5,14 @@ import pandas as pd
 
 from reliab.report.document import Column, Figure, Table
 from reliab.report.figures.measured_test import error_over_time
-from reliab.report.kinds.wording import PERCENT
+from reliab.report.kinds.wording import PERCENT, percent
+from reliab.report.prose import Prose
 from reliab.validation.assessment.assessment import Assessment
+from reliab.validation.assessment.error_of_test import PART_NAMES
 from reliab.vocabulary import Metric
 
 _STRETCHES = 40
+_MILLISECONDS = 1e3
 
 
 def errors_table(found: Assessment) -> Table:
@@ -39,7 +42,7 @@ def errors_table(found: Assessment) -> Table:
     for name, part in found.error.parts.by_name.items():
         rows.append(
             (
-                f"RMSᴿ from {name.replace('_', ' ')} alone",
+                f"RMSᴿ from {PART_NAMES[name]} alone",
                 f"{PERCENT * part.rms:.2f}",
                 "",
                 f"{PERCENT * part.remaining_rms:.2f}",
@@ -84,10 +87,42 @@ def histories_figure(found: Assessment) -> Figure:
             error=rebuilt.smooth_error,
             band=(rebuilt.low, rebuilt.high),
             parts={
-                name.replace("_", " "): sizes
+                PART_NAMES[name]: sizes
                 for name, sizes in found.error.parts.over_time(recording.time_step, stretch).items()
             },
         ),
         caption="Exact and measured response, the error with its 90 % band, and where it comes from.",
         label="fig:error",
+    )
+
+
+def advice(found: Assessment) -> Prose:
+    """Say what to improve first, by the error and by the index.
+
+    Parameters
+    ----------
+    found : Assessment
+        The assessed test.
+
+    Returns
+    -------
+    Prose
+        A paragraph.
+    """
+    by_index = found.improvement
+    share = by_index.share_of_delay if by_index.first == "delay" else 1.0 - by_index.share_of_delay
+    late, off = _MILLISECONDS * by_index.tolerable_delay, by_index.tolerable_amplitude_error
+    parts = found.error.parts
+    remaining = percent(parts.by_name[parts.first].remaining_rms)
+    return " ".join(
+        (
+            f"Improve first: {PART_NAMES[parts.first]}. Without its part RMSᴿ would be {remaining}.",
+            f"By the index, {percent(share, 2)} comes from the {by_index.first}.",
+            f"At its own amplitude the test is accepted up to a delay of {late:.2f} ms."
+            if late > 0.0
+            else "At its own amplitude the test is not accepted with any delay.",
+            f"At its own delay it is accepted up to an amplitude error of {percent(off, 2)}."
+            if off > 0.0
+            else "At its own delay it is not accepted with any amplitude.",
+        )
     )

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,14 @@ _RELATIVE = {
 _MILLISECONDS = 1e3
 _PERCENT = 100.0
 _HALF = 0.5
+PART_NAMES: Final[Mapping[str, str]] = {
+    "amplitude": "amplitude",
+    "delay": "delay",
+    "neither": "what is neither gain nor delay",
+    "fed_back_force": "lag of the fed-back force",
+}
+"""Parts of the error in words."""
+
 _SPOKEN = {
     "frequency": "the natural frequency",
     "damping_ratio": "the damping ratio",

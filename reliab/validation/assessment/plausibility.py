@@ -5,16 +5,18 @@ from numpy.typing import NDArray
 from scipy.signal import correlate
 
 from reliab.errors import InputError
+from reliab.validation.assessment.band import noise_floor
 from reliab.validation.assessment.recording import Recording
 
 _OPPOSITE = -0.8
 """Correlation below which the measured displacement runs against the command."""
 
-_UNRELATED = 0.45
+_UNRELATED = 0.2
 """Correlation, at the best lag, below which it does not follow the command; a rig that loses a test follows
 it late, but better."""
 
 _LONGEST_LAG = 0.25  # of the test
+_LARGEST_NOISE = 0.5  # in power
 
 _UNIT_FACTORS = {
     1000.0: "millimetres beside metres",
@@ -61,6 +63,15 @@ def require_following(recording: Recording) -> None:
             "The measured displacement must follow the command",
             value=f"a correlation of at most {best:.2f} between the two",
             remedy="Check that the columns and their units are the right ones",
+            where=recording.name,
+        )
+    floor, total = noise_floor(recording.measured)
+    noise = 0.5 * floor * recording.measured.size / total  # a periodogram has half as many bins as samples
+    if noise > _LARGEST_NOISE:
+        raise InputError(
+            "The measured displacement must follow the command",
+            value=f"{noise:.0%} of its power is white noise",
+            remedy="Check that the channel was connected",
             where=recording.name,
         )
     ratio = float(np.linalg.norm(measured) / np.linalg.norm(command))
