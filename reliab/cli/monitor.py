@@ -124,6 +124,8 @@ def monitor(
         scale=StatedValue.parse(scale, "value of --scale"),
         feedback_lag=StatedValue.parse(feedback_lag, "value of --feedback-lag"),
     )
+    if not stated.scale.value > 0.0:
+        raise InputError("The sensor's scale must be positive", value=stated.scale.value)
     columns = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
     declared = {part: name for part, name in columns.items() if name is not None}
     rows = rows_of(
@@ -170,8 +172,6 @@ class _Stated:
         structure = Structure(
             frequency=self.f.value, damping_ratio=self.xi.value, experimental_fraction=self.alpha.value
         )
-        if not self.scale.value > 0.0:
-            raise InputError("The sensor's scale must be positive", value=self.scale.value)
         tolerances = Tolerances(
             frequency=self.f.deviation / self.f.value,
             damping_ratio=self.xi.deviation / self.xi.value,

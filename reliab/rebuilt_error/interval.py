@@ -125,6 +125,15 @@ class NoiseShare:
     in_peak: Array
     deviation: float
 
+    @property
+    def white_in_peak(self) -> float:
+        """What white noise adds to the peak in the mean [m], by its share of the noise's power.
+
+        What passes for slow noise may be the actuator's own doing, and is not taken away from a value.
+        """
+        power = self.deviation**2
+        return float(self.in_peak.mean()) * self.white / power if power > 0.0 else 0.0
+
 
 def share_of_noise(
     noise: SensorNoise, structure: WholeStructure, error: Array, generator: np.random.Generator

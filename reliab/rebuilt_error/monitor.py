@@ -1,5 +1,4 @@
-"""A test while it runs: the recursion of its error sample by sample, and the damping that its actuator
-leaves.
+"""A test while it runs: its error sample by sample, and the damping that its actuator leaves.
 
 The same recursion as in `rebuild` goes on from chunk to chunk, so that the error history is the one that
 is rebuilt afterwards. Its response to a constant runs beside it: a sensor offset that is found later is

@@ -15,11 +15,13 @@ structure whose properties are the stated ones (derivation: subtract the two equ
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.errors import InputError
 from reliab.loop.partition.partition import Partition
 from reliab.loop.structure import Structure
 from reliab.rebuilt_error.channels import checked_histories, stated_start
 from reliab.rebuilt_error.error_statistics import mean_square
 from reliab.rebuilt_error.feedback import delayed
+from reliab.rebuilt_error.force_form import Form, combined_reading, felt_displacement
 from reliab.rebuilt_error.interval import Histories, Unknown, share_of_noise, sweep
 from reliab.rebuilt_error.noise import estimate_noise
 from reliab.rebuilt_error.rebuilt import RebuiltError, conclude
@@ -39,6 +41,8 @@ def rebuild(
     time_step: float,
     structure: Structure | Partition | WholeStructure,
     *,
+    force: Array | None = None,
+    form: Form = Form.DISPLACEMENT,
     feedback_lag: float = 0.0,
     sensor_offset: float | None = None,
     tolerances: Tolerances | None = None,
@@ -55,6 +59,11 @@ def rebuild(
         Step between samples [s].
     structure : Structure, Partition or WholeStructure
         The whole structure under test.
+    force : numpy.ndarray, optional
+        Recorded force of the specimen at the interface [N], per unit mass [m/s²] for one degree of freedom,
+        shape (n,); needed by the forms that use it.
+    form : Form, optional
+        Which channel tells what the specimen felt; the displacement by default.
     feedback_lag : float, optional
         Time by which the force was fed back late [s].
     sensor_offset : float, optional
@@ -76,7 +85,7 @@ def rebuild(
     ------
     InputError
         If histories differ in length, are too short, do not move or are not finite, or if the step is too
-        long for the structure.
+        long for the structure, or if a form needs a force that is not there.
 
     Examples
     --------
@@ -93,13 +102,16 @@ def rebuild(
     noise = estimate_noise(command, measured, time_step)
     start = stated_start(command, measured, time_step, whole, noise, sensor_offset)
     read = measured - start.offset
-    fed_back = command - delayed(read, feedback_lag, time_step)
+    felt = _felt(command, read, force, form, whole, time_step)
+    if form is Form.COMBINED:
+        read, noise = felt, estimate_noise(command, felt, time_step)
+    fed_back = command - delayed(felt, feedback_lag, time_step)
     response = respond(Recursion.of_displacement(whole, time_step), fed_back)[0]
     difference = noise.smooth(command - read)
     histories = Histories(
         command=command,
         measured=command - difference,
-        fed_back=difference if feedback_lag == 0.0 else noise.smooth(fed_back),
+        fed_back=noise.smooth(fed_back),
         time_step=time_step,
     )
     share = share_of_noise(noise, whole, response - difference, np.random.default_rng(seed))
@@ -121,3 +133,19 @@ def rebuild(
         start=start,
         seed=seed,
     )
+
+
+def _felt(
+    command: Array, read: Array, force: Array | None, form: Form, structure: WholeStructure, time_step: float
+) -> Array:
+    """Displacement that the specimen felt, as the chosen form reads it."""
+    if form is Form.DISPLACEMENT:
+        return read
+    if force is None or force.shape != read.shape or not np.isfinite(force).all():
+        raise InputError(
+            f"The {form} form needs a recorded force, finite and as long as the displacements",
+            value="none" if force is None else f"shape {force.shape}",
+            remedy="Give the force, or use the displacement form",
+        )
+    felt = felt_displacement(np.ascontiguousarray(force, dtype=np.float64), structure, time_step)
+    return felt if form is Form.FORCE else combined_reading(command, read, felt, time_step)

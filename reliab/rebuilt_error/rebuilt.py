@@ -157,7 +157,7 @@ def conclude(
     smooth = histories.measured - reference
     peak = float(np.abs(reference).max())
     square = max(mean_square(smooth) - share.white, 0.0)
-    largest = max(float(np.abs(smooth).max()) - float(share.in_peak.mean()), 0.0)
+    largest = max(float(np.abs(smooth).max()) - share.white_in_peak, 0.0)
     drawn = combine(spread, share, seed)
     half = HALF_WIDTH * np.hypot(spread.deviation, share.deviation)
     return RebuiltError(

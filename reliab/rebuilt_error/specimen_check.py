@@ -1,14 +1,16 @@
 """Does the specimen look nonlinear? What the force holds beyond a spring, a dashpot and a mass.
 
 The recorded force is explained twice, first by displacement, velocity and acceleration of the measured
-motion, then with shapes that a nonlinear specimen would show besides: powers of displacement and velocity,
-friction, and elastic–plastic springs in series (Jenkins elements, whose sums approximate any rate-
-independent hysteresis: Iwan 1966, J. Appl. Mech. 33). Each explanation is fitted on one half of the test,
-in blocks of a period, and judged on the other half. Noise, a late sensor or a late force are not predicted
-better by such shapes; a nonlinear specimen is.
+motion, then with shapes that a nonlinear specimen would show besides: powers of displacement and
+velocity, friction, and elastic–plastic springs in series (Jenkins elements, whose sums approximate any
+rate- independent hysteresis: Iwan 1966, J. Appl. Mech. 33). Each explanation is fitted on one half of the
+test, in short blocks, and judged on the other half; of the kinds of shapes, alone and together, the best
+counts. Noise, a late sensor or a late force are not predicted better by such shapes; a nonlinear specimen
+is.
 """
 
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +23,10 @@ Array = NDArray[np.float64]
 
 _PER_PERIOD = 48.0  # samples in a period
 _BAND = 10.0  # natural frequencies that are kept
-_BLOCK = 1.5  # periods
-_YIELDS = (0.05, 0.15, 0.35, 0.7)  # of the largest displacement, where a Jenkins element slips
+_BLOCK = 0.4  # periods
+_RIDGE = 1e-5  # of the mean square of a shape: what the fitted half cannot tell stays small
+_YIELDS = (0.05, 0.15, 0.3, 0.5, 0.75)  # of the largest displacement, where a Jenkins element slips
+_TURNS_OVER = 0.02  # of the largest velocity, over which friction changes sign
 _GAIN = 0.25  # share of the residual that must vanish on the other half
 _LEAST = 0.004  # share of the force below which nothing is called nonlinear
 _FEWEST_PERIODS = 4.0
@@ -102,12 +106,14 @@ def examine_specimen(measured: Array, force: Array, time_step: float, frequency:
     velocity = np.gradient(measured, time_step)
     linear = [seen(row) for row in (measured, velocity, np.gradient(velocity, time_step))]
     linear.append(np.ones(linear[0].size))
-    shapes = [seen(row) for row in _shapes(measured, velocity)]
+    groups = [[seen(row) for row in group] for group in _shapes(measured, velocity)]
     target = seen(force)
     block = max(int(_BLOCK * _PER_PERIOD), 1)
     half = (np.arange(target.size) // block) % 2 == 0
     plain = _left_over(np.stack(linear), target, half)
-    rich = _left_over(np.stack(linear + shapes), target, half)
+    rich = min(
+        _left_over(np.stack(linear + shapes), target, half) for shapes in [*groups, list(chain(*groups))]
+    )
     power = float(target @ target)
     if not power > 0.0:
         return SpecimenCheck(nonlinear=False, share=0.0, gain=0.0, linear_residual=0.0)
@@ -128,18 +134,14 @@ def _low_pass(frequency: float, step: float) -> Array:
     return np.asarray(window / window.sum())
 
 
-def _shapes(measured: Array, velocity: Array) -> list[Array]:
+def _shapes(measured: Array, velocity: Array) -> list[list[Array]]:
+    """Shapes of elastic, dissipating and yielding specimens."""
     x = measured / max(float(np.abs(measured).max()), np.finfo(float).tiny)
     v = velocity / max(float(np.abs(velocity).max()), np.finfo(float).tiny)
-    slow = 0.02  # of the largest velocity, below which friction turns over
     return [
-        x * np.abs(x),
-        x**3,
-        x**2,
-        v * np.abs(v),
-        x**2 * v,
-        np.tanh(v / slow),
-        *(slipped(x, limit) for limit in _YIELDS),
+        [x * np.abs(x), x**3, x**2],
+        [v * np.abs(v), x**2 * v, np.tanh(v / _TURNS_OVER)],
+        [slipped(x, limit) for limit in _YIELDS],
     ]
 
 
@@ -157,12 +159,13 @@ def slipped(displacement: Array, limit: float) -> Array:
 
 def _left_over(rows: Array, target: Array, half: NDArray[np.bool_]) -> float:
     """Sum of squares that is left on each half with coefficients of the other."""
-    scale = np.maximum(np.abs(rows).max(axis=1, keepdims=True), np.finfo(float).tiny)
+    scale = np.maximum(np.sqrt((rows**2).mean(axis=1, keepdims=True)), np.finfo(float).tiny)
     scaled = rows / scale
     total = 0.0
     for fitted in (half, ~half):
         some, other = scaled[:, fitted], scaled[:, ~fitted]
-        values = np.linalg.lstsq(some.T, target[fitted], rcond=1e-6)[0]
+        normal = some @ some.T + _RIDGE * fitted.sum() * np.eye(scaled.shape[0])
+        values = np.linalg.solve(normal, some @ target[fitted])
         left = target[~fitted] - values @ other
         total += float(left @ left)
     return total

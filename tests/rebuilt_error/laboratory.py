@@ -1,9 +1,9 @@
 """A laboratory of its own: hybrid tests of one degree of freedom by a fourth-order Runge–Kutta loop.
 
-Nothing here imports `reliab`. The loop is x'' + 2ξω₀x' + (1 − α)ω₀²x + r = −a_g with the restoring force r per
-unit mass of the displacement that the actuator reached (or reached a lag ago). The ground acceleration is a
-straight line between samples. The undisturbed structure is the same loop with an actuator that reaches its
-command at once.
+Nothing here imports `reliab`. The loop is x'' + 2ξω₀x' + (1 − α)ω₀²x + r = −a_g with the restoring force r
+per unit mass of the displacement that the actuator reached (or reached a lag ago). The ground acceleration
+is a straight line between samples. The undisturbed structure is the same loop with an actuator that reaches
+its command at once.
 """
 
 import math
@@ -92,7 +92,9 @@ def _past_velocity(v, last, time, dt):
 
 
 @numba.njit(cache=True)
-def _slopes(y, kind, numbers, shape, specimen, w0, xi, alpha, ground, held, late, late_velocity):
+def _slopes(  # noqa: C901 - one compiled function, a branch for each actuator and specimen
+    y, kind, numbers, shape, specimen, w0, xi, alpha, ground, held, late, late_velocity
+):
     """Time derivatives of (x, v, piston, piston's velocity, hysteretic displacement), and force, piston."""
     x, v, m, mv, z = y[0], y[1], y[2], y[3], y[4]
     dm, dmv, piston, velocity = 0.0, 0.0, x, v
@@ -151,7 +153,7 @@ def _march(ground, h, parts, kind, numbers, specimen, shape, w0, xi, alpha, lag)
             tau = numbers[1] + numbers[2] * time if kind == DELAY else 0.0
             late = _past(xs, vs, i - 1, time - tau, dt) if tau > 0.0 else u[0]
             late_velocity = _past_velocity(vs, i - 1, time - tau, dt) if tau > 0.0 else u[1]
-            v, acc, dm, dmv, dz, force, piston = _slopes(
+            v, acc, dm, dmv, dz, force, _ = _slopes(
                 u, kind, numbers, shape, specimen, w0, xi, alpha, a, held, late, late_velocity
             )
             if lag > 0.0:

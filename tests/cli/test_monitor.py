@@ -1,0 +1,222 @@
+"""`reliab monitor`: growing files, standard input, alarms."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from reliab.cli import run
+from reliab.cli.followed_rows import chunks_of_text, rows_of
+from reliab.loop.actuator import Actuator
+from reliab.loop.hybrid_test import HybridTest, run_closed_loop
+from reliab.loop.structure import Structure
+from reliab.rebuilt_error import rebuild
+from reliab.validation.assessment import read_recording
+
+RATE = 256
+STRUCTURE = Structure(frequency=1.0, damping_ratio=0.05)
+
+
+def written(path: Path, delay: float, seconds: float = 12.0) -> list[str]:
+    shaken = np.random.default_rng(1).normal(size=int(seconds * RATE))
+    test = HybridTest(structure=STRUCTURE, actuator=Actuator(gain=0.998, delay=delay))
+    histories = run_closed_loop(test, shaken, 1.0 / RATE)
+    rows = zip(np.arange(shaken.size) / RATE, histories.command.values[0], histories.measured, strict=True)
+    lines = ["time_s,command_m,measured_m", *(f"{t:.6f},{c:.9e},{m:.9e}" for t, c, m in rows)]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return lines
+
+
+def messages(text: str) -> list[dict]:
+    return [json.loads(line) for line in text.splitlines()]
+
+
+@pytest.fixture(scope="module")
+def good(tmp_path_factory) -> Path:
+    path = tmp_path_factory.mktemp("followed") / "good.csv"
+    written(path, 0.004)
+    return path
+
+
+def follow(path: Path | str, *more: str) -> list[str]:
+    return ["monitor", str(path), "--f", "1", "--xi", "0.05", "--wait", "0.1", "--json", "-", *more]
+
+
+def test_the_end_is_what_is_rebuilt_afterwards(good, capsys):
+    assert run(follow(good, "--threshold", "0.5")) == 0
+    said = messages(capsys.readouterr().out)
+    recording = read_recording(good)
+    whole = rebuild(recording.command, recording.measured, 1.0 / RATE, STRUCTURE)
+    end = said[-1]
+    assert end["kind"] == "end"
+    assert end["samples"] == recording.command.size
+    assert end["error"]["rms"]["value"] == pytest.approx(whole.rms.value, rel=1e-9)
+    assert end["error"]["rms"]["high"] == pytest.approx(whole.rms.high, rel=1e-9)
+    assert end["error_m"] == pytest.approx(whole.error[-1], rel=1e-9)
+    assert end["alarms"] == []
+    assert [one["samples"] for one in said[:3]] == [128, 256, 384]
+
+
+def test_a_threshold_that_is_crossed_raises_the_alarm(good, capsys):
+    assert run(follow(good, "--threshold", "0.002")) == 1
+    assert messages(capsys.readouterr().out)[-1]["alarms"] == ["error"]
+    assert (
+        run(["monitor", str(good), "--f", "1", "--xi", "0.05", "--wait", "0.1", "--threshold", "0.002"]) == 1
+    )
+    assert "Alarm: the error is above 0.20%" in capsys.readouterr().out
+
+
+def test_a_loop_that_gains_energy_raises_the_alarm(tmp_path, capsys):
+    written(tmp_path / "unstable.csv", 0.03)
+    assert run(follow(tmp_path / "unstable.csv", "--threshold", "1e6")) == 1
+    said = messages(capsys.readouterr().out)
+    assert said[-1]["alarms"] == ["unstable"]
+    assert said[-1]["net_damping_ratio"] < 0.0
+
+
+PROGRAM = [sys.executable, "-c", "import sys; from reliab.cli import run; sys.exit(run(sys.argv[1:]))"]
+
+
+def test_a_follow_that_was_killed_and_started_again_says_the_same(good, capsys):
+    killed = subprocess.Popen([*PROGRAM, *follow(good, "--threshold", "0.5")], stdout=subprocess.PIPE)  # noqa: S603 - our own program
+    begun = killed.stdout.readline().decode()
+    killed.kill()
+    killed.wait()
+    killed.stdout.close()
+    run(follow(good, "--threshold", "0.5"))
+    assert capsys.readouterr().out.startswith(begun)
+
+
+def test_standard_input_is_followed_to_its_end(good, capsys):
+    done = subprocess.run(  # noqa: S603 - our own program
+        [*PROGRAM, *follow("-", "--threshold", "0.5")],
+        input=good.read_bytes(),
+        capture_output=True,
+        check=True,
+    )
+    run(follow(good, "--threshold", "0.5"))
+    assert done.stdout.decode() == capsys.readouterr().out
+
+
+def rows_while(path: Path, change) -> np.ndarray:
+    """Times of the rows that are read while `change` writes, in turns with the reader."""
+
+    def pieces():
+        steps = change()
+        for piece in chunks_of_text(str(path), 0.2):
+            yield piece
+            next(steps, None)
+
+    rows = rows_of(pieces(), name="test.csv", declared={}, units=None)
+    return np.concatenate([part.time for part in rows])
+
+
+def test_a_line_that_is_half_written_waits_for_its_end(tmp_path):
+    path = tmp_path / "test.csv"
+    lines = written(path, 0.004)
+    path.write_text("\n".join(lines[:100])[:-7], encoding="utf-8")
+
+    def change():
+        with path.open("a", encoding="utf-8") as file:
+            file.write(lines[99][-7:] + "\n" + "\n".join(lines[100:200]))
+        yield
+        time.sleep(0.05)
+        yield
+
+    read = rows_while(path, change)
+    assert read.size == 198  # the last line has no end
+    assert np.allclose(np.diff(read), 1.0 / RATE, atol=2e-6)
+
+
+def test_a_rotated_file_is_read_to_its_end_and_then_the_new_one(tmp_path):
+    path = tmp_path / "test.csv"
+    lines = written(path, 0.004)
+    path.write_text("\n".join(lines[:100]) + "\n", encoding="utf-8")
+
+    def change():
+        path.rename(tmp_path / "test.csv.1")
+        with (tmp_path / "test.csv.1").open("a", encoding="utf-8") as file:
+            file.write("\n".join(lines[100:150]) + "\n")
+        path.write_text("\n".join([lines[0], *lines[150:300]]) + "\n", encoding="utf-8")
+        yield
+        yield
+
+    read = rows_while(path, change)
+    assert read.size == 299
+    assert np.allclose(np.diff(read), 1.0 / RATE, atol=2e-6)
+
+
+def test_columns_may_have_units_and_names_of_their_own(tmp_path, good, capsys):
+    lines = good.read_text(encoding="utf-8").splitlines()
+    changed = ["seconds;drive_mm;lvdt_mm"]
+    for line in lines[1:]:
+        time_s, command, measured = line.split(",")
+        changed.append(f"{time_s};{1e3 * float(command):.9e};{1e3 * float(measured):.9e}")
+    (tmp_path / "other.csv").write_text("\n".join(changed) + "\n", encoding="utf-8")
+    run(follow(good, "--threshold", "0.5"))
+    expected = messages(capsys.readouterr().out)[-1]
+    run(follow(tmp_path / "other.csv", "--threshold", "0.5", "--command", "drive_mm"))
+    said = messages(capsys.readouterr().out)[-1]
+    assert said["error_m"] == pytest.approx(expected["error_m"], rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("text", "more", "rule"),
+    [
+        ("0,0,0\n1,0,0\n", (), "line that names its columns"),
+        ("time,command,measured\n0,0\n", (), "must have 3 columns"),
+        ("time,command,measured\n0,0,x\n", (), "must be a finite number"),
+        ("time,command,measured\n0,0,0\n", (), "more than 64 rows"),
+        ("command,measured\n" + "0,0\n" * 100, (), "times or a sampling rate"),
+        ("time,command,measured\n" + "0,0,0\n", ("--threshold", "0"), "--threshold must be positive"),
+        ("time,command,measured\n" + "0,0,0\n", ("--metric", "max"), "rms or mte"),
+        ("time,command,measured\n" + "0,0,0\n", ("--rate", "-1"), "--rate must be positive"),
+        ("time,command,measured\n" + "0,0,0\n", ("--scale", "0"), "scale must be positive"),
+    ],
+)
+def test_bad_input_is_one_sentence(tmp_path, text, more, rule, capsys):
+    (tmp_path / "bad.csv").write_text(text, encoding="utf-8")
+    assert run(follow(tmp_path / "bad.csv", *more)) == 2
+    assert rule in capsys.readouterr().err
+
+
+def test_a_missing_sample_is_refused(tmp_path, good, capsys):
+    lines = good.read_text(encoding="utf-8").splitlines()
+    del lines[500]
+    (tmp_path / "gap.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    assert run(follow(tmp_path / "gap.csv")) == 2
+    assert "equal steps" in capsys.readouterr().err
+
+
+def test_a_missing_file_and_frequency_are_refused(tmp_path, capsys):
+    assert run(["monitor", str(tmp_path / "none.csv"), "--f", "1"]) == 2
+    assert "readable" in capsys.readouterr().err
+    assert run(["monitor", os.devnull]) == 2
+    assert "--f" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [
+        ("--f", "1.02"),
+        ("--xi", "0.04"),
+        ("--alpha", "0.8"),
+        ("--scale", "1.01"),
+        ("--feedback-lag", "1"),
+        ("--metric", "mte"),
+        ("--threshold", "0.002"),
+        ("--every", "1"),
+        ("--rate", "250"),
+        ("--units", "mm"),
+    ],
+)
+def test_every_option_changes_the_answer(good, capsys, option, value):
+    run(follow(good, "--threshold", "0.15"))
+    plain = capsys.readouterr().out
+    run([*follow(good, "--threshold", "0.15"), option, value])
+    assert capsys.readouterr().out != plain
