@@ -102,6 +102,20 @@ def _show(found: "Diagnosis") -> None:
             share, p_value = f"{one.share_of_residual:.0%}", f"{one.p_value:.0e}"
             places.add_row(one.block, one.channel, one.kind, share, p_value, one.test)
         screen.print(places)
+    _show_effects(found)
+    for block in found.blocks:
+        if block.unknown is not None:
+            what = block.unknown.expression or block.unknown.description
+            screen.print(f"Unknown effect in the {block.unknown.block}: {what}")
+    for remark in found.remarks:
+        screen.print(remark)
+    for block in found.blocks:
+        screen.print(_proved(block))
+
+
+def _show_effects(found: "Diagnosis") -> None:
+    """Print the effects with their parameters, and the error with and without each."""
+    screen = console()
     effects = (*found.effects, *found.doubtful)
     if effects:
         names = table("What is missing", _EFFECTS)
@@ -117,14 +131,6 @@ def _show(found: "Diagnosis") -> None:
                 f"{effect.name}: error on held-out tests {effect.error_with:.4f} with it,"
                 f" {effect.error_without:.4f} without it."
             )
-    for block in found.blocks:
-        if block.unknown is not None:
-            what = block.unknown.expression or block.unknown.description
-            screen.print(f"Unknown effect in the {block.unknown.block}: {what}")
-    for remark in found.remarks:
-        screen.print(remark)
-    for block in found.blocks:
-        screen.print(_proved(block))
 
 
 def _proved(block: "BlockDiagnosis") -> str:
@@ -133,6 +139,6 @@ def _proved(block: "BlockDiagnosis") -> str:
     closed = "" if gap.closed_fraction is None else f", {gap.closed_fraction:.1%} of the gap closed"
     floor = "not known" if gap.floor is None else f"{gap.floor:.4f} ({gap.source})"
     return (
-        f"{block.block.block}, held-out {', '.join(gap.held_out)}, {gap.channel}: error {gap.before:.4f} before,"
-        f" {gap.after:.4f} after, noise {floor} of the signal's RMS{closed}."
+        f"{block.block.block}, held-out {', '.join(gap.held_out)}, {gap.channel}: error {gap.before:.4f}"
+        f" before, {gap.after:.4f} after, noise {floor} of the signal's RMS{closed}."
     )

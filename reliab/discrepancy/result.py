@@ -14,7 +14,6 @@ from reliab.discrepancy.degeneracy import remark
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.locating.finding import Finding
-from reliab.discrepancy.locating.noise_test import LARGEST_STRUCTURED_SHARE
 from reliab.loop.effects import Effect
 
 Array = NDArray[np.float64]
@@ -287,6 +286,8 @@ class BlockDiagnosis:
         The same in numbers.
     structured_share : float
         Share of what the best model leaves of the tests it was fitted to that is concentrated as no noise is.
+    leaves_noise : bool
+        Whether that passes for noise, or for the error of a converter.
     calibration : tuple of Estimate
         Gain, delay, stiffness or scale as calibrated in the best model.
     further : FurtherError or None
@@ -310,14 +311,10 @@ class BlockDiagnosis:
     residuals_after: dict[str, Array]
     gap: Gap
     structured_share: float
+    leaves_noise: bool
     calibration: tuple[Estimate, ...]
     further: FurtherError | None
     converged: bool | None = None
-
-    @property
-    def leaves_noise(self) -> bool:
-        """Whether what the best model leaves passes for noise."""
-        return self.structured_share <= LARGEST_STRUCTURED_SHARE
 
     @property
     def verdict(self) -> Verdict:
@@ -400,7 +397,7 @@ class Diagnosis:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Sentences on what limits the answer: effects in doubt, bounds, convergence, model error, records."""
+        """Sentences on what limits the answer: doubts, bounds, convergence, model error, short records."""
         remarks = [effect.remark for effect in self.doubtful]
         for block in self.blocks:
             remarks += _limits_of(block)
@@ -442,8 +439,8 @@ def _limits_of(block: BlockDiagnosis) -> list[str]:
     if not block.leaves_noise:
         floor = "unknown" if gap.floor is None else f"{gap.floor:.3g} by the {gap.source}"
         remarks.append(
-            f"What the model of the {name} leaves is no noise but an error of the model: {gap.model_error:.3g} of"
-            f" the signal's RMS on held-out tests, with a noise floor that is {floor}. No probability is stated"
-            " above 0.99."
+            f"What the model of the {name} leaves is no noise but an error of the model:"
+            f" {gap.model_error:.3g} of the signal's RMS on held-out tests; its noise floor is {floor}."
+            " No probability is stated above 0.99."
         )
     return remarks

@@ -1,10 +1,10 @@
 """Measure `diagnose` where no model is exact, restartable.
 
-`python tests/benchmarks/imperfect_worlds.py FOLDER --seed S --count N` draws the worlds of the seeds from S on
-(`tests/imperfect_worlds`), diagnoses each, predicts a further test with the model found, keeps an answer for
-each seed in FOLDER, and prints: how often the dominant effect is named, how often a false name stands beside it,
-how often stated probabilities are true, and how often the stated 90 % interval of the error holds the error on
-the further test. What is there already is not done again.
+`python tests/benchmarks/imperfect_worlds.py FOLDER --seed S --count N` draws the worlds of the seeds from S
+on (`tests/imperfect_worlds`), diagnoses each, predicts a further test with the model that it names, keeps an
+answer for each seed in FOLDER, and prints: how often the dominant effect is named, how often a false name
+stands beside it, how often stated probabilities are true, and how often the stated 90 % interval of the error
+holds the error on the further test. What is there already is not done again.
 """
 
 import argparse
@@ -14,6 +14,7 @@ import tempfile
 import time
 from collections import Counter
 from dataclasses import asdict, replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -67,7 +68,7 @@ def evaluate(seed: int, folder: Path) -> None:
 
 
 def error_on(found: BlockDiagnosis, campaign: Campaign) -> float:
-    """Error of the model found on the last test of a campaign, RMS over that of the signal, judged frequencies."""
+    """Error of the best model on a campaign's last test, RMS over that of the signal, judged frequencies."""
     last = len(campaign.tests) - 1
     if isinstance(found.block, ActuatorBlock):
         block = ActuatorBlock(campaign, found.block.scales)
@@ -85,7 +86,11 @@ def error_on(found: BlockDiagnosis, campaign: Campaign) -> float:
 def share(answers: list[bool]) -> str:
     """Count, share and its 95 % interval as text."""
     low, high = wilson_interval(sum(answers), len(answers))
-    return f"{sum(answers)}/{len(answers)} = {np.mean(answers):.1%} ({low:.1%} to {high:.1%})" if answers else "none"
+    return (
+        f"{sum(answers)}/{len(answers)} = {np.mean(answers):.1%} ({low:.1%} to {high:.1%})"
+        if answers
+        else "none"
+    )
 
 
 def show(folder: Path) -> None:
@@ -106,19 +111,23 @@ def show(folder: Path) -> None:
         for one, a in zip(results, accepted, strict=True)
         for e in one["effects"]
     ]
-    for low, high in zip(BINS[:-1], BINS[1:], strict=True):
+    for low, high in pairwise(BINS):
         inside = [true for p, true in stated if low <= p < high]
         if inside:
             print(f"  stated {low:.2f} to {min(high, 1.0):.2f}: true {share(inside)}")
     covered = [
-        one["expected"]["low"] <= one["error"] <= one["expected"]["high"] for one in results if one["expected"]
+        one["expected"]["low"] <= one["error"] <= one["expected"]["high"]
+        for one in results
+        if one["expected"]
     ]
     print(f"90 % intervals hold the error on a further test: {share(covered)}")
     closed = [one["gap"]["closed_fraction"] for one in results]
     print("closed fractions within [0, 1]:", all(c is None or 0.0 <= c <= 1.0 for c in closed))
     for key in ("seconds", "processor_seconds"):
         taken = np.quantile([one[key] for one in results], (0.5, 0.9, 0.95, 1.0))
-        print(f"{key}: median {taken[0]:.1f}, 90 % {taken[1]:.1f}, 95 % {taken[2]:.1f}, largest {taken[3]:.1f}")
+        print(
+            f"{key}: median {taken[0]:.1f}, 90 % {taken[1]:.1f}, 95 % {taken[2]:.1f}, largest {taken[3]:.1f}"
+        )
     rows = zip(results, dominant, false, names, strict=True)
     for one, right, wrong, given in rows:
         if not right or wrong:

@@ -15,7 +15,7 @@ def test_coarse_integration_is_named_alone_with_its_step(blind, seed):
     folder, label = blind(seed, "single", "full", "integration_error", "white", 40.0)
     campaign = read_campaign(folder)
     block = BalanceBlock(campaign, scales_of(campaign, motions_of(campaign)))
-    segments = cut_segments(campaign.training, campaign.rate, block.highest)
+    segments = cut_segments(campaign.training, campaign.rate, block.highest_of)
     search = Search(Problem(block=block, segments=segments))
     best = search.whole()
     assert best.space.names == ("integration_error",)

@@ -87,9 +87,15 @@ def test_sample_campaigns_answer_as_their_sealed_labels(sample_campaigns, name):
 def test_answer_has_the_keys_of_the_format_and_is_json(sample_campaigns):
     content = diagnose(read_campaign(sample_campaigns / "rig_a")).as_dict()
     assert set(content) >= KEYS
-    assert set(content["gap"]) == {
+    assert set(content["gap"]) >= {
         "held_out", "channel", "nrmse_before", "nrmse_after", "noise_floor", "closed_fraction",
     }  # fmt: skip
+    gaps = [content["gap"], *(block["gap"] for block in content["blocks"])]
+    assert all(g["closed_fraction"] is None or 0.0 <= g["closed_fraction"] <= 1.0 for g in gaps)
+    assert all((g["noise_floor"] is None) == (g["noise_floor_source"] is None) for g in gaps)
+    assert all(
+        set(effect) >= {"held_out_nrmse_with", "held_out_nrmse_without"} for effect in content["effects"]
+    )
     assert all(0.0 <= place["share_of_residual"] <= 1.0 for place in content["where"])
     json.dumps(content, allow_nan=False)
 
@@ -97,12 +103,36 @@ def test_answer_has_the_keys_of_the_format_and_is_json(sample_campaigns):
 def test_servo_hydraulic_is_a_low_pass_with_a_bias_and_no_drifting_delay(shared_folder):
     found = diagnose(read_campaign(shared_folder / "measured" / "servo_hydraulic"))
     names = {effect.name for effect in found.effects}
-    assert names in ({"first_order_lag", "sensor_bias"}, {"second_order_dynamics", "sensor_bias"})
+    assert names == {"first_order_lag", "sensor_bias"}
     assert found.gap.before > 0.35
-    assert found.gap.after <= 0.045
-    rivals = next(effect for effect in found.effects if effect.name != "sensor_bias").rivals
-    drift = [rival for rival in rivals if rival.name == "delay_drift"]
-    assert all(rival.held_out_nrmse > 3.0 * found.gap.after for rival in drift)
+    assert found.gap.after <= 0.040
+    assert not found.blocks[0].leaves_noise
+    assert all(effect.probability <= 0.99 for effect in found.effects)
+    assert all(effect.error_without > 1.5 * effect.error_with for effect in found.effects)
+
+
+@pytest.mark.slow
+def test_a_real_damper_is_hysteresis_alone(shared_folder):
+    found = diagnose(read_campaign(shared_folder / "measured" / "mr_damper"))
+    assert str(found.verdict) == "named"
+    assert [effect.name for effect in found.effects] == ["hysteresis"]
+    assert found.gap.after <= 0.125
+
+
+@pytest.mark.slow
+def test_a_real_table_clips_its_command(shared_folder):
+    found = diagnose(read_campaign(shared_folder / "measured" / "shaking_table"))
+    limit = next(effect for effect in found.effects if effect.name == "stroke_saturation").estimates[0]
+    assert limit.value == pytest.approx(0.05, rel=0.05)
+    assert found.gap.source == "repeated cycles"
+
+
+@pytest.mark.slow
+def test_two_blocks_of_a_real_rig_are_named(shared_folder):
+    found = diagnose(read_campaign(shared_folder / "measured" / "servo_and_damper"))
+    assert [str(block.verdict) for block in found.blocks] == ["named", "named"]
+    assert {"first_order_lag", "hysteresis"} <= {effect.name for effect in found.effects}
+    assert not any(effect.on_bounds for effect in found.effects)
 
 
 def test_residuals_by_file_are_those_of_the_gap(sample_campaigns):

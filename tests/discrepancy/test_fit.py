@@ -54,7 +54,9 @@ def block(campaign):
 
 @pytest.fixture(scope="module")
 def problem(campaign, block):
-    return Problem(block=block, segments=cut_segments(campaign.training, RATE, 40.0, block.sketch.every))
+    return Problem(
+        block=block, segments=cut_segments(campaign.training, RATE, lambda _: 40.0, block.sketch.every)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -105,7 +107,7 @@ def test_derivatives_of_the_sketch_are_those_of_the_model(problem, fitted):
 
 def test_sketch_of_a_late_actuator_has_its_derivatives(campaign):
     block = ActuatorBlock(campaign, scales_of(campaign, motions_of(campaign)))
-    segments = cut_segments(campaign.training, RATE, 40.0, block.sketch.every)
+    segments = cut_segments(campaign.training, RATE, lambda _: 40.0, block.sketch.every)
     problem, space = Problem(block=block, segments=segments), ModelSpace(block, ())
     noise = NoiseModel.white(RATE, 1e-8)
     sketched = jacobian(problem, space, np.zeros(space.size), noise)

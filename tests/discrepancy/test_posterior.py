@@ -48,7 +48,7 @@ def problem_with(effect, seed, noise=NOISE):
     )
     motions = motions_of(campaign)
     block = SpecimenBlock(campaign, scales_of(campaign, motions), motions)
-    return Problem(block=block, segments=cut_segments(campaign.training, RATE, 40.0))
+    return Problem(block=block, segments=cut_segments(campaign.training, RATE, lambda _: 40.0))
 
 
 def fitted_to(problem, name, noise=NOISE):

@@ -1,7 +1,7 @@
 """Actuators beyond the library: what a rig does with its command, by published kinds of equations.
 
-Every function takes a fine step [s], the command of shape (n,), peaks of command and speed, and a generator, and
-returns the motion of the piston, shape (n,).
+Every function takes a fine step [s], the command of shape (n,), peaks of command and speed, and a generator,
+and returns the motion of the piston, shape (n,).
 """
 
 import numpy as np

@@ -67,7 +67,11 @@ def bouc_wen_hardening(time, x, v, reach, speed, rng):
 def baber_noori(time, x, v, reach, speed, rng):
     """Bouc–Wen–Baber–Noori (1985): loss of strength and stiffness with energy, pinched about z = 0."""
     del speed
-    yields, strength, stiff = rng.uniform(0.1, 0.3) * reach, rng.uniform(0.005, 0.03), rng.uniform(0.005, 0.03)
+    yields, strength, stiff = (
+        rng.uniform(0.1, 0.3) * reach,
+        rng.uniform(0.005, 0.03),
+        rng.uniform(0.005, 0.03),
+    )
     slip, width = rng.uniform(0.2, 0.6), rng.uniform(0.1, 0.3)
 
     def rate(_x, v, state):

@@ -1,4 +1,4 @@
-"""Worlds are what they say: reproducible, imperfect by the stated share, and close to what stands for them."""
+"""Worlds are what they say: reproducible, imperfect, and shaped as their equations are."""
 
 import numpy as np
 import pytest

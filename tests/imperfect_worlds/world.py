@@ -68,10 +68,8 @@ def write_world(folder: Path, seed: int) -> World:
     for file, table in zip((*files, FURTHER), columns, strict=True):
         time = np.arange(len(next(iter(table.values())))) / RATE
         header = ",".join(("time_s", *table))
-        np.savetxt(
-            folder / file, np.column_stack([time, *table.values()]), delimiter=",", header=header, comments="",
-            fmt="%.9g",
-        )  # fmt: skip
+        rows = np.column_stack([time, *table.values()])
+        np.savetxt(folder / file, rows, delimiter=",", header=header, comments="", fmt="%.9g")
     block = "specimen" if name in SPECIMENS else "actuator"
     return World(name=name, block=block, accepted=tuple(sorted(accepted)), model_error=error)
 
@@ -103,8 +101,7 @@ def _disturbance(rng, time, x, v, reach, speed):
         ]
     )
     parts /= np.maximum(parts.std(axis=1, keepdims=True), 1e-12)
-    mixed = rng.dirichlet(np.ones(len(parts))) @ (rng.choice([-1.0, 1.0], size=(len(parts), 1)) * parts)
-    return mixed
+    return rng.dirichlet(np.ones(len(parts))) @ (rng.choice([-1.0, 1.0], size=(len(parts), 1)) * parts)
 
 
 def _peaks(motions):
@@ -118,12 +115,14 @@ def _specimen_tests(name, motions, error, rng):
     stiffness, dominant = 5e4, rng.uniform(0.25, 0.7)
     shape, disturbed, noise = rng.integers(2**31), rng.integers(2**31), 0.003 * stiffness * reach
     tables = []
-    for x, v in zip(motions, velocities, strict=True):
-        x, v = x[::_FINE], v[::_FINE]
+    for fine, speeds in zip(motions, velocities, strict=True):
+        x, v = fine[::_FINE], speeds[::_FINE]
         time = np.arange(x.size) / RATE
         linear = stiffness * x
         effect = equation(time, x, v, reach, speed, np.random.default_rng(shape))
-        force = linear + dominant * stiffness * reach * effect * (1.0 if name != "bilinear_gap" else 1.0 / dominant)
+        force = linear + dominant * stiffness * reach * effect * (
+            1.0 if name != "bilinear_gap" else 1.0 / dominant
+        )
         added = _disturbance(np.random.default_rng(disturbed), time, x, v, reach, speed)
         force = force + error * force.std() * added / max(added.std(), 1e-12)
         force = force + noise * rng.normal(size=x.size)
@@ -147,5 +146,7 @@ def _actuator_tests(name, motions, error, rng):
         added = _disturbance(np.random.default_rng(disturbed), time, u, v, reach, speed)
         moved = moved + error * moved.std() * added / max(added.std(), 1e-12)
         read = moved[::_FINE]
-        tables.append({"command_m": u[::_FINE], "measured_m": read + 0.002 * reach * rng.normal(size=read.size)})
+        tables.append(
+            {"command_m": u[::_FINE], "measured_m": read + 0.002 * reach * rng.normal(size=read.size)}
+        )
     return tables, f"[actuator]\ngain = 1.0\ndelay_s = {delay / (RATE * _FINE):g}", accepted

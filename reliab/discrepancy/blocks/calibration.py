@@ -124,7 +124,7 @@ def damping(nominal: HybridTest) -> Calibration:
 
 
 def scale_of_excitation(expected: float, spread: float = 0.5) -> Calibration:
-    """Scale of the ground motion over what a linear model expects of it, where there is no rig that states it.
+    """Scale of the ground motion over what a linear model expects of it, where no rig states it.
 
     A nonlinear specimen may be off that by any factor: the scale has no bound that data could reach.
     """

@@ -147,7 +147,7 @@ def _fit_from(problem: Problem, space: ModelSpace, start: Array, noise: NoiseMod
     )
 
 
-def improved(problem: Problem, fitted: Fit) -> Fit:
+def improved(problem: Problem, fitted: Fit, steps: int = _MOST_STEPS) -> Fit:
     """Improve a fit by Levenberg–Marquardt with bounds and the prior, until a step promises less than 0.02.
 
     It ends, too, after a small step that reached what the quadratic model promised: derivatives have not
@@ -158,7 +158,7 @@ def improved(problem: Problem, fitted: Fit) -> Fit:
     x, residual, derivatives = fitted.coordinates, fitted.residual, fitted.jacobian
     value = _objective(residual, x)
     damping = _FIRST_DAMPING
-    for _ in range(_MOST_STEPS):
+    for _ in range(steps):
         curvature = derivatives.T @ derivatives + np.eye(x.size)
         slope = derivatives.T @ residual + x
         accepted = foreseen = False

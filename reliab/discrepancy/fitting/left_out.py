@@ -2,8 +2,9 @@
 
 This is the second judge beside the evidence. It knows nothing of a noise model: what a model gains at
 frequencies at which the channel hardly moves does not count, and a parameter that only follows one test
-costs on the next. Where noise judges, refitting without a test is one Newton step from the fit to all of them,
-within the bounds; where errors judge, models are refitted in full, because one step may lead far astray.
+costs on the next. Where noise judges, refitting without a test is one Newton step from the fit to all of
+them, within the bounds; where errors judge, models are refitted in full, because one step may lead far
+astray.
 """
 
 from collections.abc import Sequence
@@ -20,6 +21,7 @@ from reliab.discrepancy.spectra.segment import Segment
 Array = NDArray[np.float64]
 
 _RAN_AWAY = 1e300
+_STEPS = 3  # of a refit without one test, from the fit to all of them
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -104,7 +106,7 @@ def _missed(problem: Problem, space: ModelSpace, coordinates: Array, segments: S
 def _refitted_in_full(
     problem: Problem, fitted: Fit, left: NDArray[np.bool_], members: Sequence[int]
 ) -> Array:
-    """Coordinates fitted without some segments, by as many steps as it takes, shape (size,)."""
+    """Coordinates fitted without some segments, in a few steps, shape (size,)."""
     kept = [k for k in range(len(problem.segments)) if k not in members]
     rest = replace(
         problem,
@@ -113,7 +115,7 @@ def _refitted_in_full(
         powers=tuple(problem.powers[k] for k in kept),
     )
     start = replace(fitted, residual=fitted.residual[~left], jacobian=fitted.jacobian[~left])
-    return improved(rest, start).coordinates
+    return improved(rest, start, _STEPS).coordinates
 
 
 def refitted(fitted: Fit, left: NDArray[np.bool_], fixed: tuple[int, ...]) -> Array:

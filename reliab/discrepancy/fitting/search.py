@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,7 +45,7 @@ An error of the model follows the motion, so that nearly anything explains some 
 which takes it for noise, a trifle of it decides with certainty."""
 
 _LEAST_BESIDE, _LEAST_OUTSIDE = 0.03, 0.05
-# shares of the whole gap's energy that an effect beside others, and a term outside the library, must close there
+# shares of the whole gap's energy that an effect beside others, and a term outside the library, must close
 _NO_WORSE = 0.02  # growth of the error on left-out tests that noise brings about
 
 MOST_EFFECTS = 3
@@ -97,7 +98,7 @@ class Search:
     def __init__(self, problem: Problem) -> None:
         self.fitted: dict[frozenset[str], Fit] = {}
         self.rejected: set[frozenset[str]] = set()
-        self._errors: dict[int, tuple[Fit, LeftOut]] = {}
+        self._errors: WeakKeyDictionary[Fit, LeftOut] = WeakKeyDictionary()
         block = problem.block
         space = ModelSpace(block, ())
         spread = np.mean([block.measured(s.test)[s.begin : s.end].var() for s in problem.segments])
@@ -137,9 +138,9 @@ class Search:
 
     def error(self, one: Fit) -> LeftOut:
         """Error of a model on each test when it is fitted to the others."""
-        if id(one) not in self._errors:
-            self._errors[id(one)] = (one, left_out(self.problem, one))
-        return self._errors[id(one)][1]
+        if one not in self._errors:
+            self._errors[one] = left_out(self.problem, one)
+        return self._errors[one]
 
     def plain(self) -> Fit:
         """Calibrate by least squares, as a laboratory would that knows nothing of noise."""
@@ -218,9 +219,10 @@ class Search:
 
         with ThreadPoolExecutor(_WORKERS) as pool:
             rough = list(pool.map(extended, fresh))
-            first = max(map(self.score, rough), default=0.0)
-            least = min(0.5 * (first + self.score(parent)), first - _CLOSE)
-            near = pool.map(lambda one: refined(self.problem, one) if self.score(one) > least else one, rough)
+            least = self._worth_refining(rough, parent)
+            near = pool.map(
+                lambda one: refined(self.problem, one) if one.log_evidence > least else one, rough
+            )
             found = list(near)
         kept = []
         for one in found:
@@ -229,6 +231,13 @@ class Search:
             else:
                 self._reject(one)
         return kept
+
+    def _worth_refining(self, rough: Sequence[Fit], parent: Fit) -> float:
+        """Log-evidence from which a rough fit is refined: all, where errors judge."""
+        if self.problem.flat or not rough:
+            return -np.inf
+        first = max(one.log_evidence for one in rough)
+        return min(0.5 * (first + parent.log_evidence), first - _CLOSE)
 
     def _matters(self, one: Fit, smaller: Fit) -> bool:
         """Whether what an effect adds is not negligible, by what models leave and on left-out tests."""

@@ -161,7 +161,7 @@ class ModelSpace:
     def in_place_of(
         self, base: "ModelSpace", coordinates: Array, kind: type[Effect], special: type[Effect]
     ) -> Array:
-        """Coordinates of a model in which an effect is replaced by a special form of it, from that model's."""
+        """Coordinates in which a special form stands in an effect's place, from those with the effect."""
         values = dict(zip(base._keys, base.values(coordinates).tolist(), strict=True))  # noqa: SLF001 - the same class
         fresh = dict(zip(self._keys, self.values(self._start(0)).tolist(), strict=True))
         inherited = {

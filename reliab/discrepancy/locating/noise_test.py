@@ -20,8 +20,10 @@ Spectrum = NDArray[np.complex128]
 LARGEST_STRUCTURED_SHARE = 0.02
 """Share of what a model leaves that may lie in cells that noise would not fill, where it passes for noise."""
 
-_DOMINANT, _DOMINANT_WITH_STEPS = 0.05, 0.15
-# shares from which an error of the model, not noise, decides; a converter's own error is structured, too
+_DOMINANT = 0.05
+"""Share from which an error of the model, not noise, decides."""
+
+_STEPS = 1.0  # of a converter: within this RMS what is left is its own error, which is structured, too
 
 _BANDS = (1, 4, 16, 64, 256, 1024)  # bins that are transformed together
 _ABOVE = 7.0  # times the mean energy; noise has a thousandth of its energy above
@@ -48,8 +50,20 @@ def structured_share(problem: Problem, fitted: Fit) -> float:
 
 def is_model_error(problem: Problem, fitted: Fit) -> bool:
     """Whether what a model leaves is an error of the model rather than noise."""
-    stepped = any(step > 0.0 for step in problem.steps.values())
-    return structured_share(problem, fitted) > (_DOMINANT_WITH_STEPS if stepped else _DOMINANT)
+    return structured_share(problem, fitted) > _DOMINANT and not _within_steps(problem, fitted)
+
+
+def is_noise(problem: Problem, fitted: Fit) -> bool:
+    """Whether what a model leaves passes for noise, or for the error of a converter."""
+    return structured_share(problem, fitted) <= LARGEST_STRUCTURED_SHARE or _within_steps(problem, fitted)
+
+
+def _within_steps(problem: Problem, fitted: Fit) -> bool:
+    """Whether what a model leaves stays within a step of the converter in every test."""
+    if not all(step > 0.0 for step in problem.steps.values()):
+        return False
+    left = problem.residuals(fitted.space, fitted.coordinates)
+    return all(float(np.std(values)) < _STEPS * problem.steps[test] for test, values in left.items())
 
 
 def _spectra(problem: Problem, fitted: Fit) -> list[Spectrum]:

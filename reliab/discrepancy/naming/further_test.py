@@ -13,8 +13,8 @@ _TAILS = 0.05
 def expected_error(errors: LeftOut) -> FurtherError | None:
     """Interval of the error on a further test, from those on tests that were left out.
 
-    The logarithms of the errors are taken for draws from one normal distribution, of which the further test is
-    another draw; the interval is Student's prediction interval.
+    The logarithms of the errors are taken for draws from one normal distribution, of which the further test
+    is another draw; the interval is Student's prediction interval.
 
     Parameters
     ----------

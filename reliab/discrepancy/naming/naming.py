@@ -12,7 +12,7 @@ from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.search import COST, MATERIAL, Search
 from reliab.discrepancy.locating.line_above import line_above
 from reliab.discrepancy.locating.locate import locate
-from reliab.discrepancy.locating.noise_test import LARGEST_STRUCTURED_SHARE, structured_share
+from reliab.discrepancy.locating.noise_test import is_noise, structured_share
 from reliab.discrepancy.locating.standstill import standstill
 from reliab.discrepancy.naming.further_test import expected_error
 from reliab.discrepancy.proof import gap, held_out_nrmse, residuals
@@ -62,8 +62,8 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     ranked = ranking(search)
     best, named, doubtful = _believed(ranked, calibrated)
     judged = _judged_by_noise(problem, best)
-    structured = structured_share(*judged)
-    most = MOST_SURE if structured > LARGEST_STRUCTURED_SHARE else 1.0
+    noise = is_noise(*judged)
+    most = 1.0 if noise else MOST_SURE
     biases = _offsets(search, best)
     before = residuals(proof, search.plain(), without=biases)
     after = residuals(proof, best)
@@ -83,12 +83,13 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
             *(naming.offset(kind) for kind in biases),
         ),
         doubtful=tuple(naming.missing(kind) for kind in inside if kind in doubtful),
-        unknown=_unexplained(judged, best, proved, structured),
+        unknown=_unexplained(judged, best, proved, noise=noise),
         findings=locate(judged[0], calibrated, judged[1].noise),
         residuals_before=_by_file(proof, before),
         residuals_after=_by_file(proof, after),
         gap=proved,
-        structured_share=structured,
+        structured_share=structured_share(*judged),
+        leaves_noise=noise,
         calibration=_calibration(best),
         further=expected_error(search.error(best)),
     )
@@ -241,7 +242,7 @@ def offset_odds(fitted: Fit, offset: type[Effect]) -> float:
     return float(-at_zero - COST)
 
 
-def _unexplained(judged: tuple[Problem, Fit], best: Fit, proved: Gap, structured: float) -> Unknown | None:
+def _unexplained(judged: tuple[Problem, Fit], best: Fit, proved: Gap, *, noise: bool) -> Unknown | None:
     """Return what acts and is none of the library, or a remainder that is too large beside what was found."""
     problem = judged[0]
     outside = [kind for kind in best.space.effects if issubclass(kind, OutsideTerm)]
@@ -253,7 +254,7 @@ def _unexplained(judged: tuple[Problem, Fit], best: Fit, proved: Gap, structured
     disturbance = _disturbance(problem, judged[1], proved.after)
     if disturbance is not None:
         return disturbance
-    return _remainder(problem, best, proved) if structured > LARGEST_STRUCTURED_SHARE else None
+    return None if noise else _remainder(problem, best, proved)
 
 
 def _remainder(problem: Problem, best: Fit, proved: Gap) -> Unknown | None:

@@ -128,17 +128,20 @@ def _period(values: Array) -> int | None:
 
 
 def _of_band(tests: Sequence[MeasuredTest], channel: Channel, rate: float, highest: float) -> Iterator[float]:
-    """Level of the band above the motion where it is white, so that it holds below as well."""
+    """Level of the band above the motion where it is white, so that it holds below as well, with pickup."""
     for test in tests:
         values = signal.detrend(test.channels[channel])
         frequency, power = signal.periodogram(values, fs=rate, window="hann")
-        above = (frequency > highest) & (frequency < 0.49 * rate) & ~near_mains(frequency, 0.5 * rate)
-        level = power[above]
+        above = (frequency > highest) & (frequency < 0.49 * rate)
+        mains = near_mains(frequency, 0.5 * rate)
+        level = power[above & ~mains]
         if level.size < 2 * _FEWEST_SAMPLES:
             continue
         low, high = (float(np.mean(half)) for half in np.array_split(level, 2))
         if max(low, high) < _WHITE * min(low, high):
-            yield float(np.mean(level)) * 0.5 * rate
+            white = float(np.mean(level))
+            pickup = float(np.maximum(power[above & mains] - white, 0.0).sum() * frequency[1])
+            yield white * 0.5 * rate + pickup
 
 
 def _of_rest(

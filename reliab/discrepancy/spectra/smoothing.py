@@ -128,8 +128,8 @@ def _noise_below(frequency: Array, power: Array, highest: float, rate: float) ->
 
     Far above its corner coloured noise looks the same whatever its corner, so that its level below does not
     follow from the band above alone. Bands below are therefore taken in, a third of an octave at a time,
-    until one rises faster than any first-order noise does, by f⁻²: that one holds a signal, whose tail may reach
-    into the two bands above it.
+    until one rises faster than any first-order noise does, by f⁻²: that one holds a signal, whose tail may
+    reach into the two bands above it.
     """
     edges = [highest]
     while edges[-1] > _LOWEST_NOISE:

@@ -37,7 +37,7 @@ def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, s
 
 @dataclass(frozen=True, kw_only=True)
 class DegradingHysteresis(SteppedEffect):
-    """A hysteresis whose stiffness and strength fall with the energy it dissipates, and which slips about z = 0.
+    """A hysteresis that loses stiffness and strength with the energy it dissipates, and slips about z = 0.
 
     z' = h(z)·(v/(d·η))·(1 − ν·|z|ⁿ(β·sgn(vz) + γ)) with η = 1 + δ_η·ε, ν = 1 + δ_ν·ε and the slip
     h = 1 − ζ·exp(−(z/0.2)²); ε is the energy dissipated in the test so far over f·d.

@@ -1,4 +1,4 @@
-"""Bouc–Wen hysteresis beside the linear spring, or in place of a part of it (Wen 1976; Song & Der Kiureghian 2006)."""
+"""Bouc–Wen hysteresis beside the linear spring, or in place of a part of it (Wen 1976)."""
 
 from dataclasses import dataclass
 

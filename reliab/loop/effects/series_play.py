@@ -22,7 +22,7 @@ def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, s
 
 @dataclass(frozen=True, kw_only=True)
 class SeriesPlay(SteppedEffect):
-    """The linear specimen answers y, which rests until the piston has crossed the play: k·y + c·y' for k·x + c·x'.
+    """The linear specimen answers k·y + c·y', where y rests until the piston has crossed the play.
 
     Unlike the two-sided dead zone of a gap the specimen stays where it was pushed to.
 

@@ -51,7 +51,7 @@ class StrokeSaturation(SteppedEffect):
 
 @dataclass(frozen=True, kw_only=True)
 class CommandSaturation(StrokeSaturation):
-    """A drive that clips its command, |k_p u| ≤ S, before the dynamics: the piston rounds the clipped corners.
+    """A drive that clips its command, |k_p·u| ≤ S, before the dynamics, which round the corners.
 
     Parameters
     ----------

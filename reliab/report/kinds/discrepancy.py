@@ -95,7 +95,8 @@ def _verdict(found: Diagnosis) -> Prose:
 def _closed(found: Diagnosis) -> str:
     share = found.gap.closed_fraction
     if share is None:
-        return f"On held-out tests the error falls from {percent(found.gap.before)} to {percent(found.gap.after)}."
+        before, after = percent(found.gap.before), percent(found.gap.after)
+        return f"On held-out tests the error falls from {before} to {after}."
     if share >= _WHOLLY:
         return "With it the gap on held-out tests closes to the noise."
     left = "" if share >= _CLOSED else " Something is left."
@@ -240,8 +241,8 @@ def _sentence(effect: MissingEffect) -> Prose:
     )
     others = f"In its place, with errors on held-out tests: {listed}." if listed else "It has no rival."
     return prose(
-        "*{name}*{position}: {description}. With it {after} of the signal remain on held-out tests, without it "
-        "{before}. {others}",
+        "*{name}*{position}: {description}. With it {after} of the signal remain on held-out tests, without "
+        "it {before}. {others}",
         name=name,
         position=f" ({effect.effect.position})" if effect.effect.position else "",
         description=description,
@@ -282,14 +283,14 @@ def _floor(one: BlockDiagnosis) -> Prose:
     gap = one.gap
     if gap.floor is None:
         return prose(
-            "{channel}: the recordings do not tell how much of it is noise (no repeated tests or cycles, no rest, "
-            "no white band above the motion). What remains is {left} of the signal.",
+            "{channel}: the recordings do not tell how much of it is noise (no repeated tests or cycles, no "
+            "rest, no white band above the motion). What remains is {left} of the signal.",
             channel=gap.channel,
             left=percent(gap.after),
         )
     return prose(
-        "{channel}: by the {source} {floor} of the signal cannot be explained by any model. What remains above it, "
-        "{left} of the signal, is an error of the model.",
+        "{channel}: by the {source} {floor} of the signal cannot be explained by any model. What remains "
+        "above it, {left} of the signal, is an error of the model.",
         channel=gap.channel,
         source=gap.source or "",
         floor=percent(gap.floor),
@@ -330,12 +331,12 @@ def _method(remarks: Sequence[Prose]) -> Section:
         "Each observed block is driven with its measured input and simulated freely. Calibration and offsets "
         "are fitted with every candidate. Noise is a smooth spectrum that is fitted to what a model leaves, "
         "so that the lines of a structure's response do not pass for noise. Where what the best model leaves "
-        "passes for noise, candidates are compared by their evidence, and each effect pays for being added. Where "
-        "it follows the motion instead, it is an error of the model: candidates are then compared by their error "
-        "on tests that are left out one at a time, in the channel's own unit, a test counts as no more than "
-        "{most:.0f} observations, and an effect beside others must take a tenth off that error. Held-out tests take "
-        "no part in the choice. The verdict is named where at most {share} of the energy that the effects "
-        "took away remains."
+        "passes for noise, candidates are compared by their evidence, and each effect pays for being added. "
+        "Where it follows the motion, it is an error of the model instead: candidates are then compared by "
+        "their error on tests that are left out one at a time, in the channel's own unit, a test counts as "
+        "no more than {most:.0f} observations, and an effect beside others must take a tenth off that error. "
+        "Held-out tests take no part in the choice. The verdict is named where at most {share} of the energy "
+        "that the effects took away remains."
     )
     described = prose(text, most=MOST_OF_A_TEST, share=percent(LARGEST_REMAINDER))
     blocks: list[Block] = [Paragraph(text=described)]

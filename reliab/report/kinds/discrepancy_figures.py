@@ -122,8 +122,8 @@ def histories_figure(one: BlockDiagnosis) -> Figure:
         label=f"{one.block.channel} [{unit}]",
     )
     caption = prose(
-        "Measured and modelled {channel} of held-out test {file} in the stretch in which it is strongest: over "
-        "time, and over {driven}.",
+        "Measured and modelled {channel} of held-out test {file} in the stretch in which it is strongest: "
+        "over time, and over {driven}.",
         channel=str(one.block.channel),
         file=file,
         driven=str(one.block.inputs[-1]),

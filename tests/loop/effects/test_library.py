@@ -96,7 +96,7 @@ def test_hysteresis_follows_the_general_equation(gamma):
     ratio = effect.shape_ratio
     unit = (gamma / ratio) ** (1.0 / exponent)
     time = TIME[:1500]
-    x, v = CubicSpline(TIME, X), CubicSpline(TIME, X).derivative()
+    v = CubicSpline(TIME, X).derivative()
 
     def rate(t, z):
         return v(t) * unit / displacement * (1.0 - np.abs(z) ** exponent * (np.sign(v(t) * z) + ratio))
@@ -112,7 +112,7 @@ def test_published_hardening_benchmark_is_a_member():
     """The benchmark α 5e4, β 1e3, γ 0.8, δ −1.1, ν 1: ż = αv − β(γ|v|z + δv|z|)."""
     alpha, beta, gamma, delta = 5e4, 1e3, 0.8, -1.1
     motion = Motion3.through(2e-3 * X, STEP)
-    x, v = CubicSpline(TIME, 2e-3 * X), CubicSpline(TIME, 2e-3 * X).derivative()
+    v = CubicSpline(TIME, 2e-3 * X).derivative()
     time = TIME[:2500]
 
     def rate(t, z):

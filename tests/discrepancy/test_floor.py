@@ -1,0 +1,81 @@
+"""The floor of a channel follows from the recordings alone, by whatever they offer, and is null otherwise."""
+
+import numpy as np
+import pytest
+from scipy import signal
+
+from reliab.discrepancy.campaign.campaign import Channel, MeasuredTest
+from reliab.discrepancy.result import Gap
+from reliab.discrepancy.spectra.floor import Source, floors
+
+RATE = 512.0
+TIME = np.arange(0.0, 20.0, 1.0 / RATE)
+NOISE = 0.01
+
+
+def waves(seed, low=0.4, high=2.0):
+    rng = np.random.default_rng(seed)
+    return sum(np.sin(2.0 * np.pi * f * TIME + rng.uniform(0.0, 7.0)) for f in rng.uniform(low, high, 6))
+
+
+def recorded(command, seed, *, noise=None, motion="", memory=0.0):
+    """A channel that answers its command with a cube, and first-order noise of RMS `NOISE`."""
+    rng = np.random.default_rng(seed)
+    added = signal.lfilter([1.0], [1.0, -memory], rng.normal(size=TIME.size)) if noise is None else noise
+    measured = command + 0.1 * command**3 + NOISE * added / added.std()
+    channels = {Channel.COMMAND: command, Channel.MEASURED: measured}
+    return MeasuredTest(file=f"{seed}", motion=motion, held_out=True, channels=channels)
+
+
+def floors_of(*tests):
+    found = floors(tests, range(len(tests)), Channel.MEASURED, (Channel.COMMAND,), rate=RATE, highest=45.0)
+    return {floor.source: np.sqrt(floor.mean_square) for floor in found}
+
+
+def test_white_noise_is_read_off_the_band_above_the_motion():
+    assert floors_of(recorded(waves(1), 1))[Source.BAND_ABOVE] == pytest.approx(NOISE, rel=0.05)
+
+
+def test_coloured_noise_is_not_known_from_the_band_above():
+    assert floors_of(recorded(waves(1), 1, memory=0.95)) == {}
+
+
+def test_repeated_tests_tell_whatever_the_colour():
+    found = floors_of(*(recorded(waves(1), k, motion="a", memory=0.95) for k in range(4)))
+    assert next(iter(found)) is Source.REPEATED_TESTS
+    assert found[Source.REPEATED_TESTS] == pytest.approx(NOISE, rel=0.1)
+
+
+def test_tests_under_other_commands_are_no_repeats():
+    assert Source.REPEATED_TESTS not in floors_of(*(recorded(waves(k), k, motion="a") for k in range(3)))
+
+
+def test_repeated_cycles_tell_and_their_harmonics_are_no_noise():
+    sine = np.sin(2.0 * np.pi * 2.0 * TIME)
+    found = floors_of(recorded(sine, 1, memory=0.9))
+    assert found[Source.REPEATED_CYCLES] == pytest.approx(NOISE, rel=0.15)
+
+
+def test_rest_before_the_motion_tells():
+    late = np.where(TIME > 4.0, waves(1) * np.clip(TIME - 4.0, 0.0, 1.0), 0.0)
+    assert floors_of(recorded(late, 1))[Source.REST] == pytest.approx(NOISE, rel=0.1)
+
+
+@pytest.mark.parametrize("floor", [0.0, 0.05, 0.2, 0.5])
+@pytest.mark.parametrize("after", [0.0, 0.04, 0.3, 0.7])
+def test_closed_fraction_stays_within_its_bounds(floor, after):
+    gap = Gap(
+        held_out=("a",), channel="force_n", before=0.5, after=after, floors={"rest": floor},
+        tests_before={"a": 0.5}, tests_after={"a": after},
+    )  # fmt: skip
+    assert gap.closed_fraction is None or 0.0 <= gap.closed_fraction <= 1.0
+    assert gap.model_error == pytest.approx(np.sqrt(max(after**2 - floor**2, 0.0)))
+
+
+def test_without_a_floor_nothing_is_said_of_the_closed_fraction():
+    gap = Gap(
+        held_out=("a",), channel="force_n", before=0.5, after=0.1, floors={}, tests_before={"a": 0.5},
+        tests_after={"a": 0.1},
+    )  # fmt: skip
+    assert gap.closed_fraction is gap.floor is gap.source is None
+    assert gap.as_dict()["noise_floor"] is None

@@ -1,0 +1,34 @@
+"""Records that begin in motion are judged after their first swing, others from their first sample."""
+
+import numpy as np
+import pytest
+
+from reliab.discrepancy.campaign.campaign import Stretch
+from reliab.discrepancy.spectra.starting import settled
+from reliab.loop.hybrid_test import Motion3
+
+STEP = 0.005
+TIME = np.arange(0.0, 20.0, STEP)
+
+
+def begin_of(displacement):
+    whole = Stretch(test=0, begin=0, end=TIME.size)
+    return settled([whole], [Motion3.through(displacement, STEP)])[0].begin * STEP
+
+
+def test_a_record_that_starts_at_rest_counts_whole():
+    assert begin_of(np.sin(2.0 * np.pi * TIME) * np.sin(np.pi * TIME / 20.0) ** 2) == 0.0
+
+
+@pytest.mark.parametrize("phase", [0.0, 1.0, 2.5])
+def test_a_record_that_starts_in_motion_counts_after_a_swing(phase):
+    assert 1.0 <= begin_of(np.sin(2.0 * np.pi * TIME + phase)) <= 1.6
+
+
+def test_a_slow_start_takes_at_most_a_fifth():
+    assert begin_of(np.sin(2.0 * np.pi * 0.05 * TIME)) == pytest.approx(4.0, abs=0.01)
+
+
+def test_a_stretch_within_a_record_keeps_its_begin():
+    inner = Stretch(test=0, begin=700, end=TIME.size)
+    assert settled([inner], [Motion3.through(np.sin(TIME), STEP)]) == (inner,)
