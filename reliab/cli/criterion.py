@@ -28,6 +28,7 @@ from reliab.cli.options import (
     Motions,
     Results,
     Sets,
+    StructureFile,
     Thresholds,
     WindowIfGiven,
 )
@@ -136,6 +137,7 @@ def criterion(
     window: WindowIfGiven = None,
     alpha: FractionIfGiven = None,
     model: ModelFile = None,
+    structure: StructureFile = None,
     method: MethodName = None,
     assurance: Assurance = None,
     distribution: DistributionName = None,
@@ -160,6 +162,7 @@ def criterion(
     if printed:
         criteria = [printed_criterion(law, threshold, confidence, metric, method, settings, joint=joint)]
         source = {"--sets": sets, "--model": model, "--window": window, "--alpha": alpha}
+        source["--structure"] = structure
         check_printed_source(law, source, given=given, drawn=figures is not None or compare)
     del settings["chains"]
     chosen = None if printed else method_of(method or RECOMMENDED, **settings)
@@ -178,6 +181,7 @@ def criterion(
             window=window,
             alpha=alpha,
             model=model,
+            structure=structure,
         )
         check_room(dataset)
     derivations: list[Derivation] = []

@@ -63,6 +63,14 @@ FractionIfGiven = Annotated[
 ExperimentalFraction = Annotated[
     float, typer.Option("--alpha", metavar="SHARE", help="Share of the stiffness in the laboratory.")
 ]
+StructureFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--structure",
+        metavar="FRAME.toml",
+        help="A frame with its part in the laboratory (see datasets/frames), in place of --f, --xi, --alpha.",
+    ),
+]
 ModelFile = Annotated[
     Path | None,
     typer.Option(

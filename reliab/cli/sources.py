@@ -29,6 +29,7 @@ def ellipse_dataset(
     window: str | None,
     alpha: float | None,
     model: Path | None = None,
+    structure: Path | None = None,
     first_order: bool = False,
 ) -> "xr.Dataset":
     """Trace or look up the ellipses that a command is about.
@@ -56,6 +57,8 @@ def ellipse_dataset(
         fraction.
     model : pathlib.Path or None
         Model with effects instead of structures, for records.
+    structure : pathlib.Path or None
+        Description of a partitioned frame instead of structures, for records.
     first_order : bool
         Whether ellipses are predicted from the spectra of records instead of traced.
 
@@ -98,6 +101,12 @@ def ellipse_dataset(
             value=f"--sets {' '.join(sets)} without --motions",
             remedy="Give the folder of the catalogue with --motions",
         )
+    if structure is not None and motions is None:
+        raise InputError(
+            "A frame is simulated under ground motions",
+            value="--structure without --motions",
+            remedy="Give --motions",
+        )
     check_thresholds(threshold)
     if metric not in list(Metric):
         raise InputError("The metric is rms or mte", value=metric, remedy="Choose one of these")
@@ -107,6 +116,9 @@ def ellipse_dataset(
     if results is not None:
         traced = _stored(results, f, xi, thresholds, Metric(metric), window or _RECORD)
         return _of_fraction(traced, alpha, results)
+    if structure is not None:
+        excluded = {"--f": f, "--xi": xi, "--alpha": alpha, "--model": model}
+        return _of_frame(structure, motions or [], sets, thresholds, metric, window or _RECORD, excluded)
     suite = load_motions(*(motions or []), sets=sets)
     with progress_bar("Reading spectra" if first_order else "Tracing boundaries") as progress:
         return api.ellipses(
@@ -121,6 +133,37 @@ def ellipse_dataset(
             first_order=first_order,
             progress=progress,
         )
+
+
+def _of_frame(
+    path: Path,
+    motions: list[str],
+    sets: list[str] | None,
+    thresholds: tuple[float, ...],
+    metric: str,
+    window: str,
+    excluded: dict[str, object],
+) -> "xr.Dataset":
+    """Trace the boundaries of a frame under records."""
+    from reliab.indices.window import Window
+    from reliab.loop.partition.frame_file import read_frame
+    from reliab.motions import load_motions
+    from reliab.sweep.frame_table import FrameRequest, trace_frame_ellipses
+    from reliab.vocabulary import Metric
+
+    given = [name for name, value in excluded.items() if value is not None]
+    if given:
+        raise InputError(
+            "A description of a frame says its frequencies, damping ratios and shares itself",
+            value=f"--structure with {', '.join(given)}",
+            remedy="Leave them out",
+        )
+    request = FrameRequest(
+        frame=read_frame(path), thresholds=thresholds, metrics=(Metric(metric),), window=Window.parse(window)
+    )
+    suite = load_motions(*motions, sets=sets)
+    with progress_bar("Tracing boundaries") as progress:
+        return trace_frame_ellipses(suite, request, progress=progress)
 
 
 def check_thresholds(threshold: list[float] | None) -> None:

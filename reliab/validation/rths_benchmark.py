@@ -1,4 +1,4 @@
-"""The virtual hybrid-simulation benchmark run through: criteria J1 to J9, A and d, the error and its verdict."""
+"""The virtual hybrid-simulation benchmark: criteria J1 to J9, A and d, the error and its verdict."""
 
 import csv
 from collections.abc import Iterator, Sequence
@@ -102,10 +102,10 @@ def run_benchmark(
     Returns
     -------
     list of dict
-        One for each test: `case`, `motion`, `compensator`, `plant` ("nominal" or a number), `lost`, `J1` [ms] to
-        `J9` [%], `A`, `d_ms`, `peak_force_n`, `over_force_limit`, and `error` with the true `rms` and `mte` [-];
-        on the nominal plant `rebuilt`, the same from the test alone with its 90 % interval, the probability that
-        RMS^R is below the threshold, and the `verdict`. A lost test has nulls.
+        One for each test: `case`, `motion`, `compensator`, `plant` ("nominal" or a number), `lost`, `J1` [ms]
+        to `J9` [%], `A`, `d_ms`, `peak_force_n`, `over_force_limit`, and `error` with the true `rms` and `mte`
+        [-]; on the nominal plant `rebuilt`, the same from the test alone with its 90 % interval, the
+        probability that RMS^R is below the threshold, and the `verdict`. A lost test has nulls.
     """
     plants = benchmark_plants(request.perturbed, request.seed)
     tests = list(_tests(motions, request, plants))
@@ -201,7 +201,8 @@ def _rebuilt(run: Run, partition: Partition, threshold: float) -> dict[str, Any]
     estimates = {"rms": error.rms, "mte": error.mte}
     return {
         **{
-            name: {"value": each.value, "low": each.low, "high": each.high} for name, each in estimates.items()
+            name: {"value": each.value, "low": each.low, "high": each.high}
+            for name, each in estimates.items()
         },
         "probability": error.probability(threshold),
         "verdict": verdict,
@@ -285,8 +286,8 @@ def summary(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        Columns `compensator`, `plants` ("nominal" or "perturbed"), `tests`, `lost`, `over_force_limit` and the
-        means of `J1` … `J9`, `A` and `d_ms` over the tests that were not lost.
+        Columns `compensator`, `plants` ("nominal" or "perturbed"), `tests`, `lost`, `over_force_limit`, and
+        the means of `J1` … `J9`, `A` and `d_ms` over the tests that were not lost.
     """
     table = pd.DataFrame(rows)
     table["plants"] = np.where(table["plant"] == NOMINAL, NOMINAL, "perturbed")

@@ -1,7 +1,7 @@
 """The virtual hybrid-simulation benchmark: three-storey frame, one actuator, four cases.
 
-Facts of Silva, Gomez, Maghareh, Dyke and Spencer (2020), *Mech. Syst. Signal Process.* 135, 106381, in our own
-words: structure, partition, plant with its uncertainty, sensors, converters and controllers.
+Facts of Silva, Gomez, Maghareh, Dyke and Spencer (2020), *Mech. Syst. Signal Process.* 135, 106381, in our
+own words: structure, partition, plant with its uncertainty, sensors, converters and controllers.
 """
 
 import math
@@ -84,7 +84,7 @@ class BenchmarkPlant:
 
 
 def benchmark_frame(case: int) -> Frame:
-    """Reference structure of a case 1 to 4.
+    """Return the reference structure of a case 1 to 4.
 
     Raises
     ------
@@ -114,7 +114,7 @@ def benchmark_partition(case: int, stiffness: float = _SPECIMEN_STIFFNESS) -> Pa
 
 
 def benchmark_plants(perturbed: int, seed: int = 0) -> list[BenchmarkPlant]:
-    """The nominal plant and some that are drawn from normal distributions of a₃, β₁, β₂ and k_e.
+    """Draw plants with a₃, β₁, β₂ and k_e from normal distributions, beside the nominal one.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ def benchmark_plants(perturbed: int, seed: int = 0) -> list[BenchmarkPlant]:
 
 
 def benchmark_compensator(name: str) -> Compensator | None:
-    """Controller or compensator of a name, set up for the nominal plant.
+    """Return the controller or compensator of a name, set up for the nominal plant.
 
     Raises
     ------
@@ -174,7 +174,9 @@ def benchmark_compensator(name: str) -> Compensator | None:
 def benchmark_rig(compensator: str, plant: BenchmarkPlant) -> Rig:
     """Rig of the benchmark with a compensator before a plant."""
     sensors = Sensors(
-        displacement_noise=math.sqrt(6.25e-14 * RATE), force_noise=math.sqrt(1.16e-3 * RATE), common_noise=True
+        displacement_noise=math.sqrt(6.25e-14 * RATE),
+        force_noise=math.sqrt(1.16e-3 * RATE),
+        common_noise=True,
     )
     return replace(
         Rig(transfer_system=plant.servo, sensors=sensors, command_step=_CONVERTER),

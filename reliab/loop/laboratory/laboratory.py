@@ -159,7 +159,7 @@ def _check(partition: Partition, rig: Rig, plant: Plant, seed: int | None, emula
         raise InputError("Sensors with noise need a seed", remedy="Give seed=0 or another number")
     if emulate and (partition.effects or not plant.differenced.any()):
         raise InputError(
-            "Difference blocks are emulated for a servo-hydraulic actuator before a linear specimen with mass",
+            "Difference blocks are emulated for a servo-hydraulic actuator and a linear specimen with mass",
             value=type(rig.transfer_system).__name__,
             remedy="Use the exact variant",
         )

@@ -72,7 +72,7 @@ def _rounded(value: float, step: float) -> float:
 
 
 @compiled
-def march(  # noqa: C901, PLR0915 - one compiled loop; what it calls costs more than it is worth
+def march(  # noqa: C901, PLR0912, PLR0915 - one compiled loop; what it calls costs more than it is worth
     ground: Array,
     between: Array,
     h: float,
@@ -136,9 +136,7 @@ def march(  # noqa: C901, PLR0915 - one compiled loop; what it calls costs more 
         if forces.addresses.size > 0:
             motion[0], motion[1], motion[2] = x, v, 0.0
             nonlinear_before = nonlinear
-            nonlinear = call_all(
-                forces.addresses, forces.coefficients, states_of_forces, 0, motion, k * h, h
-            )
+            nonlinear = call_all(forces.addresses, forces.coefficients, states_of_forces, 0, motion, k * h, h)
         if emulate:
             force = plant.linear[0] * x + plant.linear[1] * difference
             force += plant.linear[2] * (difference - difference_before) / h + nonlinear

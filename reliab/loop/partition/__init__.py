@@ -1,1 +1,1 @@
-"""Structures divided for hybrid simulation: interface, specimen, stability, and engines for many actuators."""
+"""Structures divided for hybrid simulation: interface, specimen, stability, engines for many actuators."""

@@ -26,7 +26,7 @@ _NEWTON_STEPS = 40
 
 
 def open_loop(partition: Partition) -> tuple[Array, Array, Array, float]:
-    """State-space model (A, B, C, D) of L = Z γᵀ(M_n s² + C_n s + K_n)⁻¹ γ in modal coordinates of the frame."""
+    """Return A, B, C, D of L = Z γᵀ(M_n s² + C_n s + K_n)⁻¹ γ, in modal coordinates of the frame."""
     shapes = partition.frame.modes.shapes
     gamma = shapes.T @ partition.interface
     mass, damping, stiffness = (

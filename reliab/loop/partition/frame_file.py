@@ -177,9 +177,7 @@ class EffectTable(BaseModel):
             return kind(**given)
         except TypeError:
             missing = [name for name in known if name not in given]
-            raise InputError(
-                f"{self.name} needs its parameters", value=f"no {', '.join(missing)}"
-            ) from None
+            raise InputError(f"{self.name} needs its parameters", value=f"no {', '.join(missing)}") from None
 
 
 class SpecimenTable(_Table):
@@ -242,7 +240,9 @@ class ErrorTable(_Table):
         """Weights of the degrees of freedom; None for the measured interface displacement."""
         if self.of == "interface":
             return None
-        return floor_interface(frame, self.of) if self.between is None else drift_interface(frame, *self.between)
+        return (
+            floor_interface(frame, self.of) if self.between is None else drift_interface(frame, *self.between)
+        )
 
 
 class FrameDescription(_Table):
@@ -330,7 +330,8 @@ def read_frame(path: str | Path) -> FrameUnderTest:
     Raises
     ------
     InputError
-        If the file is missing or no TOML, a key is unknown or the structure is not sound; the message says where.
+        If the file is missing or no TOML, a key is unknown or the structure is not sound; the message says
+        where.
     """
     try:
         content = tomllib.loads(Path(path).read_text(encoding="utf-8"))
@@ -339,7 +340,9 @@ def read_frame(path: str | Path) -> FrameUnderTest:
             "A frame is described in a TOML file", value=error.strerror, where=str(path)
         ) from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError("A description of a frame must be valid TOML", value=error, where=str(path)) from None
+        raise InputError(
+            "A description of a frame must be valid TOML", value=error, where=str(path)
+        ) from None
     return frame_of_tables(content, str(path))
 
 

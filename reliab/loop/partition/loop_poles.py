@@ -1,12 +1,13 @@
 """The hybrid test of a partitioned frame reduced to one pole pair per mode and a fast rest.
 
-With g = γᵀD⁻¹γ of the undivided structure, D = M s² + C s + K, and σ = k_p e^(−sτ), the poles of the test are the
-roots of ``1 + Z(s)(σ(s) − 1)g(s) = 0``. Each pole λ of the structure grows into one of them as the actuator's
-error grows, and is followed there by Newton's iteration on ``(s − λ)(1 + Z(σ − 1)g)``, which has no singularity at
-λ, so that a mode that the specimen does not drive stays where it is. At a pole p the response is that of the shape
-v with ``(D + Z(σ − 1)γγᵀ)v = 0``; since the matrix is symmetric the residue of the floors under −a_g is
-``v vᵀMι / vᵀ(dD/ds + d(Z(σ − 1))/ds γγᵀ)v``. What all pairs leave of the transfer function is nearly constant
-over the frequencies of earthquakes; a first-order lag with its value and slope at s = 0 stands for it.
+With g = γᵀD⁻¹γ of the undivided structure, D = M s² + C s + K, and σ = k_p e^(−sτ), the poles of the test
+are the roots of ``1 + Z(s)(σ(s) − 1)g(s) = 0``. Each pole λ of the structure grows into one of them as the
+actuator's error grows, and is followed there by Newton's iteration on ``(s − λ)(1 + Z(σ − 1)g)``, which has
+no singularity at λ, so that a mode that the specimen does not drive stays where it is. At a pole p the
+response is that of the shape v with ``(D + Z(σ − 1)γγᵀ)v = 0``; since the matrix is symmetric the residue
+of the floors under −a_g is ``v vᵀMι / vᵀ(dD/ds + d(Z(σ − 1))/ds γγᵀ)v``. What all pairs leave of the
+transfer function is nearly constant over the frequencies of earthquakes; a first-order lag with its value
+and slope at s = 0 stands for it.
 """
 
 from dataclasses import dataclass
@@ -36,7 +37,8 @@ class PoleLoop:
         Poles p [1/s] with positive imaginary part and residues r [s] of the response to −a_g, shape
         (modes, cells); their conjugates belong to them. NaN where Newton's iteration did not settle.
     rest, rest_time : numpy.ndarray
-        Static value R [s²] and time constant T [s] of the fast rest R/(1 + Ts), shape (cells,); T may be zero.
+        Static value R [s²] and time constant T [s] of the fast rest, shape (cells,): R/(1 + Ts), or for T <
+        0 the ground ahead, R e^(−Ts).
     """
 
     poles: ComplexArray
@@ -52,15 +54,14 @@ class PoleLoop:
     def transfer(self, s: ComplexArray) -> ComplexArray:
         """Reduced transfer function from −a_g [s²] at s [rad/s], shape (frequencies, cells)."""
         at = np.asarray(s)[:, np.newaxis]
-        total = self.rest / (1.0 + at * self.rest_time)
+        lag, ahead = np.maximum(self.rest_time, 0.0), np.maximum(-self.rest_time, 0.0)
+        total = self.rest * np.exp(at * ahead) / (1.0 + at * lag)
         for pole, residue in zip(self.poles, self.residues, strict=True):
             total = total + residue / (at - pole) + residue.conj() / (at - pole.conj())
         return np.asarray(total)
 
 
-def pole_loop(
-    partition: Partition, gain: Array, delay: Array, output: Array | None = None
-) -> PoleLoop:
+def pole_loop(partition: Partition, gain: Array, delay: Array, output: Array | None = None) -> PoleLoop:
     """Follow the poles of the test for many actuators, and work out the residues of an output.
 
     Parameters
@@ -124,9 +125,7 @@ def _followed(partition: Partition, pole: complex, gain: Array, delay: Array) ->
     return np.asarray(np.where(settled, s, np.nan))
 
 
-def _receptance(
-    partition: Partition, pole: complex
-) -> tuple[complex, ComplexArray, complex, ComplexArray]:
+def _receptance(partition: Partition, pole: complex) -> tuple[complex, ComplexArray, complex, ComplexArray]:
     """Split g = Σ r/(s − λ) into the pole nearest to a given one and the others."""
     matrix = partition.frame.state_matrix
     n = partition.frame.size
@@ -183,8 +182,8 @@ def _rest(
     slope = (left / s[:, np.newaxis]).mean(axis=0).real
     with np.errstate(divide="ignore", invalid="ignore"):
         time = -slope / value
-    # A rest with another shape than a lag, or of a lead, follows the ground at once.
-    sound = np.isfinite(time) & (time > 0.0) & (time < 2.0 * np.abs(delay))
+    # The rest of a delay lags, that of a lead is ahead; one of another shape follows the ground at once.
+    sound = np.isfinite(time) & (time * delay > 0.0) & (np.abs(time) < 2.0 * np.abs(delay))
     return np.asarray(np.nan_to_num(value)), np.where(sound, time, 0.0)
 
 
@@ -193,8 +192,8 @@ def transfer(
 ) -> ComplexArray:
     """Exact transfer function of an output from −a_g [s²], for many actuators.
 
-    The structure is solved once for each frequency; an actuator's error only adds a multiple of γγᵀ, which the
-    formula of Sherman and Morrison takes into account.
+    The structure is solved once for each frequency; an actuator's error only adds a multiple of γγᵀ, which
+    the formula of Sherman and Morrison takes into account.
 
     Parameters
     ----------

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 LANES = 64
 """Cells that advance side by side."""
 
-_COEFFICIENTS = 6
+_COEFFICIENTS = 7
 
 
 def recursion(loop: PoleLoop, step: float) -> Array:
@@ -35,9 +35,10 @@ def recursion(loop: PoleLoop, step: float) -> Array:
     Returns
     -------
     numpy.ndarray
-        Shape (modes + 1, 6, cells): of the last two displacements, of the ground at the end of this step, at
-        its begin and a step before, and what the displacement a step before the record must be so that its
-        first sample is taken for a jump.
+        Shape (modes + 1, 7, cells): of the last two displacements, of the ground at the end of this step, at
+        its begin and a step before, what the displacement a step before the record must be so that its
+        first sample is taken for a jump, and of the ground at the end of the next step. The last row is the
+        rest.
     """
     early, late, decay = ramp_weights(loop.poles, step)
     r, back = loop.residues, loop.residues * decay.conj()
@@ -51,6 +52,7 @@ def recursion(loop: PoleLoop, step: float) -> Array:
             jump - 2.0 * (r * early).real,
             2.0 * (back * early).real,
             jump / squared,
+            np.zeros_like(jump),
         ],
         axis=1,
     )
@@ -58,10 +60,11 @@ def recursion(loop: PoleLoop, step: float) -> Array:
 
 
 def _rest(loop: PoleLoop, step: float) -> Array:
-    """Coefficients of the rest, a first-order lag or a multiple of the ground, shape (6, cells)."""
+    """Coefficients of the rest, shape (7, cells): a first-order lag, or the ground some time ahead."""
     rest = np.zeros((_COEFFICIENTS, loop.rest.size))
+    ahead = np.maximum(-loop.rest_time, 0.0) / step
+    rest[2], rest[6] = -loop.rest * (1.0 - ahead), -loop.rest * ahead
     lags = loop.rest_time > 0.0
-    rest[2] = -loop.rest
     if lags.any():
         pole = -1.0 / loop.rest_time[lags]
         early, late, decay = ramp_weights(pole, step)
@@ -81,7 +84,7 @@ def track(ground: Array, ideal: Array, first: int, coefficients: Array) -> Array
     first : int
         First step of the window, which ends with the record.
     coefficients : numpy.ndarray
-        Of `recursion`, shape (pairs, 6, cells), cells a multiple of `LANES`.
+        Of `recursion`, shape (pairs + 1, 7, cells), cells a multiple of `LANES`.
     """
     cells = coefficients.shape[2]
     tracks = np.empty((TRACKS, cells))
@@ -93,24 +96,24 @@ def track(ground: Array, ideal: Array, first: int, coefficients: Array) -> Array
 
 @compiled
 def _track_lanes(ground: Array, ideal: Array, first: int, coefficients: Array) -> Array:
-    pairs, last = coefficients.shape[0], ground.size - 1
-    k = np.empty((pairs, _COEFFICIENTS, LANES))
+    pairs, last = coefficients.shape[0] - 1, ground.size - 1
+    k = np.empty((pairs + 1, _COEFFICIENTS, LANES))
     k[:] = coefficients
     t = np.zeros((TRACKS, LANES))
-    x, y, total = np.zeros((pairs, LANES)), np.zeros((pairs, LANES)), np.zeros(LANES)
-    # y lies one step before x; it starts where a jump at the first sample puts it. A rest without lag is the
-    # row whose only number is that of the present ground.
+    x, y, rest, total = np.zeros((pairs, LANES)), np.zeros((pairs, LANES)), np.zeros(LANES), np.zeros(LANES)
+    # y lies one step before x; it starts where a jump at the first sample puts it.
     for p in range(pairs):
         for j in range(LANES):
             y[p, j] = k[p, 5, j] * ground[0]
-            x[p, j] = k[p, 2, j] * ground[0] if k[p, 0, j] == 0.0 else 0.0
-            total[j] += x[p, j]
     for i in range(last + 1):
+        now, after = ground[i], ground[min(i + 1, last)]
+        before = ground[i - 1] if i > 0 else 0.0
+        earlier = ground[i - 2] if i > 1 else 0.0
+        for j in range(LANES):
+            rest[j] = k[pairs, 0, j] * rest[j] + k[pairs, 2, j] * now
+            rest[j] += k[pairs, 3, j] * before + k[pairs, 6, j] * after
+            total[j] = rest[j]
         if i > 0:
-            now, before = ground[i], ground[i - 1]
-            earlier = ground[i - 2] if i > 1 else 0.0
-            for j in range(LANES):
-                total[j] = 0.0
             for p in range(pairs):
                 for j in range(LANES):
                     moved = k[p, 0, j] * x[p, j] + k[p, 1, j] * y[p, j]
@@ -119,7 +122,7 @@ def _track_lanes(ground: Array, ideal: Array, first: int, coefficients: Array) -
                     x[p, j] = moved
                     total[j] += moved
         if i >= first:
-            weight = 0.5 if i in (first, last) else 1.0  # noqa: PLR6201 - compiled
+            weight = 0.5 if i in (first, last) else 1.0
             exact = ideal[i]
             for j in range(LANES):
                 track_of = (t[0, j], t[1, j], t[2, j], t[3, j], t[4, j], t[5, j])

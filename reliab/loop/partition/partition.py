@@ -87,7 +87,7 @@ class Partition:
                 "The specimen's mass must be smaller than the mass that moves at the interface, "
                 f"which is {most_mass:g} kg",
                 value=f"{specimen.mass:g} kg",
-                remedy="The frame's mass matrix includes the specimen; raise it or reduce the specimen's mass",
+                remedy="The frame's mass matrix includes the specimen; raise it or take a lighter specimen",
             )
         require_positive_definite(self.numerical_mass, "mass matrix that is left to the computer", "")
         require_positive_semidefinite(
@@ -220,7 +220,7 @@ def drift_interface(frame: Frame, upper: str | int, lower: str | int) -> Array:
 
 
 def storey_drifts(frame: Frame) -> tuple[Array, ...]:
-    """Outputs that give the drift of each storey of a frame whose degrees of freedom are its floors."""
+    """Return outputs that give the drift of each storey of a frame whose degrees of freedom are floors."""
     drifts = np.eye(frame.size) - np.eye(frame.size, k=-1)
     return tuple(drifts)
 

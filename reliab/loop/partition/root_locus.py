@@ -1,9 +1,9 @@
 """Stability of a hybrid test whose numerical substructure is integrated in steps: its discrete poles.
 
-The scheme of integration, the actuator's gain and delay and the linear specimen make one linear map from step to
-step, over the motion now and the commands that are still on their way. The test is stable where no eigenvalue z of
-the map lies outside the unit circle; ln(z)/h is the pole in continuous time. The locus of the eigenvalues over the
-delay shows how much of the critical delay the integration costs.
+The scheme of integration, the actuator's gain and delay and the linear specimen make one linear map from
+step to step, over the motion now and the commands that are still on their way. The test is stable where no
+eigenvalue z of the map lies outside the unit circle; ln(z)/h is the pole in continuous time. The locus of
+the eigenvalues over the delay shows how much of the critical delay the integration costs.
 """
 
 import math
@@ -117,7 +117,7 @@ class _Advance:
         )
 
     def __call__(self, motion: Array, past: Array) -> tuple[Array, Array]:
-        """Motion after a step, shape (3, n, states), and the interface's motion there, shape (3, states)."""
+        """Motion after a step, shape (3, n, states), and that of the interface, shape (3, states)."""
         x, v, a = motion
         h, part, gamma = self.step, self.partition, self.partition.interface
         if self.scheme is Scheme.HELD_FORCE:
@@ -145,7 +145,7 @@ class _Advance:
         return np.stack([x, v, a]), np.stack([gamma @ x, gamma @ v, gamma @ a])
 
     def _force(self, known: Array) -> Array:
-        """Force of the specimen; `known` holds the interface's motion, latest first, shape (steps, 3, states)."""
+        """Force of the specimen from the interface's motion, latest first, shape (steps, 3, states)."""
         late = (1.0 - self.rest) * known[self.whole] + self.rest * known[self.whole + 1]
         specimen = self.partition.specimen
         linear = specimen.stiffness * late[0] + specimen.damping * late[1] + specimen.mass * late[2]
@@ -176,7 +176,8 @@ def discrete_poles(
     Returns
     -------
     numpy.ndarray
-        Poles with an imaginary part that is not negative; the test is stable where all real parts are negative.
+        Poles with an imaginary part that is not negative; the test is stable where all real parts are
+        negative.
 
     Raises
     ------

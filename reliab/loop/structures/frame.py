@@ -73,8 +73,8 @@ class Frame:
         Symmetric matrices M [kg], C [N·s/m] and K [N/m] of the whole structure, shape (n, n); M and K are
         positive definite, C has no negative eigenvalue.
     influence : array_like, optional
-        Displacement ι of the degrees of freedom when the ground moves by one [-], shape (n,); ones by default,
-        as for horizontal displacements of floors.
+        Displacement ι of the degrees of freedom when the ground moves by one [-], shape (n,); ones by
+        default, as for horizontal displacements of floors.
     names : tuple of str, optional
         Names of the degrees of freedom; "1" to "n" by default.
 

@@ -37,7 +37,7 @@ class PlanarFrame:
     --------
     >>> frame = PlanarFrame(storeys=1, bays=1, elastic_modulus=2e11, column_inertia=1e-6,
     ...                     beam_inertia=1e3, storey_height=3.0, bay_width=6.0)
-    >>> bool(np.isclose(frame.lateral_stiffness()[0, 0], 2 * 3 * 2e11 * 1e-6 / 3.0**3))  # rigid beam, pinned feet
+    >>> bool(np.isclose(frame.lateral_stiffness()[0, 0], 2 * 3 * 2e11 * 1e-6 / 3.0**3))  # pinned feet
     True
     """
 

@@ -20,8 +20,8 @@ def transfer_function_of(model: Any, delay: float = 0.0) -> TransferFunction:  #
     Parameters
     ----------
     model : object
-        A continuous-time `scipy.signal.lti` of any form, or a single-input, single-output `TransferFunction` or
-        `StateSpace` of python-control (which need not be installed here).
+        A continuous-time `scipy.signal.lti` of any form, or a single-input, single-output
+        `TransferFunction` or `StateSpace` of python-control (which need not be installed here).
     delay : float, optional
         Pure delay [s] beside it.
 
@@ -60,9 +60,7 @@ def transfer_function_of(model: Any, delay: float = 0.0) -> TransferFunction:  #
     if hasattr(model, "zeros") and hasattr(model, "gain") and hasattr(model, "poles"):
         return TransferFunction.from_poles(model.zeros, model.poles, float(model.gain), delay=delay)
     if hasattr(model, "num") and hasattr(model, "den"):
-        return TransferFunction(
-            numerator=_single(model.num), denominator=_single(model.den), delay=delay
-        )
+        return TransferFunction(numerator=_single(model.num), denominator=_single(model.den), delay=delay)
     raise InputError(
         "A model must be one of scipy.signal or python-control",
         value=type(model).__name__,
@@ -81,7 +79,9 @@ def _single(coefficients: Any) -> tuple[float, ...]:  # noqa: ANN401 - any libra
     channel = coefficients
     while len(channel) and np.ndim(channel[0]) > 0:
         if len(channel) != 1:
-            raise InputError("A transfer system has one input and one output", value=f"{len(channel)} channels")
+            raise InputError(
+                "A transfer system has one input and one output", value=f"{len(channel)} channels"
+            )
         channel = channel[0]
     return coefficients_of(channel)
 
@@ -92,8 +92,8 @@ def read_matlab(path: str | Path, variable: str | None = None, delay: float = 0.
     Parameters
     ----------
     path : str or pathlib.Path
-        A .mat file up to version 7 with `num` and `den`, with `z`, `p` and `k`, or with `A`, `B`, `C`, `D`, as
-        variables or as fields of a structure.
+        A .mat file up to version 7 with `num` and `den`, with `z`, `p` and `k`, or with `A`, `B`, `C`, `D`,
+        as variables or as fields of a structure.
     variable : str, optional
         The structure, where the file holds one.
     delay : float, optional
@@ -126,9 +126,13 @@ def read_matlab(path: str | Path, variable: str | None = None, delay: float = 0.
             remedy="Name one of these",
             where=str(path),
         )
-    held = content if variable is None else vars(content[variable]) if hasattr(
-        content[variable], "_fieldnames"
-    ) else {}
+    held = (
+        content
+        if variable is None
+        else vars(content[variable])
+        if hasattr(content[variable], "_fieldnames")
+        else {}
+    )
     for numerator, denominator in _FORMS:
         if numerator in held and denominator in held:
             return TransferFunction(

@@ -42,8 +42,8 @@ class ServoHydraulic(TransferSystem):
 
     References
     ----------
-    Silva, C. E., Gomez, D., Maghareh, A., Dyke, S. J. and Spencer, B. F. (2020). Benchmark control problem for
-    real-time hybrid simulation. *Mech. Syst. Signal Process.* 135, 106381.
+    Silva, C. E., Gomez, D., Maghareh, A., Dyke, S. J. and Spencer, B. F. (2020). Benchmark control problem
+    for real-time hybrid simulation. *Mech. Syst. Signal Process.* 135, 106381.
 
     Examples
     --------
@@ -73,7 +73,7 @@ class ServoHydraulic(TransferSystem):
                 )
 
     def perturbed(self, deviations: Array) -> Self:
-        """Return the actuator with leakage, valve damping and valve stiffness off by deviations [SI], (3,)."""
+        """Return the actuator with leakage, valve damping and stiffness off by deviations [SI], (3,)."""
         leakage, damping, stiffness = map(float, deviations)
         return replace(
             self,

@@ -114,7 +114,9 @@ class TransferFunction(TransferSystem):
         numerator, denominator = np.poly(np.asarray(zeros)), np.poly(np.asarray(poles))
         for name, values in (("zeros", numerator), ("poles", denominator)):
             if np.iscomplexobj(values):
-                raise InputError(f"Complex {name} must come in conjugate pairs", value=list(np.asarray(values)))
+                raise InputError(
+                    f"Complex {name} must come in conjugate pairs", value=list(np.asarray(values))
+                )
         numerator = np.atleast_1d(numerator) * gain
         denominator = np.atleast_1d(denominator)
         if static:
@@ -148,8 +150,8 @@ class TransferFunction(TransferSystem):
         needed = 2 if specimen.mass > 0.0 else (1 if specimen.damping else 0)
         if relative < needed:
             raise InputError(
-                f"Before a specimen with {'mass' if needed > 1 else 'damping'} a transfer system needs at least "
-                f"{needed} more poles than zeros, because a sampled command jumps and the piston cannot",
+                f"Before a specimen with {'mass' if needed > 1 else 'damping'} a transfer system needs "
+                f"at least {needed} more poles than zeros, because a sampled command jumps and the piston cannot",
                 value=f"{relative} more",
                 remedy="Add the pole of the servo-valve, at some 100 Hz",
             )

@@ -62,7 +62,7 @@ def rths_benchmark_report(
         kind="Virtual hybrid-simulation benchmark",
         title=title,
         verdict=prose(
-            "{tests} tests were run; {lost} were lost, because the motion of the piston grew beyond ten times "
+            "{tests} tests were run; {lost} were lost, because the piston moved more than ten times as far as "
             "the reference.",
             tests=len(rows),
             lost=lost,
@@ -102,9 +102,9 @@ def _published(published: pd.DataFrame) -> Section:
         Column(key="mean_exact", heading="Mean", number=Fixed(decimals=2), group="Exact"),
     )
     text = prose(
-        "El Centro at 0.4, PI control with phase lead, nominal plant. {reached} of {cells} printed digits are "
-        "reached by some noise when the block diagram's difference blocks are emulated; means over the noises "
-        "lie within {emulated} of the printed numbers, and within {exact} when everything is solved exactly.",
+        "El Centro at 0.4, PI control with phase lead, nominal plant. {reached} of {cells} printed digits "
+        "are reached by some noise when the block diagram's difference blocks are emulated; means over the "
+        "noises lie within {emulated} of the printed numbers, and within {exact} when everything is solved exactly.",
         reached=reached,
         cells=len(emulated),
         emulated=percent(furthest["emulated"], 1),
@@ -113,7 +113,10 @@ def _published(published: pd.DataFrame) -> Section:
     caption = "The benchmark's Table 3 beside ours; J1 in ms, the others in %, in the order of its code."
     return Section(
         title="The published table",
-        blocks=(Paragraph(text=text), Table(frame=frame, columns=columns, caption=caption, label="tab:three")),
+        blocks=(
+            Paragraph(text=text),
+            Table(frame=frame, columns=columns, caption=caption, label="tab:three"),
+        ),
     )
 
 
@@ -137,15 +140,15 @@ def _compensators(table: pd.DataFrame, rows: Sequence[Mapping[str, Any]]) -> Sec
         Column(key="d_ms", heading="d", unit="ms", number=Fixed(decimals=2)),
     )
     caption = (
-        "Means over cases, motions and plants of the tests that were not lost. J2 is the RMS of tracking, J4 of "
-        "the measured first floor and J6 of the second floor against the undivided structure."
+        "Means over cases, motions and plants of the tests that were not lost. J2 is the RMS of tracking, "
+        "J4 of the measured first floor and J6 of the second floor against the undivided structure."
     )
     alive = pd.DataFrame([row for row in rows if not row["lost"]])
     alive["name"] = [_worded(str(name)) for name in alive["compensator"]]
     blocks: list[Block] = [Table(frame=frame, columns=columns, caption=caption, label="tab:compensators")]
     if len(alive):
         drawing = benchmark_spread(alive)
-        text = "First floor against the undivided structure (J4), by compensator and case; perturbed plants spread."
+        text = "First floor against the undivided structure (J4), by compensator and case, for all plants."
         blocks.append(Figure(drawing=drawing, caption=text, label="fig:spread"))
     return Section(title="Compensators", blocks=tuple(blocks))
 
@@ -186,5 +189,6 @@ def _errors(rows: Sequence[Mapping[str, Any]]) -> Section:
         "command and measured displacement give; nominal plant."
     )
     return Section(
-        title="The error of each test", blocks=(Table(frame=frame, columns=columns, caption=caption, label="tab:errors"),)
+        title="The error of each test",
+        blocks=(Table(frame=frame, columns=columns, caption=caption, label="tab:errors"),),
     )

@@ -7,6 +7,7 @@ from reliab.study.kinds import (
     criterion,
     discrepancy,
     paper,
+    partitioned_structures,
     rths_benchmark,
     suites,
     table_audit,
@@ -17,14 +18,8 @@ from reliab.study.kinds.kind import Kind
 KINDS: Final[dict[str, Kind]] = {
     module.KIND.name: module.KIND
     for module in (
-        blind_evaluation,
-        criterion,
-        discrepancy,
-        paper,
-        rths_benchmark,
-        suites,
-        table_audit,
-        validation,
+        *(blind_evaluation, criterion, discrepancy, paper, partitioned_structures),
+        *(rths_benchmark, suites, table_audit, validation),
     )
 }
 """Every kind by the name that a study's file gives it."""

@@ -61,7 +61,9 @@ def test_benchmark_structures(case, frequencies, damping):
     frame = benchmark_frame(case)
     np.testing.assert_allclose(frame.modes.frequency, frequencies, atol=6e-5)
     assert frame.damping[0, 0] == pytest.approx(damping, abs=0.01)
-    np.testing.assert_allclose(frame.modes.shapes[:, 0] / frame.modes.shapes[0, 0], [1, 1.6112, 1.9762], atol=6e-5)
+    np.testing.assert_allclose(
+        frame.modes.shapes[:, 0] / frame.modes.shapes[0, 0], [1, 1.6112, 1.9762], atol=6e-5
+    )
 
 
 def test_reference_has_the_published_rms_and_peak(elcentro):
@@ -144,7 +146,9 @@ def test_perturbed_plants_have_the_stated_deviations_and_the_same_reference():
     assert (leakage > 0.0).all()
     assert np.std([plant.servo.valve_stiffness for plant in plants]) == pytest.approx(3.3e3, rel=0.12)
     assert np.std([plant.stiffness for plant in plants]) == pytest.approx(5e4, rel=0.12)
-    assert [plant.stiffness for plant in benchmark_plants(3)] == [p.stiffness for p in benchmark_plants(5)][:4]
+    assert [plant.stiffness for plant in benchmark_plants(3)] == [p.stiffness for p in benchmark_plants(5)][
+        :4
+    ]
     partition = benchmark_partition(1, plants[0].stiffness)
     np.testing.assert_allclose(partition.frame.stiffness, benchmark_frame(1).stiffness)
 

@@ -10,7 +10,7 @@ from reliab.loop.structures import Frame, modal_damping, shear_frame
 
 @pytest.fixture
 def random_partition():
-    def build(seed, size=3, mass=True):
+    def build(seed, size=3, *, mass=True):
         rng = np.random.default_rng(seed)
         masses, stiffnesses = rng.uniform(800, 2000, size), rng.uniform(2e5, 8e5, size)
         m, k = shear_frame(masses, stiffnesses)

@@ -6,7 +6,7 @@ import pytest
 from reliab.errors import InputError
 from reliab.loop.hybrid_test.specimen import Specimen
 from reliab.loop.laboratory.benchmark import benchmark_partition
-from reliab.loop.partition.frame_file import read_frame, frame_of_tables
+from reliab.loop.partition.frame_file import frame_of_tables, read_frame
 from reliab.loop.partition.partition import Partition, drift_interface, floor_interface, with_specimen
 from reliab.loop.structures import Frame, modal_damping, shear_frame
 

@@ -64,7 +64,9 @@ def test_tests_grow_beyond_the_critical_delay_and_decay_below(random_partition, 
         rig = Rig(transfer_system=gain_and_delay(delay=share * limit))
         run = run_laboratory(partition, rig, kick, 0.02, rate=rate)
         half = run.command.size // 2
-        early, late = (np.abs(run.command[part]).max() for part in (slice(half // 2, half), slice(half, None)))
+        early, late = (
+            np.abs(run.command[part]).max() for part in (slice(half // 2, half), slice(half, None))
+        )
         assert (late > early) is grows or run.lost is grows
 
 
@@ -113,5 +115,3 @@ def test_partitions_that_are_unstable_without_delay_are_refused():
     structure = Structure(frequency=1.0, damping_ratio=0.02)
     with pytest.raises(InputError, match="unstable partition"):
         critical_delay(Partition.of(structure), gain=-1.0)
-
-

@@ -29,7 +29,13 @@ def test_benchmark_stiffness_follows_from_six_numbers():
 
 
 def test_planar_frame_with_rigid_beams_is_a_shear_frame_and_a_fixed_base_is_four_times_stiffer():
-    rigid = dict(storeys=2, bays=1, elastic_modulus=2e11, column_inertia=1e-6, beam_inertia=1e6)
+    rigid = {
+        "storeys": 2,
+        "bays": 1,
+        "elastic_modulus": 2e11,
+        "column_inertia": 1e-6,
+        "beam_inertia": 1e6,
+    }
     pinned = PlanarFrame(**rigid, storey_height=3.0, bay_width=6.0).lateral_stiffness()
     fixed = PlanarFrame(**rigid, storey_height=3.0, bay_width=6.0, fixed_base=True).lateral_stiffness()
     column = 2e11 * 1e-6 / 27.0

@@ -15,7 +15,9 @@ from reliab.loop.hybrid_test.compensators.low_pass import butterworth_sections
 _FACTORS = 4
 
 
-def _compensate(motion: Numbers, measured: float, step: float, coefficients: Numbers, state: Numbers) -> float:
+def _compensate(
+    motion: Numbers, measured: float, step: float, coefficients: Numbers, state: Numbers
+) -> float:
     # Coefficients: 4 first factors, 4 rates, two sections b₀ b₁ b₂ a₁ a₂ of the filter.
     # State: started; 4 factors; 3 last targets; 3 last filtered measurements; filters of command and
     # measurement, 4 each; last sent displacement and velocity.
@@ -62,8 +64,8 @@ def _compensate(motion: Numbers, measured: float, step: float, coefficients: Num
 class AdaptiveModelBased(Compensator):
     """Sends a₀x + a₁Dx + a₂D²x + a₃D³x with factors that follow a gradient law while the test runs.
 
-    Command u and measurement y pass the same Butterworth filter of fourth order; with X = (y, Dy, D²y, D³y) the
-    factors move by a' = Γ ε X, ε = (u − aᵀX)/(1 + XᵀX), and stay positive.
+    Command u and measurement y pass the same Butterworth filter of fourth order; with X = (y, Dy, D²y, D³y)
+    the factors move by a' = Γ ε X, ε = (u − aᵀX)/(1 + XᵀX), and stay positive.
 
     Parameters
     ----------

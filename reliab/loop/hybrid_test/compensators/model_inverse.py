@@ -14,7 +14,9 @@ from reliab.loop.hybrid_test.compensator import Compensator
 _HIGHEST_ORDER = 3
 
 
-def _compensate(motion: Numbers, _measured: float, step: float, coefficients: Numbers, state: Numbers) -> float:
+def _compensate(
+    motion: Numbers, _measured: float, step: float, coefficients: Numbers, state: Numbers
+) -> float:
     # State: the last three targets, then the last displacement and velocity that were sent.
     x = motion[0]
     first = (x - state[0]) / step

@@ -64,8 +64,8 @@ class PhaseLeadControl(Compensator):
 
     References
     ----------
-    Silva, C. E., Gomez, D., Maghareh, A., Dyke, S. J. and Spencer, B. F. (2020). Benchmark control problem for
-    real-time hybrid simulation. *Mech. Syst. Signal Process.* 135, 106381.
+    Silva, C. E., Gomez, D., Maghareh, A., Dyke, S. J. and Spencer, B. F. (2020). Benchmark control problem
+    for real-time hybrid simulation. *Mech. Syst. Signal Process.* 135, 106381.
 
     Examples
     --------

@@ -1,0 +1,138 @@
+"""Report of what predicts the error of partitioned tests."""
+
+from collections.abc import Mapping
+
+import pandas as pd
+
+from reliab.report.document import Column, Document, Figure, Paragraph, Section, Table
+from reliab.report.figures.beyond_the_model import error_beyond_the_model
+from reliab.report.kinds.provenance import provenance_of
+from reliab.report.kinds.wording import PERCENT
+from reliab.report.numbers import Fixed, Whole
+from reliab.report.prose import prose
+from reliab.validation.partitioned_structures import PREDICTIONS, ratios
+
+_NAMES = {
+    "law_18": "equation (18)",
+    "law_with_share": "mean law with the share α",
+    "resolved": "A(f) and d(f), with the force's lag",
+    "rebuilt": "rebuilt from the test",
+}
+
+
+def partitioned_structures_report(
+    *,
+    title: str,
+    tests: pd.DataFrame,
+    shares: pd.DataFrame,
+    provenance: Mapping[str, object],
+    purpose: str = "",
+) -> Document:
+    """Report predictions against simulated errors.
+
+    Parameters
+    ----------
+    title : str
+        Title of the report.
+    tests : pandas.DataFrame
+        As :func:`reliab.validation.partitioned_structures.run_tests` returns them.
+    shares : pandas.DataFrame
+        As :func:`reliab.validation.partitioned_structures.shares_of_structures` returns them.
+    provenance : mapping
+        What the report can be made again from, by name.
+    purpose : str, optional
+        What the study is for.
+
+    Returns
+    -------
+    Document
+        The report.
+    """
+    kept = tests[~tests["lost"]]
+    table = ratios(kept).assign(name=lambda frame: [_NAMES[name] for name in frame["prediction"]])
+    finest = table.set_index("prediction").loc["rebuilt"]
+    opening = (Paragraph(text=purpose),) if purpose else ()
+    return Document(
+        kind="Partitioned structures",
+        title=title,
+        verdict=prose(
+            "In {tests} tests the error rebuilt from a test's own displacements is {median} times the "
+            "simulated one in the median; {lost} tests of {all} were lost to instability.",
+            tests=len(kept),
+            median=f"{finest['median']:.3f}",
+            lost=int(tests["lost"].sum()),
+            all=len(tests),
+        ),
+        facts={"Structures": str(tests["structure"].nunique()), "Motions": str(tests["motion"].nunique())},
+        blocks=(*opening, _predictions(table, kept), _by_structure(kept), _shares(shares)),
+        provenance=provenance_of(provenance),
+    )
+
+
+def _predictions(table: pd.DataFrame, tests: pd.DataFrame) -> Section:
+    columns = (
+        Column(key="name", heading="Prediction", wide=True),
+        Column(key="tests", heading="Tests", number=Whole()),
+        *(
+            Column(key=key, heading=heading, number=Fixed(decimals=3), group="Predicted over simulated")
+            for key, heading in (
+                ("median", "Median"),
+                ("scatter", "Scatter"),
+                ("low", "5 %"),
+                ("high", "95 %"),
+            )
+        ),
+    )
+    caption = (
+        "Predicted over simulated RMS error. Scatter is the standard deviation of the ratio's logarithm. "
+        "Equation (18) counts where it is valid, from 0.25 to 2 Hz."
+    )
+    long = pd.concat(
+        [
+            pd.DataFrame({"rig": _NAMES[name], "error": tests["error"], "predicted": tests[name]})
+            for name in PREDICTIONS[1:]
+        ]
+    ).dropna()
+    blocks = (
+        Table(frame=table, columns=columns, caption=caption, label="tab:predictions"),
+        Figure(
+            drawing=error_beyond_the_model(long),
+            caption="Simulated error of every test over three predictions of it; on the line they agree.",
+            label="fig:predictions",
+        ),
+    )
+    return Section(title="Predicted against simulated error", blocks=blocks)
+
+
+def _by_structure(tests: pd.DataFrame) -> Section:
+    relative = tests[["structure"]].copy()
+    for name in PREDICTIONS:
+        relative[name] = tests[name] / tests["error"]
+    frame = relative.groupby("structure", sort=False).median().reset_index()
+    columns = (
+        Column(key="structure", heading="Structure", wide=True),
+        *(Column(key=name, heading=_NAMES[name], number=Fixed(decimals=2)) for name in PREDICTIONS),
+    )
+    caption = "Median of predicted over simulated error by structure."
+    table = Table(frame=frame, columns=columns, caption=caption, label="tab:structures")
+    return Section(title="By structure", blocks=(table,))
+
+
+def _shares(shares: pd.DataFrame) -> Section:
+    share = Fixed(decimals=2, factor=PERCENT)
+    columns = (
+        Column(key="structure", heading="Structure", wide=True),
+        Column(key="mode", heading="Mode", number=Whole()),
+        Column(key="f", heading="f", unit="Hz", number=Fixed(decimals=2)),
+        Column(key="xi", heading="ξ", unit="%", number=share),
+        *(
+            Column(key=key, heading=heading, unit="%", number=share, group="The specimen's share")
+            for key, heading in (("alpha", "Stiffness"), ("damping", "Damping"), ("mass", "Mass"))
+        ),
+        Column(key="critical_delay_ms", heading="Critical delay", unit="ms", number=Fixed(decimals=2)),
+    )
+    caption = "Modes of the structures and the specimen's share in each; the critical delay is exact."
+    return Section(
+        title="Structures",
+        blocks=(Table(frame=shares, columns=columns, caption=caption, label="tab:shares"),),
+    )

@@ -1,0 +1,148 @@
+"""Ellipses of a partitioned frame under many ground motions: a criterion for one's own structure."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from reliab.boundary import Curve, motion_contours
+from reliab.errors import InputError
+from reliab.indices.response_error import relative_error
+from reliab.indices.window import Window
+from reliab.loop.excitation import Excitation
+from reliab.loop.partition.critical_delay import critical_delay
+from reliab.loop.partition.frame_file import FrameUnderTest
+from reliab.loop.partition.frame_loop import FrameLoop
+from reliab.loop.structure import Structure
+from reliab.motions import Motion
+from reliab.progress import Progress, silent
+from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_row, ellipse_dataset
+from reliab.sweep.records import motion_coordinates
+from reliab.vocabulary import Dimension, Metric, Side
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FrameRequest:
+    """For which errors boundaries of a frame are wanted.
+
+    Parameters
+    ----------
+    frame : FrameUnderTest
+        The partitioned frame, with a linear specimen, and the response whose error counts.
+    thresholds : tuple of float, optional
+        Errors on the boundary [-].
+    metrics : tuple of Metric, optional
+        Which errors.
+    curves : tuple of type, optional
+        Curves that stand for the boundary.
+    sides : tuple of Side, optional
+        Sides of the boundary: actuators that are late, early, or both.
+    window : Window, optional
+        Part of the record over which the error is computed.
+
+    Raises
+    ------
+    InputError
+        If no delay, however short, leaves the test stable.
+    """
+
+    frame: FrameUnderTest
+    thresholds: tuple[float, ...] = (0.05,)
+    metrics: tuple[Metric, ...] = (Metric.RMS,)
+    curves: tuple[type[Curve], ...] = CURVES
+    sides: tuple[Side, ...] = tuple(Side)
+    window: Window = field(default_factory=Window)
+
+    def __post_init__(self) -> None:
+        delay, _ = critical_delay(self.frame.partition)
+        if delay == 0.0:
+            raise InputError(
+                "A boundary needs a test that tolerates some delay",
+                value="a specimen with half of the mass at its interface or more",
+                remedy="Leave more of the mass to the computer",
+            )
+
+
+def trace_frame_ellipses(
+    motions: Sequence[Motion], request: FrameRequest, *, progress: Progress = silent
+) -> xr.Dataset:
+    """Trace the boundaries of a frame under many ground motions and let curves stand for them.
+
+    Parameters
+    ----------
+    motions : sequence of Motion
+        The ground motions; read one at a time.
+    request : FrameRequest
+        Frame, thresholds, metrics, curves and sides.
+    progress : callable, optional
+        Called after each motion.
+
+    Returns
+    -------
+    xarray.Dataset
+        As `trace_ellipses` gives it, with one f [Hz] and one xi [-], those of the mode that governs the
+        error. The attribute `experimental_fraction` is the specimen's share in that mode, `frame` the
+        frame's name and `error_of` the response whose error counts.
+    """
+    mode = governing_mode(request.frame)
+    tables, rests, headers = [], [], []
+    for done, motion in enumerate(motions, start=1):
+        bounds = request.window.bounds(motion.acceleration, motion.time_step)
+        excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step, window=bounds)
+        loop = FrameLoop(
+            excitation=excitation, partition=request.frame.partition, output=request.frame.output
+        )
+        rests.append([[[relative_error(loop.at_rest(), metric)[0] for metric in request.metrics]]])
+        tables.append(_table(loop, request))
+        headers.append(motion_coordinates([motion]))
+        progress(done, len(motions))
+    along = {
+        name: (Dimension.MOTION, np.concatenate([header[name].values for header in headers]))
+        for name in headers[0]
+    }
+    return ellipse_dataset(
+        np.stack(tables)[:, np.newaxis, np.newaxis],
+        {**along, "f": [mode.frequency], "xi": [mode.damping_ratio]},
+        thresholds=request.thresholds,
+        metrics=request.metrics,
+        curves=request.curves,
+        sides=request.sides,
+        attributes={
+            "window": request.window.label,
+            "experimental_fraction": mode.experimental_fraction,
+            "frame": request.frame.name,
+            "error_of": request.frame.error_of,
+        },
+        error_at_rest=np.nan_to_num(np.array(rests), posinf=1e300),
+    )
+
+
+def governing_mode(frame: FrameUnderTest) -> Structure:
+    """Frequency, damping ratio and share of the specimen of the mode that governs the error of a frame."""
+    place = FrameLoop.governing(frame.partition, frame.output)
+    share = abs(float(frame.partition.impedance_shares[place].real))
+    return Structure(
+        frequency=float(frame.partition.frame.modes.frequency[place]),
+        damping_ratio=float(frame.partition.frame.damping_ratios[place]),
+        experimental_fraction=float(np.clip(share, 1e-6, 1.0)),
+    )
+
+
+def _table(loop: FrameLoop, request: FrameRequest) -> NDArray[np.float64]:
+    """Curves of one motion, shape (threshold, metric, curve, side, columns)."""
+    pairs = [(threshold, side) for threshold in request.thresholds for side in request.sides]
+    levels, sides = zip(*pairs, strict=True)
+    rows = []
+    for metric in request.metrics:
+        contours = motion_contours(loop, levels, metric, side=sides)
+        rows.append([[curve_row(contour, curve) for curve in request.curves] for contour in contours])
+    shape = (
+        len(request.metrics),
+        len(request.thresholds),
+        len(request.sides),
+        len(request.curves),
+        len(COLUMNS),
+    )
+    return np.asarray(np.reshape(rows, shape)).transpose(1, 0, 3, 2, 4)

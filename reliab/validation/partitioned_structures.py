@@ -1,0 +1,376 @@
+"""What predicts the error of a partitioned test: laws, tracking over frequency, or the test itself.
+
+Tests are run in the digital laboratory: structures that differ in what of them stands there, under servos
+that are drawn at random, compensated well, too little or too much. Each prediction is held against the
+simulated error.
+"""
+
+import math
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.signal import csd, welch
+
+from reliab.criterion.laws import Dimensionless
+from reliab.criterion.laws.guo_2017 import Equation18
+from reliab.errors import InputError
+from reliab.indices.frequency_evaluation import frequency_evaluation
+from reliab.loop.excitation import Excitation
+from reliab.loop.hybrid_test.compensators import ModelInverse
+from reliab.loop.hybrid_test.specimen import Specimen
+from reliab.loop.laboratory.benchmark import benchmark_partition
+from reliab.loop.laboratory.laboratory import Run, run_laboratory
+from reliab.loop.laboratory.rig import Rig, Sensors
+from reliab.loop.partition.critical_delay import critical_delay
+from reliab.loop.partition.frame_file import FrameUnderTest
+from reliab.loop.partition.partition import Partition, drift_interface, floor_interface, with_specimen
+from reliab.loop.spectral import respond
+from reliab.loop.structure import Structure
+from reliab.loop.structures import Frame, modal_damping, shear_frame
+from reliab.loop.transfer_systems import TransferFunction
+from reliab.motions import Motion
+from reliab.progress import Progress, silent
+from reliab.rebuilt_error import rebuild
+from reliab.shipped import shipped
+from reliab.sweep import open_ellipses
+from reliab.sweep.frame_table import governing_mode
+from reliab.validation.rths_benchmark import whole_structure
+
+Array = NDArray[np.float64]
+
+RATE: Final = 4096.0
+"""Sampling rate of the laboratory [Hz]."""
+
+PREDICTIONS: Final = ("law_18", "law_with_share", "resolved", "rebuilt")
+"""Columns of the predictions, from the coarsest to the finest."""
+
+_THRESHOLD: Final = 0.05
+_HIGHEST: Final = 2.0  # Hz, of the structures from which the law with the share is learned
+_FORCE_LAG: Final = 1.5 / RATE
+_THINNED: Final = 16
+_DRAWS: Final = 16  # of the rebuilt error, whose value alone counts here
+_SEGMENT: Final = 8.0  # s, in which gain and delay over frequency are estimated
+_COHERENT: Final = 0.98
+
+
+@dataclass(frozen=True, kw_only=True)
+class PartitionedTest:
+    """One test: structure, motion, and a servo with its compensation.
+
+    Attributes
+    ----------
+    structure : str
+        Name of the structure.
+    motion : Motion
+        The ground motion.
+    servo : TransferFunction
+        The actuator: second-order dynamics, a valve's pole and a delay.
+    inverse : tuple of float
+        Factors of the model inverse before it.
+    seed : int
+        Seed of the sensors' noise.
+    """
+
+    structure: str
+    motion: Motion
+    servo: TransferFunction
+    inverse: tuple[float, ...]
+    seed: int
+
+
+def partitioned_structures() -> dict[str, Partition]:
+    """Structures of the study by name: springs, dampers and masses, at floors and in storeys."""
+    one = Structure(frequency=1.0, damping_ratio=0.03, experimental_fraction=0.5)
+    mass, stiffness = shear_frame([2000.0, 2000.0, 1500.0], [1.2e6, 1.0e6, 8.0e5])
+    frame = Frame(mass=mass, stiffness=stiffness, damping=modal_damping(mass, stiffness, 0.03))
+    low, soft = shear_frame([3000.0, 2500.0], [4e5, 2.5e5])
+    two = Frame(mass=low, stiffness=soft, damping=modal_damping(low, soft, 0.05))
+    tall, tower = shear_frame([1500.0] * 6, [9e5] * 6)
+    six = Frame(mass=tall, stiffness=tower, damping=modal_damping(tall, tower, 0.02))
+
+    def spring(frame: Frame, interface: Array, specimen: Specimen) -> Partition:
+        return Partition(frame=frame, interface=interface, specimen=specimen)
+
+    def beside(frame: Frame, interface: Array, specimen: Specimen) -> Partition:
+        return spring(with_specimen(frame, interface, specimen), interface, specimen)
+
+    return {
+        "one mass, half of its spring": Partition.of(one, mass=1000.0),
+        "two storeys, the first one tested": spring(
+            two, floor_interface(two, 1), Specimen(stiffness=4e5, mass=100.0)
+        ),
+        "two storeys, the second one tested": spring(
+            two, drift_interface(two, 2, 1), Specimen(stiffness=2.5e5)
+        ),
+        "three storeys, half of the first": spring(frame, floor_interface(frame, 1), Specimen(stiffness=6e5)),
+        "three storeys, a heavy specimen": spring(
+            frame, floor_interface(frame, 1), Specimen(stiffness=5e5, mass=300.0)
+        ),
+        "three storeys, a damper beside the first": beside(
+            frame, floor_interface(frame, 1), Specimen(stiffness=2e4, damping=6e3, mass=20.0)
+        ),
+        "six storeys, the first one tested": spring(
+            six, floor_interface(six, 1), Specimen(stiffness=9e5, mass=50.0)
+        ),
+        "benchmark, case 1": benchmark_partition(1),
+        "benchmark, case 4": benchmark_partition(4),
+    }
+
+
+def draw_tests(motions: Sequence[Motion], count: int, seed: int) -> list[PartitionedTest]:
+    """Draw tests: structures and motions in turn, servos and compensations at random.
+
+    Parameters
+    ----------
+    motions : sequence of Motion
+        Ground motions, taken in turn.
+    count : int
+        How many tests.
+    seed : int
+        Seed of the draws.
+
+    Returns
+    -------
+    list of PartitionedTest
+        The tests, whatever their error turns out to be.
+
+    Raises
+    ------
+    InputError
+        If there are no motions or no tests are asked for.
+    """
+    if not motions or count < 1:
+        raise InputError("A study of partitioned tests needs motions and tests", value=f"{count} tests")
+    generator = np.random.default_rng([seed, 18])
+    names, tests = list(partitioned_structures()), []
+    for number in range(count):
+        frequency, damping = generator.uniform(12.0, 40.0), generator.uniform(0.5, 1.0)
+        valve, gain = generator.uniform(60.0, 150.0), generator.normal(1.0, 0.01)
+        delay, compensated = generator.uniform(0.0, 0.002), generator.uniform(0.85, 1.05)
+        omega, pole = 2.0 * math.pi * frequency, 2.0 * math.pi * valve
+        servo = TransferFunction.from_poles(
+            [],
+            [*np.roots([1.0, 2.0 * damping * omega, omega**2]), -pole],
+            gain,
+            static=True,
+            delay=delay,
+        )
+        lag = 2.0 * damping / omega + 1.0 / pole + delay + 0.5 / RATE
+        tests.append(
+            PartitionedTest(
+                structure=names[number % len(names)],
+                motion=motions[number % len(motions)],
+                servo=servo,
+                inverse=(1.0, compensated * lag, 0.5 * (compensated * lag) ** 2),
+                seed=1000 * seed + number,
+            )
+        )
+    return tests
+
+
+def run_tests(tests: Sequence[PartitionedTest], *, progress: Progress = silent) -> pd.DataFrame:
+    """Run tests and predict the error of each in four ways.
+
+    Parameters
+    ----------
+    tests : sequence of PartitionedTest
+        The tests.
+    progress : callable, optional
+        Called after each.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row for each test: `structure`, `motion`, `f` [Hz], `xi`, `alpha` of the governing mode, `A`,
+        `d_ms`, `lost`, `error` (simulated RMS^R) [-] and the predictions `law_18`, `law_with_share`,
+        `resolved` and `rebuilt` [-]; missing where a law does not apply or the test was lost.
+    """
+    partitions, law = partitioned_structures(), mean_law()
+    with ThreadPoolExecutor() as pool:
+        rows = []
+        for done, row in enumerate(pool.map(lambda test: _row(test, partitions, law), tests), start=1):
+            rows.append(row)
+            progress(done, len(tests))
+    return pd.DataFrame(rows)
+
+
+def mean_law() -> Dimensionless:
+    """Dimensionless law through the geometric means of the ellipses that ship, at 5 % RMS^R."""
+    ellipses = open_ellipses(shipped("datasets", "real_suite/ellipses.nc"))
+    chosen = ellipses.sel(threshold=_THRESHOLD, metric="rms", curve="ellipse")
+    if "side" in chosen.dims:
+        chosen = chosen.sel(side="lag")
+    a, b = (np.exp(np.log(chosen[name]).mean("motion")).transpose("f", "xi").values for name in ("a", "b"))
+    return Dimensionless.fit(chosen["f"].values, chosen["xi"].values, a, b)
+
+
+def _row(test: PartitionedTest, partitions: dict[str, Partition], law: Dimensionless) -> dict[str, Any]:
+    partition = partitions[test.structure]
+    rig = Rig(
+        transfer_system=test.servo,
+        compensator=ModelInverse(factors=test.inverse),
+        sensors=Sensors(displacement_noise=5e-6),
+    )
+    run = run_laboratory(
+        partition, rig, test.motion.acceleration, test.motion.time_step, rate=RATE, seed=test.seed
+    )
+    mode = governing_mode(FrameUnderTest(name="", partition=partition, output=None, error_of=""))
+    row: dict[str, Any] = {
+        "structure": test.structure,
+        "motion": test.motion.name,
+        "f": mode.frequency,
+        "xi": mode.damping_ratio,
+        "alpha": mode.experimental_fraction,
+        "lost": run.lost,
+        **dict.fromkeys(["A", "d_ms", "error", *PREDICTIONS], math.nan),
+    }
+    if run.lost:
+        return row
+    reference = partition.interface @ run.reference
+    largest = float(np.abs(reference).max())
+    tracking = frequency_evaluation(run.command, run.measured, run.step, window="boxcar")
+    index = tracking.amplitude, 1e3 * tracking.equivalent_delay
+    return row | {
+        "A": index[0],
+        "d_ms": index[1],
+        "error": float(np.sqrt(np.mean((run.piston - reference) ** 2))) / largest,
+        "law_18": _by_law_18(mode, *index),
+        "law_with_share": _by_law_with_share(law, mode, *index),
+        "resolved": _resolved(run, partition, test.motion) / largest,
+        "rebuilt": _rebuilt(run, partition),
+    }
+
+
+def _by_index(a: float, b: float, amplitude: float, delay: float) -> float:
+    """Error that an ellipse at 5 % gives to A [-] and d [ms], taking the error as proportional."""
+    return _THRESHOLD * math.sqrt((amplitude - 1.0) ** 2 / a + delay**2 / b)
+
+
+def _by_law_18(mode: Structure, amplitude: float, delay: float) -> float:
+    """Error by equation (18) where it is valid."""
+    try:
+        a, b = Equation18().limits(mode.frequency, mode.damping_ratio)
+    except InputError:
+        return math.nan
+    return _by_index(float(a), float(b), amplitude, delay)
+
+
+def _by_law_with_share(law: Dimensionless, mode: Structure, amplitude: float, delay: float) -> float:
+    """Error by the mean law with a(α) = a(1)/α² and b(α) = b(1)/α²; above 2 Hz by the numbers of 2 Hz."""
+    frequency = min(mode.frequency, _HIGHEST)
+    a, b = law.limits(frequency, mode.damping_ratio)
+    share = mode.experimental_fraction**2
+    slower = (frequency / mode.frequency) ** 2
+    return _by_index(float(a) / share, float(b) * slower / share, amplitude, delay)
+
+
+def _resolved(run: Run, partition: Partition, motion: Motion) -> float:
+    """RMS error [m] predicted from A and d over frequency, with the lag of the force.
+
+    Gain and phase of the measured over the command displacement are estimated where the two are coherent, and
+    kept beyond; the loop is then solved anew under the ground motion.
+    """
+    points = int(_SEGMENT / run.step)
+    frequency, cross = csd(run.command, run.measured, fs=1.0 / run.step, nperseg=points)
+    _, into = welch(run.command, fs=1.0 / run.step, nperseg=points)
+    _, out = welch(run.measured, fs=1.0 / run.step, nperseg=points)
+    coherent = np.abs(cross) ** 2 > _COHERENT * into * out
+    coherent[0] = False
+    known = frequency[coherent]
+    ratio = cross[coherent] / into[coherent]
+    gain, phase = np.abs(ratio), np.unwrap(np.angle(ratio))
+    delay = -phase / (2.0 * np.pi * known)
+
+    def actuator(s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        at = np.abs(s.imag) / (2.0 * np.pi)
+        return np.asarray(np.interp(at, known, gain) * np.exp(-s * np.interp(at, known, delay)))
+
+    def measured(s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        # The force is that of the measured displacement, late by the laboratory's own lag.
+        tracked = actuator(s)
+        late = tracked * np.exp(-s * _FORCE_LAG)
+        command = partition.responses(s, late, np.array(partition.interface))
+        return np.asarray(tracked * command)
+
+    def ideal(s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        return partition.responses(s, np.ones_like(s))
+
+    excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step)
+    strayed = respond(excitation, measured)[0] - respond(excitation, ideal)[0]
+    return float(np.sqrt(np.mean(strayed**2)))
+
+
+def _rebuilt(run: Run, partition: Partition) -> float:
+    thinned = slice(None, None, _THINNED)
+    error = rebuild(
+        run.command[thinned].copy(),
+        run.measured[thinned].copy(),
+        _THINNED * run.step,
+        whole_structure(partition),
+        feedback_lag=_FORCE_LAG,
+        draws=_DRAWS,
+    )
+    return error.rms.value
+
+
+def ratios(tests: pd.DataFrame) -> pd.DataFrame:
+    """Predicted over simulated error: median ratio and scatter of each prediction.
+
+    Parameters
+    ----------
+    tests : pandas.DataFrame
+        As `run_tests` returns them.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns `prediction`, `tests` that it applies to, `median` ratio, `scatter` (standard deviation of the
+        ratio's logarithm), `low` and `high` (5 and 95 % of the ratios).
+    """
+    rows = []
+    for name in PREDICTIONS:
+        ratio = (tests[name] / tests["error"]).dropna()
+        rows.append(
+            {
+                "prediction": name,
+                "tests": len(ratio),
+                "median": float(ratio.median()),
+                "scatter": float(np.log(ratio).std()),
+                "low": float(ratio.quantile(0.05)),
+                "high": float(ratio.quantile(0.95)),
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def shares_of_structures() -> pd.DataFrame:
+    """Tabulate modes and the specimen's share in them.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns `structure`, `mode`, `f` [Hz], `xi`, shares `alpha`, `mass` and `damping` [-], and
+        `critical_delay_ms` of the structure.
+    """
+    rows = []
+    for name, partition in partitioned_structures().items():
+        limit, _ = critical_delay(partition)
+        for mode, frequency in enumerate(partition.frame.modes.frequency):
+            rows.append(
+                {
+                    "structure": name,
+                    "mode": mode + 1,
+                    "f": float(frequency),
+                    "xi": float(partition.frame.damping_ratios[mode]),
+                    "alpha": float(partition.stiffness_shares[mode]),
+                    "mass": float(partition.mass_shares[mode]),
+                    "damping": float(partition.damping_shares[mode]),
+                    "critical_delay_ms": 1e3 * limit,
+                }
+            )
+    return pd.DataFrame(rows)
