@@ -62,18 +62,18 @@ def read_catalogue(path: Path, report: Report, given: Declared) -> list[RecordFi
             remedy="Name the columns in the first line",
         )
         return []
-    found: list[RecordFile] = []
+    records: list[RecordFile] = []
     seen: dict[str, int] = {}
     for cells in filled:
         line = rows.line_num
         row = dict(zip(columns, (cell.strip() for cell in cells), strict=False))
         if _has_name(row, seen, line, report):
-            found.extend(_record(path, row, line, given, report))
+            records.extend(_record(path, row, line, given, report))
     if not seen and not report.faults:
         report.add(
             "A catalogue must name a motion", line=1, value="no rows", remedy="Add a row for each record"
         )
-    return found
+    return records
 
 
 def _filled(rows: Iterator[list[str]], report: Report) -> Iterator[list[str]]:

@@ -135,10 +135,10 @@ def _records(source: Path, given: Declared, faults: list[Fault]) -> Iterator[tup
     catalogue = source / CATALOGUE
     if is_file(catalogue):
         report = Report(file=str(catalogue))
-        found = read_catalogue(catalogue, report, given)
+        records_of_catalogue = read_catalogue(catalogue, report, given)
         faults.extend(report.faults)
         scanned: Iterable[tuple[Path, list[RecordFile], Report]] = [
-            (record.path, [record], Report(file=str(record.path))) for record in found
+            (record.path, [record], Report(file=str(record.path))) for record in records_of_catalogue
         ]
     elif is_folder(source):
         scanned = scan_folder(source, given)

@@ -66,12 +66,12 @@ class Report:
         if self.faults:
             raise self.faults[0].error()
 
-    def require(self, found: T | None) -> T:
+    def require(self, value: T | None) -> T:
         """Return what was found if the file has no fault.
 
         Parameters
         ----------
-        found : T or None
+        value : T or None
             What was found; None only after a fault.
 
         Returns
@@ -84,6 +84,6 @@ class Report:
         InputError
             The first fault, if there is one.
         """
-        if found is None or self.faults:
+        if value is None or self.faults:
             raise self.faults[0].error()
-        return found
+        return value

@@ -161,9 +161,9 @@ def _entries(source: str | Path, given: Declared) -> list[MotionEntry]:
         return list(_folder_entries(path, given))
     if is_file(path):
         report = Report(file=str(path))
-        found = scan_file(path, motion_name(Path(path.name)), given, report)
+        records = scan_file(path, motion_name(Path(path.name)), given, report)
         report.raise_first()
-        return list(found)
+        return list(records)
     raise InputError(
         "A source of motions must be a file, a folder or a built-in suite",
         value=str(source),
@@ -175,24 +175,24 @@ def _folder_entries(folder: Path, given: Declared) -> list[RecordFile]:
     catalogue = folder / CATALOGUE
     if is_file(catalogue):
         report = Report(file=str(catalogue))
-        found = read_catalogue(catalogue, report, given)
+        records = read_catalogue(catalogue, report, given)
         report.raise_first()
-        return found
+        return records
     unread = unread_files(folder)
     if unread:
         names = ", ".join(path.relative_to(folder).as_posix() for path in unread[:_NAMED])
         names += f" and {len(unread) - _NAMED} more" if len(unread) > _NAMED else ""
         message = f"{folder}: skipped {names}, in formats that are not read; export records as text or CSV"
         warnings.warn(message, UnreadFileWarning, stacklevel=4)
-    found = []
+    entries = []
     for _, records, report in scan_folder(folder, given):
         report.raise_first()
-        found.extend(records)
-    if not found:
+        entries.extend(records)
+    if not entries:
         raise InputError(
             "A folder of motions must hold a record",
             value="none",
             remedy=f"Put records or a {CATALOGUE} into it",
             where=str(folder),
         )
-    return found
+    return entries

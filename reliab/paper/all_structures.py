@@ -47,7 +47,7 @@ def equation_18() -> Iterator[Item]:
         unit="ms2",
         remark="6080 is 121.6 · 100/2.0, with the b that (17) gives at ξ = 0.02 in place of 2.3",
     )
-    for parameter, value, other, unit, remark in (
+    for parameter, value, followed, unit, remark in (
         (
             "a",
             factor_a * TWO_PERCENT,
@@ -67,7 +67,7 @@ def equation_18() -> Iterator[Item]:
             item="Equation (18)",
             quantity=f"{parameter} at ξ = 0.02",
             printed=float(value),
-            from_tables=float(other),
+            from_tables=float(followed),
             unit=unit,
             remark=remark,
         )

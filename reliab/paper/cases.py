@@ -167,11 +167,11 @@ def _run(record: Motion, case: PaperCase, integrator: str, compensator: str) -> 
         for test, control in ((perfect, None), (flawed, compensator_of(compensator, case.estimated_delay)))
     )
     ideal = first.command.values[0]
-    found = frequency_evaluation(second.command.values[0], second.measured, record.time_step)
+    index = frequency_evaluation(second.command.values[0], second.measured, record.time_step)
     return CaseOutcome(
         case=case,
-        amplitude=found.amplitude,
-        equivalent_delay=found.equivalent_delay,
+        amplitude=index.amplitude,
+        equivalent_delay=index.equivalent_delay,
         rms=response_error(second.measured, ideal),
         times=record.times,
         ideal=ideal,

@@ -126,7 +126,7 @@ class _Writer:
         return {CONTENT_FILE: json.dumps(content, ensure_ascii=False).encode(), **self._figures}
 
     def _prose(self, text: Prose) -> list[dict[str, Any]]:
-        return [self._piece(each) for each in ((text,) if isinstance(text, str) else text)]
+        return [self._piece(piece) for piece in ((text,) if isinstance(text, str) else text)]
 
     def _piece(self, piece: Piece) -> dict[str, Any]:
         match piece:
@@ -217,9 +217,10 @@ def _cells(values: Sequence[Any], column: Column) -> list[dict[str, Any]]:
     if column.number is None:
         return [{"text": literal(_worded(value))} for value in values]
     written = [column.number(float("nan") if value is None else float(value)) for value in values]
-    most = max((each.decimals for each in written), default=0)
+    most = max((number.decimals for number in written), default=0)
     return [
-        {"digits": each.digits, "exponent": each.exponent, "lacks": _lacks(each, most)} for each in written
+        {"digits": number.digits, "exponent": number.exponent, "lacks": _lacks(number, most)}
+        for number in written
     ]
 
 

@@ -245,9 +245,9 @@ class Document:
         labels.update(source.label for source in self.sources)
         twice = sorted(label for label, count in labels.items() if count > 1)
         unknown = sorted(set(self.referred()) - set(labels))
-        for rule, found in (("be used once", twice), ("name something in the report", unknown)):
-            if found:
-                message = f"A label must {rule}; {', '.join(found)} does not."
+        for rule, faulty in (("be used once", twice), ("name something in the report", unknown)):
+            if faulty:
+                message = f"A label must {rule}; {', '.join(faulty)} does not."
                 raise ValueError(message)
 
     def referred(self) -> tuple[str, ...]:

@@ -117,7 +117,7 @@ def literal(text: str) -> str:
     >>> literal("two\nlines\x00")
     'two lines'
     """
-    printable = "".join(" " if each.isspace() else each for each in text if _is_set(each))
+    printable = "".join(" " if character.isspace() else character for character in text if _is_set(character))
     single = _SPACES.sub(" ", printable)
     return _LONG_WORD.sub(lambda word: _PLACES_TO_BREAK.sub(_ZERO_WIDTH_SPACE, word[0]), single)
 

@@ -231,9 +231,9 @@ def _drawn(figure: Figure, kind: str, metadata: dict[str, Any]) -> bytes:
 
 def letters(axes: NDArray[np.object_], titles: tuple[str, ...] = ()) -> None:
     """Letter axes (a), (b), … with an optional title each, row by row."""
-    for rank, each in enumerate(axes.ravel()):
+    for rank, place in enumerate(axes.ravel()):
         title = f" {titles[rank]}" if rank < len(titles) else ""
-        _titled(each, f"({chr(ord('a') + rank)}){title}")
+        _titled(place, f"({chr(ord('a') + rank)}){title}")
 
 
 def _titled(axes: Axes, title: str) -> None:

@@ -66,22 +66,22 @@ def headers(source: Source, report: Report) -> list[Header]:
     list of Header
         One header for each acceleration channel.
     """
-    found: list[Header] = []
+    channels: list[Header] = []
     begin = 0
     for match in _SAMPLES.finditer(source.content):
         end = _END.search(source.content, match.end())
         stop = end.start() if end else len(source.content)
         if match[2].lower().startswith(b"accel"):
-            found.append(_channel(source, match, begin, stop, report))
+            channels.append(_channel(source, match, begin, stop, report))
         begin = stop
-    if not found:
+    if not channels:
         report.add(
             "A COSMOS file must hold acceleration",
             line=1,
             value="no line that announces acceleration points",
             remedy="Obtain the file of acceleration (.acc)",
         )
-    return found
+    return channels
 
 
 def _channel(source: Source, match: re.Match[bytes], begin: int, stop: int, report: Report) -> Header:

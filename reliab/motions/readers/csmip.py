@@ -56,21 +56,21 @@ def headers(source: Source, report: Report) -> list[Header]:
     list of Header
         One header for each acceleration channel.
     """
-    found: list[Header] = []
+    channels: list[Header] = []
     begin = 0
     for match in _SAMPLES.finditer(source.content):
         after = _AFTER.search(source.content, match.end())
         stop = after.start() if after else len(source.content)
-        found.append(_channel(source, match, begin, stop, report))
+        channels.append(_channel(source, match, begin, stop, report))
         begin = stop
-    if not found:
+    if not channels:
         report.add(
             "A CSMIP Volume 2 file must announce its points of accel data",
             line=1,
             value="no such line",
             remedy="Obtain the file again",
         )
-    return found
+    return channels
 
 
 def _channel(source: Source, match: re.Match[bytes], begin: int, stop: int, report: Report) -> Header:

@@ -31,8 +31,8 @@ _SCALE = re.compile(rf"\s*({NUMBER})\s*\(\s*gal\s*\)\s*/\s*({NUMBER})\s*", re.IG
 
 def recognises(source: Source) -> bool:
     """Tell whether a file begins with the labels of K-NET."""
-    found = _labelled(source)
-    return "origin" in found and "scale" in found
+    labelled = _labelled(source)
+    return "origin" in labelled and "scale" in labelled
 
 
 def headers(source: Source, report: Report) -> list[Header]:
@@ -50,8 +50,8 @@ def headers(source: Source, report: Report) -> list[Header]:
     list of Header
         The header of the one component; empty if a line is missing that it needs.
     """
-    found = _labelled(source)
-    missing = [label for label in ("rate", "duration", "scale", "memo") if label not in found]
+    labelled = _labelled(source)
+    missing = [label for label in ("rate", "duration", "scale", "memo") if label not in labelled]
     if missing:
         report.add(
             "The header of a K-NET file must be complete",
@@ -60,33 +60,33 @@ def headers(source: Source, report: Report) -> list[Header]:
             remedy="Obtain the file again",
         )
         return []
-    time_step = _time_step(found["rate"], report)
-    scale = _scale(found["scale"], report)
+    time_step = _time_step(labelled["rate"], report)
+    scale = _scale(labelled["scale"], report)
     if time_step is None or scale is None:
         return []
     return [
         Header(
-            start=found["memo"][0].stop,
+            start=labelled["memo"][0].stop,
             stop=len(source.content),
-            count=_count(found["duration"], time_step.value, report),
+            count=_count(labelled["duration"], time_step.value, report),
             time_step=time_step,
-            units=Statement(value=AccelerationUnit.CENTIMETRE, line=found["scale"][0].number),
+            units=Statement(value=AccelerationUnit.CENTIMETRE, line=labelled["scale"][0].number),
             scale=scale,
             remove_mean=True,
-            event=_event(found),
+            event=_event(labelled),
         )
     ]
 
 
 def _labelled(source: Source) -> dict[str, tuple[Line, str]]:
-    found: dict[str, tuple[Line, str]] = {}
+    labelled: dict[str, tuple[Line, str]] = {}
     for _, line in zip(range(_HEADER_LINES), source.lines(), strict=False):
         for label, pattern in _LABELS.items():
-            if label not in found and (match := pattern.match(line.text)):
-                found[label] = line, match[1].strip()
-        if "memo" in found:
+            if label not in labelled and (match := pattern.match(line.text)):
+                labelled[label] = line, match[1].strip()
+        if "memo" in labelled:
             break
-    return found
+    return labelled
 
 
 def _time_step(entry: tuple[Line, str], report: Report) -> Statement[float] | None:
@@ -126,9 +126,9 @@ def _count(entry: tuple[Line, str], time_step: float, report: Report) -> Stateme
     return Statement(value=round(duration / time_step), line=line.number)
 
 
-def _event(found: dict[str, tuple[Line, str]]) -> str:
+def _event(labelled: dict[str, tuple[Line, str]]) -> str:
     """Origin time and epicentre, as in ``2018-01-24 19:51:00 41.0N 142.5E``; empty if one is missing."""
-    parts = [found[label][1] for label in ("origin", "latitude", "longitude") if label in found]
+    parts = [labelled[label][1] for label in ("origin", "latitude", "longitude") if label in labelled]
     if len(parts) < 3 or not all(parts):  # noqa: PLR2004 - time, latitude and longitude
         return ""
     return f"{parts[0].replace('/', '-')} {parts[1]}N {parts[2]}E"

@@ -175,28 +175,28 @@ def _check_against_catalogue(header: Header, declared: Declared, report: Report)
 def _settle_count(
     source: Source, header: Header, values: NDArray[np.float64], report: Report
 ) -> NDArray[np.float64] | None:
-    found, count = values.size, header.count
+    samples, count = values.size, header.count
     last_line = source.line_number(max(header.start, header.stop - 1))
     if count is None:
-        if found > 1:
+        if samples > 1:
             return values
-        report.add("A record must hold at least two samples", line=last_line, value=found)
+        report.add("A record must hold at least two samples", line=last_line, value=samples)
         return None
-    if found < count.value:
+    if samples < count.value:
         report.add(
             "A record must hold as many samples as its header states",
             line=last_line,
-            value=f"the end after {found} of {count.value} samples",
+            value=f"the end after {samples} of {count.value} samples",
             remedy="The file is cut short; obtain it again",
         )
         return None
-    if found > count.value and line_of_sample(source, header, found - 1) != line_of_sample(
+    if samples > count.value and line_of_sample(source, header, samples - 1) != line_of_sample(
         source, header, count.value - 1
     ):
         report.add(
             "A record must hold as many samples as its header states",
             line=line_of_sample(source, header, count.value),
-            value=f"{found} samples instead of {count.value}",
+            value=f"{samples} samples instead of {count.value}",
             remedy="Check whether two records were joined, or correct the header",
         )
         return None

@@ -136,21 +136,21 @@ def _delimiter(line: Line) -> str:
     return next((mark for mark in (";", ",") if mark in line.text), "")
 
 
-def _first(found: Iterator[T]) -> T | None:
-    return next(found, None)
+def _first(statements: Iterator[T]) -> T | None:
+    return next(statements, None)
 
 
-def _agreeing(found: list[Statement[T]], what: str, report: Report) -> Statement[T] | None:
+def _agreeing(statements: list[Statement[T]], what: str, report: Report) -> Statement[T] | None:
     """Return the first of several statements, and report the one that contradicts it."""
-    for later in found[1:]:
-        if later.value != found[0].value:
+    for later in statements[1:]:
+        if later.value != statements[0].value:
             report.add(
                 f"A file must state one {what}",
                 line=later.line,
-                value=f"{later.value} after {found[0].value} in line {found[0].line}",
+                value=f"{later.value} after {statements[0].value} in line {statements[0].line}",
                 remedy="Correct whichever is wrong",
             )
-    return found[0] if found else None
+    return statements[0] if statements else None
 
 
 def _counts(said: list[Line], report: Report) -> Iterator[Statement[int]]:

@@ -114,7 +114,7 @@ def _label(axes: Axes, lines: QuadContourSet) -> None:
 def _colours(count: int) -> list[tuple[float, ...]]:
     """Colours of rising lightness, pale enough for lines and numbers to stand on them."""
     shades = colormaps[SEQUENTIAL](np.linspace(0.0, 1.0, count))
-    return [tuple(each) for each in (1.0 - _PALENESS * (1.0 - shades)).tolist()]
+    return [tuple(colour) for colour in (1.0 - _PALENESS * (1.0 - shades)).tolist()]
 
 
 def _spread(nodes: NDArray[np.float64]) -> list[float]:

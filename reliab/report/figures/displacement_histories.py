@@ -64,14 +64,14 @@ def displacement_histories(histories: Sequence[HistoryPanel], *, columns: int = 
     """
     rows = -(-len(histories) // columns)
     figure, axes = panels(rows, columns, height=_MARGIN + _PANEL_HEIGHT * rows, share_x=True)
-    letters(axes, tuple(plain(each.title) for each in histories))
+    letters(axes, tuple(plain(panel.title) for panel in histories))
     for place, history in zip(axes.ravel(), histories, strict=False):
         _draw(place, history)
     for place in axes.ravel()[len(histories) :]:
         place.set_axis_off()
     for place in axes[-1]:
         place.set_xlabel(TIME)
-    richest = next((k for k, each in enumerate(histories) if each.measured is not None), 0)
+    richest = next((k for k, panel in enumerate(histories) if panel.measured is not None), 0)
     legend_below(figure, axes.ravel()[richest])
     return figure
 
@@ -126,7 +126,7 @@ def _draw(axes: Axes, history: HistoryPanel) -> None:
             linestyle=(0, (2.0, 1.0)),
             label="difference $x_m - x_I$",
         )
-    peak = MILLI * max(float(np.abs(each).max()) for each in shown)
+    peak = MILLI * max(float(np.abs(values).max()) for values in shown)
     axes.set_ylim(-_HEADROOM * peak, _HEADROOM * peak)
     axes.set_xlim(history.times[0], history.times[-1])
     axes.set_ylabel(DISPLACEMENT)

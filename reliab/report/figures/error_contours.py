@@ -37,8 +37,8 @@ def error_contours(contours: Mapping[Metric, Mapping[float, Contour]]) -> Figure
             _draw(place, contour, f"{_PERCENT * threshold:g} %", rank)
         name_axes(place, AMPLITUDE, DELAY)
         place.legend(loc="upper right", title="error of the test")
-    drawn = [contour for each in contours.values() for contour in each.values()]
-    axes[0, 0].set_ylim(0.0, _HEADROOM * MILLI * max(float(each.delay.max()) for each in drawn))
+    drawn = [contour for of_metric in contours.values() for contour in of_metric.values()]
+    axes[0, 0].set_ylim(0.0, _HEADROOM * MILLI * max(float(contour.delay.max()) for contour in drawn))
     mark(axes[0, 0], "inside: smaller error", (0.5, 0.12), ha="center")
     return figure
 

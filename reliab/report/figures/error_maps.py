@@ -89,9 +89,9 @@ def _draw_plan(
     percent: NDArray[np.float64],
     threshold: float,
 ) -> None:
-    levels = [each for each in MaxNLocator(_LEVELS).tick_values(0.0, float(percent.max())) if each > 0.0]
+    levels = [level for level in MaxNLocator(_LEVELS).tick_values(0.0, float(percent.max())) if level > 0.0]
     axes.contourf(amplitudes, delays, percent, levels=[0.0, *levels], cmap=SEQUENTIAL, alpha=0.55)
-    others = [each for each in levels if not np.isclose(each, threshold)]
+    others = [level for level in levels if not np.isclose(level, threshold)]
     thin = axes.contour(amplitudes, delays, percent, levels=others, colors=INK, linewidths=0.5)
     axes.clabel(thin, fontsize=7.0, fmt="%g")
     thick = axes.contour(amplitudes, delays, percent, levels=[threshold], colors=INK, linewidths=1.8)

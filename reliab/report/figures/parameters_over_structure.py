@@ -82,12 +82,12 @@ def parameters_over_damping_ratio(series: Sequence[ParameterSeries]) -> Figure:
 def _draw(series: Sequence[ParameterSeries], name: str, *, logarithmic: bool) -> Figure:
     figure, axes = panels(1, 2, height=_HEIGHT)
     letters(axes, ("$a$", "$b$"))
-    for rank, each in enumerate(series):
-        look = line(rank, marker=not each.law)
-        if not each.law:
+    for rank, member in enumerate(series):
+        look = line(rank, marker=not member.law)
+        if not member.law:
             look |= {"linestyle": "none", "fillstyle": "none"}
-        for place, values in zip(axes[0], (each.a, each.b), strict=True):
-            place.plot(each.x, values, label=plain(each.name), **look)
+        for place, values in zip(axes[0], (member.a, member.b), strict=True):
+            place.plot(member.x, values, label=plain(member.name), **look)
     for place, parameter in zip(axes[0], (A_PARAMETER, B_PARAMETER), strict=True):
         name_axes(place, name, parameter)
         place.set_yscale("log")

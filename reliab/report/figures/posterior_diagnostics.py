@@ -156,6 +156,6 @@ def _in_two_lines(name: str) -> str:
 
 
 def _convergence(posterior: PosteriorSample, name: str) -> str:
-    found, k = posterior.diagnostics, posterior.names.index(name)
-    size = min(found.bulk_size[k], found.tail_size[k])
-    return rf"$\hat{{R}}$ = {found.r_hat[k]:.3f}, {size:.0f} effective draws"
+    diagnostics, k = posterior.diagnostics, posterior.names.index(name)
+    size = min(diagnostics.bulk_size[k], diagnostics.tail_size[k])
+    return rf"$\hat{{R}}$ = {diagnostics.r_hat[k]:.3f}, {size:.0f} effective draws"

@@ -29,14 +29,19 @@ def tolerable_errors_over_frequency(tolerances: Sequence[Tolerance]) -> Figure:
     """
     figure, axes = panels(1, 2, height=_HEIGHT)
     letters(axes, (r"$\sqrt{a}$, no delay", r"$\sqrt{b}$, no amplitude error"))
-    for rank, confidence in enumerate(sorted({each.confidence for each in tolerances})):
+    for rank, confidence in enumerate(sorted({tolerance.confidence for tolerance in tolerances})):
         chosen = sorted(
-            (each for each in tolerances if each.confidence == confidence), key=lambda each: each.frequency
+            (tolerance for tolerance in tolerances if tolerance.confidence == confidence),
+            key=lambda tolerance: tolerance.frequency,
         )
-        f = np.array([each.frequency for each in chosen])
+        f = np.array([tolerance.frequency for tolerance in chosen])
         name = f"{confidence:.0%} of ground motions"
-        axes[0, 0].plot(f, [each.amplitude_error for each in chosen], label=name, **line(rank, marker=True))
-        axes[0, 1].plot(f, [MILLI * each.delay for each in chosen], label=name, **line(rank, marker=True))
+        axes[0, 0].plot(
+            f, [tolerance.amplitude_error for tolerance in chosen], label=name, **line(rank, marker=True)
+        )
+        axes[0, 1].plot(
+            f, [MILLI * tolerance.delay for tolerance in chosen], label=name, **line(rank, marker=True)
+        )
     axes[0, 0].set_ylim(bottom=0.0)
     axes[0, 1].set_yscale("log")
     axes[0, 1].yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))

@@ -150,14 +150,14 @@ def _confusion(run: Mapping[str, Any]) -> Section:
 
 
 def _group(truth: str) -> str:
-    alone, among, faint, one_channel, other = _GROUPS
+    alone, among, faint, one_channel, outside = _GROUPS
     if truth.endswith(" among several"):
         return among
     if truth.startswith("faint "):
         return faint
     if truth.startswith("one channel "):
         return one_channel
-    return alone if truth in set(EffectName) else other
+    return alone if truth in set(EffectName) else outside
 
 
 def _probabilities(run: Mapping[str, Any]) -> Section:
@@ -175,14 +175,14 @@ def _failures(run: Mapping[str, Any]) -> Section:
         return Section(title=title, blocks=(Paragraph(text="There was none."),))
     rows = [
         {
-            "campaign": str(one["campaign"]).removeprefix("campaign_"),
-            "seen": _worded(one["observation"]),
-            "noise": f"{_worded(one['noise'])}, {one['snr_db']:.0f} dB",
-            "truth": ", ".join(f"{_worded(name)} {db:+.0f} dB" for name, db in one["truth"].items())
+            "campaign": str(failure["campaign"]).removeprefix("campaign_"),
+            "seen": _worded(failure["observation"]),
+            "noise": f"{_worded(failure['noise'])}, {failure['snr_db']:.0f} dB",
+            "truth": ", ".join(f"{_worded(name)} {db:+.0f} dB" for name, db in failure["truth"].items())
             or "nothing",
-            "answer": ", ".join(map(_worded, one["named"])) or _worded(str(one["verdict"])),
+            "answer": ", ".join(map(_worded, failure["named"])) or _worded(str(failure["verdict"])),
         }
-        for one in run["failures"]
+        for failure in run["failures"]
     ]
     columns = (
         Column(key="campaign", heading="Seed"),

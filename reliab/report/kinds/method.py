@@ -7,6 +7,7 @@ from reliab.report.document import Equation, Paragraph, Points, Section
 from reliab.report.kinds.wording import METHODS, listed, percent, window_in_words
 from reliab.report.prose import Prose, prose
 from reliab.validation.yielding import HARDENING, measured_yielding
+from reliab.vocabulary import CurveName
 
 
 def method_section(criterion: Criterion | None, *, experimental_fraction: float, window: str) -> Section:
@@ -26,7 +27,7 @@ def method_section(criterion: Criterion | None, *, experimental_fraction: float,
     Section
         With numbered equations.
     """
-    parts = [_simulation(experimental_fraction, window), _indices(), _boundary()]
+    parts = [_simulation(experimental_fraction, window), _indices(), _boundary(criterion)]
     if criterion is not None:
         parts.append(_confidence(criterion))
     return Section(
@@ -146,15 +147,25 @@ def _indices() -> Section:
     )
 
 
-def _boundary() -> Section:
+_FITTED = (
+    "an ellipse is fitted to it by least squares, as a straight line of d² over (A − 1)²; the boundary may "
+    "run inside of it"
+)
+_INSCRIBED = "an ellipse is inscribed in it, so that all of the ellipse lies inside the boundary"
+
+
+def _boundary(criterion: Criterion | None) -> Section:
     return Section(
         title="Boundary of a ground motion",
         blocks=(
             Paragraph(
                 text=prose(
                     "For each ground motion the contour of equal error around $A = 1$, $d = 0$ is traced, "
-                    "and an ellipse is fitted to it as a straight line of $d^2$ over $(A - 1)^2$, with $d$ "
-                    "in milliseconds:"
+                    "late actuators ($d >= 0$) and early ones each for themselves, and {ellipse}, with $d$ "
+                    "in milliseconds:",
+                    ellipse=_INSCRIBED
+                    if criterion is not None and criterion.provenance.curve == CurveName.INSCRIBED
+                    else _FITTED,
                 )
             ),
             Equation(math="(A - 1)^2 / a + d^2 / b = 1", label="eq:ellipse"),

@@ -37,7 +37,7 @@ def provenance_of(given: Mapping[str, object], criterion: Provenance | None = No
 
 def _line(value: object) -> str:
     if isinstance(value, Mapping):
-        return ", ".join(f"{name} {_line(each)}" for name, each in value.items())
+        return ", ".join(f"{name} {_line(part)}" for name, part in value.items())
     if isinstance(value, list | tuple):
-        return ", ".join(_line(each) for each in value)
+        return ", ".join(_line(part) for part in value)
     return f"{value:g}" if isinstance(value, float) else str(value)

@@ -94,8 +94,8 @@ def suites_report(
 
 
 def _verdict(limits: pd.DataFrame, names: Sequence[str], kept: pd.Series | None, confidence: float) -> Prose:
-    reference, other = names[0], names[-1]
-    ratios = _ratios(limits, reference, other)
+    reference, compared = names[0], names[-1]
+    ratios = _ratios(limits, reference, compared)
     ending = (
         ""
         if kept is None
@@ -103,11 +103,11 @@ def _verdict(limits: pd.DataFrame, names: Sequence[str], kept: pd.Series | None,
         f"(95 % interval {percent(kept['low'])} to {percent(kept['high'])})"
     )
     return prose(
-        "For a stated {share} of motions, the criterion from “{other}” allows {a_low:.2f} to {a_high:.2f} "
+        "For a stated {share} of motions, the criterion from “{compared}” allows {a_low:.2f} to {a_high:.2f} "
         "times the amplitude error and {b_low:.2f} to {b_high:.2f} times the delay that the criterion from "
         "“{reference}” allows{ending}.",
         share=percent(confidence),
-        other=other,
+        compared=compared,
         reference=reference,
         a_low=ratios["a"].min(),
         a_high=ratios["a"].max(),
@@ -129,11 +129,11 @@ def _kept(coverage: pd.DataFrame | None, confidence: float) -> pd.Series | None:
     return None if overall.empty else overall.iloc[0]
 
 
-def _ratios(limits: pd.DataFrame, reference: str, other: str) -> pd.DataFrame:
+def _ratios(limits: pd.DataFrame, reference: str, compared: str) -> pd.DataFrame:
     """Ratios of the amplitude error and delay that two criteria allow, over structures."""
     by_suite = limits.set_index(["suite", "f", "xi"])[["a", "b"]]
     ratios: pd.DataFrame = (
-        by_suite.loc[[other]].droplevel(0) / by_suite.loc[[reference]].droplevel(0)
+        by_suite.loc[[compared]].droplevel(0) / by_suite.loc[[reference]].droplevel(0)
     ).apply(np.sqrt)
     return ratios
 
@@ -141,10 +141,10 @@ def _ratios(limits: pd.DataFrame, reference: str, other: str) -> pd.DataFrame:
 def _measures(measures: Mapping[str, pd.DataFrame]) -> Section:
     reference, *others = measures
     rows = [
-        _row(column, measures[reference], measures[other], other)
-        for other in others
+        _row(column, measures[reference], measures[compared], compared)
+        for compared in others
         for column in MEASURES
-        if column in measures[reference] and column in measures[other]
+        if column in measures[reference] and column in measures[compared]
     ]
     return Section(
         title="Measures of the motions",
@@ -181,8 +181,8 @@ def _measures(measures: Mapping[str, pd.DataFrame]) -> Section:
     )
 
 
-def _row(column: str, reference: pd.DataFrame, other: pd.DataFrame, name: str) -> dict[str, object]:
-    of_reference, of_other = (table[column].dropna().to_numpy() for table in (reference, other))
+def _row(column: str, reference: pd.DataFrame, compared: pd.DataFrame, name: str) -> dict[str, object]:
+    of_reference, of_other = (table[column].dropna().to_numpy() for table in (reference, compared))
     factor, unit = (1e4, "10⁻⁴") if column == "a" else (1.0, _WORDS[column][1])
     return {
         "measure": _WORDS[column][0],

@@ -76,7 +76,7 @@ def values(numbers: Sequence[float], unit: str = "") -> str:
     >>> values([0.02]), values([0.5, 1.0], "Hz"), values([0.25, 0.5, 0.75, 1.0, 1.25], "Hz")
     ('0.02', '0.5 and 1 Hz', '0.25 to 1.25 Hz (5 values)')
     """
-    words, ending = [f"{each:g}" for each in numbers], f" {unit}" if unit else ""
+    words, ending = [f"{number:g}" for number in numbers], f" {unit}" if unit else ""
     if len(words) > _FEW:
         return f"{words[0]} to {words[-1]}{ending} ({len(words)} values)"
     return f"{listed(words)}{ending}"

@@ -71,7 +71,7 @@ def result_section(reported: ReportedCriteria, population: str = "ground motions
     zero = _without_promise(reported)
     if zero:
         blocks.insert(1, Remark(text=zero))
-    if any(each.provenance.settings.get("converged") is False for each in reported.criteria):
+    if any(criterion.provenance.settings.get("converged") is False for criterion in reported.criteria):
         blocks.insert(0, Remark(text=_UNCONVERGED))
     title = f"Criterion for {percent(chosen.confidence)} of {population}"
     return Section(title=title, blocks=tuple(blocks), label="sec:result")
@@ -80,13 +80,13 @@ def result_section(reported: ReportedCriteria, population: str = "ground motions
 def _without_promise(reported: ReportedCriteria) -> str:
     """Say for which criteria the motions are too few."""
     few = [
-        each
-        for each in reported.criteria
-        if not all(np.min(limit) > 0.0 for limit in reported.over_grid(each))
+        criterion
+        for criterion in reported.criteria
+        if not all(np.min(limit) > 0.0 for limit in reported.over_grid(criterion))
     ]
     if not few:
         return ""
-    shares = ", ".join(sorted({percent(each.confidence) for each in few}))
+    shares = ", ".join(sorted({percent(criterion.confidence) for criterion in few}))
     return (
         f"The motions are too few for the promise at {shares}; the limits are zero there and no test is "
         "accepted."
@@ -96,10 +96,14 @@ def _without_promise(reported: ReportedCriteria) -> str:
 def _criteria_table(reported: ReportedCriteria) -> Table:
     f, xi = reported.structure
     rows = []
-    for each in reported.criteria:
-        a, b = (float(limit) for limit in each.limits(f, xi))
-        row = {"threshold": each.threshold, "metric": str(each.metric), "confidence": each.confidence}
-        limits = {"amplitude": np.sqrt(a), "delay": np.sqrt(b), "lead": reported.lead(each)}
+    for criterion in reported.criteria:
+        a, b = (float(limit) for limit in criterion.limits(f, xi))
+        row = {
+            "threshold": criterion.threshold,
+            "metric": str(criterion.metric),
+            "confidence": criterion.confidence,
+        }
+        limits = {"amplitude": np.sqrt(a), "delay": np.sqrt(b), "lead": reported.lead(criterion)}
         rows.append({**row, "a": a, "b": b, **limits})
     frame = pd.DataFrame(rows)
     lead = Column(key="lead", heading=prose("early: $-d <=$"), unit="ms", number=Fixed(), group=_ALONE)
@@ -138,15 +142,15 @@ def _criteria_table(reported: ReportedCriteria) -> Table:
 def _named_limits(reported: ReportedCriteria) -> dict[str, tuple[float, float]]:
     chosen = reported.criterion
     alike = [
-        each
-        for each in reported.criteria
-        if (each.threshold, each.metric) == (chosen.threshold, chosen.metric)
+        criterion
+        for criterion in reported.criteria
+        if (criterion.threshold, criterion.metric) == (chosen.threshold, chosen.metric)
     ]
     named = {}
-    for each in alike:
-        a, b = (float(limit) for limit in each.limits(*reported.structure))
+    for criterion in alike:
+        a, b = (float(limit) for limit in criterion.limits(*reported.structure))
         if a > 0.0 and b > 0.0:
-            named[f"{percent(each.confidence)} of motions"] = (a, b)
+            named[f"{percent(criterion.confidence)} of motions"] = (a, b)
     return named
 
 
@@ -215,10 +219,10 @@ def _chosen(count: int, most: int) -> list[int]:
 def _over_one(reported: ReportedCriteria, *, along_f: bool) -> Figure:
     nodes = reported.frequencies if along_f else reported.damping_ratios
     series = []
-    for each in reported.criteria:
-        a, b = (limit.ravel() for limit in reported.over_grid(each))
-        error = f"{percent(each.threshold)} {ERROR_NAMES[Metric(each.metric)]}"
-        name = f"{error}, {percent(each.confidence)} of motions"
+    for criterion in reported.criteria:
+        a, b = (limit.ravel() for limit in reported.over_grid(criterion))
+        error = f"{percent(criterion.threshold)} {ERROR_NAMES[Metric(criterion.metric)]}"
+        name = f"{error}, {percent(criterion.confidence)} of motions"
         series.append(ParameterSeries(name=name, x=nodes, a=a, b=b, law=True))
     draw = parameters_over_frequency if along_f else parameters_over_damping_ratio
     what = "natural frequency" if along_f else "damping ratio"
