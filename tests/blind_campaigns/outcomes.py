@@ -66,6 +66,8 @@ class Outcome:
     @property
     def flagged(self) -> bool:
         """Whether the product says that it does not know the effect, with an expression or a place."""
+        if self.exact:  # a member of the product's library by the same name
+            return True
         if self.result is None or self.verdict != "unknown_effect":
             return False
         unknown = self.result.get("unknown") or {}

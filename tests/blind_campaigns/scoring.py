@@ -96,7 +96,7 @@ def rates(outcomes: list[Outcome]) -> dict[str, dict[str, Any]]:
         "nothing hidden, any alarm": _figure(quiet, _alarm, 0.01, at_most=True),
         "outside flagged unknown": _figure(of_kind(outcomes, Kind.OUTSIDE), lambda o: o.flagged, 0.95),
         "outside given a name": _figure(
-            of_kind(outcomes, Kind.OUTSIDE), lambda o: bool(o.named), 0.05, at_most=True
+            of_kind(outcomes, Kind.OUTSIDE), lambda o: o.wrong, 0.05, at_most=True
         ),
         "one channel named right": _figure(of_kind(outcomes, Kind.ONE_CHANNEL), lambda o: o.exact, 0.85),
     }

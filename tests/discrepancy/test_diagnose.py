@@ -145,6 +145,20 @@ def test_residuals_by_file_are_those_of_the_gap(sample_campaigns):
     assert after < before
 
 
+def test_results_are_there_when_the_report_fails(sample_campaigns, tmp_path, monkeypatch):
+    def fail(*_args, **_options):
+        raise RuntimeError("no font")
+
+    monkeypatch.setattr("reliab.report.write_pdf", fail)
+    application = typer.Typer()
+    application.command()(command)
+    run = CliRunner().invoke(application, [str(sample_campaigns / "rig_b"), "--out", str(tmp_path)])
+    assert isinstance(run.exception, RuntimeError)
+    assert json.loads((tmp_path / "diagnosis.json").read_text())["verdict"] == "no_missing_effect"
+    assert (tmp_path / "model.toml").exists()
+    assert run.output.index("no_missing_effect") < run.output.index("held-out")
+
+
 def test_command_line_writes_json_and_says_what_is_wrong(sample_campaigns, tmp_path):
     application = typer.Typer()
     application.command()(command)

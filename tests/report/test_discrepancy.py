@@ -3,6 +3,7 @@
 import datetime as dt
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -16,6 +17,7 @@ from reliab.report.content import CONTENT_FILE, files_of
 from reliab.report.figures.discrepancy_blocks import discrepancy_blocks
 from reliab.report.figures.discrepancy_evaluation import discrepancy_confusion, discrepancy_reliability
 from reliab.report.kinds.discrepancy import discrepancy_report
+from reliab.report.kinds.discrepancy_figures import posterior_figure
 from reliab.report.pdf import compiled_report
 from reliab.report.style import svg
 from reliab.vocabulary import Block
@@ -79,6 +81,32 @@ def test_a_report_with_a_posterior_is_set(damped):
     assert first == second
     low, high = posterior.of("viscous_damping")["damping_n_s_per_m"]["interval_90"]
     assert low < 30.0 < high or abs(low - 30.0) < 1.0
+
+
+def test_a_figure_that_fails_costs_a_figure_and_a_line(damped, monkeypatch):
+    def fail(_found):
+        raise ValueError("Number of rows must be positive")
+
+    monkeypatch.setattr("reliab.report.kinds.discrepancy.gap_figure", fail)
+    document = discrepancy_report(damped, provenance={})
+    content = json.dumps(text_of(document), ensure_ascii=False)
+    assert "The figure of the gap could not be drawn" in content
+    assert "Number of rows must be positive" in content
+    assert compiled_report(document, date=dt.date(2026, 1, 2)).startswith(b"%PDF")
+
+
+def test_a_posterior_without_named_parameters_draws_nothing(damped):
+    empty = SimpleNamespace(names=("stiffness",), units=("-",))
+    assert posterior_figure(damped, "specimen", empty) is None
+
+
+def test_errors_stand_by_test_and_with_and_without_each_effect(damped):
+    content = json.dumps(text_of(discrepancy_report(damped, provenance={})), ensure_ascii=False)
+    effect = damped.effects[0]
+    assert effect.error_without > 5.0 * effect.error_with
+    assert "remain on held-out tests, without it" in content
+    assert "The same for each held-out test by itself" in content
+    assert "by the band above the motion" in content
 
 
 def test_nothing_missing_is_said_so():

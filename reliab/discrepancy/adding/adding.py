@@ -100,7 +100,7 @@ def _with_spread(effect: MissingEffect, posterior: Posterior) -> MissingEffect:
 
 
 def _shift(diagnosis: Diagnosis, model: UpdatedModel) -> dict[str, float] | None:
-    if diagnosis.campaign.structure is None or not model.test.effects:
+    if diagnosis.campaign.structure is None or not (diagnosis.effects or diagnosis.doubtful):
         return None
     try:
         return criterion_shift(model.test, shaking_of(diagnosis.campaign)).as_dict()

@@ -143,7 +143,7 @@ class Problem:
 
     def noise_left(self, rows: Array, noise: NoiseModel) -> NoiseModel:
         """Fit the noise to residuals that are whitened by another one, shape (rows,)."""
-        powers = rows**2 * self._densities(noise)
+        powers = rows**2 * self.densities(noise)
         periodograms, begin = [], 0
         for segment, beyond in zip(self.segments, self._beyond, strict=True):
             real = powers[begin + 1 : begin + segment.bins]
@@ -162,14 +162,14 @@ class Problem:
         density = self.segments[place].density(noise)
         return density * (self.powers[place] / self.tempering[place]) if self.flat else density
 
-    def _densities(self, noise: NoiseModel) -> Array:
+    def densities(self, noise: NoiseModel) -> Array:
         """Return the expected power of each residual, shape (rows,)."""
         parts = [self._density(place, noise) for place in range(len(self.segments))]
         return np.concatenate([np.concatenate([one, one[1:]]) for one in parts])
 
     def reweighting(self, old: NoiseModel, new: NoiseModel) -> Array:
         """Factors that turn residuals whitened by one noise into those whitened by another, shape (rows,)."""
-        return np.asarray(np.sqrt(self._densities(old) / self._densities(new)))
+        return np.asarray(np.sqrt(self.densities(old) / self.densities(new)))
 
     @cached_property
     def _beyond(self) -> list[Periodogram]:

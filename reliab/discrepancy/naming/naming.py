@@ -84,7 +84,7 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         ),
         doubtful=tuple(naming.missing(kind) for kind in inside if kind in doubtful),
         unknown=_unexplained(judged, best, proved, noise=noise),
-        findings=locate(judged[0], calibrated, judged[1].noise),
+        findings=locate(judged[0], _as_judged(problem, calibrated, *judged), judged[1].noise),
         residuals_before=_by_file(proof, before),
         residuals_after=_by_file(proof, after),
         gap=proved,
@@ -102,6 +102,12 @@ def _judged_by_noise(problem: Problem, best: Fit) -> tuple[Problem, Fit]:
     plain = replace(problem, tempering=(), powers=())
     noise = plain.noise_of(best.space, best.coordinates)
     return plain, transferred(plain, replace(best, noise=noise))
+
+
+def _as_judged(problem: Problem, calibrated: Fit, plain: Problem, best: Fit) -> Fit:
+    """Return the calibrated model with derivatives whitened as noise judges them."""
+    factors = np.sqrt(problem.densities(calibrated.noise) / plain.densities(best.noise))
+    return replace(calibrated, jacobian=factors[:, np.newaxis] * calibrated.jacobian)
 
 
 def ranking(search: Search) -> tuple[Ranked, ...]:

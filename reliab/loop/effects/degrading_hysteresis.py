@@ -9,6 +9,8 @@ from reliab.loop.effects.kernel import Kernel, Numbers
 from reliab.loop.effects.parameter import Parameter
 from reliab.vocabulary import Block, EffectName
 
+_YIELDS = 1e-4  # of the elastic stiffness
+
 
 def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, state: Numbers) -> float:
     # State: started, displacement, z, dissipated energy over f·d.
@@ -20,7 +22,7 @@ def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, s
     parts = min(int(abs(travel) / 0.1) + 1, 50)
     part = travel / parts
     z, energy = state[2], state[3]
-    for _ in range(parts):
+    for place in range(parts):
         softer = 1.0 + coefficients[5] * energy
         weaker = 1.0 + coefficients[6] * energy
         slip = 1.0 - coefficients[7] * math.exp(-((z / 0.2) ** 2))
@@ -31,6 +33,9 @@ def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, s
         rise = slip * part / softer * (1.0 - weaker * abs(middle) ** exponent * (direction + gamma))
         energy = max(energy + middle * (part - rise), 0.0)
         z = min(max(z + rise, -100.0), 100.0)
+        if abs(rise) < _YIELDS * abs(part):  # it yields, and goes on yielding to the end of the step
+            energy = max(energy + (parts - 1 - place) * part * z, 0.0)
+            break
     state[0], state[1], state[2], state[3] = 1.0, motion[0], z, energy
     return force * (z - coefficients[4] * motion[0] / displacement)
 

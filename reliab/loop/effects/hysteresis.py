@@ -7,6 +7,8 @@ from reliab.loop.effects.kernel import Kernel, Numbers
 from reliab.loop.effects.parameter import Parameter
 from reliab.vocabulary import Block, EffectName
 
+_YIELDS = 1e-4  # of the elastic stiffness
+
 
 def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, state: Numbers) -> float:
     # State: started, displacement, z. The path of the displacement decides, not its speed.
@@ -22,8 +24,10 @@ def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, s
         direction = beta if sign * z >= 0.0 else -beta
         middle = z + 0.5 * part * (1.0 - abs(z) ** exponent * (direction + gamma))
         direction = beta if sign * middle >= 0.0 else -beta
-        z += part * (1.0 - abs(middle) ** exponent * (direction + gamma))
-        z = min(max(z, -100.0), 100.0)
+        slope = 1.0 - abs(middle) ** exponent * (direction + gamma)
+        z = min(max(z + part * slope, -100.0), 100.0)
+        if abs(slope) < _YIELDS:  # it yields, and goes on yielding to the end of the step
+            break
     state[0], state[1], state[2] = 1.0, motion[0], z
     return force * (z - coefficients[4] * motion[0] / displacement)
 
