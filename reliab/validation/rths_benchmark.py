@@ -103,8 +103,8 @@ def run_benchmark(
     -------
     list of dict
         One for each test: `case`, `motion`, `compensator`, `plant` ("nominal" or a number), `lost`, `J1` [ms]
-        to `J9` [%], `A`, `d_ms`, `peak_force_n`, `over_force_limit`, and `error` with the true `rms` and `mte`
-        [-]; on the nominal plant `rebuilt`, the same from the test alone with its 90 % interval, the
+        to `J9` [%], `A`, `d_ms`, `peak_force_n`, `over_force_limit`, and `error`, the true `rms` and `mte` [-];
+        on the nominal plant `rebuilt`, the same from the test alone with its 90 % interval, the
         probability that RMS^R is below the threshold, and the `verdict`. A lost test has nulls.
     """
     plants = benchmark_plants(request.perturbed, request.seed)

@@ -62,8 +62,8 @@ def rths_benchmark_report(
         kind="Virtual hybrid-simulation benchmark",
         title=title,
         verdict=prose(
-            "{tests} tests were run; {lost} were lost, because the piston moved more than ten times as far as "
-            "the reference.",
+            "{tests} tests were run; {lost} were lost, because the piston moved more than ten times "
+            "as far as the reference.",
             tests=len(rows),
             lost=lost,
         ),
@@ -104,7 +104,7 @@ def _published(published: pd.DataFrame) -> Section:
     text = prose(
         "El Centro at 0.4, PI control with phase lead, nominal plant. {reached} of {cells} printed digits "
         "are reached by some noise when the block diagram's difference blocks are emulated; means over the "
-        "noises lie within {emulated} of the printed numbers, and within {exact} when everything is solved exactly.",
+        "noises lie within {emulated} of the printed numbers, and within {exact} when all is solved exactly.",
         reached=reached,
         cells=len(emulated),
         emulated=percent(furthest["emulated"], 1),

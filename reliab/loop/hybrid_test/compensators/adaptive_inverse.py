@@ -15,8 +15,9 @@ from reliab.loop.hybrid_test.compensator import Compensator
 def _compensate(
     motion: Numbers, measured: float, step: float, coefficients: Numbers, state: Numbers
 ) -> float:
-    # State: last target, measurement that belongs to it, tracking indicator, its integral, last sent,
-    velocity.x = motion[0]
+    # State: last target, measurement that belongs to it, tracking indicator, its integral, then the last
+    # displacement and velocity that were sent.
+    x = motion[0]
     area = 0.5 * (x + state[0]) * (measured - state[1]) - 0.5 * (measured + state[1]) * (x - state[0])
     state[2] += 0.5 * area
     state[3] += step * state[2]
