@@ -35,7 +35,8 @@ def make_part(records: str, index: int, folder: Path) -> None:
     """Simulate one motion in every window and trace its boundaries on the stored grid."""
     motions = load_motions(records)[index : index + 1]
     motion = motions[0]
-    distinct = {bounds(motion, label): label for label in reversed(WINDOWS)}  # a short record is its own window
+    # A window that is longer than the record is the record.
+    distinct = {bounds(motion, label): label for label in reversed(WINDOWS)}
     with tempfile.TemporaryDirectory() as scratch:
         store = Path(scratch) / "results.zarr"
         windows = [label for label in WINDOWS if label in distinct.values()]
@@ -47,7 +48,9 @@ def make_part(records: str, index: int, folder: Path) -> None:
             if label == "record":
                 write_compact(results, folder / f"results_{index:03d}.nc")
     parts = [traced[distinct[bounds(motion, label)]] for label in WINDOWS]
-    several = xr.concat(parts, dim="window", data_vars="all", combine_attrs="drop_conflicts", coords="minimal")
+    several = xr.concat(
+        parts, dim="window", data_vars="all", combine_attrs="drop_conflicts", coords="minimal"
+    )
     part = folder / f"ellipses_{index:03d}.nc"
     write_ellipses(several.assign_coords(window=list(WINDOWS)), part.with_suffix(".tmp"))
     part.with_suffix(".tmp").rename(part)
@@ -67,6 +70,12 @@ def rounded(dataset: xr.Dataset) -> xr.Dataset:
     return dataset
 
 
+def joined(parts: Path, name: str, count: int) -> xr.Dataset:
+    """Join the parts of all motions."""
+    files = [xr.load_dataset(parts / f"{name}_{index:03d}.nc", engine="h5netcdf") for index in range(count)]
+    return xr.concat(files, dim="motion", data_vars="minimal", combine_attrs="drop_conflicts")
+
+
 def main() -> None:
     """Make all parts, then both files."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -82,10 +91,8 @@ def main() -> None:
         for done, job in enumerate(as_completed(jobs), start=count - len(missing) + 1):
             job.result()
             print(f"{done} of {count}", flush=True)
-    ellipses = [xr.open_dataset(given.parts / f"ellipses_{index:03d}.nc", engine="h5netcdf") for index in range(count)]
-    write_ellipses(rounded(xr.concat(ellipses, dim="motion", data_vars="minimal")), HERE / "ellipses.nc")
-    results = [xr.open_dataset(given.parts / f"results_{index:03d}.nc", engine="h5netcdf") for index in range(count)]
-    write_compact(xr.concat(results, dim="motion", data_vars="minimal"), HERE / "results.nc")
+    write_ellipses(rounded(joined(given.parts, "ellipses", count)), HERE / "ellipses.nc")
+    write_compact(joined(given.parts, "results", count), HERE / "results.nc")
 
 
 if __name__ == "__main__":
