@@ -10,8 +10,8 @@ import argparse
 import shutil
 import sys
 import tempfile
-from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from reliab.cli import run
 from reliab.criterion import derive_criterion, sample_of
@@ -22,6 +22,9 @@ from reliab.shipped import shipped
 from reliab.study import shipped_studies
 from reliab.sweep import open_ellipses
 
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
 HERE = Path(__file__).resolve().parent
 NEED_RECORDS = ("paper2017", "table2_audit")
 USE_RECORDS = (*NEED_RECORDS, "validation")
@@ -31,7 +34,7 @@ FREQUENCY, DAMPING_RATIO = 1.0, 0.02
 def of_study(name: str, records: Path | None) -> bool:
     """Run a study in a temporary folder and keep its report; tell whether it was made."""
     if records is None and name in NEED_RECORDS:
-        print(f"{name}: skipped, it needs --motions RECORDS")  # noqa: T201
+        print(f"{name}: skipped, it needs --motions RECORDS")
         return True
     motions = ["--motions", str(records)] if records and name in USE_RECORDS else []
     with tempfile.TemporaryDirectory() as folder:
@@ -84,7 +87,7 @@ def main(arguments: list[str]) -> int:
         parser.error(f"no report {', '.join(sorted(unknown))}; there are {', '.join(makers)}")
     failures = [name for name in asked.names or makers if not makers[name]()]
     if failures:
-        print(f"not made: {', '.join(failures)}")  # noqa: T201
+        print(f"not made: {', '.join(failures)}")
     return len(failures)
 
 

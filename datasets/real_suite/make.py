@@ -57,12 +57,12 @@ def make_part(records: str, index: int, folder: Path) -> None:
 
 
 def rounded(dataset: xr.Dataset) -> xr.Dataset:
-    """Keep five digits of what is not a whole number, and the misfit of the whole record only."""
+    """Keep eleven binary digits of mantissa (2.4e-4 relative), and the misfit of the whole record only."""
     dataset = dataset.copy()
     for name in ("a", "b", "sse", "error_at_rest"):
         values = dataset[name].values.astype(np.float32)
         bits = values.view(np.uint32)
-        kept = ((bits + np.uint32(1 << 5)) & ~np.uint32((1 << 6) - 1)).view(np.float32)
+        kept = ((bits + np.uint32(1 << 11)) & ~np.uint32((1 << 12) - 1)).view(np.float32)
         dataset[name] = dataset[name].copy(data=np.where(np.isfinite(values), kept, values))
     record = dataset["window"] == "record"
     dataset["sse"] = dataset["sse"].where(record).astype(np.float32)

@@ -1,7 +1,9 @@
 """Results of a sweep in one small NetCDF file, to be shipped or sent.
 
-The errors are kept, up to 100 % and to eleven binary digits of mantissa (2.4e-4 relative); the indices
-are left out. What remains answers every question about thresholds, metrics and confidences.
+The errors are kept from 0.001 % to 100 %, rounded to steps of 5e-4 in their logarithm (2.5e-4 relative); the
+indices are left out. What remains answers every question about thresholds, metrics and confidences. What is
+written are the differences of these steps between neighbouring delays and gains: they are small whole numbers,
+which compress to two thirds of what rounded errors take.
 """
 
 from pathlib import Path
@@ -14,9 +16,11 @@ from reliab.errors import InputError
 from reliab.sweep.store import SCHEMA_VERSION
 from reliab.vocabulary import Dimension, Metric
 
-_LARGEST_ERROR = 1.0
+_SMALLEST_ERROR, _LARGEST_ERROR = 1e-5, 1.0
 _AT_REST = "rms_at_rest"
-_DIGITS = 11  # of the 23 binary digits of a float32's mantissa
+_STEP = 5e-4  # of the logarithm
+_CODED = "step_of_logarithm"
+_NEIGHBOURS = (Dimension.GAIN, Dimension.DELAY)
 
 
 def write_compact(results: xr.Dataset, path: str | Path) -> None:
@@ -32,9 +36,12 @@ def write_compact(results: xr.Dataset, path: str | Path) -> None:
     kept = [*Metric, *({_AT_REST} & set(results))]
     compact = results[kept].load()
     for metric in Metric:
-        errors = np.nan_to_num(compact[metric].values, nan=_LARGEST_ERROR, posinf=_LARGEST_ERROR)
-        compact[metric] = compact[metric].copy(data=_rounded(np.minimum(errors, _LARGEST_ERROR)))
-    compact.attrs["precision"] = "errors above 1 are stored as 1; relative rounding 2.4e-4"
+        compact[metric] = _coded(compact[metric])
+    compact.attrs["precision"] = (
+        f"errors above {_LARGEST_ERROR:g} are stored as {_LARGEST_ERROR:g} and below {_SMALLEST_ERROR:g} as 0; "
+        f"relative rounding {0.5 * _STEP:g}"
+    )
+    compact.attrs[_CODED] = _STEP
     sizes = compact.sizes
     chunk = tuple(1 if name == Dimension.MOTION else sizes[name] for name in compact[Metric.RMS].dims)
     encoding = {
@@ -76,13 +83,28 @@ def open_compact(path: Path) -> xr.Dataset:
             value=f"version {dataset.attrs.get('schema_version', 'none')} in {path}",
             remedy="Simulate again, or use the version of reliab that wrote them",
         )
+    if _CODED in dataset.attrs:
+        step = float(dataset.attrs.pop(_CODED))
+        for metric in Metric:
+            dataset[metric] = _decoded(dataset[metric], step)
     dataset.attrs["experimental_fraction"] = float(dataset.attrs["experimental_fraction"])
     return dataset
 
 
-def _rounded(values: NDArray[np.floating]) -> NDArray[np.float32]:
-    """Round half to even at the last digit kept, in integer arithmetic on the bits."""
-    dropped = 23 - _DIGITS
-    bits = values.astype(np.float32).view(np.uint32)
-    half = np.uint32((1 << (dropped - 1)) - 1) + ((bits >> np.uint32(dropped)) & np.uint32(1))
-    return ((bits + half) & ~np.uint32((1 << dropped) - 1)).view(np.float32)
+def _coded(errors: xr.DataArray) -> xr.DataArray:
+    """Write errors as differences of whole steps of their logarithm between neighbours."""
+    known = np.nan_to_num(errors.values.astype(np.float64), nan=_LARGEST_ERROR, posinf=_LARGEST_ERROR)
+    steps = np.round(np.log(np.clip(known, _SMALLEST_ERROR, _LARGEST_ERROR)) / _STEP).astype(np.int32)
+    for name in _NEIGHBOURS:
+        steps = np.diff(steps, axis=errors.get_axis_num(name), prepend=np.int32(0))
+    return errors.copy(data=steps)
+
+
+def _decoded(steps: xr.DataArray, step: float) -> xr.DataArray:
+    """Read errors that :func:`_coded` wrote."""
+    whole: NDArray[np.int64] = steps.values.astype(np.int64)
+    for name in _NEIGHBOURS:
+        whole = np.cumsum(whole, axis=steps.get_axis_num(name))
+    smallest = round(np.log(_SMALLEST_ERROR) / step)
+    errors = np.where(whole <= smallest, 0.0, np.exp(step * whole)).astype(np.float32)
+    return steps.copy(data=errors)

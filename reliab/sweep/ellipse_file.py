@@ -25,7 +25,7 @@ def write_ellipses(ellipses: xr.Dataset, path: str | Path) -> None:
     InputError
         If the file cannot be written.
     """
-    encoding = {str(name): {"zlib": True, "complevel": 9} for name in ellipses.data_vars}
+    encoding = {str(name): {"zlib": True, "complevel": 9, "shuffle": True} for name in ellipses.data_vars}
     try:
         ellipses.to_netcdf(path, engine="h5netcdf", encoding=encoding)
     except OSError as error:
