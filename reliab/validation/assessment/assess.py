@@ -118,15 +118,8 @@ def assess(
     judged = _judged(recording, clean, faults, question)
     own = None
     if motion is not None:
-        own = place_on_own(
-            motion,
-            structure,
-            tracking,
-            align(clean, judged.error.reference, structure, motion),
-            threshold=chosen.threshold,
-            metric=question.metric,
-            window=error_window,
-        )
+        alignment = align(clean, judged.error.reference, structure, motion)
+        own = place_on_own(motion, tracking, alignment, question, window=error_window)
     return Assessment(
         recording=recording,
         structure=structure,

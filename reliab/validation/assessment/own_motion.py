@@ -6,12 +6,12 @@ import numpy as np
 
 from reliab.indices.window import Window
 from reliab.loop.excitation import Excitation
-from reliab.loop.structure import Structure
 from reliab.motions import Motion
 from reliab.validation.assessment.alignment import Alignment, Padded
+from reliab.validation.assessment.error_of_test import Question
 from reliab.validation.assessment.own_boundary import OwnBoundary
 from reliab.validation.assessment.tracking_index import LEVEL, TrackingIndex
-from reliab.vocabulary import Metric, Side
+from reliab.vocabulary import Side
 
 _DRAWS = 200
 
@@ -56,12 +56,10 @@ class OwnPlacement:
 
 def place_on_own(
     motion: Motion,
-    structure: Structure,
     tracking: TrackingIndex,
     alignment: Alignment,
+    question: Question,
     *,
-    threshold: float,
-    metric: Metric,
     window: Window | None,
 ) -> OwnPlacement:
     """Place a test against its own ground motion's boundary.
@@ -70,16 +68,12 @@ def place_on_own(
     ----------
     motion : Motion
         The ground motion.
-    structure : Structure
-        The structure.
     tracking : TrackingIndex
         A and d of the test.
     alignment : Alignment
         Where in the record the test began.
-    threshold : float
-        Error of the whole test [-].
-    metric : Metric
-        Which error.
+    question : Question
+        Structure, threshold and metric that are asked about.
     window : Window or None
         Part of the record over which the error is computed; the test's own stretch where None.
 
@@ -89,7 +83,12 @@ def place_on_own(
         Error, index and probability.
     """
     excitation, bounds = _excitation(motion, alignment, window)
-    boundary = OwnBoundary(excitation=excitation, structure=structure, threshold=threshold, metric=metric)
+    boundary = OwnBoundary(
+        excitation=excitation,
+        structure=question.structure,
+        threshold=question.threshold,
+        metric=question.metric,
+    )
     error = float(boundary.error(np.array([tracking.amplitude]), np.array([tracking.delay]))[0])
     index = boundary.index(tracking.amplitude, tracking.delay)
     errors = boundary.error(*tracking.draws[:, :_DRAWS])
@@ -103,7 +102,7 @@ def place_on_own(
         error_interval=(low, high),
         index=index,
         index_interval=(index * (low / error) ** 2, index * (high / error) ** 2) if error else (0.0, 0.0),
-        probability=float(np.mean(errors <= threshold)),
+        probability=float(np.mean(errors <= question.threshold)),
         a=a,
         b=b,
     )

@@ -60,6 +60,15 @@ def summarise(found: Findings) -> dict[str, Any]:
         "basis": "population" if found.own is None else "motion",
         "population": _population(found),
         "motion": None if found.own is None else _motion(found),
+        **_details(found),
+        "duration_s": found.recording.duration,
+        "rate_hz": 1.0 / found.recording.time_step,
+        "notes": [*found.recording.notes, *(() if found.own else found.criterion.provenance.warnings)],
+    }
+
+
+def _details(found: Findings) -> dict[str, Any]:
+    return {
         "improve": _improve(found),
         "windows": _windows(found),
         "noise": _noise(found),
@@ -67,9 +76,6 @@ def summarise(found: Findings) -> dict[str, Any]:
         "faults": [_fault(effect, found) for effect in found.faults],
         "stated": {name: {"value": s.value, "deviation": s.deviation} for name, s in found.stated.items()},
         "window": {"seconds": found.recording.duration, "criterion": found.criterion.provenance.window},
-        "duration_s": found.recording.duration,
-        "rate_hz": 1.0 / found.recording.time_step,
-        "notes": [*found.recording.notes, *(() if found.own else found.criterion.provenance.warnings)],
     }
 
 
