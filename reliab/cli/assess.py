@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from reliab.cli.options import JsonTarget
+from reliab.cli.options import JsonTarget, StructureFile
 
 Test = Annotated[
     Path | None,
@@ -138,6 +138,7 @@ def assess(
     window: WindowName = None,
     criterion: CriterionFile = None,
     model: ModelFile = None,
+    structure: StructureFile = None,
     threshold: Threshold = None,
     confidence: Confidences = None,
     metric: MetricName = None,
@@ -162,5 +163,12 @@ def assess(
     demand = Demand.read(context)
     if design:
         state_tolerances(demand)
-    elif not judge_test(demand) and check:
+        return
+    if structure is None:
+        reliable = judge_test(demand)
+    else:
+        from reliab.cli.frame_mode import judge_frame_test
+
+        reliable = judge_frame_test(demand, structure)
+    if check and not reliable:
         raise typer.Exit(1)

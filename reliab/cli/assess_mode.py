@@ -35,6 +35,7 @@ _ONLY_FOR_TESTS = (
         "motion",
         "window",
         "model",
+        "structure",
         "command",
         "measured",
         "time",
@@ -61,6 +62,7 @@ class Demand:
     window: str | None
     criterion: Path | None
     model: Path | None
+    structure: Path | None
     threshold: float | None
     confidence: list[float] | None
     metric: str | None
@@ -163,7 +165,7 @@ def judge_test(demand: Demand) -> bool:
     from reliab.loop.structure import Structure
     from reliab.validation.assessment import assess
 
-    recording = _read_recording(demand)
+    recording = read_recording_of(demand)
     model = None if demand.model is None else _read_model(demand.model)
     stated, assumed = _stated(demand, recording, model)
     found = assess(
@@ -191,7 +193,8 @@ def judge_test(demand: Demand) -> bool:
     return found.reliable
 
 
-def _read_recording(demand: Demand) -> "Recording":
+def read_recording_of(demand: Demand) -> "Recording":
+    """Read the test that options name."""
     if demand.test is None:
         raise InputError(
             "A test's file is needed", value="none", remedy="Name it, or ask what is tolerable with --design"

@@ -39,7 +39,7 @@ from reliab.rebuilt_error import rebuild
 from reliab.shipped import shipped
 from reliab.sweep import open_ellipses
 from reliab.sweep.frame_table import governing_mode
-from reliab.validation.rths_benchmark import whole_structure
+from reliab.validation.assessment.frame_test import whole_structure
 
 Array = NDArray[np.float64]
 

@@ -29,7 +29,9 @@ from reliab.loop.laboratory.laboratory import Run, run_laboratory
 from reliab.loop.partition.partition import Partition
 from reliab.motions import Motion
 from reliab.progress import Progress, silent
-from reliab.rebuilt_error import WholeStructure, rebuild
+from reliab.rebuilt_error import rebuild
+from reliab.validation.assessment.frame_test import whole_structure
+from reliab.validation.assessment.verdict import word_of_probability
 
 Array = NDArray[np.float64]
 
@@ -103,8 +105,8 @@ def run_benchmark(
     -------
     list of dict
         One for each test: `case`, `motion`, `compensator`, `plant` ("nominal" or a number), `lost`, `J1` [ms]
-        to `J9` [%], `A`, `d_ms`, `peak_force_n`, `over_force_limit`, and `error`, the true `rms` and `mte` [-];
-        on the nominal plant `rebuilt`, the same from the test alone with its 90 % interval, the
+        to `J9` [%], `A`, `d_ms`, `peak_force_n`, `over_force_limit`, and `error`, the true `rms` and `mte`
+        [-]; on the nominal plant `rebuilt`, the same from the test alone with its 90 % interval, the
         probability that RMS^R is below the threshold, and the `verdict`. A lost test has nulls.
     """
     plants = benchmark_plants(request.perturbed, request.seed)
@@ -169,20 +171,6 @@ def _row(
     return row
 
 
-def whole_structure(partition: Partition) -> WholeStructure:
-    """Matrices of a partition as the rebuilt error takes them."""
-    frame, specimen = partition.frame, partition.specimen
-    return WholeStructure(
-        mass=np.array(frame.mass),
-        damping=np.array(frame.damping),
-        stiffness=np.array(frame.stiffness),
-        interface=np.array(partition.interface),
-        specimen_stiffness=specimen.stiffness,
-        specimen_damping=specimen.damping,
-        specimen_mass=specimen.mass,
-    )
-
-
 def _rebuilt(run: Run, partition: Partition, threshold: float) -> dict[str, Any]:
     """Error of the test from its own command and measured displacement, and its verdict."""
     thinned = slice(None, None, _THINNED)
@@ -193,11 +181,6 @@ def _rebuilt(run: Run, partition: Partition, threshold: float) -> dict[str, Any]
         whole_structure(partition),
         feedback_lag=_FORCE_LAG,
     )
-    verdict = "undecided"
-    if error.rms.high < threshold:
-        verdict = "reliable"
-    elif error.rms.low > threshold:
-        verdict = "not_reliable"
     estimates = {"rms": error.rms, "mte": error.mte}
     return {
         **{
@@ -205,7 +188,7 @@ def _rebuilt(run: Run, partition: Partition, threshold: float) -> dict[str, Any]
             for name, each in estimates.items()
         },
         "probability": error.probability(threshold),
-        "verdict": verdict,
+        "verdict": str(word_of_probability(error.probability(threshold))),
     }
 
 

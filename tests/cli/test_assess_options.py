@@ -30,6 +30,7 @@ CHANGES = {
     "--model": ("test.csv", *PLAIN, "--model", "model.toml"),
     "--motion": ("test.csv", *PLAIN, "--motion", "ground.txt"),
     "--window": ("test.csv", *PLAIN, "--motion", "ground.txt", "--window", "6"),
+    "--structure": ("test.csv", "--structure", "frame.toml"),
     "--criterion": ("test.csv", *PLAIN, "--criterion", "criterion.json"),
     "--threshold": ("test.csv", *PLAIN, "--threshold", "0.03"),
     "--metric": ("test.csv", *PLAIN, "--metric", "mte"),
@@ -88,6 +89,18 @@ def folder(tmp_path_factory):
     shaking = np.exp(-(((times - 4.0) / 2.0) ** 2)) * rng.normal(size=times.size)
     lines = ["# units: m/s2", "# dt = 0.0078125", *(f"{sample:.6f}" for sample in shaking)]
     (made / "ground.txt").write_text("\n".join(lines), encoding="utf-8")
+    (made / "frame.toml").write_text(
+        """[frame]
+        masses_kg = [1000.0, 800.0]
+        storey_stiffnesses_n_per_m = [1e5, 1e5]
+        [damping]
+        ratio = 0.03
+        [specimen]
+        degree_of_freedom = "1"
+        stiffness_n_per_m = 5e4
+        """,
+        encoding="utf-8",
+    )
     structure = Structure(frequency=1.0, damping_ratio=0.02)
     rig = HybridTest(structure=structure, mass=2.0, actuator=Actuator(delay=1.0 / 128.0))
     whole = run_closed_loop(rig, shaking, 1.0 / 128.0)
@@ -130,6 +143,15 @@ def test_an_option_changes_the_answer(answer, option):
     changed, before = answer(CHANGES[option]), answer(WITHOUT.get(option, ("test.csv", *PLAIN)))
     assert isinstance(changed, dict), changed
     assert changed != before
+
+
+def test_a_frame_says_what_the_test_is_of(answer):
+    found = answer(("test.csv", "--structure", "frame.toml"))
+    assert found["modes"][0]["alpha"] < 1.0
+    assert found["verdict"] in {"reliable", "undecided", "not_reliable"}
+    assert found["error"]["rms"]["low"] <= found["error"]["rms"]["value"] <= found["error"]["rms"]["high"]
+    for extra in (("--f", "1"), ("--xi", "0.02"), ("--alpha", "0.5"), ("--report", "frame.pdf")):
+        assert "no meaning beside --structure" in answer(("test.csv", "--structure", "frame.toml", *extra))
 
 
 def test_a_report_and_a_json_file_are_written(folder, monkeypatch):

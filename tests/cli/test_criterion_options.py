@@ -20,6 +20,7 @@ from reliab.sweep import ScaledGrid, SweepRequest, run_sweep, write_ellipses
 app = typer.Typer()
 app.command()(criterion)
 TABLE2 = shipped("datasets", "paper/table2.csv")
+FRAME = shipped("datasets", "frames/three_storeys.toml")
 
 
 def answer(*arguments):
@@ -110,6 +111,7 @@ CHANGES = {
     "window": [(RECORDS, ("--window", "1.5")), (RECORDS, ("--window", "arias"))],
     "alpha": [(RECORDS, ("--alpha", "0.5"))],
     "model": [],
+    "structure": [(RECORDS, ("--structure", FRAME))],
     "method": [(FILE, ("--method", name)) for name in ("quantile", "tolerance", "conformal", "bootstrap")],
     "assurance": [((*FILE, "--method", "tolerance"), ("--assurance", "0.8"))],
     "distribution": [((*FILE, "--method", "quantile"), ("--distribution", "weibull"))],
@@ -153,6 +155,11 @@ REFUSED = {
     ],
     "alpha": [(base, ("--alpha", "0.5")) for base in (FILE, PAPER, STORE, PRINTED)],
     "model": [(base, ("--model", "{folder}/model.toml")) for base in (FILE, PAPER, STORE, PRINTED)],
+    "structure": [
+        *((base, ("--structure", FRAME)) for base in (FILE, PAPER, STORE, PRINTED)),
+        *((RECORDS, ("--structure", FRAME, *extra)) for extra in (("--f", "1"), ("--alpha", "0.5"))),
+        (RECORDS, ("--structure", "{folder}/none.toml")),
+    ],
     "method": [(FILE, ("--method", "magic")), (PRINTED, ("--method", "dirichlet"))],
     "assurance": [(FILE, ("--assurance", "0.9")), (PRINTED, ("--assurance", "0.9"))],
     "distribution": [(FILE, ("--distribution", "weibull")), (PRINTED, ("--distribution", "weibull"))],

@@ -122,7 +122,7 @@ class FrameTable(_Table):
         if self.stiffness_matrix_n_per_m is not None:
             return mass, _matrix(self.stiffness_matrix_n_per_m)
         storeys = self.storey_stiffnesses_n_per_m or ()
-        return mass, shear_frame(np.ones(len(storeys)), storeys)[1]
+        return mass, shear_frame([1.0] * len(storeys), storeys)[1]
 
 
 class DampingTable(_Table):

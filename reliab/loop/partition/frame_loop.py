@@ -93,7 +93,7 @@ class FrameCells:
     @cached_property
     def reduction(self) -> tuple[Array, Array]:
         """Squared modulus of what the reduction loses and of what is sought [s⁴], shape (bands, cells)."""
-        s = 2j * np.pi * self.frequencies
+        s = (2j * np.pi * self.frequencies).astype(np.complex128)
         exact = transfer(self.partition, self.gain, self.delay, s, self.output)
         ideal = transfer(self.partition, np.ones(1), np.zeros(1), s, self.output)
         lost = np.abs(exact - self.poles.transfer(s)) ** 2

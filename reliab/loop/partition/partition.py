@@ -153,7 +153,7 @@ class Partition:
         Its real part holds stiffness and mass, its imaginary part damping; for a spring it is α_i.
         """
         omega = self.frame.modes.circular_frequency
-        return np.asarray(self.impedance(1j * omega) * self._squared / omega**2)
+        return np.asarray(self.impedance((1j * omega).astype(np.complex128)) * self._squared / omega**2)
 
     @property
     def _squared(self) -> Array:

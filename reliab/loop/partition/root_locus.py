@@ -111,7 +111,7 @@ class _Advance:
             whole=int(steps),
             rest=steps - int(steps),
             scheme=scheme,
-            factor=np.linalg.solve(whole, 4.0 * frame.mass),
+            factor=np.asarray(np.linalg.solve(whole, 4.0 * frame.mass), dtype=np.float64),
             transition=transition,
             held=(early + late)[:, 0],
         )

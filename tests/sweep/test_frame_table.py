@@ -1,0 +1,47 @@
+"""Ellipses of a partitioned frame."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from reliab import load_motions
+from reliab.errors import InputError
+from reliab.loop.hybrid_test.specimen import Specimen
+from reliab.loop.partition.frame_file import FrameUnderTest
+from reliab.loop.partition.partition import Partition, floor_interface
+from reliab.loop.structure import Structure
+from reliab.loop.structures import Frame
+from reliab.sweep import EllipseRequest, trace_ellipses
+from reliab.sweep.frame_table import FrameRequest, governing_mode, trace_frame_ellipses
+
+
+def framed(partition, output=None):
+    return FrameUnderTest(name="frame", partition=partition, output=output, error_of="interface")
+
+
+def test_a_frame_of_one_mass_has_the_ellipses_of_the_one_mode_structure():
+    motions = load_motions("synthetic")[:1]
+    structure = Structure(frequency=1.0, damping_ratio=0.05)
+    frame = framed(Partition.of(structure, mass=20.0))
+    found = trace_frame_ellipses(motions, FrameRequest(frame=frame))
+    expected = trace_ellipses(motions, EllipseRequest(frequencies=(1.0,), damping_ratios=(0.05,)))
+    assert found.sizes == expected.sizes
+    for name in ("a", "b", "error_at_rest"):
+        np.testing.assert_allclose(found[name].values, expected[name].values, rtol=5e-3)
+    assert found.attrs["experimental_fraction"] == pytest.approx(1.0)
+
+
+def test_the_governing_mode_is_described_as_it_is():
+    structure = Structure(frequency=1.7, damping_ratio=0.03, experimental_fraction=0.4)
+    mode = governing_mode(framed(Partition.of(structure, mass=3.0)))
+    assert dataclasses.astuple(mode) == pytest.approx((1.7, 0.03, 0.4))
+
+
+def test_a_specimen_that_tolerates_no_delay_has_no_boundary():
+    frame = Frame.of(Structure(frequency=1.0, damping_ratio=0.02), mass=100.0)
+    heavy = Partition(
+        frame=frame, interface=floor_interface(frame, 1), specimen=Specimen(stiffness=100.0, mass=60.0)
+    )
+    with pytest.raises(InputError, match="tolerates some delay"):
+        FrameRequest(frame=framed(heavy))
