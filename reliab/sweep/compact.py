@@ -1,16 +1,15 @@
 """Results of a sweep in one small NetCDF file, to be shipped or sent.
 
 The errors are kept from 0.001 % to 100 %, rounded to steps of 5e-4 in their logarithm (2.5e-4 relative); the
-indices are left out. What remains answers every question about thresholds, metrics and confidences. What is
-written are the differences of these steps between neighbouring delays and gains: they are small whole numbers,
-which compress to two thirds of what rounded errors take.
+indices are left out. What remains answers every question about thresholds, metrics and confidences. The file
+holds the differences of these steps between neighbouring delays and gains: small whole numbers, which
+compress to two thirds of what rounded errors take.
 """
 
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from reliab.errors import InputError
 from reliab.sweep.store import SCHEMA_VERSION
@@ -38,8 +37,8 @@ def write_compact(results: xr.Dataset, path: str | Path) -> None:
     for metric in Metric:
         compact[metric] = _coded(compact[metric])
     compact.attrs["precision"] = (
-        f"errors above {_LARGEST_ERROR:g} are stored as {_LARGEST_ERROR:g} and below {_SMALLEST_ERROR:g} as 0; "
-        f"relative rounding {0.5 * _STEP:g}"
+        f"errors above {_LARGEST_ERROR:g} are stored as {_LARGEST_ERROR:g} and those below "
+        f"{_SMALLEST_ERROR:g} as 0; relative rounding {0.5 * _STEP:g}"
     )
     compact.attrs[_CODED] = _STEP
     sizes = compact.sizes
@@ -102,7 +101,7 @@ def _coded(errors: xr.DataArray) -> xr.DataArray:
 
 def _decoded(steps: xr.DataArray, step: float) -> xr.DataArray:
     """Read errors that :func:`_coded` wrote."""
-    whole: NDArray[np.int64] = steps.values.astype(np.int64)
+    whole = steps.values.astype(np.int64)
     for name in _NEIGHBOURS:
         whole = np.cumsum(whole, axis=steps.get_axis_num(name))
     smallest = round(np.log(_SMALLEST_ERROR) / step)
