@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 import xarray as xr
@@ -21,6 +22,9 @@ from reliab.progress import Progress, silent
 from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_row, ellipse_dataset
 from reliab.sweep.records import motion_coordinates
 from reliab.vocabulary import Dimension, Metric, Side
+
+if TYPE_CHECKING:
+    from reliab.boundary.motion_boundary import SolvedLoop
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -136,7 +140,7 @@ def _table(loop: FrameLoop, request: FrameRequest) -> NDArray[np.float64]:
     levels, sides = zip(*pairs, strict=True)
     rows = []
     for metric in request.metrics:
-        contours = motion_contours(loop, levels, metric, side=sides)
+        contours = motion_contours(cast("SolvedLoop", loop), levels, metric, side=sides)
         rows.append([[curve_row(contour, curve) for curve in request.curves] for contour in contours])
     shape = (
         len(request.metrics),

@@ -113,7 +113,9 @@ def run_benchmark(
     tests = list(_tests(motions, request, plants))
     rows = []
     with ThreadPoolExecutor() as pool:
-        for done, row in enumerate(pool.map(lambda test: _row(*test, request.threshold), tests), start=1):
+        for done, row in enumerate(
+            pool.map(lambda test: _row(*test, threshold=request.threshold), tests), start=1
+        ):
             rows.append(row)
             progress(done, len(tests))
     return rows
@@ -130,7 +132,7 @@ def _tests(
 
 
 def _row(
-    case: int, motion: Motion, name: str, plant: BenchmarkPlant, seed: int, threshold: float
+    case: int, motion: Motion, name: str, plant: BenchmarkPlant, seed: int, *, threshold: float
 ) -> dict[str, Any]:
     partition = benchmark_partition(case, plant.stiffness)
     run = run_laboratory(
@@ -229,19 +231,19 @@ def beside_published(motion: Motion, published: pd.DataFrame, *, seeds: int = 6)
                 )
                 for seed in range(seeds)
             )
-            printed = published.set_index("case").loc[case]
+            printed = published.loc[published["case"] == case, list(NAMES)].to_numpy(dtype=np.float64)[0]
             rows += [
                 {
                     "case": case,
                     "criterion": name,
                     "variant": "emulated" if emulate else "exact",
-                    "published": float(printed[name]),
+                    "published": float(number),
                     "mean": float(values[name].mean()),
                     "least": float(values[name].min()),
                     "most": float(values[name].max()),
-                    "reached": bool((values[name].round(1) == float(printed[name])).any()),
+                    "reached": bool(np.any(values[name].to_numpy().round(1) == number)),
                 }
-                for name in NAMES
+                for name, number in zip(NAMES, printed.tolist(), strict=True)
             ]
     return pd.DataFrame(rows)
 
