@@ -1,6 +1,7 @@
 """Fixtures shared by all rooms."""
 
 import json
+import os
 import unicodedata
 from pathlib import Path
 
@@ -15,10 +16,37 @@ from reliab.report.content import CONTENT_FILE, files_of
 from reliab.report.document import Document
 from reliab.report.pdf import templates
 
-settings.register_profile("repeatable", derandomize=True)
-settings.load_profile("repeatable")
+settings.register_profile("few", derandomize=True, deadline=None, max_examples=40)
+settings.register_profile("many", settings.get_profile("few"), max_examples=300)
 
 _SHARED = Path(__file__).resolve().parents[2] / "shared"
+
+
+def pytest_configure(config):
+    """Few examples of each property by default, many where the slow tests run too (`-m ""`).
+
+    Where several processes share the work, each of them and what it starts uses one thread for linear algebra.
+    """
+    settings.load_profile("few" if config.getoption("markexpr") == "not slow" else "many")
+    if config.getoption("numprocesses", None):
+        os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+
+def pytest_xdist_auto_num_workers(config):
+    """No worker for a single file or test: starting workers would take longer than the tests.
+
+    Every worker imports what it tests, so there are never more than eight.
+    """
+    if config.args_source == config.ArgsSource.ARGS and len(config.args) == 1:
+        path = Path(config.args[0].partition("::")[0])
+        if path.is_file():
+            return 0
+    return min(usable_processors(), 8)
+
+
+def usable_processors():
+    """Processors on which this process may run."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @pytest.fixture(scope="session")

@@ -78,7 +78,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=20, help="how many tests to name")
     options, arguments = parser.parse_known_args()
-    return pytest.main([*arguments, "-p", "no:xdist"], plugins=[ProcessorTimes(options.count)])
+    return pytest.main([*arguments, "-n", "0"], plugins=[ProcessorTimes(options.count)])
 
 
 if __name__ == "__main__":

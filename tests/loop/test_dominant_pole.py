@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.special import lambertw
 
@@ -11,7 +11,6 @@ from reliab.loop.stability import critical_delay
 from reliab.loop.structure import Structure
 
 
-@settings(deadline=None)
 @given(
     frequency=st.floats(0.2, 4.0),
     damping_ratio=st.floats(0.005, 0.15),

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from reliab.loop import delay_stepper
@@ -19,7 +19,6 @@ structures = st.builds(
 )
 
 
-@settings(deadline=None)
 @given(structure=structures, gain=st.floats(0.9, 1.1))
 def test_a_root_lies_on_the_imaginary_axis_at_the_critical_delay(structure, gain):
     delay = float(critical_delay(structure, gain))

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from reliab.errors import InputError
@@ -117,7 +117,6 @@ def outcomes(name: str, content: bytes) -> None:
 
 @pytest.mark.parametrize("kind", ["record.AT2", "record.NS", "record.V2", "record.V2c", "record.csv"])
 @given(damaged=damage())
-@settings(max_examples=150, deadline=None)
 def test_a_damaged_record_is_read_or_explained(
     kind: str, damaged: Callable[[str], bytes], records: dict[str, str]
 ) -> None:
@@ -144,19 +143,16 @@ def test_a_record_cut_before_its_last_sample_is_never_read(
 
 
 @given(name=st.sampled_from(NAMES), content=st.binary(max_size=300))
-@settings(max_examples=200, deadline=None)
 def test_any_bytes_are_read_or_explained(name: str, content: bytes) -> None:
     outcomes(name, content)
 
 
 @given(name=st.sampled_from(NAMES), lines=st.lists(st.lists(TOKENS, max_size=5), max_size=12))
-@settings(max_examples=300, deadline=None)
 def test_any_words_of_the_formats_are_read_or_explained(name: str, lines: list[list[str]]) -> None:
     outcomes(name, "\n".join(" ".join(line) for line in lines).encode())
 
 
 @given(rows=st.lists(st.lists(st.one_of(TOKENS, st.text(max_size=5)), max_size=6), max_size=5))
-@settings(max_examples=200, deadline=None)
 def test_any_catalogue_is_read_or_explained(rows: list[list[str]], records: dict[str, str]) -> None:
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "a").write_text(records["record.AT2"])
@@ -174,7 +170,6 @@ def test_any_catalogue_is_read_or_explained(rows: list[list[str]], records: dict
     samples=st.lists(st.floats(-49.0, 49.0), min_size=2, max_size=40).filter(any),
     step=st.floats(1e-4, 1.0),
 )
-@settings(max_examples=100, deadline=None)
 def test_plain_text_keeps_every_bit(samples: list[float], step: float) -> None:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "record.txt"

@@ -3,7 +3,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from reliab.errors import InputError
@@ -24,7 +24,6 @@ def motion(name: str = "a", **changes: object) -> Motion:
     name=LABELS.filter(bool),
     event=LABELS,
 )
-@settings(max_examples=60, deadline=None)
 def test_a_written_suite_reads_back_bit_by_bit(
     samples: list[float], time_step: float, name: str, event: str
 ) -> None:

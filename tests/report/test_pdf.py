@@ -111,7 +111,7 @@ def test_text_of_users_is_set_as_it_is(text):
     assert compiled_report(report(text), date=DATE).startswith(b"%PDF")
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=settings().max_examples // 4)  # every example is set as a PDF
 @given(st.text(min_size=1, max_size=60))
 def test_any_text_can_be_set(text):
     pdf = compiled_report(report(text), date=DATE)
