@@ -9,6 +9,8 @@ and `run_study`. Each is imported when it is first asked for.
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from reliab.version import __version__
+
 if TYPE_CHECKING:
     from reliab.api import ellipses, simulate
     from reliab.criterion import derive_criterion, published_criterion, read_ellipses
@@ -18,8 +20,6 @@ if TYPE_CHECKING:
     from reliab.sweep import open_results
     from reliab.validation.assessment import assess, read_recording
     from reliab.validation.cross_validation import cross_validate
-
-__version__ = "0.1.0"
 
 _HOMES = {
     "load_motions": "reliab.motions",
@@ -40,6 +40,7 @@ _HOMES = {
 }
 
 __all__ = [
+    "__version__",
     "assess",
     "cross_validate",
     "derive_criterion",
@@ -66,4 +67,4 @@ def __getattr__(name: str) -> Any:  # noqa: ANN401 - functions and modules of ma
 
 
 def __dir__() -> list[str]:
-    return sorted([*__all__, "__version__"])
+    return sorted(__all__)

@@ -1,6 +1,9 @@
-"""Dependencies point downwards only."""
+"""Dependencies point downwards only, and nowhere in a circle."""
 
 import ast
+from collections.abc import Iterator
+from functools import cache
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -24,24 +27,83 @@ ROOMS = (
     "loop",
     "motions",
 )
+GROUND = {"compiled", "errors", "progress", "shipped", "stated_value", "version", "vocabulary"}
+"""Files beside the rooms that every room may import, and that import no room."""
+DOORS = {"__init__", "api"}
+"""Files beside the rooms through which Python users enter; `api` stands just above the sweep."""
 
 
-def imported_rooms(path: Path) -> set[str]:
-    names = set()
+def module_file(dotted: str) -> Path | None:
+    """Return the file of a module or package of reliab; None for everything else."""
+    parts = dotted.split(".")
+    if parts[0] != "reliab":
+        return None
+    path = PACKAGE.joinpath(*parts[1:])
+    module, package = path.with_suffix(".py"), path / "__init__.py"
+    if path != PACKAGE and module.is_file():
+        return module
+    return package if package.is_file() else None
+
+
+@cache
+def imported_files(path: Path) -> frozenset[Path]:
+    """Return every file of reliab that a file imports, at its top or late, inside a function."""
+    files: set[Path | None] = set()
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom) and node.module:
-            names.add(node.module)
-            names.update(f"{node.module}.{alias.name}" for alias in node.names)
+            inside = (module_file(f"{node.module}.{alias.name}") for alias in node.names)
+            files.update(file or module_file(node.module) for file in inside)
         elif isinstance(node, ast.Import):
-            names.update(alias.name for alias in node.names)
-    return {parts[1] for name in names if (parts := name.split("."))[0] == "reliab" and len(parts) > 1}
+            files.update(module_file(alias.name) for alias in node.names)
+    return frozenset(file for file in files if file is not None and file != path)
+
+
+def part_of(path: Path) -> str:
+    """Return the room of a file, or the file's own name where it stands beside the rooms."""
+    first, *deeper = path.relative_to(PACKAGE).parts
+    return first if deeper else path.stem
+
+
+def modules() -> list[Path]:
+    return sorted(PACKAGE.rglob("*.py"))
 
 
 @pytest.mark.parametrize("room", ROOMS)
 def test_room_imports_nothing_from_above(room):
-    above = set(ROOMS[: ROOMS.index(room)])
+    api = ["api"] if ROOMS.index(room) < ROOMS.index("sweep") else []
+    allowed = {*ROOMS[ROOMS.index(room) :], *GROUND, *api}
     for path in sorted((PACKAGE / room).rglob("*.py")):
-        assert not imported_rooms(path) & above, path
+        assert {part_of(file) for file in imported_files(path)} <= allowed, path
+
+
+@pytest.mark.parametrize("name", sorted(GROUND))
+def test_files_that_all_rooms_share_import_no_room(name):
+    assert {part_of(file) for file in imported_files(PACKAGE / f"{name}.py")} <= GROUND
+
+
+def test_plain_functions_reach_no_further_up_than_the_sweep():
+    allowed = {*ROOMS[ROOMS.index("sweep") :], *GROUND}
+    assert {part_of(file) for file in imported_files(PACKAGE / "api.py")} <= allowed
+
+
+def neighbours() -> Iterator[tuple[Path, str, str]]:
+    """Yield the folder and two of its files or folders of which the first imports something of the second."""
+    for path in modules():
+        for file in imported_files(path):
+            ours, theirs = path.relative_to(PACKAGE).parts, file.relative_to(PACKAGE).parts
+            shared = next(i for i, (a, b) in enumerate(zip(ours, theirs, strict=False)) if a != b)
+            yield PACKAGE.joinpath(*ours[:shared]), ours[shared], theirs[shared]
+
+
+def test_neither_files_nor_folders_import_one_another_in_a_circle():
+    drawings: dict[Path, dict[str, set[str]]] = {}
+    for folder, user, used in neighbours():
+        drawings.setdefault(folder, {}).setdefault(user, set()).add(used)
+    for folder, drawing in drawings.items():
+        try:
+            TopologicalSorter(drawing).prepare()
+        except CycleError as error:
+            pytest.fail(f"{folder}: {' -> '.join(reversed(error.args[1]))}")
 
 
 @pytest.mark.parametrize("room", ["motions", "loop", "indices", "boundary", "rebuilt_error"])
@@ -55,3 +117,7 @@ def test_numeric_core_does_not_speak_of_labels(room):
 def test_every_room_is_listed():
     rooms = {path.name for path in PACKAGE.iterdir() if path.is_dir() and any(path.rglob("*.py"))}
     assert rooms == set(ROOMS)
+
+
+def test_every_file_beside_the_rooms_is_listed():
+    assert {path.stem for path in PACKAGE.glob("*.py")} == GROUND | DOORS

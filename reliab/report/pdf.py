@@ -12,7 +12,7 @@ from typing import Any, Final, cast
 
 import typst
 
-from reliab import __version__
+from reliab.version import __version__
 from reliab.errors import InputError
 from reliab.report.content import files_of
 from reliab.report.document import Document

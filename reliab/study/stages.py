@@ -16,7 +16,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import reliab
 from reliab.criterion.provenance import installed_versions
 from reliab.errors import InputError
 
@@ -216,7 +215,7 @@ def _results(path: Path) -> dict[str, dict[str, Any]]:
 @cache
 def code_digest() -> str:
     """SHA-256 of the package's own code: what it computes may change with any of its files."""
-    package = Path(reliab.__file__).parent
+    package = Path(__file__).parents[1]
     digests = hashlib.sha256()
     for file in sorted(package.rglob("*.py")):
         digests.update(str(file.relative_to(package)).encode())
