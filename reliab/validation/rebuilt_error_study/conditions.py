@@ -1,0 +1,83 @@
+"""Under what a test is judged: its displacement sensor, and what is stated of its structure."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.loop.structure import Structure
+from reliab.rebuilt_error import Tolerances
+
+Array = NDArray[np.float64]
+
+QUANTISED: Final = "quantised, 40 dB"
+RIGHT: Final = "right"
+
+_DECIBELS: Final[Mapping[str, float]] = MappingProxyType(
+    {"20 dB": 20.0, "30 dB": 30.0, "40 dB": 40.0, "60 dB": 60.0, QUANTISED: 40.0}
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Condition:
+    """A sensor, and what the laboratory states.
+
+    Parameters
+    ----------
+    sensor : str
+        White noise so many decibels below the RMS of the motion, "20 dB" to "60 dB", or a sensor whose steps
+        are as coarse, "quantised, 40 dB".
+    quantity : str, optional
+        What is stated wrongly: "frequency", "damping_ratio" or "experimental_fraction"; nothing by default.
+    wrong_by : float, optional
+        By how much, relative [-]; stated as the tolerance too.
+    """
+
+    sensor: str
+    quantity: str = ""
+    wrong_by: float = 0.0
+
+    @property
+    def stated(self) -> str:
+        """What is wrong, in words."""
+        if not self.quantity:
+            return RIGHT
+        symbol = {"frequency": "f", "damping_ratio": "ξ", "experimental_fraction": "α"}[self.quantity]
+        return f"{symbol} {100.0 * self.wrong_by:+.0f} %".replace("-", "−")
+
+    def structure(self, true: Structure) -> Structure:
+        """Structure that the laboratory states."""
+        if not self.quantity:
+            return true
+        return replace(true, **{self.quantity: (1.0 + self.wrong_by) * getattr(true, self.quantity)})
+
+    @property
+    def tolerances(self) -> Tolerances:
+        """Standard deviations that it states."""
+        return Tolerances(**{self.quantity: abs(self.wrong_by)}) if self.quantity else Tolerances()
+
+    def read(self, true: Array, rng: np.random.Generator) -> Array:
+        """Recorded history of a true one [m or N], shape (n,)."""
+        level = 10.0 ** (-_DECIBELS[self.sensor] / 20.0) * float(np.sqrt(np.mean(true**2)))
+        if self.sensor == QUANTISED:
+            width = np.sqrt(12.0) * level
+            return np.asarray(width * np.round(true / width + rng.uniform(-0.5, 0.5)), dtype=np.float64)
+        return true + level * rng.standard_normal(true.size)
+
+
+PLAIN: Final = Condition(sensor="40 dB")
+"""The condition in which judges are compared."""
+
+CONDITIONS: Final = (
+    PLAIN,
+    *(Condition(sensor=name) for name in _DECIBELS if name != PLAIN.sensor),
+    Condition(sensor=PLAIN.sensor, quantity="frequency", wrong_by=0.02),
+    Condition(sensor=PLAIN.sensor, quantity="frequency", wrong_by=-0.02),
+    Condition(sensor=PLAIN.sensor, quantity="damping_ratio", wrong_by=0.2),
+    Condition(sensor=PLAIN.sensor, quantity="damping_ratio", wrong_by=-0.2),
+    Condition(sensor=PLAIN.sensor, quantity="experimental_fraction", wrong_by=-0.05),
+)
+"""Every sensor with the structure stated rightly, and every wrong statement with the sensor of 40 dB."""

@@ -1,0 +1,188 @@
+"""Who judges a test: its rebuilt error, and A and d with criteria and with the motion's own boundary."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.criterion import Criterion, published_criterion
+from reliab.criterion.laws import OF_MANY_MOTIONS
+from reliab.errors import InputError
+from reliab.indices.frequency_evaluation import FrequencyEvaluation, frequency_evaluation
+from reliab.indices.response_error import relative_error
+from reliab.loop.engine import Loop
+from reliab.loop.excitation import Excitation
+from reliab.loop.structure import Structure
+from reliab.rebuilt_error import RebuiltError
+from reliab.validation.assessment.default_criterion import default_criterion
+from reliab.validation.assessment.placement import carried_limits
+from reliab.validation.assessment.verdict import Word, word_of_probability
+from reliab.vocabulary import Metric, Side
+
+Array = NDArray[np.float64]
+
+REBUILT: Final = "rebuilt error"
+CERTAIN: Final = "rebuilt error, verdict reliable"
+WITH_MODEL: Final = "rebuilt error with the specimen's model"
+OWN_BOUNDARY: Final = "own boundary of the motion"
+CRITERION: Final = "criterion (dirichlet)"
+
+_PRINTED = ("guo_2017_15", "guo_2017_18")
+_NO_LEAD = -1e-5  # s
+_MILLISECONDS = 1e3
+
+
+@dataclass(frozen=True, kw_only=True)
+class Question:
+    """What is asked of every test.
+
+    Parameters
+    ----------
+    threshold : float
+        Error up to which a test is good [-].
+    metric : Metric
+        Which error.
+    confidence : float
+        Share of ground motions that the criterion states [-].
+    """
+
+    threshold: float
+    metric: Metric
+    confidence: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Judgement:
+    """What one judge says of a test.
+
+    Parameters
+    ----------
+    judge : str
+        Who.
+    accepted : bool
+        Whether the test is called good.
+    estimate, low, high : float
+        Error that the judge states, with its 90 % interval [-]; NaN where it states none.
+    """
+
+    judge: str
+    accepted: bool
+    estimate: float = np.nan
+    low: float = np.nan
+    high: float = np.nan
+
+
+def by_rebuilt_error(error: RebuiltError, question: Question, judge: str = REBUILT) -> Judgement:
+    """Accept a test whose rebuilt error stays below the threshold."""
+    stated = error.estimate(question.metric)
+    return Judgement(
+        judge=judge,
+        accepted=stated.value <= question.threshold,
+        estimate=stated.value,
+        low=stated.low,
+        high=stated.high,
+    )
+
+
+def by_verdict(error: RebuiltError, question: Question) -> Judgement:
+    """Accept a test that is reliable: its error stays below the threshold with 95 % probability."""
+    word = word_of_probability(error.probability(question.threshold, question.metric))
+    return Judgement(judge=CERTAIN, accepted=word is Word.RELIABLE)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ByIndices:
+    """Judges that know A and d of a test only, and its structure and ground motion.
+
+    Parameters
+    ----------
+    excitation : Excitation
+        The ground motion that the test saw.
+    structure : Structure
+        The structure as the laboratory states it.
+    criteria : mapping of str to Criterion
+        Criteria by name.
+    question : Question
+        What is asked.
+    """
+
+    excitation: Excitation
+    structure: Structure
+    criteria: Mapping[str, Criterion]
+    question: Question
+
+    @classmethod
+    def of(
+        cls, excitation: Excitation, structure: Structure, question: Question, learned_without: str | None
+    ) -> "ByIndices":
+        """Take the printed laws where they hold, and the shipped criterion for tests of this length.
+
+        Parameters
+        ----------
+        excitation, structure, question
+            As above.
+        learned_without : str or None
+            Earthquake of the ground motion, if the shipped criterion was learned from it.
+        """
+        criteria = {}
+        for name in _PRINTED:
+            law = OF_MANY_MOTIONS[name]
+            try:
+                law.validity.require_error(question.threshold, question.metric)
+                law.validity.require(structure.frequency, structure.damping_ratio)
+            except InputError:
+                continue
+            criteria[name] = published_criterion(name)
+        criteria[CRITERION] = default_criterion(
+            structure.frequency,
+            structure.damping_ratio,
+            question.threshold,
+            question.confidence,
+            metric=question.metric,
+            without=learned_without,
+            duration=(excitation.acceleration.size - 1) * excitation.time_step,
+        )
+        return cls(excitation=excitation, structure=structure, criteria=criteria, question=question)
+
+    @cached_property
+    def _loop(self) -> Loop:
+        return Loop(excitation=self.excitation, structure=self.structure)
+
+    def judge(self, command: Array, measured: Array, time_step: float) -> Iterator[Judgement]:
+        """Judge a test by what A and d of its histories tell.
+
+        Parameters
+        ----------
+        command, measured : numpy.ndarray
+            Command and displacement as recorded [m], shape (n,).
+        time_step : float
+            Step between samples [s].
+
+        Yields
+        ------
+        Judgement
+            Of each criterion, and of the own boundary: the error of a constant gain A and delay d under this
+            very motion. A criterion that says nothing of leads accepts none.
+        """
+        index = frequency_evaluation(command, measured, time_step)
+        for name, criterion in self.criteria.items():
+            yield Judgement(judge=name, accepted=self._accepts(criterion, index))
+        cells = self._loop.cells(gain=index.amplitude, delay=index.equivalent_delay)
+        error = float(relative_error(self._loop.deviation(cells), self.question.metric)[0])
+        stated = error if np.isfinite(error) else np.inf  # the loop of A and d runs away
+        yield Judgement(judge=OWN_BOUNDARY, accepted=stated <= self.question.threshold, estimate=stated)
+
+    def _accepts(self, criterion: Criterion, index: FrequencyEvaluation) -> bool:
+        delay = index.equivalent_delay
+        side = Side.LEAD if delay < 0.0 else Side.LAG
+        if not criterion.knows_leads:
+            if delay < _NO_LEAD:
+                return False
+            side = Side.LAG
+        a, b, _ = carried_limits(criterion, self.structure, side)
+        if not (a > 0.0 and b > 0.0):
+            return False
+        return (index.amplitude - 1.0) ** 2 / a + (_MILLISECONDS * delay) ** 2 / b <= 1.0

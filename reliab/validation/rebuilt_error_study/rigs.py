@@ -1,0 +1,171 @@
+"""Actuators of every kind and nonlinear specimens, in sizes that are relative to the structure."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+
+from reliab.loop.actuator import Actuator
+from reliab.loop.effects import Effect
+from reliab.loop.effects.backlash import Backlash
+from reliab.loop.effects.coulomb_friction import CoulombFriction
+from reliab.loop.effects.cubic_stiffness import CubicStiffness
+from reliab.loop.effects.delay_drift import DelayDrift
+from reliab.loop.effects.first_order_lag import FirstOrderLag
+from reliab.loop.effects.hysteresis import Hysteresis
+from reliab.loop.effects.rate_limit import RateLimit
+from reliab.loop.effects.second_order_dynamics import SecondOrderDynamics
+from reliab.loop.effects.stroke_saturation import StrokeSaturation
+from reliab.loop.hybrid_test import Specimen
+from reliab.loop.hybrid_test.compensators import InverseCompensation
+from reliab.loop.structure import Structure
+from reliab.validation.beyond_the_model import Rig
+
+_SERVO_DAMPING = 0.7
+_COMPENSATED = 6.0  # steps
+_LARGEST = 0.999  # share of a peak that an actuator may fail to reach
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scales:
+    """What a size is relative to.
+
+    Parameters
+    ----------
+    structure : Structure
+        The structure.
+    displacement, velocity : float
+        Peaks of the undisturbed response [m, m/s].
+    duration, step : float
+        Length of the test and step between samples [s].
+    lean : float
+        Between −1 and 1: how an actuator's gain errs beside its delay.
+    """
+
+    structure: Structure
+    displacement: float
+    velocity: float
+    duration: float
+    step: float
+    lean: float
+
+    def delay(self, size: float) -> float:
+        """Delay [s] that takes a share `size` of the damping: ατω₀² = size·2ξω₀."""
+        structure = self.structure
+        viscous = 2.0 * structure.damping_ratio / structure.circular_frequency
+        return size * viscous / structure.experimental_fraction
+
+
+def _gain_and_delay(size: float, scales: Scales) -> Rig:
+    gain = 1.0 + scales.lean * size * scales.structure.damping_ratio
+    return Rig(name="gain and delay", actuator=Actuator(gain=gain, delay=scales.delay(size)))
+
+
+def _lag(size: float, scales: Scales) -> Rig:
+    return Rig(name="first-order lag", effects=(FirstOrderLag(time_constant_s=scales.delay(size)),))
+
+
+def _second_order(size: float, scales: Scales) -> Rig:
+    frequency = _SERVO_DAMPING / (np.pi * scales.delay(size))
+    servo = SecondOrderDynamics(natural_frequency_hz=frequency, damping_ratio=_SERVO_DAMPING)
+    return Rig(name="second-order dynamics", effects=(servo,))
+
+
+def _drift(size: float, scales: Scales) -> Rig:
+    delay = scales.delay(size)
+    drift = DelayDrift(delay_rate_s_per_s=delay / scales.duration)
+    return Rig(name="drifting delay", actuator=Actuator(delay=0.5 * delay), effects=(drift,))
+
+
+def _rate_limit(size: float, scales: Scales) -> Rig:
+    limit = scales.velocity * (1.0 - min(size, _LARGEST))
+    return Rig(name="rate limit", effects=(RateLimit(velocity_limit_m_per_s=limit),))
+
+
+def _backlash(size: float, scales: Scales) -> Rig:
+    width = size * scales.structure.damping_ratio * scales.displacement
+    return Rig(name="backlash", effects=(Backlash(width_m=width),))
+
+
+def _saturation(size: float, scales: Scales) -> Rig:
+    stroke = scales.displacement * (1.0 - min(size, _LARGEST))
+    return Rig(name="stroke saturation", effects=(StrokeSaturation(stroke_m=stroke),))
+
+
+def _overcorrected(size: float, scales: Scales) -> Rig:
+    delay = max((_COMPENSATED - 1.0) * scales.step - scales.delay(size), 0.0)
+    return Rig(
+        name="overcorrecting compensator",
+        actuator=Actuator(delay=delay),
+        compensator=InverseCompensation(steps=_COMPENSATED),
+    )
+
+
+RIGS: Final[tuple[Callable[[float, Scales], Rig], ...]] = (
+    _gain_and_delay,
+    _lag,
+    _second_order,
+    _drift,
+    _rate_limit,
+    _backlash,
+    _saturation,
+    _overcorrected,
+)
+"""Actuators of a size [-], which grows with the error that they cause."""
+
+LINEAR: Final = "linear"
+
+
+@dataclass(frozen=True, kw_only=True)
+class NonlinearSpecimen:
+    """A specimen per unit mass.
+
+    Parameters
+    ----------
+    stiffness : float
+        Of its linear spring [1/s²].
+    effect : Effect
+        What it does besides.
+    """
+
+    stiffness: float
+    effect: Effect
+
+    def specimen(self) -> Specimen:
+        """Its linear part."""
+        return Specimen(stiffness=self.stiffness)
+
+
+def _cubic(stiffness: float, peak: float, rng: np.random.Generator) -> NonlinearSpecimen:
+    cubic = rng.uniform(0.1, 0.5) * stiffness / peak**2
+    return NonlinearSpecimen(stiffness=stiffness, effect=CubicStiffness(cubic_n_per_m3=cubic))
+
+
+def _coulomb(stiffness: float, peak: float, rng: np.random.Generator) -> NonlinearSpecimen:
+    friction = CoulombFriction(
+        force_n=rng.uniform(0.02, 0.1) * stiffness * peak,
+        regularisation_velocity_m_per_s=0.02 * np.sqrt(stiffness) * peak,
+    )
+    return NonlinearSpecimen(stiffness=stiffness, effect=friction)
+
+
+def _hysteresis(stiffness: float, peak: float, rng: np.random.Generator) -> NonlinearSpecimen:
+    yields, hardening = rng.uniform(0.2, 0.5) * peak, rng.uniform(0.1, 0.5)
+    effect = Hysteresis(
+        force_n=(1.0 - hardening) * stiffness * yields,
+        displacement_m=yields,
+        gamma=0.5,
+        exponent=2.0,
+        lost_share=0.0,
+    )
+    return NonlinearSpecimen(stiffness=hardening * stiffness, effect=effect)
+
+
+SPECIMENS: Final[Mapping[str, Callable[[float, float, np.random.Generator], NonlinearSpecimen]]] = (
+    MappingProxyType(
+        {"cubic stiffness": _cubic, "Coulomb friction": _coulomb, "Bouc–Wen hysteresis": _hysteresis}
+    )
+)
+"""Specimens of a stiffness [1/s²] that a linear structure would move by a peak [m]."""

@@ -1,0 +1,85 @@
+"""How often judges are right, from the rows of a study."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from reliab.validation.cross_validation.intervals import event_bootstrap
+
+_ENDS = (0.05, 0.95)
+
+
+def shares(tests: pd.DataFrame, by: Sequence[str]) -> pd.DataFrame:
+    """Count what judges accepted.
+
+    Parameters
+    ----------
+    tests : pandas.DataFrame
+        As :func:`~reliab.validation.rebuilt_error_study.study.try_tests` gives it.
+    by : sequence of str
+        Columns that name the groups, such as "judge" or "rig".
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row a group, in the order of the tests: `tests`, `motions`; `bad` tests and the share
+        `bad_accepted` of them, `good` tests and the share `good_accepted` of them, each with `_low` and
+        `_high` ends of its 95 % interval over earthquakes; `contained`, the share of motions of which no bad
+        test is accepted; quantiles `ratio_05`, `ratio_50`, `ratio_95` of the stated over the true error, and
+        `covered`, the share of true errors inside the stated 90 % interval. NaN where there is nothing to
+        count.
+
+    Examples
+    --------
+    >>> tests = pd.DataFrame(
+    ...     {
+    ...         "motion": ["a", "a", "b", "b"],
+    ...         "event": ["a", "a", "b", "b"],
+    ...         "judge": "one",
+    ...         "error": [0.02, 0.08, 0.02, 0.08],
+    ...         "good": [True, False, True, False],
+    ...         "accepted": [True, True, True, False],
+    ...         "estimate": [0.02, 0.04, 0.02, 0.08],
+    ...         "low": 0.0,
+    ...         "high": 0.06,
+    ...     }
+    ... )
+    >>> row = shares(tests, ["judge"]).iloc[0]
+    >>> [float(row[name]) for name in ("good_accepted", "bad_accepted", "contained", "covered")]
+    [1.0, 0.5, 0.5, 0.5]
+    """
+    rows = []
+    for names, group in tests.groupby(list(by), sort=False):
+        rows.append({**dict(zip(by, names, strict=True)), **_counted(group)})
+    return pd.DataFrame(rows)
+
+
+def _counted(group: pd.DataFrame) -> dict[str, Any]:
+    good, accepted = group["good"].to_numpy(bool), group["accepted"].to_numpy(bool)
+    ratio = (group["estimate"] / group["error"]).to_numpy(float)
+    known, bounded = np.isfinite(ratio), np.isfinite(group["high"].to_numpy(float))
+    inside = (group["low"] <= group["error"]) & (group["error"] <= group["high"])
+    low, middle, high = np.quantile(ratio[known], [_ENDS[0], 0.5, _ENDS[1]]) if known.any() else [np.nan] * 3
+    unsafe = pd.Series(accepted & ~good).groupby(group["motion"].to_numpy()).any()
+    return {
+        "tests": len(group),
+        "motions": len(unsafe),
+        "bad": int((~good).sum()),
+        **_rate("bad_accepted", accepted & ~good, ~good, group["event"]),
+        "good": int(good.sum()),
+        **_rate("good_accepted", accepted & good, good, group["event"]),
+        "contained": float(1.0 - unsafe.mean()),
+        "ratio_05": float(low),
+        "ratio_50": float(middle),
+        "ratio_95": float(high),
+        "covered": float(inside.to_numpy()[bounded].mean()) if bounded.any() else np.nan,
+    }
+
+
+def _rate(name: str, counted: np.ndarray, among: np.ndarray, events: pd.Series) -> dict[str, float]:
+    total = int(among.sum())
+    rate = float(counted.sum() / total) if total else np.nan
+    low, high = event_bootstrap(counted.astype(float), among.astype(float), events.to_numpy(str))
+    return {name: rate, f"{name}_low": float(low), f"{name}_high": float(high)}

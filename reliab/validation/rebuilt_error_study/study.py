@@ -1,0 +1,360 @@
+"""Simulate tests and have each of them judged, motion by motion."""
+
+import hashlib
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+import reliab
+from reliab.errors import InputError
+from reliab.indices.response_error import response_error
+from reliab.loop.effects import Effect
+from reliab.loop.excitation import Excitation
+from reliab.loop.hybrid_test import HybridTest, run_closed_loop
+from reliab.loop.hybrid_test.closed_loop import Histories
+from reliab.loop.structure import Structure
+from reliab.motions import Motion, resample
+from reliab.progress import Progress, silent
+from reliab.rebuilt_error import RebuiltError, examine_specimen, rebuild, rebuild_with_specimen
+from reliab.validation.beyond_the_model import Rig
+from reliab.validation.rebuilt_error_study.conditions import CONDITIONS, PLAIN, RIGHT, Condition
+from reliab.validation.rebuilt_error_study.judges import (
+    WITH_MODEL,
+    ByIndices,
+    Judgement,
+    Question,
+    by_rebuilt_error,
+    by_verdict,
+)
+from reliab.validation.rebuilt_error_study.rigs import (
+    LINEAR,
+    RIGS,
+    SPECIMENS,
+    NonlinearSpecimen,
+    Scales,
+)
+from reliab.vocabulary import Metric
+
+Array = NDArray[np.float64]
+
+RATE_HZ: Final = 512.0
+LONGEST: Final = 40.0
+"""Length up to which a record is used [s]."""
+
+STUDY_COLUMNS: Final = (
+    *("study", "round", "motion", "event", "test", "rig", "specimen", "f", "xi", "alpha", "sensor", "stated"),
+    *("error", "good", "judge", "accepted", "estimate", "low", "high", "looks_nonlinear"),
+)
+"""Columns of a study: a row for each judge of each test under each condition."""
+
+_DRAWS = 64
+_SMALLEST, _LARGEST = 0.2, 3.0  # true errors that are aimed at, as shares of the threshold
+_STARTING_SIZE = 0.1
+_ATTEMPTS = 6
+_NEAR = 0.15  # relative: near enough to the error that is aimed at
+_MODEL_OFF = 0.01  # standard deviation of a model's parameters, relative
+_GAIN_AND_DELAY = 0  # of RIGS: what drives nonlinear specimens
+
+
+@dataclass(frozen=True, kw_only=True)
+class Design:
+    """Which tests are simulated.
+
+    Parameters
+    ----------
+    motions : sequence of Motion
+        Ground motions; each round takes the next one.
+    structures : sequence of Structure
+        Structures, each of which sees every round.
+    trials : int
+        Rounds: tests of each kind of actuator and of specimen, for each structure.
+    threshold : float, optional
+        Error up to which a test is good [-]; tests are made with 0.2 to 3 times this error.
+    metric : Metric, optional
+        Which error.
+    confidence : float, optional
+        Share of ground motions that the criterion states [-].
+    learned_without : sequence of str or None, optional
+        For each motion its earthquake in the suite from which the shipped criterion was learned.
+    seed : int, optional
+        Seed of sizes, noise and specimens.
+
+    Raises
+    ------
+    InputError
+        If there is no motion.
+    """
+
+    motions: Sequence[Motion]
+    structures: Sequence[Structure]
+    trials: int
+    threshold: float = 0.05
+    metric: Metric = Metric.RMS
+    confidence: float = 0.95
+    learned_without: Sequence[str | None] = ()
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if not self.motions:
+            raise InputError("The study needs ground motions", value="none", remedy="Give --motions")
+
+    @property
+    def question(self) -> Question:
+        """What is asked of every test."""
+        return Question(threshold=self.threshold, metric=self.metric, confidence=self.confidence)
+
+    @property
+    def digest(self) -> str:
+        """What the rows of a study are known by."""
+        content = {
+            "version": reliab.__version__,
+            "motions": [motion.checksum for motion in self.motions],
+            "structures": [repr(structure) for structure in self.structures],
+            "asked": [self.threshold, str(self.metric), self.confidence, self.seed],
+            "without": list(self.learned_without),
+        }
+        return hashlib.sha256(json.dumps(content).encode()).hexdigest()[:16]
+
+
+def try_tests(design: Design, *, kept: Path | None = None, progress: Progress = silent) -> pd.DataFrame:
+    """Simulate tests and let every judge judge them.
+
+    Parameters
+    ----------
+    design : Design
+        Which tests.
+    kept : pathlib.Path, optional
+        CSV to which the rows of a round are written as soon as it is done; rounds of the same study that it
+        holds are not simulated again.
+    progress : callable, optional
+        Called after each round.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns :data:`STUDY_COLUMNS`: the true `error` [-] of the test and whether it is `good`; of the
+        `judge` whether it `accepted` the test, and the error that it stated, `estimate` with its 90 % interval
+        `low` to `high` [-], where it states one; and whether the specimen `looks_nonlinear`, where the
+        recorded force was looked at (1 or 0). Tests that run away are not judged, since nobody takes them
+        for good.
+
+    Raises
+    ------
+    InputError
+        If the file holds another study or cannot be read.
+    """
+    table = _kept(kept, design.digest)
+    table = table[table["round"] < design.trials]
+    done = set(table["round"].tolist())
+    for number in range(design.trials):
+        if number not in done:
+            rows = pd.DataFrame(list(_round(design, number)), columns=list(STUDY_COLUMNS))
+            table = rows if table.empty else pd.concat([table, rows], ignore_index=True)
+            if kept is not None:
+                _write(table, kept)
+        progress(number + 1, design.trials)
+    return table
+
+
+def _kept(path: Path | None, digest: str) -> pd.DataFrame:
+    if path is None or not path.exists():
+        return pd.DataFrame(columns=list(STUDY_COLUMNS))
+    try:
+        table = pd.read_csv(path)
+    except (OSError, ValueError) as error:
+        raise InputError(
+            "The file of a study must be a table that an earlier run wrote",
+            value=str(error),
+            remedy="Name another file",
+            where=str(path),
+        ) from error
+    if list(table.columns) != list(STUDY_COLUMNS) or not (table["study"] == digest).all():
+        raise InputError(
+            "A study goes on in the file of the same study",
+            value="other motions, structures, errors, or another version",
+            remedy="Name another file",
+            where=str(path),
+        )
+    return table
+
+
+def _write(table: pd.DataFrame, path: Path) -> None:
+    unfinished = path.with_name(f".{path.name}")
+    try:
+        table.to_csv(unfinished, index=False)
+        unfinished.replace(path)
+    except OSError as error:
+        raise InputError(
+            "The study's file must be writable", value=error.strerror, remedy="Name another", where=str(path)
+        ) from error
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Bench:
+    """A ground motion with a structure under it."""
+
+    design: Design
+    record: Motion
+    structure: Structure
+    rng: np.random.Generator
+    judges: Mapping[str, ByIndices]
+
+    def run(self, rig: Rig, nonlinear: NonlinearSpecimen | None) -> Histories:
+        effects: tuple[Effect, ...] = rig.effects
+        if nonlinear is not None:
+            effects = (*effects, nonlinear.effect)
+        test = HybridTest(
+            structure=self.structure,
+            actuator=rig.actuator,
+            specimen=None if nonlinear is None else nonlinear.specimen(),
+            effects=effects,
+        )
+        with np.errstate(over="ignore", invalid="ignore"):
+            return run_closed_loop(
+                test, self.record.acceleration, self.record.time_step, compensator=rig.compensator
+            )
+
+
+def _round(design: Design, number: int) -> Iterator[dict[str, object]]:
+    place = number % len(design.motions)
+    motion = _cut(design.motions[place])
+    record = resample(motion, RATE_HZ)
+    without = design.learned_without[place] if design.learned_without else None
+    count = 0
+    for order, structure in enumerate(design.structures):
+        excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step)
+        bench = _Bench(
+            design=design,
+            record=record,
+            structure=structure,
+            rng=np.random.default_rng([design.seed, number, order]),
+            judges={
+                each.stated: ByIndices.of(excitation, each.structure(structure), design.question, without)
+                for each in {each.stated: each for each in CONDITIONS}.values()
+            },
+        )
+        kinds = [*product([LINEAR], range(len(RIGS))), *product(SPECIMENS, [_GAIN_AND_DELAY])]
+        for specimen, rig in kinds:
+            for row in _try(bench, specimen, rig):
+                head = {"study": design.digest, "round": number, "motion": motion.name, "test": count}
+                yield {**head, "event": motion.event, **row}
+            count += 1
+
+
+def _cut(motion: Motion) -> Motion:
+    samples = int(LONGEST / motion.time_step) + 1
+    return replace(motion, acceleration=motion.acceleration[:samples])
+
+
+def _try(bench: _Bench, specimen: str, kind: int) -> Iterator[dict[str, object]]:
+    """Rows of one test; none where no size of the actuator gives a test that stays bounded."""
+    perfect = bench.run(Rig(name="perfect"), None).command
+    nonlinear = None
+    if specimen != LINEAR:
+        stiffness = bench.structure.experimental_fraction * bench.structure.circular_frequency**2
+        peak = float(np.abs(perfect.values[0]).max())
+        nonlinear = SPECIMENS[specimen](stiffness, peak, bench.rng)
+        perfect = bench.run(Rig(name="perfect"), nonlinear).command
+    ideal = perfect.values[0]
+    scales = Scales(
+        structure=bench.structure,
+        displacement=float(np.abs(ideal).max()),
+        velocity=float(np.abs(perfect.values[1]).max()),
+        duration=bench.record.duration,
+        step=bench.record.time_step,
+        lean=bench.rng.uniform(-1.0, 1.0),
+    )
+    simulated = _of_some_error(bench, kind, scales, nonlinear, ideal)
+    if simulated is None:
+        return
+    rig, histories, error = simulated
+    structure = bench.structure
+    row = {
+        "rig": rig.name,
+        "specimen": specimen,
+        "f": structure.frequency,
+        "xi": structure.damping_ratio,
+        "alpha": structure.experimental_fraction,
+        "error": error,
+        "good": error <= bench.design.threshold,
+    }
+    for condition in CONDITIONS if nonlinear is None else (PLAIN,):
+        said = {"sensor": condition.sensor, "stated": condition.stated}
+        for judgement, looks_nonlinear in _judged(bench, histories, condition, nonlinear):
+            yield {**row, **said, **vars(judgement), "looks_nonlinear": looks_nonlinear}
+
+
+def _of_some_error(
+    bench: _Bench, kind: int, scales: Scales, nonlinear: NonlinearSpecimen | None, ideal: Array
+) -> tuple[Rig, Histories, float] | None:
+    """Test whose error is near one that is drawn, evenly in its logarithm around the threshold."""
+    spread = np.log([_SMALLEST, _LARGEST])
+    aim = bench.design.threshold * float(np.exp(bench.rng.uniform(*spread)))
+    size, best = _STARTING_SIZE, None
+    for _ in range(_ATTEMPTS):
+        rig = RIGS[kind](size, scales)
+        histories = bench.run(rig, nonlinear)
+        piston = histories.piston.values[0]
+        error = response_error(piston, ideal, bench.design.metric) if np.isfinite(piston).all() else np.inf
+        if not np.isfinite(error):
+            size *= 0.25
+            continue
+        if best is None or abs(np.log(error / aim)) < abs(np.log(best[2] / aim)):
+            best = rig, histories, error
+        if error > 0.0 and abs(error / aim - 1.0) < _NEAR:
+            break
+        size *= float(np.clip(aim / error, 0.2, 5.0)) if error > 0.0 else 5.0
+    return best
+
+
+def _judged(
+    bench: _Bench, histories: Histories, condition: Condition, nonlinear: NonlinearSpecimen | None
+) -> Iterator[tuple[Judgement, float]]:
+    question, step = bench.design.question, bench.record.time_step
+    stated = condition.structure(bench.structure)
+    command = histories.command.values[0]
+    measured = condition.read(histories.piston.values[0], bench.rng)
+    error = rebuild(command, measured, step, stated, tolerances=condition.tolerances, draws=_DRAWS)
+    looks_nonlinear = np.nan
+    if condition.stated == RIGHT:
+        force = condition.read(histories.force, bench.rng)
+        seen = examine_specimen(error.histories.measured, force, step, stated.frequency)
+        looks_nonlinear = float(seen.nonlinear)
+    yield by_rebuilt_error(error, question), looks_nonlinear
+    yield by_verdict(error, question), looks_nonlinear
+    if nonlinear is not None:
+        modelled = _with_model(bench, command, measured, nonlinear)
+        yield by_rebuilt_error(modelled, question, WITH_MODEL), looks_nonlinear
+    for judgement in bench.judges[condition.stated].judge(command, measured, step):
+        yield judgement, looks_nonlinear
+
+
+def _with_model(bench: _Bench, command: Array, measured: Array, nonlinear: NonlinearSpecimen) -> RebuiltError:
+    """Rebuild with a model whose every parameter is off by about 1 %, and says so."""
+    effect, specimen = nonlinear.effect, nonlinear.specimen()
+    free = effect.values * np.array([parameter.units != "-" for parameter in effect.parameters])
+    values = effect.values + _MODEL_OFF * bench.rng.standard_normal(free.size) * free
+    stiffness = specimen.stiffness * (1.0 + _MODEL_OFF * bench.rng.standard_normal())
+    deviations = {
+        f"{effect.name}.{parameter.name}": _MODEL_OFF * abs(float(value))
+        for parameter, value in zip(effect.parameters, free, strict=True)
+    }
+    return rebuild_with_specimen(
+        command,
+        measured,
+        bench.record.time_step,
+        HybridTest(
+            structure=bench.structure,
+            specimen=replace(specimen, stiffness=stiffness),
+            effects=(effect.of(values),),
+        ),
+        deviations={**deviations, "stiffness_n_per_m": _MODEL_OFF * specimen.stiffness},
+        draws=_DRAWS,
+    )
