@@ -16,7 +16,7 @@ import xarray as xr
 import reliab
 from reliab.indices.window import Window
 from reliab.motions import Motion, load_motions
-from reliab.sweep import open_results, write_compact, write_ellipses
+from reliab.sweep import SweepRequest, open_results, write_compact, write_ellipses
 
 HERE = Path(__file__).parent
 FREQUENCIES = (0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0)
@@ -71,9 +71,15 @@ def rounded(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def joined(parts: Path, name: str, count: int) -> xr.Dataset:
-    """Join the parts of all motions."""
+    """Join the parts of all motions, which differ in the windows that a short record needs."""
     files = [xr.load_dataset(parts / f"{name}_{index:03d}.nc", engine="h5netcdf") for index in range(count)]
-    return xr.concat(files, dim="motion", data_vars="minimal", combine_attrs="drop_conflicts")
+    whole = xr.concat(files, dim="motion", data_vars="minimal", combine_attrs="drop_conflicts")
+    request = SweepRequest(
+        frequencies=FREQUENCIES,
+        damping_ratios=DAMPING_RATIOS,
+        windows=tuple(Window.parse(label) for label in WINDOWS),
+    )
+    return whole.assign_attrs(study_hash=request.digest())
 
 
 def main() -> None:
