@@ -56,6 +56,7 @@ _THINNED: Final = 16
 _DRAWS: Final = 16  # of the rebuilt error, whose value alone counts here
 _SEGMENT: Final = 8.0  # s, in which gain and delay over frequency are estimated
 _COHERENT: Final = 0.98
+_LEAST_POWER: Final = 1e-5  # of the command's strongest frequency, below which the window leaks
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -205,7 +206,8 @@ def mean_law() -> Dimensionless:
     chosen = ellipses.sel(threshold=_THRESHOLD, metric="rms", curve="ellipse")
     if "side" in chosen.dims:
         chosen = chosen.sel(side="lag")
-    a, b = (np.exp(np.log(chosen[name]).mean("motion")).transpose("f", "xi").values for name in ("a", "b"))
+    order = ("motion", "f", "xi")
+    a, b = (np.exp(np.log(chosen[name].transpose(*order).values).mean(axis=0)) for name in ("a", "b"))
     return Dimensionless.fit(chosen["f"].values, chosen["xi"].values, a, b)
 
 
@@ -279,7 +281,7 @@ def _resolved(run: Run, partition: Partition, motion: Motion) -> float:
     frequency, cross = csd(run.command, run.measured, fs=1.0 / run.step, nperseg=points)
     _, into = welch(run.command, fs=1.0 / run.step, nperseg=points)
     _, out = welch(run.measured, fs=1.0 / run.step, nperseg=points)
-    coherent = np.abs(cross) ** 2 > _COHERENT * into * out
+    coherent = (np.abs(cross) ** 2 > _COHERENT * into * out) & (into > _LEAST_POWER * into.max())
     coherent[0] = False
     known = frequency[coherent]
     ratio = cross[coherent] / into[coherent]

@@ -90,7 +90,8 @@ def pole_loop(partition: Partition, gain: Array, delay: Array, output: Array | N
             value=f"{partition.frame.size - start.size} overdamped modes",
             remedy="Reduce the damping, or the number of degrees of freedom",
         )
-    poles = np.stack([_followed(partition, complex(pole), gain, delay) for pole in start])
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # a pole that is not found runs away
+        poles = np.stack([_followed(partition, complex(pole), gain, delay) for pole in start])
     residues = _residues(partition, poles, gain, delay, output)
     rest, rest_time = _rest(partition, poles, residues, gain, delay, output)
     return PoleLoop(poles=poles, residues=residues, rest=rest, rest_time=rest_time)
@@ -181,9 +182,9 @@ def _rest(
     value = left.mean(axis=0).real
     slope = (left / s[:, np.newaxis]).mean(axis=0).real
     with np.errstate(divide="ignore", invalid="ignore"):
-        time = -slope / value
+        time = np.nan_to_num(-slope / value, nan=0.0, posinf=0.0, neginf=0.0)
     # The rest of a delay lags, that of a lead is ahead; one of another shape follows the ground at once.
-    sound = np.isfinite(time) & (time * delay > 0.0) & (np.abs(time) < 2.0 * np.abs(delay))
+    sound = (time * delay > 0.0) & (np.abs(time) < 2.0 * np.abs(delay))
     return np.asarray(np.nan_to_num(value)), np.where(sound, time, 0.0)
 
 
