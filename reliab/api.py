@@ -115,7 +115,7 @@ def simulate(
         grid=_one_of(grid, _GRIDS if test is None else _GRIDS_OF_DELAYS, "grid"),
         windows=tuple(Window.parse(text) for text in window),
         experimental_fraction=structure.experimental_fraction if structure else alpha,
-        engine=_one_of(engine, {each.value: each for each in Engine}, "engine"),
+        engine=_one_of(engine, {choice.value: choice for choice in Engine}, "engine"),
         model=test,
     )
     path = run_sweep(
@@ -188,7 +188,7 @@ def ellipses(
     >>> bool((found["a"].sel(threshold=0.10) > found["a"].sel(threshold=0.05)).all())
     True
     """
-    metrics = tuple(_one_of(name, {str(each): each for each in Metric}, "metric") for name in metric)
+    metrics = tuple(_one_of(name, {str(choice): choice for choice in Metric}, "metric") for name in metric)
     if isinstance(source, xr.Dataset):
         if first_order:
             raise InputError(
@@ -211,8 +211,8 @@ def ellipses(
         model=test,
         sides=(Side.LAG,) if test else tuple(Side),
     )
-    found = predict_ellipses if first_order else trace_ellipses
-    return found(source, request, progress=progress)
+    trace = predict_ellipses if first_order else trace_ellipses
+    return trace(source, request, progress=progress)
 
 
 def _hybrid_test(

@@ -33,9 +33,9 @@ class InputError(ReliabError, ValueError):
         self.remedy = remedy
         self.where = where
         place = f"{where}: " if where else ""
-        found = "" if value is None else f"; found {value}"
+        clause = "" if value is None else f"; found {value}"
         advice = f" {remedy}." if remedy else ""
-        super().__init__(f"{place}{rule}{found}.{advice}")
+        super().__init__(f"{place}{rule}{clause}.{advice}")
 
 
 class IncompleteError(ReliabError):

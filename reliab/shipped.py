@@ -48,7 +48,7 @@ def shipped(kind: str, name: str) -> Path:
         folder = _CHECKOUT / kind
     path = folder / name
     if not path.exists():
-        present = sorted(each.name for each in folder.glob("*") if each.name != "README.md")
+        present = sorted(entry.name for entry in folder.glob("*") if entry.name != "README.md")
         raise InputError(
             f"Nothing of that name ships among the {kind}",
             value=name,

@@ -132,7 +132,7 @@ def trace_contours(
             remedy="Give a fraction, 0.05 for 5 %",
         )
     sides = [side] * thresholds.size if isinstance(side, Side) else list(side)
-    sign = np.array([each.sign for each in sides])
+    sign = np.array([direction.sign for direction in sides])
     nowhere = np.zeros(0)
     contours = [Contour(amplitude=nowhere, delay=nowhere) for _ in thresholds]
     everyone = np.arange(thresholds.size)
@@ -166,14 +166,16 @@ def _trace(
     furthest = np.where(sign[owner] < 0.0, furthest_lead(structure, 1.0 + offset), np.inf)
     size, closed = _delays(error, thresholds, sign, (offset, owner), half_widths, structure, furthest)
     contours = []
-    for each, (below, above) in enumerate(half_widths):
-        here = owner == each
-        amplitude, delay, found = 1.0 + offset[here], sign[each] * size[here], closed[here]
+    for side, (below, above) in enumerate(half_widths):
+        here = owner == side
+        amplitude, delay, complete = 1.0 + offset[here], sign[side] * size[here], closed[here]
         tips = np.array([[1.0 - below, 1.0 + above], [0.0, 0.0]])
-        cut = np.stack([amplitude[~found], delay[~found]])
+        cut = np.stack([amplitude[~complete], delay[~complete]])
         contours.append(
             Contour(
-                amplitude=amplitude[found], delay=delay[found], corners=np.concatenate([tips, cut], axis=1)
+                amplitude=amplitude[complete],
+                delay=delay[complete],
+                corners=np.concatenate([tips, cut], axis=1),
             )
         )
     return contours

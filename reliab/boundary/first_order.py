@@ -97,7 +97,7 @@ def first_order_ellipse(excitation: Excitation, structure: Structure) -> FirstOr
     of_delay, _ = respond(excitation, lambda s: -s * to_gain(s))
     peak = peak_of_history(exact)
     duration = excitation.window_duration
-    by_gain, by_delay = (np.trapezoid(each**2, dx=step) / duration for each in (of_gain, of_delay))
+    by_gain, by_delay = (np.trapezoid(response**2, dx=step) / duration for response in (of_gain, of_delay))
     return FirstOrderEllipse(
         amplitude=float(peak**2 / by_gain), delay=float(_MILLISECONDS_SQUARED * peak**2 / by_delay)
     )

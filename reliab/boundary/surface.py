@@ -105,7 +105,7 @@ def _evaluate(
     surface: NDArray[np.int64],
 ) -> NDArray[np.float64]:
     """Bicubic patches by Horner's scheme; shape of the patches (surface, kp, tau, 4, 4)."""
-    found = np.empty(gain.size)
+    errors = np.empty(gain.size)
     for cell in range(gain.size):
         i = min(max(np.searchsorted(gain_edges, gain[cell], side="right") - 1, 0), gain_edges.size - 2)
         j = min(max(np.searchsorted(delay_edges, delay[cell], side="right") - 1, 0), delay_edges.size - 2)
@@ -115,5 +115,5 @@ def _evaluate(
         for row in range(4):
             along = ((patch[row, 0] * y + patch[row, 1]) * y + patch[row, 2]) * y + patch[row, 3]
             total = total * x + along
-        found[cell] = total
-    return found
+        errors[cell] = total
+    return errors

@@ -12,25 +12,25 @@ _STYLES = {"reliable": "bold green", "undecided": "bold yellow", "not_reliable":
 _PERCENT = 100.0
 
 
-def show_assessment(found: "Assessment") -> None:
+def show_assessment(assessment: "Assessment") -> None:
     """Print verdict, error, indices, and what to know.
 
     Parameters
     ----------
-    found : Assessment
+    assessment : Assessment
         What was found.
     """
-    summary = found.to_dict()
+    summary = assessment.to_dict()
     terminal = console()
-    terminal.print(_headline(found), style=_STYLES[summary["verdict"]], highlight=False)
+    terminal.print(_headline(assessment), style=_STYLES[summary["verdict"]], highlight=False)
     for reason in summary["reasons"]:
         terminal.print(reason, highlight=False, markup=False)
     for remedy in summary["would_decide"]:
         terminal.print(f"What would decide: {remedy}", highlight=False, markup=False)
-    terminal.print(_asked(found), highlight=False, markup=False)
+    terminal.print(_asked(assessment), highlight=False, markup=False)
     terminal.print(_errors(summary))
-    terminal.print(_indices(found, summary))
-    for sentence in _sentences(found, summary):
+    terminal.print(_indices(assessment, summary))
+    for sentence in _sentences(assessment, summary):
         terminal.print(sentence, highlight=False, markup=False)
     for warning in summary["warnings"]:
         terminal.print(f"Warning: {warning}", style="yellow", markup=False, highlight=False)
@@ -38,26 +38,29 @@ def show_assessment(found: "Assessment") -> None:
         terminal.print(f"Note: {note}", markup=False, highlight=False)
 
 
-def _headline(found: "Assessment") -> str:
+def _headline(assessment: "Assessment") -> str:
     from reliab.validation.assessment.doubts import ERROR_NAMES, probability_text
 
-    name = ERROR_NAMES[found.metric]
+    name = ERROR_NAMES[assessment.metric]
     return (
-        f"{found.verdict.word.shout}: {name} is {found.error.of(found.metric).value:.2%} against "
-        f"{found.criterion.threshold:.3g}, probability {probability_text(found.probability)} of staying below"
+        f"{assessment.verdict.word.shout}: {name} is {assessment.error.of(assessment.metric).value:.2%} "
+        "against "
+        f"{assessment.criterion.threshold:.3g}, probability {probability_text(assessment.probability)} of "
+        "staying below"
     )
 
 
-def _asked(found: "Assessment") -> str:
+def _asked(assessment: "Assessment") -> str:
     from reliab.validation.assessment.doubts import ERROR_NAMES
 
     stated = ", ".join(
-        f"{symbol} = {found.stated[name]}{unit}"
+        f"{symbol} = {assessment.stated[name]}{unit}"
         for name, symbol, unit in (("f", "f", " Hz"), ("xi", "ξ", ""), ("alpha", "α", ""))
     )
     return (
-        f"Structure {stated}; threshold {found.criterion.threshold:.3g} ({ERROR_NAMES[found.metric]}); "
-        f"window of the error: the test's own {found.recording.duration:.4g} s. RMS^R is the root mean "
+        f"Structure {stated}; threshold {assessment.criterion.threshold:.3g} "
+        f"({ERROR_NAMES[assessment.metric]}); "
+        f"window of the error: the test's own {assessment.recording.duration:.4g} s. RMS^R is the root mean "
         "square, MTE^R the largest value, of measured minus exact displacement, both over the peak of the "
         "exact displacement."
     )
@@ -82,18 +85,20 @@ def _errors(summary: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
     return shown
 
 
-def _indices(found: "Assessment", summary: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
+def _indices(assessment: "Assessment", summary: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
     against = (
-        f"{found.criterion.confidence:.0%} of ground motions, window {found.criterion.provenance.window}"
-        if found.own is None
-        else f"{found.own.motion}, {found.own.window[0]:.3g} to {found.own.window[1]:.4g} s of its record"
+        f"{assessment.criterion.confidence:.0%} of ground motions, window "
+        f"{assessment.criterion.provenance.window}"
+        if assessment.placement is None
+        else f"{assessment.placement.motion}, {assessment.placement.window[0]:.3g} to "
+        f"{assessment.placement.window[1]:.4g} s of its record"
     )
-    size = "no limits for leads" if found.index is None else f"{found.index:.3g} against 1"
+    size = "no limits for leads" if assessment.index is None else f"{assessment.index:.3g} against 1"
     shown = table(
-        f"By index: {found.verdict_by_index.word.shout.lower()}, {size} for {against}",
+        f"By index: {assessment.verdict_by_index.word.shout.lower()}, {size} for {against}",
         {"index": "left", "value": "right", "95 % interval": "left", "tolerable alone": "right"},
     )
-    a, b = found.limits
+    a, b = assessment.limits
     sign = "−" if summary["d_ms"] < 0.0 else ""
     shown.add_row(
         "A, amplitude", f"{summary['A']:.5f}", _range(summary["A_interval"], 5), f"1 ± {a**0.5:.5f}"
@@ -109,26 +114,28 @@ def _range(ends: list[float], digits: int) -> str:
     return f"{low:.{digits}f} … {high:.{digits}f}"
 
 
-def _sentences(found: "Assessment", summary: dict[str, Any]) -> Iterator[str]:
+def _sentences(assessment: "Assessment", summary: dict[str, Any]) -> Iterator[str]:
     from reliab.validation.assessment.doubts import probability_text
     from reliab.validation.assessment.error_of_test import PART_NAMES
 
-    if found.own is not None:
+    if assessment.placement is not None:
         yield (
-            f"A gain A and a delay d alone would err by {found.own.error:.2%} under {found.own.motion} "
-            f"({found.own.window[0]:.3g} to {found.own.window[1]:.4g} s of its record)."
+            f"A gain A and a delay d alone would err by {assessment.placement.error:.2%} under "
+            f"{assessment.placement.motion} "
+            f"({assessment.placement.window[0]:.3g} to {assessment.placement.window[1]:.4g} s of its record)."
         )
-    if found.index_probability is not None:
-        basis = "its own ground motion" if found.own is not None else "further ground motions"
+    if assessment.index_probability is not None:
+        basis = "its own ground motion" if assessment.placement is not None else "further ground motions"
         yield (
-            f"By A and d under {basis}: probability {probability_text(found.index_probability)} of staying "
+            f"By A and d under {basis}: probability {probability_text(assessment.index_probability)} of "
+            "staying "
             "below the threshold."
         )
-    for reason in found.verdict_by_index.would_decide:
+    for reason in assessment.verdict_by_index.would_decide:
         yield f"The index: {reason}"
     if summary["stability_margin"] is not None:
         yield f"Stability margin: {summary['stability_margin']:.0%} of the critical delay is free."
-    parts = found.error.parts
+    parts = assessment.error.parts
     remaining = parts.by_name[parts.first].remaining_rms
     yield (f"Improve first: {PART_NAMES[parts.first]}; without its part RMS^R would be {remaining:.2%}.")
     advice = summary["improve"]

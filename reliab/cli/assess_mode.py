@@ -140,7 +140,7 @@ def _parsed(text: Any, name: str) -> Any:  # noqa: ANN401 - one text or several
         return None
     if isinstance(text, str):
         return StatedValue.parse(text, f"value of --{name.replace('_', '-')}")
-    return [_parsed(each, name) for each in text]
+    return [_parsed(item, name) for item in text]
 
 
 def _unused(name: str, why: str) -> InputError:
@@ -168,7 +168,7 @@ def judge_test(demand: Demand) -> bool:
     recording = read_recording_of(demand)
     model = None if demand.model is None else _read_model(demand.model)
     stated, assumed = _stated(demand, recording, model)
-    found = assess(
+    assessment = assess(
         recording,
         Structure(
             frequency=stated["f"].value,
@@ -185,12 +185,12 @@ def judge_test(demand: Demand) -> bool:
         model=model,
         assumed=assumed,
     )
-    printed = write_json(found.to_dict(), demand.json_target)
+    printed = write_json(assessment.to_dict(), demand.json_target)
     if not printed:
-        show_assessment(found)
+        show_assessment(assessment)
     if demand.report is not None and demand.test is not None:
-        _write_report(found, demand.test, demand.report, demand.date)
-    return found.reliable
+        _write_report(assessment, demand.test, demand.report, demand.date)
+    return assessment.reliable
 
 
 def read_recording_of(demand: Demand) -> "Recording":
@@ -278,7 +278,7 @@ def _read_motion(path: Path) -> "Motion":
     return read_motion(path)
 
 
-def _write_report(found: "Assessment", test: Path, report: Path, date: datetime | None) -> None:
+def _write_report(assessment: "Assessment", test: Path, report: Path, date: datetime | None) -> None:
     import hashlib
 
     from reliab.report import write_pdf
@@ -289,7 +289,7 @@ def _write_report(found: "Assessment", test: Path, report: Path, date: datetime 
         "file, SHA-256": hashlib.sha256(test.read_bytes()).hexdigest(),
     }
     write_pdf(
-        assessment_report(found, provenance=provenance),
+        assessment_report(assessment, provenance=provenance),
         report,
         date=(date or datetime.now(tz=UTC)).date(),
     )

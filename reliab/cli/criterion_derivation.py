@@ -229,5 +229,5 @@ def check_room(dataset: "xr.Dataset") -> None:
 
 def _default_thresholds(dataset: "xr.Dataset") -> list[float]:
     """Take 5 % where it is there, or all that is."""
-    there: list[float] = dataset["threshold"].values.tolist()
-    return [FIVE_PERCENT] if FIVE_PERCENT in there else there
+    stored: list[float] = dataset["threshold"].values.tolist()
+    return [FIVE_PERCENT] if FIVE_PERCENT in stored else stored

@@ -102,11 +102,11 @@ def _plane(dataset: "xr.Dataset", alike: "Sequence[Criterion]", f: float, xi: fl
         curve=first.provenance.curve,
     )
     named = {}
-    for each in alike:
-        a, b = (float(limit) for limit in each.limits(f, xi))
+    for criterion in alike:
+        a, b = (float(limit) for limit in criterion.limits(f, xi))
         if a > 0.0 and b > 0.0:
-            stated = f"{each.law.name}, stated for " if each.population is None else ""
-            named[f"{stated}{percent(each.confidence)} of motions"] = (a, b)
+            stated = f"{criterion.law.name}, stated for " if criterion.population is None else ""
+            named[f"{stated}{percent(criterion.confidence)} of motions"] = (a, b)
     drawn = ellipses_and_criterion(sample, named)
     if not first.provenance.settings.get("converged", True):
         drawn.axes[0].set_title("POSTERIOR NOT CONVERGED: not to be relied on", color=VERMILION)

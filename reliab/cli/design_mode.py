@@ -39,11 +39,11 @@ def state_tolerances(demand: "Demand") -> None:
             criterion=criterion,
         )
 
-    rows = tolerances([_exact(each, "f") for each in demand.f or [StatedValue(ONE_HERTZ)]])
+    rows = tolerances([_exact(frequency, "f") for frequency in demand.f or [StatedValue(ONE_HERTZ)]])
     chart = tolerances(chart_frequencies(criterion))
     if demand.figure is not None:
         _draw(chart, demand.figure)
-    content = {"design": [each.to_dict() for each in rows], "chart": [each.to_dict() for each in chart]}
+    content = {"design": [row.to_dict() for row in rows], "chart": [row.to_dict() for row in chart]}
     if not write_json(content, demand.json_target):
         _show_design(rows, chart)
 
@@ -82,19 +82,19 @@ def _show_design(rows: "list[Tolerance]", chart: "list[Tolerance]") -> None:
             "right",
         ),
     )
-    for each in rows:
-        amplitude, delay = each.both
+    for tolerance in rows:
+        amplitude, delay = tolerance.both
         shown.add_row(
-            f"{each.frequency:g}{'*' if each.outside_validity else ''}",
-            f"{each.confidence:.0%}",
-            f"{each.amplitude_error:.4f}",
-            f"{_MILLISECONDS * each.delay:.3f}",
+            f"{tolerance.frequency:g}{'*' if tolerance.outside_validity else ''}",
+            f"{tolerance.confidence:.0%}",
+            f"{tolerance.amplitude_error:.4f}",
+            f"{_MILLISECONDS * tolerance.delay:.3f}",
             f"{amplitude:.4f}",
             f"{_MILLISECONDS * delay:.3f}",
         )
     terminal = console()
     terminal.print(shown)
-    if any(each.outside_validity for each in rows):
+    if any(tolerance.outside_validity for tolerance in rows):
         terminal.print(
             "Note: * lies outside of the criterion's validity and is carried over by dimensionless errors."
         )
@@ -103,16 +103,16 @@ def _show_design(rows: "list[Tolerance]", chart: "list[Tolerance]") -> None:
 
 def _show_chart(chart: "list[Tolerance]", terminal: Any) -> None:  # noqa: ANN401 - Rich's console
     """Bars of the tolerable delay over the frequency at one confidence, the longest being the widest."""
-    confidence = min((each.confidence for each in chart), key=lambda value: abs(value - _NINETY_FIVE))
-    chosen = [each for each in chart if each.confidence == confidence]
-    longest = max(each.delay for each in chosen)
+    confidence = min((point.confidence for point in chart), key=lambda value: abs(value - _NINETY_FIVE))
+    chosen = [point for point in chart if point.confidence == confidence]
+    longest = max(point.delay for point in chosen)
     shown = table(
         f"Over the frequency, at {confidence:.0%}",
         {"f [Hz]": "right", "|A − 1| alone": "right", "d alone [ms]": "right", "d": "left"},
     )
-    for each in chosen:
-        bar = "█" * max(round(_BAR * each.delay / longest), 1)
+    for point in chosen:
+        bar = "█" * max(round(_BAR * point.delay / longest), 1)
         shown.add_row(
-            f"{each.frequency:g}", f"{each.amplitude_error:.4f}", f"{_MILLISECONDS * each.delay:.3f}", bar
+            f"{point.frequency:g}", f"{point.amplitude_error:.4f}", f"{_MILLISECONDS * point.delay:.3f}", bar
         )
     terminal.print(shown)

@@ -50,12 +50,12 @@ def diagnose(
     if out is not None:
         _make(out)
     with progress_bar("Searching the blocks") as progress:
-        found = diagnose_campaign(measured, progress=progress)
+        diagnosis = diagnose_campaign(measured, progress=progress)
     quiet = json_target == "-"
     if not quiet:
-        console().print(f"{found.campaign.name}: {found.verdict}. {_SENTENCES[found.verdict]}")
+        console().print(f"{diagnosis.campaign.name}: {diagnosis.verdict}. {_SENTENCES[diagnosis.verdict]}")
     with progress_bar("Sampling posteriors") as progress:
-        addition = add(found, out=out, progress=progress)
+        addition = add(diagnosis, out=out, progress=progress)
     content = addition.as_dict()
     if out is not None:
         write_json(content, str(out / RESULT_FILE))
@@ -93,30 +93,30 @@ def _report(addition: "Addition", campaign: Path, out: Path) -> None:
     write_pdf(document, out / REPORT_FILE, date=datetime.fromtimestamp(newest, tz=UTC).date())
 
 
-def _show(found: "Diagnosis") -> None:
+def _show(diagnosis: "Diagnosis") -> None:
     """Print places, effects and proof."""
     screen = console()
-    if found.where:
+    if diagnosis.where:
         places = table("Where the calibrated model fails", _WHERE)
-        for one in found.where:
-            share, p_value = f"{one.share_of_residual:.0%}", f"{one.p_value:.0e}"
-            places.add_row(one.block, one.channel, one.kind, share, p_value, one.test)
+        for finding in diagnosis.where:
+            share, p_value = f"{finding.share_of_residual:.0%}", f"{finding.p_value:.0e}"
+            places.add_row(finding.block, finding.channel, finding.kind, share, p_value, finding.test)
         screen.print(places)
-    _show_effects(found)
-    for block in found.blocks:
+    _show_effects(diagnosis)
+    for block in diagnosis.blocks:
         if block.unknown is not None:
             what = block.unknown.expression or block.unknown.description
             screen.print(f"Unknown effect in the {block.unknown.block}: {what}")
-    for remark in found.remarks:
+    for remark in diagnosis.remarks:
         screen.print(remark)
-    for block in found.blocks:
+    for block in diagnosis.blocks:
         screen.print(_proved(block))
 
 
-def _show_effects(found: "Diagnosis") -> None:
+def _show_effects(diagnosis: "Diagnosis") -> None:
     """Print the effects with their parameters, and the error with and without each."""
     screen = console()
-    effects = (*found.effects, *found.doubtful)
+    effects = (*diagnosis.effects, *diagnosis.doubtful)
     if effects:
         names = table("What is missing", _EFFECTS)
         for effect in effects:

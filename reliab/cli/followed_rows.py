@@ -145,13 +145,13 @@ def rows_of(
     InputError
         If there is no header, a row has another number of columns, or a cell is no finite number.
     """
-    left, number = b"", 0
+    remainder, number = b"", 0
     layout: _Layout | None = None
     for piece in pieces:
         if not piece:
-            left = b""
+            remainder = b""
             continue
-        *whole, left = (left + piece).split(b"\n")
+        *whole, remainder = (remainder + piece).split(b"\n")
         lines = []
         for raw in whole:
             number += 1

@@ -52,32 +52,32 @@ def judge_frame_test(demand: Demand, structure: Path) -> bool:
         raise InputError("The metric is rms or mte", value=demand.metric, remedy="Choose one of these")
     lag = (demand.feedback_lag or StatedValue(0.0)).value
     frame = read_frame(structure)
-    found = assess_frame(
+    assessment = assess_frame(
         read_recording_of(demand),
         frame,
         threshold=FIVE_PERCENT if demand.threshold is None else demand.threshold,
         metric=Metric(demand.metric or "rms"),
         feedback_lag=1e-3 * lag,
     )
-    content = found.to_dict()
+    content = assessment.to_dict()
     if not write_json(content, demand.json_target):
-        _show(found)
+        _show(assessment)
     return bool(content["reliable"])
 
 
-def _show(found: "FrameAssessment") -> None:
-    judged = found.error.estimate(found.metric)
+def _show(assessment: "FrameAssessment") -> None:
+    judged = assessment.error.estimate(assessment.metric)
     rows = {
-        "verdict": found.word.shout,
-        f"error, {found.metric}": f"{100 * judged.value:.2f} %",
+        "verdict": assessment.word.shout,
+        f"error, {assessment.metric}": f"{100 * judged.value:.2f} %",
         "90 % interval": f"{100 * judged.low:.2f} to {100 * judged.high:.2f} %",
-        f"probability below {100 * found.threshold:g} %": f"{found.probability:.3f}",
-        "A": f"{found.tracking.amplitude:.4f}",
-        "d": f"{1e3 * found.tracking.equivalent_delay:.3f} ms",
-        "critical delay": f"{1e3 * found.critical_delay:.3f} ms",
-        "stability margin": f"{found.stability_margin:.3f}",
+        f"probability below {100 * assessment.threshold:g} %": f"{assessment.probability:.3f}",
+        "A": f"{assessment.tracking.amplitude:.4f}",
+        "d": f"{1e3 * assessment.tracking.equivalent_delay:.3f} ms",
+        "critical delay": f"{1e3 * assessment.critical_delay:.3f} ms",
+        "stability margin": f"{assessment.stability_margin:.3f}",
     }
-    shown = table(f"Test of {found.frame.name}", {"": "left", "value": "left"})
+    shown = table(f"Test of {assessment.frame.name}", {"": "left", "value": "left"})
     for name, value in rows.items():
         shown.add_row(name, value)
     console().print(shown)

@@ -105,10 +105,10 @@ def table(title: str, headings: Mapping[str, str]) -> Table:
     rich.table.Table
         The empty table.
     """
-    made = Table(title=title, box=box.SIMPLE, padding=(0, 1, 0, 0), title_justify="left")
+    rich_table = Table(title=title, box=box.SIMPLE, padding=(0, 1, 0, 0), title_justify="left")
     for heading, justify in headings.items():
-        made.add_column(Text(heading), justify=justify, no_wrap=True)  # type: ignore[arg-type]
-    return made
+        rich_table.add_column(Text(heading), justify=justify, no_wrap=True)  # type: ignore[arg-type]
+    return rich_table
 
 
 def write_json(content: Mapping[str, Any], target: str | None) -> bool:

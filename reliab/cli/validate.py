@@ -218,7 +218,7 @@ def _refuse_beside(option: str, values: dict[str, object], used: tuple[str, ...]
         idle = name not in {*used, "case", "json_target"} and values[name] != parameter.default
         if idle:
             raise InputError(
-                f"{option} takes {' and '.join(f'--{each}' for each in used)} alone",
+                f"{option} takes {' and '.join(f'--{option_name}' for option_name in used)} alone",
                 value=f"--{name.replace('_', '-')} beside it",
                 remedy="Leave it out",
             )
@@ -231,11 +231,11 @@ def _require_structures(dataset: "xr.Dataset", f: list[float] | None, xi: list[f
     for name, wanted in (("f", f), ("xi", xi)):
         held = dataset[name].values.tolist()
         for value in wanted or []:
-            if not any(math.isclose(value, each, rel_tol=1e-9) for each in held):
+            if not any(math.isclose(value, stored, rel_tol=1e-9) for stored in held):
                 raise InputError(
                     "Stored boundaries are judged at the structures that they hold",
                     value=f"--{name} {value:g}",
-                    remedy=f"Choose among {', '.join(f'{each:g}' for each in held)}, or give --motions",
+                    remedy=f"Choose among {', '.join(f'{stored:g}' for stored in held)}, or give --motions",
                 )
 
 

@@ -26,9 +26,9 @@ _TELLS = {
 _OTHERWISE = "A test with another input, stronger and with a wider band, on all four channels would tell"
 
 
-def telling_test(one: str, other: str) -> str:
+def telling_test(effect: str, rival: str) -> str:
     """Return the test that would tell two effects apart, as a sentence without its final full stop."""
-    pair = {str(one), str(other)}
+    pair = {str(effect), str(rival)}
     return next((text for names, text in _TELLS.items() if {str(n) for n in names} == pair), _OTHERWISE)
 
 
@@ -52,8 +52,8 @@ def remark(name: str, probability: float, rival: tuple[str, float] | None) -> st
     words = name.replace("_", " ")
     if rival is None:
         return f"The data hint at {words} without settling it. {_OTHERWISE}."
-    other = rival[0].replace("_", " ")
+    rival_name = rival[0].replace("_", " ")
     return (
-        f"The data do not tell {words} ({probability:.0%}) from {other} ({rival[1]:.0%}). "
+        f"The data do not tell {words} ({probability:.0%}) from {rival_name} ({rival[1]:.0%}). "
         f"{telling_test(name, rival[0])}."
     )

@@ -53,15 +53,15 @@ def diagnose(campaign: Campaign, *, progress: Progress = silent) -> Diagnosis:
     kinds = _observed(campaign)
     motions = motions_of(campaign)
     scales = scales_of(campaign, motions)
-    found: list[BlockDiagnosis] = []
+    diagnoses: list[BlockDiagnosis] = []
     # Products are small and fits run side by side: threads of their own would only wait for each other.
     with threadpool_limits(limits=1, user_api="blas"):
         for done, kind in enumerate(kinds):
             progress(done, len(kinds))
-            block = _block(kind, campaign, scales, motions, found)
-            found.append(_examined(block, campaign))
+            block = _block(kind, campaign, scales, motions, diagnoses)
+            diagnoses.append(_examined(block, campaign))
     progress(len(kinds), len(kinds))
-    return Diagnosis(campaign=campaign, blocks=tuple(found))
+    return Diagnosis(campaign=campaign, blocks=tuple(diagnoses))
 
 
 def _observed(campaign: Campaign) -> list[type[ObservedBlock]]:
@@ -92,7 +92,7 @@ def _block(
     campaign: Campaign,
     scales: Scales,
     motions: tuple[Motion3, ...],
-    found: Sequence[BlockDiagnosis],
+    diagnoses: Sequence[BlockDiagnosis],
 ) -> ObservedBlock:
     if kind is ActuatorBlock:
         return ActuatorBlock(campaign, scales)
@@ -100,8 +100,8 @@ def _block(
         return BalanceBlock(campaign, scales)
     if kind is LoopBlock:
         return LoopBlock(campaign, scales, motions)
-    if found:
-        return SpecimenBlock(campaign, scales, _pistons(found[0]))
+    if diagnoses:
+        return SpecimenBlock(campaign, scales, _pistons(diagnoses[0]))
     return SpecimenBlock(campaign, scales, motions, smoothed=True)
 
 

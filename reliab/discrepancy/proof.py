@@ -15,14 +15,14 @@ from reliab.loop.effects import Effect
 Array = NDArray[np.float64]
 
 
-def residuals(proof: Problem, one: Fit, *, without: Sequence[type[Effect]] = ()) -> dict[int, Array]:
+def residuals(proof: Problem, fitted: Fit, *, without: Sequence[type[Effect]] = ()) -> dict[int, Array]:
     """Measured minus predicted channel on held-out tests.
 
     Parameters
     ----------
     proof : Problem
         The held-out stretches.
-    one : Fit
+    fitted : Fit
         A model fitted to the other tests.
     without : sequence of type, optional
         Offsets that count as effects and are therefore left out.
@@ -32,21 +32,21 @@ def residuals(proof: Problem, one: Fit, *, without: Sequence[type[Effect]] = ())
     dict of int to numpy.ndarray
         By index of the test, over the whole test.
     """
-    return proof.residuals(one.space, one.space.neutralised(one.coordinates, without))
+    return proof.residuals(fitted.space, fitted.space.neutralised(fitted.coordinates, without))
 
 
-def held_out_nrmse(proof: Problem, left: dict[int, Array]) -> float:
+def held_out_nrmse(proof: Problem, residual: dict[int, Array]) -> float:
     """RMS of residuals over RMS of the signal, over all held-out stretches."""
-    return float(np.sqrt(_energy(proof, left) / _signal_energy(proof)))
+    return float(np.sqrt(_energy(proof, residual) / _signal_energy(proof)))
 
 
-def errors_by_test(proof: Problem, left: dict[int, Array]) -> dict[str, float]:
+def errors_by_test(proof: Problem, residual: dict[int, Array]) -> dict[str, float]:
     """RMS of residuals over RMS of the signal in each held-out test, by file."""
     values = {}
     for test in dict.fromkeys(segment.test for segment in proof.segments):
-        own = [segment for segment in proof.segments if segment.test == test]
-        energy = sum(float((_cut(s, left[test]) ** 2).sum()) for s in own)
-        signal = sum(float((_cut(s, proof.block.measured(test)) ** 2).sum()) for s in own)
+        segments = [segment for segment in proof.segments if segment.test == test]
+        energy = sum(float((_cut(s, residual[test]) ** 2).sum()) for s in segments)
+        signal = sum(float((_cut(s, proof.block.measured(test)) ** 2).sum()) for s in segments)
         values[proof.block.tests[test].file] = float(np.sqrt(energy / max(signal, 1e-300)))
     return values
 
@@ -78,7 +78,7 @@ def gap(proof: Problem, before: dict[int, Array], after: dict[int, Array]) -> Ga
         channel=str(block.channel),
         before=held_out_nrmse(proof, before),
         after=held_out_nrmse(proof, after),
-        floors={str(one.source): float(np.sqrt(one.mean_square / unit)) for one in known},
+        floors={str(floor.source): float(np.sqrt(floor.mean_square / unit)) for floor in known},
         tests_before=errors_by_test(proof, before),
         tests_after=errors_by_test(proof, after),
     )
@@ -88,8 +88,8 @@ def _cut(segment: Segment, values: Array) -> Array:
     return values[segment.begin : segment.end]
 
 
-def _energy(proof: Problem, left: dict[int, Array]) -> float:
-    return sum(float((_cut(segment, left[segment.test]) ** 2).sum()) for segment in proof.segments)
+def _energy(proof: Problem, residual: dict[int, Array]) -> float:
+    return sum(float((_cut(segment, residual[segment.test]) ** 2).sum()) for segment in proof.segments)
 
 
 def _signal_energy(proof: Problem) -> float:

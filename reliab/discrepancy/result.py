@@ -111,7 +111,7 @@ class MissingEffect:
             "name": self.name,
             "block": str(self.effect.block),
             "probability": self.probability,
-            "parameters": {one.name: one.as_dict() for one in self.estimates},
+            "parameters": {estimate.name: estimate.as_dict() for estimate in self.estimates},
             "rivals": [rival.as_dict() for rival in self.rivals],
             "held_out_nrmse_with": self.error_with,
             "held_out_nrmse_without": self.error_without,
@@ -336,7 +336,7 @@ class BlockDiagnosis:
             "unexplained_share": self.gap.unexplained_share,
             "residual_is_noise": self.leaves_noise,
             "structured_share": self.structured_share,
-            "calibration": {one.name: one.as_dict() for one in self.calibration},
+            "calibration": {estimate.name: estimate.as_dict() for estimate in self.calibration},
             "further_test": None if self.further is None else self.further.as_dict(),
             "posterior_converged": self.converged,
         }
@@ -363,17 +363,17 @@ class Diagnosis:
     @property
     def effects(self) -> tuple[MissingEffect, ...]:
         """Effects that are named in any block."""
-        return tuple(effect for one in self.blocks for effect in one.effects)
+        return tuple(effect for diagnosed in self.blocks for effect in diagnosed.effects)
 
     @property
     def doubtful(self) -> tuple[MissingEffect, ...]:
         """Effects that the data cannot tell from others."""
-        return tuple(effect for one in self.blocks for effect in one.doubtful)
+        return tuple(effect for diagnosed in self.blocks for effect in diagnosed.doubtful)
 
     @property
     def unknown(self) -> Unknown | None:
         """What is none of the library, in the first block that has it."""
-        return next((one.unknown for one in self.blocks if one.unknown is not None), None)
+        return next((diagnosed.unknown for diagnosed in self.blocks if diagnosed.unknown is not None), None)
 
     @property
     def verdict(self) -> Verdict:
@@ -387,13 +387,15 @@ class Diagnosis:
     @property
     def gap(self) -> Gap:
         """The gap in the block where it was widest over what is left of it."""
-        return max((one.gap for one in self.blocks), key=lambda gap: gap.before / max(gap.after, 1e-300))
+        return max(
+            (diagnosed.gap for diagnosed in self.blocks), key=lambda gap: gap.before / max(gap.after, 1e-300)
+        )
 
     @property
     def where(self) -> tuple[Finding, ...]:
         """All findings, the least probable under noise first."""
-        found = [finding for one in self.blocks for finding in one.findings]
-        return tuple(sorted(found, key=lambda finding: (finding.p_value, -finding.share_of_residual)))
+        findings = [finding for diagnosed in self.blocks for finding in diagnosed.findings]
+        return tuple(sorted(findings, key=lambda finding: (finding.p_value, -finding.share_of_residual)))
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -418,7 +420,7 @@ class Diagnosis:
             "effects": [effect.as_dict() for effect in (*self.effects, *self.doubtful)],
             "unknown": None if unknown is None else unknown.as_dict(),
             "gap": self.gap.as_dict(),
-            "blocks": [one.as_dict() for one in self.blocks],
+            "blocks": [diagnosed.as_dict() for diagnosed in self.blocks],
             "criterion_shift": self.criterion_shift,
             "remarks": list(self.remarks),
         }

@@ -82,7 +82,7 @@ class Cells:
         return self._recursions(block_length(self.structure))
 
     def _recursions(self, step: float) -> list[Recursion]:
-        return [each for place, loop in self.reduced for each in recursions(loop, step, place)]
+        return [recursion for place, loop in self.reduced for recursion in recursions(loop, step, place)]
 
     @cached_property
     def reduction(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -94,5 +94,5 @@ class Cells:
         if len(parts) == 1:
             return parts[0]
         order = np.argsort(np.concatenate([place for place, _ in self.reduced]))
-        lost, sought = (np.concatenate(each, axis=1)[:, order] for each in zip(*parts, strict=True))
+        lost, sought = (np.concatenate(part, axis=1)[:, order] for part in zip(*parts, strict=True))
         return lost, sought

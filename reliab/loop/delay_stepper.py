@@ -190,12 +190,12 @@ def deviation(
     tracks = np.empty((TRACKS, gain.size))
     cells = coefficients(structure, gain, delay, blocks.step)
     reach = np.floor(delay / blocks.step).astype(np.int64)
-    for each in np.unique(reach):
-        alike = np.flatnonzero(reach == each)
+    for span in np.unique(reach):
+        alike = np.flatnonzero(reach == span)
         for first in range(0, alike.size, LANES):
             lanes = alike[first : first + LANES]
             filled = np.append(lanes, np.repeat(lanes[-1], LANES - lanes.size))
-            tracks[:, lanes] = _run(blocks, cells[:, filled], int(each), np.empty((2, 0)))[:, : lanes.size]
+            tracks[:, lanes] = _run(blocks, cells[:, filled], int(span), np.empty((2, 0)))[:, : lanes.size]
     return summary(tracks, blocks.intervals, blocks.ideal_peak)
 
 

@@ -147,8 +147,8 @@ class EffectLoop:
         pairs = zip(cells.gain.tolist(), cells.delay.tolist(), strict=True)
         actuators = [Actuator(gain=gain, delay=delay) for gain, delay in pairs]
         with ThreadPoolExecutor() as pool, np.errstate(over="ignore", invalid="ignore"):
-            found = np.array(list(pool.map(statistics, actuators)), dtype=np.float64).reshape(-1, 2)
-        return Deviation(mean_square=found[:, 0], peak=found[:, 1], ideal_peak=peak_of_history(exact))
+            errors = np.array(list(pool.map(statistics, actuators)), dtype=np.float64).reshape(-1, 2)
+        return Deviation(mean_square=errors[:, 0], peak=errors[:, 1], ideal_peak=peak_of_history(exact))
 
     def at_rest(self) -> Deviation:
         """Deviation of an actuator that does not move: that of nothing from the perfect rig's response."""

@@ -166,26 +166,26 @@ class Loop:
         if len(parts) == 1:
             (part,) = parts
             return pole_recursion.deviation(self.blocks, part.coefficients, ahead=part.ahead)
-        found = Deviation(
+        deviation = Deviation(
             mean_square=np.empty(cells.gain.size),
             peak=np.empty(cells.gain.size),
             ideal_peak=self.blocks.ideal_peak,
         )
         for part in parts:
             strayed = pole_recursion.deviation(self.blocks, part.coefficients, ahead=part.ahead)
-            found.mean_square[part.cells], found.peak[part.cells] = strayed.mean_square, strayed.peak
-        return found
+            deviation.mean_square[part.cells], deviation.peak[part.cells] = strayed.mean_square, strayed.peak
+        return deviation
 
     def _mixed(self, cells: Cells, reducible: NDArray[np.bool_], rough: NDArray[np.bool_]) -> Deviation:
         """Reduce the loop where that is good enough, and solve the delay equation elsewhere."""
-        found = self._reduced(cells)
-        off_scale = found.mean_square > (_OFF_SCALE * found.ideal_peak) ** 2
+        deviation = self._reduced(cells)
+        off_scale = deviation.mean_square > (_OFF_SCALE * deviation.ideal_peak) ** 2
         again = ~(reducible | (rough & off_scale))
         for which in (again & ~cells.leads, again & cells.leads):
             if which.any():
                 exact = self._unreduced(cells.gain[which], cells.delay[which])
-                found.mean_square[which], found.peak[which] = exact.mean_square, exact.peak
-        return found
+                deviation.mean_square[which], deviation.peak[which] = exact.mean_square, exact.peak
+        return deviation
 
     def _unreduced(self, gain: NDArray[np.float64], delay: NDArray[np.float64]) -> Deviation:
         """Solve the whole loop for actuators that are all late, or all early."""

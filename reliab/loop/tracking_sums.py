@@ -106,18 +106,20 @@ class TrackedCells:
     def recursions(self) -> list[tuple[Recursion, NDArray[np.float64]]]:
         """Recursions of the measured displacement, each with the coefficients of the command's."""
         late, early = np.flatnonzero(self.delay >= 0.0), np.flatnonzero(self.delay < 0.0)
-        found: list[tuple[Recursion, NDArray[np.float64]]] = []
+        pairs: list[tuple[Recursion, NDArray[np.float64]]] = []
         if late.size:
             cells = self.structure, self.gain[late], self.delay[late]
             (measured,) = recursions(modal_loop(*cells), self.step, late)
-            found.append((measured, recursion(modal_loop(*cells, measured=False), self.step)))
+            pairs.append((measured, recursion(modal_loop(*cells, measured=False), self.step)))
         if early.size:
             loop = leading_loop(self.structure, self.gain[early], -self.delay[early])
             _, command = leading_recursion(loop.command(self.gain[early]), self.step)
             place = np.full(self.gain.size, -1)
             place[early] = np.arange(early.size)
-            found += [(each, command[:, place[each.cells]]) for each in recursions(loop, self.step, early)]
-        return found
+            pairs += [
+                (segment, command[:, place[segment.cells]]) for segment in recursions(loop, self.step, early)
+            ]
+        return pairs
 
 
 def tracking_sums(pair: QuadraturePair, cells: TrackedCells) -> TrackingSums:
@@ -137,7 +139,7 @@ def tracking_sums(pair: QuadraturePair, cells: TrackedCells) -> TrackingSums:
     """
     structure, step = cells.structure, cells.step
     memory = _MEMORY / (structure.damping_ratio * structure.circular_frequency)
-    straight, aside = (cut(each, structure, step=step) for each in (pair.straight, pair.turned))
+    straight, aside = (cut(block, structure, step=step) for block in (pair.straight, pair.turned))
     first = max(0, straight.before - int(memory / step))
     taper = np.sin(np.pi * np.arange(straight.left.size - straight.before) / straight.intervals) ** 4
     before = straight.before - first
@@ -146,9 +148,9 @@ def tracking_sums(pair: QuadraturePair, cells: TrackedCells) -> TrackingSums:
     for measured, command in cells.recursions:
         lines = straight.prolonged(measured.ahead)
         ahead = np.stack(lines)[:, first + measured.ahead :]
-        filled = tuple(fill_lanes(each, LANES) for each in (command, measured.coefficients))
+        filled = tuple(fill_lanes(lanes, LANES) for lanes in (command, measured.coefficients))
         parts = [
-            _accumulate(*ends, ahead, taper, before, *(each[:, at : at + LANES] for each in filled))
+            _accumulate(*ends, ahead, taper, before, *(lanes[:, at : at + LANES] for lanes in filled))
             for at in range(0, filled[0].shape[1], LANES)
         ]
         sums[:, measured.cells] = np.concatenate(parts, axis=1)[:, : measured.cells.size]

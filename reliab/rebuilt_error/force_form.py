@@ -111,10 +111,10 @@ def combined_reading(command: Array, measured: Array, felt: Array, time_step: fl
             value=f"a slope of {scale:.3g} of what the specimen's stiffness says",
             remedy="Check the sign of the force",
         )
-    told = (felt - zero) / scale
+    stated = (felt - zero) / scale
     noise = [
         estimate_noise(command, reading, time_step).white ** 2 + _TINY * float(reading @ reading)
-        for reading in (measured, told)
+        for reading in (measured, stated)
     ]
     weight = noise[1] / (noise[0] + noise[1])
-    return np.asarray(weight * measured + (1.0 - weight) * told)
+    return np.asarray(weight * measured + (1.0 - weight) * stated)

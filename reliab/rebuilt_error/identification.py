@@ -84,8 +84,8 @@ class Identification:
         return tuple(
             name
             for name, least in _MATTERS.items()
-            if (found := getattr(self, name)) is not None
-            and found.departs(least if name == "feedback_lag" else least * abs(found.stated))
+            if (estimate := getattr(self, name)) is not None
+            and estimate.departs(least if name == "feedback_lag" else least * abs(estimate.stated))
         )
 
 
@@ -160,12 +160,12 @@ class _Kernel:
         reach = max(round(_PERIODS_OF_KERNEL / (frequency * step)), 8)
         u = np.arange(-reach, reach + 1) / reach
         # φ = (1 − u²)⁶ and its derivatives by u
-        one = 1.0 - u**2
-        first = -12.0 * u * one**5
-        second = -12.0 * one**5 + 120.0 * u**2 * one**4
+        flank = 1.0 - u**2
+        first = -12.0 * u * flank**5
+        second = -12.0 * flank**5 + 120.0 * u**2 * flank**4
         per_time = 1.0 / (reach * step)
         return cls(
-            values=(one**6 / reach, first * per_time / reach, second * per_time**2 / reach),
+            values=(flank**6 / reach, first * per_time / reach, second * per_time**2 / reach),
             time_step=step,
             every=max(int(1.0 / (_PER_PERIOD * frequency * step)), 1),
         )

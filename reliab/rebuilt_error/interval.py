@@ -230,7 +230,7 @@ def sweep(histories: Histories, structure: WholeStructure, unknown: Unknown, dra
     points = _normal(len(deviations) + 1, draws, seed)
     drawn = dict(zip(deviations, points * np.array([*deviations.values(), 0.0])[:, np.newaxis], strict=False))
     band = np.zeros((2, thin.command.size))
-    found = _swept(thin, structure, drawn, points[-1] * unknown.error_at_start, band)
+    swept = _swept(thin, structure, drawn, points[-1] * unknown.error_at_start, band)
     mean = band[0] / draws
     deviation = np.sqrt(np.maximum(band[1] / draws - mean**2, 0.0))
     places = np.arange(histories.command.size) / every
@@ -240,9 +240,9 @@ def sweep(histories: Histories, structure: WholeStructure, unknown: Unknown, dra
     fine = _fine_statistics(histories, structure)
     scale = np.divide(fine, exact, out=np.ones(3), where=exact > 0.0)
     return Spread(
-        mean_square=found[:, 0] * scale[0],
-        peak=found[:, 1] * scale[1],
-        ideal_peak=found[:, 2] * scale[2],
+        mean_square=swept[:, 0] * scale[0],
+        peak=swept[:, 1] * scale[1],
+        ideal_peak=swept[:, 2] * scale[2],
         deviation=np.interp(places, np.arange(thin.command.size), deviation),
     )
 
@@ -408,7 +408,7 @@ def widenings(
         return float(ends[1] - ends[0])
 
     whole = width(unknown, share)
-    found = []
+    parts = []
     for name, deviation in unknown.deviations().items():
         if deviation > 0.0:
             without = width(_scaled(unknown, name, 0.0), share)
@@ -420,7 +420,7 @@ def widenings(
                     narrow = width(_scaled(unknown, name, middle), share) <= 0.5 * whole
                     low, high = (middle, high) if narrow else (low, middle)
                 half = low * deviation or None
-            found.append(
+            parts.append(
                 Widening(
                     name=name,
                     deviation=deviation,
@@ -432,7 +432,7 @@ def widenings(
     if share.deviation > 0.0:
         quiet = replace(share, in_square=np.zeros(1), in_peak=np.zeros(1))
         without = width(unknown, quiet)
-        found.append(
+        parts.append(
             Widening(
                 name="sensor_noise",
                 deviation=0.0,
@@ -442,7 +442,7 @@ def widenings(
             )
         )
     return tuple(
-        sorted((one for one in found if one.width_without < whole), key=lambda one: one.width_without)
+        sorted((part for part in parts if part.width_without < whole), key=lambda part: part.width_without)
     )
 
 

@@ -144,10 +144,10 @@ def estimate_noise(command: Array, measured: Array, time_step: float) -> SensorN
     """
     residual = measured - _followed(command, measured, time_step)
     frequency: Array = np.fft.rfftfreq(command.size, time_step)[1:].astype(np.float64)
-    left, moved = _periodogram(residual), _periodogram(command)
-    floor = float(np.median(left[left.size // 2 :])) / np.log(2.0)  # of an exponential distribution
-    left = np.minimum(left, _without_lines(left))
-    centre, mean, count = _binned(frequency, left)
+    power, moved = _periodogram(residual), _periodogram(command)
+    floor = float(np.median(power[power.size // 2 :])) / np.log(2.0)  # of an exponential distribution
+    power = np.minimum(power, _without_lines(power))
+    centre, mean, count = _binned(frequency, power)
     motion = _binned(frequency, moved)[1]
     ratio = float(mean[np.argmax(motion)] / motion.max())
     quiet = ratio * motion < _MOTION_LEFT * np.maximum(mean, floor)
@@ -168,8 +168,8 @@ def _followed(command: Array, measured: Array, step: float) -> Array:
     basis = np.stack([command, velocity, np.gradient(velocity, step)])
     rows = np.concatenate([basis, basis[:2] * place, np.ones((1, command.size))])
     rows /= np.maximum(np.abs(rows).max(axis=1, keepdims=True), np.finfo(float).tiny)
-    found = np.linalg.lstsq(rows @ rows.T, rows @ measured, rcond=1e-12)[0]
-    return np.asarray(found @ rows)
+    coefficients = np.linalg.lstsq(rows @ rows.T, rows @ measured, rcond=1e-12)[0]
+    return np.asarray(coefficients @ rows)
 
 
 def _periodogram(values: Array) -> Array:

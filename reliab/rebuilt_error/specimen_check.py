@@ -163,9 +163,9 @@ def _left_over(rows: Array, target: Array, half: NDArray[np.bool_]) -> float:
     scaled = rows / scale
     total = 0.0
     for fitted in (half, ~half):
-        some, other = scaled[:, fitted], scaled[:, ~fitted]
+        some, rest = scaled[:, fitted], scaled[:, ~fitted]
         normal = some @ some.T + _RIDGE * fitted.sum() * np.eye(scaled.shape[0])
         values = np.linalg.solve(normal, some @ target[fitted])
-        left = target[~fitted] - values @ other
-        total += float(left @ left)
+        residual = target[~fitted] - values @ rest
+        total += float(residual @ residual)
     return total

@@ -119,7 +119,7 @@ class _Writer:
             "tone": document.tone,
             "facts": [[literal(name), self._prose(text)] for name, text in document.facts.items() if text],
             "blocks": self._blocks(document.blocks),
-            "sources": [{"label": each.label, "text": literal(each.text)} for each in self._sources],
+            "sources": [{"label": source.label, "text": literal(source.text)} for source in self._sources],
             "provenance": [[literal(name), literal(text)] for name, text in document.provenance.items()],
             "sheet": document.sheet,
         }

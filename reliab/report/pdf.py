@@ -12,10 +12,10 @@ from typing import Any, Final, cast
 
 import typst
 
-from reliab.version import __version__
 from reliab.errors import InputError
 from reliab.report.content import files_of
 from reliab.report.document import Document
+from reliab.version import __version__
 
 _NAMES: Final = ("main.typ", "page.typ", "parts.typ", "table.typ")
 

@@ -184,7 +184,9 @@ def made_with(path: Path) -> dict[str, object]:
         Versions by package, under "packages"; where stages were run with different ones, by stage.
     """
     packages = {name: entry.get("packages", {}) for name, entry in _results(path).items()}
-    distinct = list({json.dumps(each, sort_keys=True): each for each in packages.values()}.values())
+    distinct = list(
+        {json.dumps(versions, sort_keys=True): versions for versions in packages.values()}.values()
+    )
     if not distinct:
         return {}
     return {"packages": distinct[0] if len(distinct) == 1 else packages}

@@ -114,7 +114,7 @@ def derivation(errors: ErrorsTable, criterion: CriterionTable) -> Stage:
             for threshold in errors.thresholds
         ]
         content = {
-            "criteria": [json.loads(each.to_json()) for part in derived for each in part.criteria],
+            "criteria": [json.loads(item.to_json()) for part in derived for item in part.criteria],
             "refusals": [sentence for part in derived for sentence in part.refusals],
         }
         text = json.dumps(content, ensure_ascii=False, allow_nan=False)
@@ -199,14 +199,14 @@ def judgement(study: CriterionStudy, material: Material, show: Show) -> Stage:
 def candidates(errors: ErrorsTable, criterion: CriterionTable) -> list[Candidate]:
     """Criteria that a study puts to the test; the first is its own, with its own law."""
     label = criterion.method if criterion.law == "table" else f"{criterion.method}, {criterion.law}"
-    own = Derived(
+    candidate = Derived(
         name=label,
         method=method_of(criterion.method),
         joint=criterion.joint,
         law=known(FITTED, criterion.law),
     )
     paper = Derived(name="quantile", method=Quantile(), joint=False)
-    judged: list[Candidate] = [own] if own == paper else [own, paper]
+    judged: list[Candidate] = [candidate] if candidate == paper else [candidate, paper]
     if (errors.thresholds[0], errors.metrics[0]) == _PAPER_ERROR:
         judged += [Printed(name=law.name, law=law) for law in OF_MANY_MOTIONS.values()]
     return judged

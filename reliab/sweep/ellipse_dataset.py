@@ -104,7 +104,7 @@ def ellipse_dataset(
     reasons = table[..., COLUMNS.index("no_ellipse")].astype(np.int8)
     flags = {
         "flag_values": np.array(list(NoEllipse), dtype=np.int8),
-        "flag_meanings": " ".join(each.name.lower() for each in NoEllipse),
+        "flag_meanings": " ".join(flag.name.lower() for flag in NoEllipse),
     }
     variables["no_ellipse"] = (ELLIPSE_DIMENSIONS, reasons, flags)
     if error_at_rest is not None:

@@ -110,7 +110,7 @@ def with_sides(dataset: xr.Dataset) -> xr.Dataset:
     """
     for name, value in ((Dimension.CURVE, CurveName.ELLIPSE), (Dimension.SIDE, Side.LAG)):
         if name not in dataset.dims:
-            within = [str(each) for each in dataset if Dimension.THRESHOLD in dataset[each].dims]
+            within = [str(variable) for variable in dataset if Dimension.THRESHOLD in dataset[variable].dims]
             wider = dataset[within].expand_dims({str(name): [str(value)]}, axis=-1)
             dataset = dataset.drop_vars([*within, str(name)], errors="ignore").merge(wider)
     return with_labels(dataset)

@@ -65,7 +65,10 @@ def predict_ellipses(
         bounds = request.window.bounds(motion.acceleration, motion.time_step)
         excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step, window=bounds)
         fits = [first_order_ellipse(excitation, structure) for structure in request.structures]
-        rows = [[(*fit.parameters(each), np.nan, 0.0, 0.0) for each in request.thresholds] for fit in fits]
+        rows = [
+            [(*fit.parameters(threshold), np.nan, 0.0, 0.0) for threshold in request.thresholds]
+            for fit in fits
+        ]
         structures = len(request.frequencies), len(request.damping_ratios)
         table = np.reshape(rows, (*structures, len(request.thresholds), 1, 1, 1, len(COLUMNS)))
         # To first order a lead spoils a test as much as a lag, and the boundary is an ellipse itself.
@@ -76,8 +79,8 @@ def predict_ellipses(
 
 
 def _check(request: EllipseRequest) -> None:
-    wrong = [str(each) for each in request.metrics if each != Metric.RMS]
-    wrong += [each.name for each in request.curves if not issubclass(each, Ellipse)]
+    wrong = [str(metric) for metric in request.metrics if metric != Metric.RMS]
+    wrong += [curve.name for curve in request.curves if not issubclass(curve, Ellipse)]
     wrong += ["a model with effects"] if request.model is not None else []
     if wrong:
         raise InputError(

@@ -117,7 +117,7 @@ class ResultsAccessor:
             stored = self._dataset[name].values
             if not np.isclose(stored, value, rtol=1e-9).any():
                 raise InputError(
-                    f"{name} must be among the simulated ones, {', '.join(f'{each:g}' for each in stored)}",
+                    f"{name} must be among the simulated ones, {', '.join(f'{x:g}' for x in stored)}",
                     value=value,
                     remedy="Choose one of these, or simulate that one",
                 )
@@ -174,7 +174,7 @@ class ResultsAccessor:
             )
             .load()
         )
-        floats = {name: each.astype(np.float64) for name, each in chosen.items() if name != "stable"}
+        floats = {name: values.astype(np.float64) for name, values in chosen.items() if name != "stable"}
         return with_labels(chosen.assign(floats).assign_coords(kp=gains, tau=delays))
 
     def nearest(self, *, f: float, xi: float, gain: float, delay: float) -> xr.Dataset:
@@ -221,11 +221,11 @@ class ResultsAccessor:
         """
         results = self.at_structure(f, xi)
         motions, tests = results.sizes["motion"], np.size(gain)
-        found = _surfaces(results[metric]).error(
+        errors = _surfaces(results[metric]).error(
             np.tile(gain, motions), np.tile(delay, motions), np.repeat(np.arange(motions), tests)
         )
         return xr.DataArray(
-            found.reshape(motions, tests),
+            errors.reshape(motions, tests),
             dims=("motion", "test"),
             coords={"motion": results["motion"], "event": results["event"]},
             attrs=results[metric].attrs,
@@ -267,7 +267,7 @@ class ResultsAccessor:
         results = self.at_structure(f, xi)
         structure = self.structure(f, xi)
         contours = _trace(results[metric], structure, [(threshold, side)])
-        return dict(zip(results["motion"].values.tolist(), (each[0] for each in contours), strict=True))
+        return dict(zip(results["motion"].values.tolist(), (contour[0] for contour in contours), strict=True))
 
     def ellipses(
         self,
@@ -317,7 +317,8 @@ class ResultsAccessor:
                 for k, metric in enumerate(metrics):
                     contours = _trace(results[metric], structure, pairs)
                     rows = [
-                        [[curve_row(each, curve) for curve in curves] for each in row] for row in contours
+                        [[curve_row(contour, curve) for curve in curves] for contour in row]
+                        for row in contours
                     ]
                     shape = sizes[0], len(thresholds), len(sides), len(curves), len(COLUMNS)
                     table[:, i, j, :, k] = np.reshape(rows, shape).swapaxes(2, 3)

@@ -97,12 +97,12 @@ def _solve_structure(
     cells = _cells(request.grid, structure)
     shape = (request.grid.gains(structure).size, request.grid.delays(structure).size)
     loop = loop_of(request.model, excitation, structure, request.engine)
-    found = loop.deviation(cells)
+    deviation = loop.deviation(cells)
     amplitude, delay = _evaluate(pair, request.grid, structure)
     with np.errstate(over="ignore"):  # a violently unstable cell becomes infinite on disk
         return {
-            "rms": relative_error(found, Metric.RMS).reshape(shape).astype(np.float32),
-            "mte": relative_error(found, Metric.MTE).reshape(shape).astype(np.float32),
+            "rms": relative_error(deviation, Metric.RMS).reshape(shape).astype(np.float32),
+            "mte": relative_error(deviation, Metric.MTE).reshape(shape).astype(np.float32),
             "A": amplitude.astype(np.float32),
             "d": delay.astype(np.float32),
             "stable": cells.stable.reshape(shape),
@@ -120,10 +120,12 @@ def _evaluate(
     """
     amplitude, equivalent = np.empty((2, grid.gains(structure).size, grid.delays(structure).size))
     for nodes in _nodes(grid, structure):
-        found = evaluate_sums(tracking_sums(pair, nodes.cells))
+        statistics = evaluate_sums(tracking_sums(pair, nodes.cells))
         over = nodes.over_gain.shape[1], nodes.over_delay.shape[1]
         units = (nodes.cells.gain, nodes.gains[:, np.newaxis]), (nodes.cells.delay, nodes.delays)
-        for table, values, (at_nodes, at_grid) in zip((amplitude, equivalent), found, units, strict=True):
+        for table, values, (at_nodes, at_grid) in zip(
+            (amplitude, equivalent), statistics, units, strict=True
+        ):
             share = nodes.over_gain @ (values / at_nodes).reshape(over) @ nodes.over_delay.T
             table[:, nodes.columns] = share * at_grid
     return amplitude, equivalent
@@ -164,10 +166,10 @@ def _nodes(grid: Grid, structure: Structure) -> list[_Nodes]:
     sides = [(slice(leads, None), _evenly(_distinct(late)))]
     if leads:
         sides.append((slice(0, leads), _evenly(_distinct(delays[:leads]))))
-    found = []
+    nodes = []
     for columns, at_delays in sides:
         gain, delay = np.meshgrid(at_gains, at_delays, indexing="ij")
-        found.append(
+        nodes.append(
             _Nodes(
                 cells=TrackedCells(structure=structure, gain=gain.ravel(), delay=delay.ravel()),
                 gains=gains,
@@ -177,7 +179,7 @@ def _nodes(grid: Grid, structure: Structure) -> list[_Nodes]:
                 over_delay=_polynomial_weights(at_delays, delays[columns]),
             )
         )
-    return found
+    return nodes
 
 
 def _distinct(delays: NDArray[np.float64]) -> NDArray[np.float64]:

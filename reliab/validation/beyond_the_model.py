@@ -169,10 +169,10 @@ def _try(
     record: Motion, structure: Structure, rig: Rig, ideal: np.ndarray, loop: Loop, criterion: Criterion
 ) -> dict[str, object]:
     test = HybridTest(structure=structure, actuator=rig.actuator, effects=rig.effects)
-    found = run_closed_loop(test, record.acceleration, record.time_step, compensator=rig.compensator)
-    index = frequency_evaluation(found.command.values[0], found.measured, record.time_step)
+    histories = run_closed_loop(test, record.acceleration, record.time_step, compensator=rig.compensator)
+    index = frequency_evaluation(histories.command.values[0], histories.measured, record.time_step)
     delay = max(index.equivalent_delay, 0.0)
-    error = response_error(found.measured, ideal)
+    error = response_error(histories.measured, ideal)
     predicted = relative_error(loop.deviation(loop.cells(gain=index.amplitude, delay=delay)), Metric.RMS)
     f, xi = structure.frequency, structure.damping_ratio
     accepted = float(criterion.index(index.amplitude, index.equivalent_delay, f, xi)) <= 1.0

@@ -90,7 +90,7 @@ def _same(event: str, name: str) -> bool:
     between = abs(day - known) if day and known else None
     if between is not None and between <= _ONE_DAY and _DATE.search(event):
         return True
-    alike = any(_begins(_letters(event), _letters(other)) for other in (name, title))
+    alike = any(_begins(_letters(event), _letters(alias)) for alias in (name, title))
     return alike and (between is None or between <= _ONE_YEAR)
 
 

@@ -146,14 +146,14 @@ def compare_laws(
 def _all_that_hold(
     frequencies: NDArray[np.float64], damping_ratios: NDArray[np.float64]
 ) -> dict[str, FittedLaw | Law]:
-    found: dict[str, FittedLaw | Law] = dict(FITTED)
+    laws: dict[str, FittedLaw | Law] = dict(FITTED)
     for name, law in OF_MANY_MOTIONS.items():
         try:
             law.validity.require(frequencies, damping_ratios)
         except InputError:
             continue
-        found[name] = law
-    return found
+        laws[name] = law
+    return laws
 
 
 def _judge(

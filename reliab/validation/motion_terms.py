@@ -73,10 +73,10 @@ def gain_of_terms(
     base = _scores(values, [law, law], population.events)
     rows = {}
     for name, term in terms.items():
-        each = _over_structures(name, term, values.shape)
-        designs = [np.concatenate([law, each[..., k, None]], axis=-1) for k in range(2)]
+        spread_term = _over_structures(name, term, values.shape)
+        designs = [np.concatenate([law, spread_term[..., k, None]], axis=-1) for k in range(2)]
         difference = _scores(values, designs, population.events) - base
-        explained = _explained(values, each)
+        explained = _explained(values, spread_term)
         rows[name] = {
             "gain": np.nanmean(difference),
             "standard_error": _error(difference, population.events),
@@ -119,13 +119,13 @@ def _explained(values: NDArray[np.float64], term: NDArray[np.float64]) -> NDArra
     """Squared correlation over motions at each structure, shape (F, X, 2)."""
     known = np.isfinite(values)
     deviations = [
-        np.where(known, each - np.nanmean(np.where(known, each, np.nan), axis=0), 0.0)
-        for each in (values, term)
+        np.where(known, array - np.nanmean(np.where(known, array, np.nan), axis=0), 0.0)
+        for array in (values, term)
     ]
-    product, own, other = (
-        (one * two).sum(axis=0) for one, two in (deviations, (deviations[0],) * 2, (deviations[1],) * 2)
+    product, own_power, term_power = (
+        (first * two).sum(axis=0) for first, two in (deviations, (deviations[0],) * 2, (deviations[1],) * 2)
     )
-    return np.asarray(product**2 / (own * other))
+    return np.asarray(product**2 / (own_power * term_power))
 
 
 def _error(difference: NDArray[np.float64], events: NDArray[np.str_]) -> float:

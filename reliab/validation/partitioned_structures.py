@@ -86,7 +86,7 @@ class PartitionedTest:
 
 def partitioned_structures() -> dict[str, Partition]:
     """Structures of the study by name: springs, dampers and masses, at floors and in storeys."""
-    one = Structure(frequency=1.0, damping_ratio=0.03, experimental_fraction=0.5)
+    structure = Structure(frequency=1.0, damping_ratio=0.03, experimental_fraction=0.5)
     mass, stiffness = shear_frame([2000.0, 2000.0, 1500.0], [1.2e6, 1.0e6, 8.0e5])
     frame = Frame(mass=mass, stiffness=stiffness, damping=modal_damping(mass, stiffness, 0.03))
     low, soft = shear_frame([3000.0, 2500.0], [4e5, 2.5e5])
@@ -101,7 +101,7 @@ def partitioned_structures() -> dict[str, Partition]:
         return spring(with_specimen(frame, interface, specimen), interface, specimen)
 
     return {
-        "one mass, half of its spring": Partition.of(one, mass=1000.0),
+        "one mass, half of its spring": Partition.of(structure, mass=1000.0),
         "two storeys, the first one tested": spring(
             two, floor_interface(two, 1), Specimen(stiffness=4e5, mass=100.0)
         ),

@@ -186,8 +186,8 @@ def _rebuilt(run: Run, partition: Partition, threshold: float) -> dict[str, Any]
     estimates = {"rms": error.rms, "mte": error.mte}
     return {
         **{
-            name: {"value": each.value, "low": each.low, "high": each.high}
-            for name, each in estimates.items()
+            name: {"value": estimate.value, "low": estimate.low, "high": estimate.high}
+            for name, estimate in estimates.items()
         },
         "probability": error.probability(threshold),
         "verdict": str(word_of_probability(error.probability(threshold))),

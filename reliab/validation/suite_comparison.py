@@ -34,15 +34,15 @@ def suite_measures(motions: Iterable[Motion]) -> pd.DataFrame:
     """
     rows = []
     for motion in motions:
-        found = measure(motion)
+        measures = measure(motion)
         rows.append(
             {
                 "motion": motion.name,
                 "event": motion.event,
-                "peak_acceleration": found.peak_acceleration,
-                "arias_intensity": found.arias_intensity,
-                "significant_duration": found.significant_duration,
-                "mean_period": found.mean_period,
+                "peak_acceleration": measures.peak_acceleration,
+                "arias_intensity": measures.arias_intensity,
+                "significant_duration": measures.significant_duration,
+                "mean_period": measures.mean_period,
             }
         )
     return pd.DataFrame(rows)

@@ -13,9 +13,12 @@ import argparse
 import resource
 import sys
 from collections import defaultdict
-from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 PHASES = ("setup", "call", "teardown")
 
@@ -75,7 +78,9 @@ class ProcessorTimes:
 
 def main() -> int:
     """Run pytest in this one process and print the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--count", type=int, default=20, help="how many tests to name")
     options, arguments = parser.parse_known_args()
     return pytest.main([*arguments, "-n", "0"], plugins=[ProcessorTimes(options.count)])

@@ -18,7 +18,8 @@ def ellipses_of():
         thresholds = np.array([0.02, 0.05])
         shape = (motions, f.size, xi.size, thresholds.size, 1, 1, 1)
         size = (
-            np.exp(scatter).reshape(-1, 1, 1, 1, 1, 1, 1) * (thresholds / 0.05).reshape(1, 1, 1, -1, 1, 1, 1) ** 2
+            np.exp(scatter).reshape(-1, 1, 1, 1, 1, 1, 1)
+            * (thresholds / 0.05).reshape(1, 1, 1, -1, 1, 1, 1) ** 2
         )
         noise = np.exp(0.1 * rng.normal(size=(2, *shape)))
         of_xi = (xi / 0.02).reshape(1, 1, -1, 1, 1, 1, 1) ** 2

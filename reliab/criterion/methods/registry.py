@@ -71,8 +71,8 @@ def method_of(name: str, **settings: object) -> Method:
             remedy=f"Leave it out, or choose among {', '.join(takers)}",
         )
     kind: Any = METHODS[name]
-    made: Method = kind(**given)
-    return made
+    chosen: Method = kind(**given)
+    return chosen
 
 
 def _parameters(name: str) -> set[str]:

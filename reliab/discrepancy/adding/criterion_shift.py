@@ -88,7 +88,8 @@ def criterion_shift(
     if not shaking:
         raise InputError("A criterion needs ground motions", value="none", remedy="Give at least one")
     pairs = [
-        (_axes(test, one, threshold), _axes(replace(test, effects=()), one, threshold)) for one in shaking
+        (_axes(test, excitation, threshold), _axes(replace(test, effects=()), excitation, threshold))
+        for excitation in shaking
     ]
     sound = np.array([pair for pair in pairs if np.isfinite(pair).all()]).reshape(-1, 2, 2)
     if sound.size == 0:
@@ -105,8 +106,8 @@ def _axes(test: HybridTest, excitation: Excitation, threshold: float) -> tuple[f
     """Ellipse parameters a and b under a motion; NaN where the boundary is no ellipse."""
     loop = EffectLoop(excitation=excitation, test=test, phase_step=_PHASE_STEP)
     (contour,) = motion_contours(loop, (threshold,), amplitude_step=_COARSE)
-    found = Ellipse.fit(contour)
-    return (found.a, found.b) if found.n == 0 or min(found.a, found.b) > 0.0 else (np.nan, np.nan)
+    ellipse = Ellipse.fit(contour)
+    return (ellipse.a, ellipse.b) if ellipse.n == 0 or min(ellipse.a, ellipse.b) > 0.0 else (np.nan, np.nan)
 
 
 def _criterion(axes: Array) -> Array:
@@ -134,12 +135,14 @@ def shaking_of(campaign: Campaign) -> tuple[Excitation, ...]:
     if Channel.GROUND in campaign.channels:
         recorded = [test.channels[Channel.GROUND] for test in campaign.tests[:_MOST_MOTIONS]]
         return tuple(
-            Excitation(acceleration=each, time_step=campaign.step) for each in recorded if np.ptp(each)
+            Excitation(acceleration=acceleration, time_step=campaign.step)
+            for acceleration in recorded
+            if np.ptp(acceleration)
         )
     peak = _largest_displacement(campaign)
     suite = load_motions("synthetic")
     chosen = (suite[_SYNTHETIC_STRIDE * k] for k in range(_MOST_MOTIONS))
-    return tuple(_scaled(campaign.nominal, one.acceleration, one.time_step, peak) for one in chosen)
+    return tuple(_scaled(campaign.nominal, record.acceleration, record.time_step, peak) for record in chosen)
 
 
 def _largest_displacement(campaign: Campaign) -> float:

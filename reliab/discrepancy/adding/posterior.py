@@ -72,11 +72,12 @@ class Posterior:
     @property
     def statement(self) -> str:
         """One sentence on convergence."""
-        found = self.sample.diagnostics
-        smallest = min(found.bulk_size.min(), found.tail_size.min())
+        diagnostics = self.sample.diagnostics
+        smallest = min(diagnostics.bulk_size.min(), diagnostics.tail_size.min())
         verdict = "Converged" if self.converged else "Not converged"
         return (
-            f"{verdict}: {found.ensembles} independent ensembles, R-hat at most {found.r_hat.max():.3f}, "
+            f"{verdict}: {diagnostics.ensembles} independent ensembles, R-hat at most "
+            f"{diagnostics.r_hat.max():.3f}, "
             f"effective sample size at least {smallest:.0f}; simulations at {_CHECKED} draws leave "
             f"{self.agreement:.0%} of them in effect."
         )
@@ -153,7 +154,7 @@ def sample_posterior(
 
 def _values(space: ModelSpace, coordinates: Array, seed: int) -> Array:
     """SI values with the error of the model, shape (draws, parameters)."""
-    exact = np.stack([space.values(each) for each in coordinates])
+    exact = np.stack([space.values(point) for point in coordinates])
     strayed = np.random.default_rng(seed).standard_normal(exact.shape)
     return exact * (1.0 + MODEL_ERROR * strayed)
 
@@ -161,7 +162,10 @@ def _values(space: ModelSpace, coordinates: Array, seed: int) -> Array:
 def _names(space: ModelSpace) -> tuple[str, ...]:
     calibrated = (calibration.parameter.name for calibration in space.block.calibrations)
     effects = (*space.block.offsets, *space.effects)
-    return (*calibrated, *(f"{effect.name}.{one.name}" for effect in effects for one in effect.parameters))
+    return (
+        *calibrated,
+        *(f"{effect.name}.{parameter.name}" for effect in effects for parameter in effect.parameters),
+    )
 
 
 def _agreement(problem: Problem, fitted: Fit, surface: LikelihoodSurface, drawn: Array) -> float:

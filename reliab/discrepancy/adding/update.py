@@ -29,42 +29,44 @@ def updated_model(diagnosis: Diagnosis) -> UpdatedModel:
     """
     test = diagnosis.campaign.nominal
     deviations: dict[str, float] = {}
-    for one in diagnosis.blocks:
-        test = _joined(test, one)
-        deviations.update(_deviations(one))
+    for diagnosed in diagnosis.blocks:
+        test = _joined(test, diagnosed)
+        deviations.update(_deviations(diagnosed))
     return UpdatedModel(name=diagnosis.campaign.name, test=test, deviations=deviations)
 
 
-def _joined(test: HybridTest, one: BlockDiagnosis) -> HybridTest:
+def _joined(test: HybridTest, diagnosed: BlockDiagnosis) -> HybridTest:
     """Take over from a block what it calibrated and what it names."""
-    names = {calibration.parameter.name for calibration in one.block.calibrations}
-    found = one.best.space.model(one.best.coordinates)
-    believed = {each.effect for each in (*one.effects, *one.doubtful)} & set(library().values())
-    test = test.adding(*(effect for effect in found.effects if type(effect) in believed))
+    names = {calibration.parameter.name for calibration in diagnosed.block.calibrations}
+    model = diagnosed.best.space.model(diagnosed.best.coordinates)
+    believed = {missing.effect for missing in (*diagnosed.effects, *diagnosed.doubtful)} & set(
+        library().values()
+    )
+    test = test.adding(*(effect for effect in model.effects if type(effect) in believed))
     if "gain" in names or "delay_s" in names:
-        test = replace(test, actuator=found.actuator)
+        test = replace(test, actuator=model.actuator)
     if any(name.startswith("stiffness") for name in names):
-        test = replace(test, specimen=found.specimen)
+        test = replace(test, specimen=model.specimen)
     if "damping" in names:
-        test = replace(test, structure=found.structure)
+        test = replace(test, structure=model.structure)
     if "excitation_scale" in names:
-        test = test.adding(*(effect for effect in found.effects if isinstance(effect, ExcitationScale)))
+        test = test.adding(*(effect for effect in model.effects if isinstance(effect, ExcitationScale)))
     return test
 
 
-def _deviations(one: BlockDiagnosis) -> dict[str, float]:
+def _deviations(diagnosed: BlockDiagnosis) -> dict[str, float]:
     """Return standard deviations in SI units of what a block calibrated and named."""
-    fitted = one.best
+    fitted = diagnosed.best
     spread = fitted.space.standard_deviations(fitted.coordinates, fitted.covariance).tolist()
     sizes = _sizes(fitted)
     calibrated = {
         sizes[calibration.parameter.name][0]: sizes[calibration.parameter.name][1] * sd
-        for calibration, sd in zip(one.block.calibrations, spread, strict=False)
+        for calibration, sd in zip(diagnosed.block.calibrations, spread, strict=False)
         if calibration.parameter.name in sizes
     }
     named = {
         f"{effect.name}.{estimate.name}": estimate.sd
-        for effect in (*one.effects, *one.doubtful)
+        for effect in (*diagnosed.effects, *diagnosed.doubtful)
         for estimate in effect.estimates
     }
     return {**calibrated, **named}

@@ -94,11 +94,11 @@ class LoopBlock(ObservedBlock):
     @property
     def removable(self) -> dict[type[Effect], float]:
         """What there is of damping and mass; those of the controller's own structure are exact."""
-        found = super().removable
+        effects = super().removable
         if not self._rig:
-            found[ViscousDamping] += self.nominal.mass * self.nominal.substructure.damping
-            found[AddedMass] += self.nominal.mass
-        return found
+            effects[ViscousDamping] += self.nominal.mass * self.nominal.substructure.damping
+            effects[AddedMass] += self.nominal.mass
+        return effects
 
     def predict(self, model: HybridTest, test: int) -> Array:
         """Displacement that the sensor reads [m], shape (⌈n / every⌉,)."""
@@ -112,7 +112,7 @@ class LoopBlock(ObservedBlock):
 
     def _scale(self) -> float:
         """Scale at which the excitation explains most of a test, of springs within the calibration."""
-        test = next(k for k, one in enumerate(self.tests) if not one.held_out)
+        test = next(k for k, candidate in enumerate(self.tests) if not candidate.held_out)
         seen = signal.detrend(self.measured(test)[:: self.every], type="constant")
         share, scale = 0.0, 1.0
         spring = stiffness(self.nominal)

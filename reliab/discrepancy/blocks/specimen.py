@@ -77,7 +77,7 @@ class SpecimenBlock(ObservedBlock):
 
     def _velocity_spreads(self) -> list[float]:
         readings = [test.channels[Channel.MEASURED] for test in self.tests]
-        return [velocity_spread(one, 1.0 / self.rate, self.highest_signal) for one in readings]
+        return [velocity_spread(reading, 1.0 / self.rate, self.highest_signal) for reading in readings]
 
     @cached_property
     def highest(self) -> float:
@@ -128,12 +128,12 @@ class SpecimenBlock(ObservedBlock):
 
     def _expected_load(self, model: HybridTest, piston: Motion3, test: int) -> Array:
         """Mean of the force where the velocity is known up to its spread only."""
-        found = np.zeros(piston.values.shape[1])
+        expected = np.zeros(piston.values.shape[1])
         for node, weight in zip(_NODES.tolist(), _WEIGHTS.tolist(), strict=True):
             values = piston.values.copy()
             values[1] += node * self._spreads[test]
-            found += weight * load(model, Motion3(values=values, step=piston.step))
-        return found
+            expected += weight * load(model, Motion3(values=values, step=piston.step))
+        return expected
 
 
 def _without_reading(model: HybridTest, seen: Motion3) -> Motion3:

@@ -98,8 +98,13 @@ def fit(problem: Problem, space: ModelSpace, starts: Sequence[Array], noise: Noi
     Fit
         The most probable model.
     """
-    found = [_fit_from(problem, space, start, noise) for start in starts]
-    return max(found, key=lambda one: one.log_likelihood - 0.5 * float(one.coordinates @ one.coordinates))
+    fits = [_fit_from(problem, space, start, noise) for start in starts]
+    return max(
+        fits,
+        key=lambda candidate: (
+            candidate.log_likelihood - 0.5 * float(candidate.coordinates @ candidate.coordinates)
+        ),
+    )
 
 
 def refined(problem: Problem, fitted: Fit) -> Fit:
@@ -168,10 +173,10 @@ def improved(problem: Problem, fitted: Fit, steps: int = _MOST_STEPS) -> Fit:
             promise = -slope @ step - 0.5 * step @ curvature @ step
             if promise < _NEGLIGIBLE:
                 break
-            there = problem.whitened(space, moved, noise)
-            gained = value - _objective(there, moved)
+            residual_after = problem.whitened(space, moved, noise)
+            gained = value - _objective(residual_after, moved)
             if gained > 0.0:
-                x, residual, accepted = moved, there, True
+                x, residual, accepted = moved, residual_after, True
                 foreseen = bool(promise < _SMALL and abs(gained - promise) < _NEGLIGIBLE)
                 value -= gained
                 damping = max(0.1 * damping, 1e-7)
@@ -191,8 +196,8 @@ def bounded_step(curvature: Array, slope: Array, least: Array, most: Array, damp
         return step
     root = np.linalg.cholesky(damped)
     most = np.maximum(most, least + 1e-12)
-    found = optimize.lsq_linear(root.T, -np.linalg.solve(root, slope), bounds=(least, most), method="bvls")
-    return np.asarray(found.x)
+    solution = optimize.lsq_linear(root.T, -np.linalg.solve(root, slope), bounds=(least, most), method="bvls")
+    return np.asarray(solution.x)
 
 
 def _objective(residual: Array, coordinates: Array) -> float:

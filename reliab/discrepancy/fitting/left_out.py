@@ -75,12 +75,12 @@ def left_out(problem: Problem, fitted: Fit, fixed: tuple[int, ...] = ()) -> Left
     energies, signals, units = [], [], []
     powers = relative_powers(problem)
     for group in dict.fromkeys(groups):
-        members = [k for k, other in enumerate(groups) if other == group]
-        left = np.isin(problem.owners, members)
+        members = [k for k, owner in enumerate(groups) if owner == group]
+        excluded = np.isin(problem.owners, members)
         if problem.flat and not fixed:
-            tried = [_refitted_in_full(problem, fitted, left, members)]
+            tried = [_refitted_in_full(problem, fitted, excluded, members)]
         else:
-            tried = [refitted(fitted, left, fixed)]
+            tried = [refitted(fitted, excluded, fixed)]
         if fixed:  # far from the fit one step may be worse than none
             stayed = fitted.coordinates.copy()
             stayed[list(fixed)] = 0.0
@@ -104,7 +104,7 @@ def _missed(problem: Problem, space: ModelSpace, coordinates: Array, segments: S
 
 
 def _refitted_in_full(
-    problem: Problem, fitted: Fit, left: NDArray[np.bool_], members: Sequence[int]
+    problem: Problem, fitted: Fit, excluded: NDArray[np.bool_], members: Sequence[int]
 ) -> Array:
     """Coordinates fitted without some segments, in a few steps, shape (size,)."""
     kept = [k for k in range(len(problem.segments)) if k not in members]
@@ -114,14 +114,14 @@ def _refitted_in_full(
         tempering=tuple(problem.tempering[k] for k in kept),
         powers=tuple(problem.powers[k] for k in kept),
     )
-    start = replace(fitted, residual=fitted.residual[~left], jacobian=fitted.jacobian[~left])
+    start = replace(fitted, residual=fitted.residual[~excluded], jacobian=fitted.jacobian[~excluded])
     return improved(rest, start, _STEPS).coordinates
 
 
-def refitted(fitted: Fit, left: NDArray[np.bool_], fixed: tuple[int, ...]) -> Array:
+def refitted(fitted: Fit, excluded: NDArray[np.bool_], fixed: tuple[int, ...]) -> Array:
     """Coordinates fitted to the rows that are not left out, from the fit to all rows, shape (size,)."""
     x = fitted.coordinates
-    derivatives, residual = fitted.jacobian[~left], fitted.residual[~left]
+    derivatives, residual = fitted.jacobian[~excluded], fitted.residual[~excluded]
     lower, upper = fitted.space.bounds
     least, most = lower - x, upper - x
     for place in fixed:

@@ -16,14 +16,14 @@ _HIGH = 25.0  # times the noise's power, on the average of the segments
 _LOWEST = 0.2  # Hz
 
 
-def line_terms(problem: Problem, left: Fit) -> tuple[type[Disturbance], ...]:
+def line_terms(problem: Problem, fitted: Fit) -> tuple[type[Disturbance], ...]:
     """Make a term of the strongest line that a model leaves over, if one stands out; pickup is none.
 
     Parameters
     ----------
     problem : Problem
         Data.
-    left : Fit
+    fitted : Fit
         The model.
 
     Returns
@@ -31,12 +31,13 @@ def line_terms(problem: Problem, left: Fit) -> tuple[type[Disturbance], ...]:
     tuple of type
         One class of effects, or none.
     """
-    longest = max(problem.segments, key=lambda one: one.end - one.begin)
+    longest = max(problem.segments, key=lambda segment: segment.end - segment.begin)
     frequency = longest.frequency
     if frequency.size < 3:  # noqa: PLR2004 - too short to hold a line
         return ()
     power = np.mean(
-        [np.interp(frequency, one, rows) for one, rows in _powers(problem, left.residual)], axis=0
+        [np.interp(frequency, frequencies, rows) for frequencies, rows in _powers(problem, fitted.residual)],
+        axis=0,
     )
     power[(frequency < _LOWEST) | near_mains(frequency, 0.5 * problem.block.rate)] = 0.0
     place = int(np.argmax(power))
@@ -48,11 +49,11 @@ def line_terms(problem: Problem, left: Fit) -> tuple[type[Disturbance], ...]:
 
 def _powers(problem: Problem, residual: Array) -> list[tuple[Array, Array]]:
     """Frequencies and whitened power of each segment."""
-    found, begin = [], 0
+    spectra, begin = [], 0
     for segment in problem.segments:
         rows = residual[begin : begin + 2 * segment.bins - 1]
         begin += rows.size
         real, imaginary = rows[1 : segment.bins], rows[segment.bins :]
         power = np.concatenate([rows[:1] ** 2, 0.5 * (real**2 + imaginary**2)])
-        found.append((segment.frequency, power))
-    return found
+        spectra.append((segment.frequency, power))
+    return spectra

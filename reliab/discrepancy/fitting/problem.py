@@ -123,8 +123,8 @@ class Problem:
         predicted = self.predictions(space, coordinates)
         parts = []
         for place, (segment, measured) in enumerate(zip(self.segments, self._spectra, strict=True)):
-            left = measured - segment.coarse_spectrum(predicted[segment.test], self.block.every)
-            parts.append(real_parts(left, self._density(place, noise)))
+            difference = measured - segment.coarse_spectrum(predicted[segment.test], self.block.every)
+            parts.append(real_parts(difference, self._density(place, noise)))
         rows = np.concatenate(parts)
         return rows if np.isfinite(rows).all() else np.full(rows.size, _UNBOUNDED)
 
@@ -165,7 +165,7 @@ class Problem:
     def densities(self, noise: NoiseModel) -> Array:
         """Return the expected power of each residual, shape (rows,)."""
         parts = [self._density(place, noise) for place in range(len(self.segments))]
-        return np.concatenate([np.concatenate([one, one[1:]]) for one in parts])
+        return np.concatenate([np.concatenate([part, part[1:]]) for part in parts])
 
     def reweighting(self, old: NoiseModel, new: NoiseModel) -> Array:
         """Factors that turn residuals whitened by one noise into those whitened by another, shape (rows,)."""
@@ -174,13 +174,13 @@ class Problem:
     @cached_property
     def _beyond(self) -> list[Periodogram]:
         """Power of the measured channel at frequencies too high for any signal."""
-        found = []
+        beyond = []
         limit = self.block.highest_signal
         for segment in self.segments:
             whole = segment.periodogram(self.measured(segment.test))
             above = whole.frequency > limit
-            found.append(Periodogram(frequency=whole.frequency[above], power=whole.power[above]))
-        return found
+            beyond.append(Periodogram(frequency=whole.frequency[above], power=whole.power[above]))
+        return beyond
 
     def log_volume(self, noise: NoiseModel) -> float:
         """Logarithm of the normalisation of the likelihood, up to a constant."""
@@ -197,7 +197,7 @@ def relative_powers(problem: Problem) -> tuple[float, ...]:
     those so weak that they show little beside their noise.
     """
     tests = {s.test for s in problem.segments}
-    own = {
+    power = {
         test: float(
             np.mean(
                 np.concatenate(
@@ -208,8 +208,8 @@ def relative_powers(problem: Problem) -> tuple[float, ...]:
         )
         for test in tests
     }
-    least = _LEAST_POWER * max(own.values())
-    return tuple(max(own[s.test] + least, 1e-300) for s in problem.segments)
+    least = _LEAST_POWER * max(power.values())
+    return tuple(max(power[s.test] + least, 1e-300) for s in problem.segments)
 
 
 def real_parts(spectrum: NDArray[np.complex128], density: Array) -> Array:

@@ -107,40 +107,40 @@ class Search:
         self.problem = problem if problem.conversion else problem.corrected(space, null.coordinates)
         self.null = self._keep(null if self.problem is problem else refined(self.problem, null))
 
-    def _keep(self, one: Fit) -> Fit:
-        key = frozenset(one.space.names)
+    def _keep(self, candidate: Fit) -> Fit:
+        key = frozenset(candidate.space.names)
         if key in self.rejected:
-            return one
-        if key not in self.fitted or self.score(one) > self.score(self.fitted[key]):
-            self.fitted[key] = one
+            return candidate
+        if key not in self.fitted or self.score(candidate) > self.score(self.fitted[key]):
+            self.fitted[key] = candidate
         return self.fitted[key]
 
-    def _reject(self, one: Fit) -> None:
+    def _reject(self, candidate: Fit) -> None:
         """Take a model out of the search for good: something in it does not matter."""
-        key = frozenset(one.space.names)
+        key = frozenset(candidate.space.names)
         self.rejected.add(key)
         self.fitted.pop(key, None)
 
-    def score(self, one: Fit) -> float:
+    def score(self, candidate: Fit) -> float:
         """Logarithm of how credible a fitted model is, up to a constant.
 
         Evidence and prior odds where noise judges; else the predictive likelihood of tests that are left out
         one at a time, of normal errors of unknown size, which has paid for the model's parameters already.
         """
         if not self.problem.flat:
-            return one.log_evidence - cost(one.space.effects)
-        error = self.error(one)
+            return candidate.log_evidence - cost(candidate.space.effects)
+        error = self.error(candidate)
         count = sum(
             share * (2 * segment.bins - 1)
             for share, segment in zip(self.problem.tempering, self.problem.segments, strict=True)
         )
-        return -0.5 * count * float(np.log(max(error.energy, 1e-300))) - cost(one.space.effects)
+        return -0.5 * count * float(np.log(max(error.energy, 1e-300))) - cost(candidate.space.effects)
 
-    def error(self, one: Fit) -> LeftOut:
+    def error(self, candidate: Fit) -> LeftOut:
         """Error of a model on each test when it is fitted to the others."""
-        if one not in self._errors:
-            self._errors[one] = left_out(self.problem, one)
-        return self._errors[one]
+        if candidate not in self._errors:
+            self._errors[candidate] = left_out(self.problem, candidate)
+        return self._errors[candidate]
 
     def plain(self) -> Fit:
         """Calibrate by least squares, as a laboratory would that knows nothing of noise."""
@@ -162,11 +162,14 @@ class Search:
         sketched = self.problem.sketch.whitened(parent.space, parent.coordinates, parent.noise)
         with ThreadPoolExecutor(_WORKERS) as pool:
             screened = pool.map(lambda kind: self._screen_one(parent, sketched, basis, kind), fresh)
-            ranked = sorted(screened, key=lambda one: -one.gain)
+            ranked = sorted(screened, key=lambda candidate: -candidate.gain)
         if not self.problem.flat:
             return ranked
         whole = 0.5 * float(parent.residual @ parent.residual)
-        return [replace(one, gain=-whole * np.log1p(-min(one.gain / whole, 0.99))) for one in ranked]
+        return [
+            replace(candidate, gain=-whole * np.log1p(-min(candidate.gain / whole, 0.99)))
+            for candidate in ranked
+        ]
 
     def _screen_one(self, parent: Fit, sketched: Array, basis: Array, kind: type[Effect]) -> Screened:
         space = ModelSpace(parent.space.block, (*parent.space.effects, kind))
@@ -193,8 +196,8 @@ class Search:
         A calibration that has made up for an actuator at its limits has moved the model away from them.
         """
         for start in space.starts(parent.space, np.zeros(parent.space.size)):
-            left = self.problem.sketch.whitened(space, start, parent.noise)
-            gain = 0.5 * float(sketched @ sketched - left @ left)
+            residual = self.problem.sketch.whitened(space, start, parent.noise)
+            gain = 0.5 * float(sketched @ sketched - residual @ residual)
             if gain > best.gain:
                 best = replace(best, gain=gain, start=start)
         return best
@@ -205,64 +208,69 @@ class Search:
     def extend(self, parent: Fit, screened: Sequence[Screened]) -> list[Fit]:
         """Fit a model with each of some effects added."""
         fresh = [
-            one
-            for one in screened
-            if one.start.size and self._untried({*parent.space.names, str(one.kind.name)})
+            candidate
+            for candidate in screened
+            if candidate.start.size and self._untried({*parent.space.names, str(candidate.kind.name)})
         ]
 
-        def extended(one: Screened) -> Fit:
-            space = ModelSpace(parent.space.block, (*parent.space.effects, one.kind))
-            starts = [one.start]
-            if self.problem.flat and len(one.kind.parameters) > _SIMPLE:
-                starts += [start for start in one.others if start is not one.start]
+        def extended(candidate: Screened) -> Fit:
+            space = ModelSpace(parent.space.block, (*parent.space.effects, candidate.kind))
+            starts = [candidate.start]
+            if self.problem.flat and len(candidate.kind.parameters) > _SIMPLE:
+                starts += [start for start in candidate.others if start is not candidate.start]
             return reweighted(self.problem, fit(self.problem, space, starts, parent.noise))
 
         with ThreadPoolExecutor(_WORKERS) as pool:
             rough = list(pool.map(extended, fresh))
             least = self._worth_refining(rough, parent)
             near = pool.map(
-                lambda one: refined(self.problem, one) if one.log_evidence > least else one, rough
+                lambda candidate: (
+                    refined(self.problem, candidate) if candidate.log_evidence > least else candidate
+                ),
+                rough,
             )
-            found = list(near)
+            fits = list(near)
         kept = []
-        for one in found:
-            if self._matters(one, parent):
-                kept.append(self._keep(one))
+        for candidate in fits:
+            if self._matters(candidate, parent):
+                kept.append(self._keep(candidate))
             else:
-                self._reject(one)
+                self._reject(candidate)
         return kept
 
     def _worth_refining(self, rough: Sequence[Fit], parent: Fit) -> float:
         """Log-evidence from which a rough fit is refined: all, where errors judge."""
         if self.problem.flat or not rough:
             return -np.inf
-        first = max(one.log_evidence for one in rough)
+        first = max(candidate.log_evidence for candidate in rough)
         return min(0.5 * (first + parent.log_evidence), first - _CLOSE)
 
-    def _matters(self, one: Fit, smaller: Fit) -> bool:
+    def _matters(self, candidate: Fit, smaller: Fit) -> bool:
         """Whether what an effect adds is not negligible, by what models leave and on left-out tests."""
-        rows = one.residual
-        left = float(rows @ rows)
-        gained = self._energy(smaller, one.noise) - left
-        unknown = any(is_outside(kind) for kind in set(one.space.effects) - set(smaller.space.effects))
-        if unknown and gained < AUDIBLE * left:
+        rows = candidate.residual
+        remaining = float(rows @ rows)
+        gained = self._energy(smaller, candidate.noise) - remaining
+        unknown = any(is_outside(kind) for kind in set(candidate.space.effects) - set(smaller.space.effects))
+        if unknown and gained < AUDIBLE * remaining:
             return False
         if self.problem.flat:
             least = _LEAST_OUTSIDE if unknown else _LEAST_BESIDE
-            large = gained > max(MATERIAL * (left + gained), least * self._energy(self.null, one.noise))
-            return large and self._predicts(one, smaller, 1.0 - MATERIAL)
+            large = gained > max(
+                MATERIAL * (remaining + gained), least * self._energy(self.null, candidate.noise)
+            )
+            return large and self._predicts(candidate, smaller, 1.0 - MATERIAL)
         if smaller is self.null:
             return True
-        closed = self._energy(self.null, one.noise) - left
-        return gained > LEAST_SHARE * closed and self._predicts(one, smaller, 1.0 + _NO_WORSE)
+        closed = self._energy(self.null, candidate.noise) - remaining
+        return gained > LEAST_SHARE * closed and self._predicts(candidate, smaller, 1.0 + _NO_WORSE)
 
-    def _predicts(self, one: Fit, smaller: Fit, most: float) -> bool:
+    def _predicts(self, candidate: Fit, smaller: Fit, most: float) -> bool:
         """Whether a model's error on left-out tests is at most a multiple of that of a smaller model."""
-        return self.error(one).energy <= most * self.error(smaller).energy
+        return self.error(candidate).energy <= most * self.error(smaller).energy
 
-    def _energy(self, one: Fit, noise: NoiseModel) -> float:
+    def _energy(self, candidate: Fit, noise: NoiseModel) -> float:
         """Energy that a model leaves, whitened by a given noise."""
-        rows = self.problem.whitened(one.space, one.coordinates, noise)
+        rows = self.problem.whitened(candidate.space, candidate.coordinates, noise)
         return float(rows @ rows)
 
     @property
@@ -281,25 +289,27 @@ class Search:
             for parent in beam:
                 promising = self.screen(parent, kinds)
                 floor = max(self._least_promise, 0.02 * promising[0].gain) if promising else 0.0
-                children += self.extend(parent, [one for one in promising[:_TRIED] if one.gain > floor])
+                children += self.extend(
+                    parent, [candidate for candidate in promising[:_TRIED] if candidate.gain > floor]
+                )
             children.sort(key=self.score, reverse=True)
-            beam = [one for one in children[:_BEAM] if self._within_reach(one, children[0])]
+            beam = [candidate for candidate in children[:_BEAM] if self._within_reach(candidate, children[0])]
             if not beam or self.score(beam[0]) < self.score(best):
                 break
             best = beam[0]
         return self.backward(best)
 
-    def _within_reach(self, one: Fit, first: Fit) -> bool:
+    def _within_reach(self, candidate: Fit, first: Fit) -> bool:
         """Whether a model is so close to the best one that a further effect might change the order."""
-        return self.score(one) > 0.5 * (self.score(first) + self.score(self.null))
+        return self.score(candidate) > 0.5 * (self.score(first) + self.score(self.null))
 
     def whole(self, begin: Fit | None = None) -> Fit:
         """Search the library, and beyond it where something is left that a term outside would explain."""
         block = self.problem.block
         inside = self.forward(begin or self.null, block.candidates)
         outside = (*block.outside, *line_terms(self.problem, inside)) if block.outside else ()
-        left = self.screen(inside, outside)
-        if not left or left[0].gain < self.noticeable(inside):
+        remaining = self.screen(inside, outside)
+        if not remaining or remaining[0].gain < self.noticeable(inside):
             return inside
         every = (*block.candidates, *outside)
         best = max(inside, self.forward(self.null, every, deepest=_DEEPEST_OUTSIDE), key=self.score)
@@ -315,10 +325,16 @@ class Search:
         if corrected is self.problem or best is self.null:
             return self
         search = Search(corrected)
-        near = [one for one in self.fitted.values() if one is not self.null and self._within_reach(one, best)]
+        near = [
+            candidate
+            for candidate in self.fitted.values()
+            if candidate is not self.null and self._within_reach(candidate, best)
+        ]
         with ThreadPoolExecutor(_WORKERS) as pool:
-            for one in pool.map(lambda one: refined(corrected, transferred(corrected, one)), near):
-                search._keep(one)
+            for candidate in pool.map(
+                lambda candidate: refined(corrected, transferred(corrected, candidate)), near
+            ):
+                search._keep(candidate)
         search.whole(search.best)
         return search
 
@@ -342,9 +358,9 @@ class Search:
                 self.extend(
                     parent,
                     [
-                        one
-                        for one in self.screen(parent, candidates)[:_TRIED]
-                        if one.gain > self._least_promise
+                        candidate
+                        for candidate in self.screen(parent, candidates)[:_TRIED]
+                        if candidate.gain > self._least_promise
                     ],
                 )
             if self.best is best:
@@ -361,7 +377,7 @@ class Search:
     def _refine(self, best: Fit, kind: type[Effect], special: type[Effect]) -> None:
         if kind not in best.space.effects:
             return
-        others = tuple(other for other in best.space.effects if other is not kind)
+        others = tuple(effect for effect in best.space.effects if effect is not kind)
         space = ModelSpace(best.space.block, (*others, special))
         start = space.in_place_of(best.space, best.coordinates, kind, special)
         refined_fit = refined(self.problem, fit(self.problem, space, [start], best.noise))
@@ -375,29 +391,34 @@ class Search:
             best = self.score(self.best)
             near = [
                 key
-                for key, one in self.fitted.items()
-                if key not in checked and self.score(one) > best - _POSSIBLE
+                for key, candidate in self.fitted.items()
+                if key not in checked and self.score(candidate) > best - _POSSIBLE
             ]
             if not near:
                 return
             for key in near:
                 checked.add(key)
-                one = self.fitted[key]
-                if any(not self._matters(one, self.without(one, kind)) for kind in one.space.effects):
-                    self._reject(one)
+                candidate = self.fitted[key]
+                if any(
+                    not self._matters(candidate, self.without(candidate, kind))
+                    for kind in candidate.space.effects
+                ):
+                    self._reject(candidate)
 
     def sharpen(self) -> None:
         """Differentiate anew, at every instant, the models that may be named."""
         close = [
-            key for key, one in self.fitted.items() if self.score(one) > self.score(self.best) - _POSSIBLE
+            key
+            for key, candidate in self.fitted.items()
+            if self.score(candidate) > self.score(self.best) - _POSSIBLE
         ]
         with ThreadPoolExecutor(_WORKERS) as pool:
             sharp = pool.map(lambda key: sharpened(self.problem, self.fitted[key]), close)
             self.fitted.update(zip(close, sharp, strict=True))
 
-    def noticeable(self, one: Fit) -> float:
+    def noticeable(self, candidate: Fit) -> float:
         """Gain of log-likelihood below which what is left does not matter."""
-        explained = one.log_likelihood - self.null.log_likelihood
+        explained = candidate.log_likelihood - self.null.log_likelihood
         return OUTSIDE_COST + 4.0 + 0.003 * explained
 
     def backward(self, best: Fit) -> Fit:
@@ -412,12 +433,12 @@ class Search:
             best = challenger
         return best
 
-    def without(self, one: Fit, kind: type[Effect]) -> Fit:
+    def without(self, candidate: Fit, kind: type[Effect]) -> Fit:
         """Return a model without one of its effects, refitted."""
-        left = tuple(other for other in one.space.effects if other is not kind)
-        space = ModelSpace(one.space.block, left)
+        remaining = tuple(effect for effect in candidate.space.effects if effect is not kind)
+        space = ModelSpace(candidate.space.block, remaining)
         key = frozenset(space.names)
         if key in self.fitted:
             return self.fitted[key]
-        start = space.inherited(one.space, one.coordinates)
-        return self._keep(refined(self.problem, fit(self.problem, space, [start], one.noise)))
+        start = space.inherited(candidate.space, candidate.coordinates)
+        return self._keep(refined(self.problem, fit(self.problem, space, [start], candidate.noise)))

@@ -81,9 +81,9 @@ class ModelSpace:
     def values(self, coordinates: Array) -> Array:
         """SI values of the parameters, shape (size,)."""
         mean, spread = self._prior
-        own = mean + spread * coordinates
+        scaled = mean + spread * coordinates
         return np.array(
-            [p.value(c, self.block.scales) for p, c in zip(self.parameters, own.tolist(), strict=True)]
+            [p.value(c, self.block.scales) for p, c in zip(self.parameters, scaled.tolist(), strict=True)]
         )
 
     def standard_deviations(self, coordinates: Array, covariance: Array) -> Array:
@@ -92,18 +92,18 @@ class ModelSpace:
         The error of the model is added.
         """
         mean, spread = self._prior
-        own = (mean + spread * coordinates).tolist()
-        slopes = [p.derivative(c, self.block.scales) for p, c in zip(self.parameters, own, strict=True)]
+        scaled = (mean + spread * coordinates).tolist()
+        slopes = [p.derivative(c, self.block.scales) for p, c in zip(self.parameters, scaled, strict=True)]
         of_data = np.abs(np.array(slopes)) * spread * np.sqrt(np.diag(covariance))
         return np.asarray(np.hypot(of_data, MODEL_ERROR * self.values(coordinates)))
 
     def coordinates(self, values: Array) -> Array:
         """Coordinates of SI values, shape (size,)."""
         mean, spread = self._prior
-        own = [
+        scaled = [
             p.coordinate(v, self.block.scales) for p, v in zip(self.parameters, values.tolist(), strict=True)
         ]
-        return np.asarray((np.array(own) - mean) / spread)
+        return np.asarray((np.array(scaled) - mean) / spread)
 
     def model(self, coordinates: Array) -> HybridTest:
         """Return the model at given coordinates."""
@@ -153,9 +153,9 @@ class ModelSpace:
         moved[place] = np.clip(factor * coordinates[place], 0.9 * lower[place], 0.9 * upper[place])
         return moved
 
-    def inherited(self, other: "ModelSpace", coordinates: Array) -> Array:
+    def inherited(self, source: "ModelSpace", coordinates: Array) -> Array:
         """Coordinates of a larger model without what this one does not have."""
-        known = dict(zip(other._keys, coordinates.tolist(), strict=True))  # noqa: SLF001 - the same class
+        known = dict(zip(source._keys, coordinates.tolist(), strict=True))  # noqa: SLF001 - the same class
         return np.array([known[key] for key in self._keys])
 
     def in_place_of(
@@ -204,8 +204,8 @@ class ModelSpace:
 
     def _start(self, k: int) -> Array:
         mean, spread = self._prior
-        own = []
+        starts = []
         for parameter in self.parameters:
             start = parameter.starts[min(k, len(parameter.starts) - 1)]
-            own.append(start - parameter.neutral if parameter.signed else np.log(start))
-        return np.asarray((np.array(own) - mean) / spread)
+            starts.append(start - parameter.neutral if parameter.signed else np.log(start))
+        return np.asarray((np.array(starts) - mean) / spread)

@@ -62,10 +62,10 @@ def line_above(problem: Problem, best: Fit) -> Line | None:
     block = problem.block
     if block.block is not Block.SPECIMEN or block.highest >= block.highest_signal:
         return None
-    longest = max(problem.segments, key=lambda one: one.end - one.begin)
+    longest = max(problem.segments, key=lambda segment: segment.end - segment.begin)
     grid = np.arange((longest.end - longest.begin) // 2) * block.rate / (longest.end - longest.begin)
-    left = problem.residuals(best.space, best.coordinates)
-    forces = _powers(problem, left, grid)
+    residual = problem.residuals(best.space, best.coordinates)
+    forces = _powers(problem, residual, grid)
     motions = _powers(problem, {s.test: _displacement(problem, s.test) for s in problem.segments}, grid)
     specimen = best.space.model(best.coordinates).specimen
     spring = 0.0 if specimen is None else specimen.stiffness
@@ -77,8 +77,8 @@ def line_above(problem: Problem, best: Fit) -> Line | None:
     place = int(np.argmax(clear))
     if clear[place] < _threshold(len(problem.segments), grid.size):
         return None
-    amplitude = _amplitude(problem, left, float(grid[place]))
-    if 0.5 * amplitude**2 < _AUDIBLE * _mean_square(problem, left):
+    amplitude = _amplitude(problem, residual, float(grid[place]))
+    if 0.5 * amplitude**2 < _AUDIBLE * _mean_square(problem, residual):
         return None
     return Line(frequency=float(grid[place]), amplitude=amplitude)
 
@@ -90,7 +90,9 @@ def _threshold(stretches: int, trials: int) -> float:
 
 def _mean_square(problem: Problem, values: dict[int, Array]) -> float:
     """Mean square over the segments of values without their means."""
-    return float(np.mean([values[one.test][one.begin : one.end].var() for one in problem.segments]))
+    return float(
+        np.mean([values[segment.test][segment.begin : segment.end].var() for segment in problem.segments])
+    )
 
 
 def _displacement(problem: Problem, test: int) -> Array:
@@ -107,9 +109,9 @@ def _powers(problem: Problem, values: dict[int, Array], grid: Array) -> Array:
     return np.stack(rows)
 
 
-def _amplitude(problem: Problem, left: dict[int, Array], frequency: float) -> float:
+def _amplitude(problem: Problem, residual: dict[int, Array], frequency: float) -> float:
     """Root mean square over the segments of the amplitude of a frequency."""
-    squares = [_amplitude_in(segment, left[segment.test], frequency) ** 2 for segment in problem.segments]
+    squares = [_amplitude_in(segment, residual[segment.test], frequency) ** 2 for segment in problem.segments]
     return float(np.sqrt(np.mean(squares)))
 
 

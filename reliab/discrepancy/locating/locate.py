@@ -85,12 +85,12 @@ def locate(problem: Problem, calibrated: Fit, noise: NoiseModel) -> tuple[Findin
         Significant ones, the strongest first.
     """
     residual = problem.whitened(calibrated.space, calibrated.coordinates, noise)
-    found = [_along(problem, calibrated, noise, residual, family) for family in _FAMILIES]
-    found += [_in_band(problem, residual, low, high) for low, high in _BANDS]
-    trials = len(found)
-    corrected = [(min(1.0, p * trials), share, make) for p, share, make in found]
-    significant = [one for one in corrected if one[0] < _SIGNIFICANT]
-    significant.sort(key=lambda one: -one[1])
+    findings = [_along(problem, calibrated, noise, residual, family) for family in _FAMILIES]
+    findings += [_in_band(problem, residual, low, high) for low, high in _BANDS]
+    trials = len(findings)
+    corrected = [(min(1.0, p * trials), share, make) for p, share, make in findings]
+    significant = [finding for finding in corrected if finding[0] < _SIGNIFICANT]
+    significant.sort(key=lambda finding: -finding[1])
     return tuple(make(p, share) for p, share, make in significant[:_LISTED])
 
 
@@ -156,12 +156,15 @@ def _finding(problem: Problem, test: int, kind: str, sentence: str) -> _Make:
 def _columns(problem: Problem, noise: NoiseModel, family: _Family) -> Array:
     """Whiten what a family would add to the channel, shape (rows, columns)."""
     block = problem.block
-    made: dict[int, tuple[Array, ...]] = {}
+    columns: dict[int, tuple[Array, ...]] = {}
     for test in {segment.test for segment in problem.segments}:
-        made[test] = family.columns(*_scaled(block.motions[test], block.scales.duration, problem))
+        columns[test] = family.columns(*_scaled(block.motions[test], block.scales.duration, problem))
     parts = [
         np.stack(
-            [real_parts(segment.spectrum(column), segment.density(noise)) for column in made[segment.test]],
+            [
+                real_parts(segment.spectrum(column), segment.density(noise))
+                for column in columns[segment.test]
+            ],
             axis=1,
         )
         for segment in problem.segments

@@ -62,8 +62,8 @@ def _within_steps(problem: Problem, fitted: Fit) -> bool:
     """Whether what a model leaves stays within a step of the converter in every test."""
     if not all(step > 0.0 for step in problem.steps.values()):
         return False
-    left = problem.residuals(fitted.space, fitted.coordinates)
-    return all(float(np.std(values)) < _STEPS * problem.steps[test] for test, values in left.items())
+    residual = problem.residuals(fitted.space, fitted.coordinates)
+    return all(float(np.std(values)) < _STEPS * problem.steps[test] for test, values in residual.items())
 
 
 def _spectra(problem: Problem, fitted: Fit) -> list[Spectrum]:

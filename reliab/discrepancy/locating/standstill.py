@@ -57,13 +57,13 @@ def standstill(problem: Problem, best: Fit) -> Standstill | None:
     """
     lengths: list[int] = []
     inside = whole = 0.0
-    for test, left in problem.residuals(best.space, best.coordinates).items():
+    for test, residual in problem.residuals(best.space, best.coordinates).items():
         read = problem.block.measured(test)
-        expected = _judged(read - left, problem.block.highest / problem.block.rate)
-        events = _held(read, expected, max(problem.steps[test], float(np.median(np.abs(left)))))
+        expected = _judged(read - residual, problem.block.highest / problem.block.rate)
+        events = _held(read, expected, max(problem.steps[test], float(np.median(np.abs(residual)))))
         lengths += [end - begin for begin, end in events]
-        inside += sum(float((left[begin:end] ** 2).sum()) for begin, end in events)
-        whole += float((left**2).sum())
+        inside += sum(float((residual[begin:end] ** 2).sum()) for begin, end in events)
+        whole += float((residual**2).sum())
     if len(lengths) < _FEWEST_EVENTS or inside < _LEAST_OF_REMAINDER * whole:
         return None
     return Standstill(events=len(lengths), seconds=float(np.median(lengths)) / problem.block.rate)

@@ -139,11 +139,11 @@ def _fit_with(ranked: Sequence[Ranked], effects: set[type[Effect]]) -> Fit | Non
     return next((r.fit for r in ranked if set(r.fit.space.effects) == effects), None)
 
 
-def estimates(effect: type[Effect], one: Fit) -> tuple[Estimate, ...]:
+def estimates(effect: type[Effect], fitted: Fit) -> tuple[Estimate, ...]:
     """Parameters of an effect with their standard deviations, SI units."""
-    place = one.space.places(effect)
-    values = one.space.values(one.coordinates)[place]
-    spread = one.space.standard_deviations(one.coordinates, one.covariance)[place]
+    place = fitted.space.places(effect)
+    values = fitted.space.values(fitted.coordinates)[place]
+    spread = fitted.space.standard_deviations(fitted.coordinates, fitted.covariance)[place]
     return tuple(
         Estimate(
             name=parameter.name, value=value if abs(value) > _NOTHING else 0.0, sd=sd, units=parameter.units
@@ -316,5 +316,5 @@ def _disturbance(problem: Problem, best: Fit, error: float) -> Unknown | None:
     )
 
 
-def _by_file(proof: Problem, left: dict[int, Array]) -> dict[str, Array]:
-    return {proof.block.tests[test].file: values for test, values in left.items()}
+def _by_file(proof: Problem, residuals: dict[int, Array]) -> dict[str, Array]:
+    return {proof.block.tests[test].file: values for test, values in residuals.items()}

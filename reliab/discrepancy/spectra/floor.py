@@ -84,22 +84,22 @@ def floors(
         (Source.BAND_ABOVE, _of_band([tests[k] for k in proof], channel, rate, highest)),
         (Source.REST, _of_rest([tests[k] for k in proof], channel, inputs, rate)),
     )
-    found = ((source, [value for value in values if value > 0.0]) for source, values in ways)
-    return tuple(Floor(mean_square=float(np.mean(v)), source=source) for source, v in found if v)
+    groups = ((source, [value for value in values if value > 0.0]) for source, values in ways)
+    return tuple(Floor(mean_square=float(np.mean(v)), source=source) for source, v in groups if v)
 
 
 def _of_repeats(
     tests: Sequence[MeasuredTest], channel: Channel, inputs: Sequence[Channel]
 ) -> Iterator[float]:
-    for one, other in combinations(tests, 2):
-        if one.motion and one.motion == other.motion and one.size == other.size:
-            pairs = [(one.channels[c], other.channels[c]) for c in inputs]
+    for first, second in combinations(tests, 2):
+        if first.motion and first.motion == second.motion and first.size == second.size:
+            pairs = [(first.channels[c], second.channels[c]) for c in inputs]
             if all(_close(a, b) for a, b in pairs):
-                yield float(np.var(one.channels[channel] - other.channels[channel])) / 2.0
+                yield float(np.var(first.channels[channel] - second.channels[channel])) / 2.0
 
 
-def _close(one: Array, other: Array) -> bool:
-    return bool(np.std(one - other) < _SAME_INPUT * max(float(np.std(one)), 1e-300))
+def _close(first: Array, second: Array) -> bool:
+    return bool(np.std(first - second) < _SAME_INPUT * max(float(np.std(first)), 1e-300))
 
 
 def _of_cycles(tests: Sequence[MeasuredTest], channel: Channel, inputs: Sequence[Channel]) -> Iterator[float]:

@@ -111,8 +111,8 @@ def fit_noise(periodograms: Sequence[Periodogram], rate: float, *, least: float 
     >>> round(found.rms, 1)
     1.0
     """
-    frequency = np.concatenate([one.frequency for one in periodograms])
-    power = np.concatenate([_without_lines(one, 0.5 * rate) for one in periodograms])
+    frequency = np.concatenate([periodogram.frequency for periodogram in periodograms])
+    power = np.concatenate([_without_lines(periodogram, 0.5 * rate) for periodogram in periodograms])
     valid = np.isfinite(power)
     centre, mean, count = _binned(frequency[valid], power[valid])
     shapes = spectral_shapes(centre, rate)
@@ -155,20 +155,20 @@ def _binned(frequency: Array, power: Array) -> tuple[Array, Array, Array]:
     return centre, mean, count[used]
 
 
-def _without_lines(one: Periodogram, nyquist: float) -> Array:
+def _without_lines(periodogram: Periodogram, nyquist: float) -> Array:
     """Power with NaN where a line of the mains stands out."""
-    power = one.power.copy()
-    for begin, end in line_places(one, nyquist):
+    power = periodogram.power.copy()
+    for begin, end in line_places(periodogram, nyquist):
         power[begin:end] = np.nan
     return power
 
 
-def line_places(one: Periodogram, nyquist: float) -> list[tuple[int, int]]:
+def line_places(periodogram: Periodogram, nyquist: float) -> list[tuple[int, int]]:
     """Ranges of a periodogram around harmonics of 50 or 60 Hz that stand out of their surroundings.
 
     Parameters
     ----------
-    one : Periodogram
+    periodogram : Periodogram
         Equally spaced frequencies, which need neither begin at zero nor reach the Nyquist frequency.
     nyquist : float
         Half of the sampling rate [Hz], at which harmonics are folded.
@@ -178,31 +178,31 @@ def line_places(one: Periodogram, nyquist: float) -> list[tuple[int, int]]:
     list of (int, int)
         First place of each range and the one after the last.
     """
-    if one.frequency.size < _FEWEST_BINS:
+    if periodogram.frequency.size < _FEWEST_BINS:
         return []
-    spacing = float(one.frequency[1] - one.frequency[0])
+    spacing = float(periodogram.frequency[1] - periodogram.frequency[0])
     reach, around = max(int(0.6 / spacing), 2), max(int(3.0 / spacing), 10)
     places = []
     for line in mains_frequencies(nyquist):
-        centre = round((line - float(one.frequency[0])) / spacing)
-        if not 0 <= centre < one.power.size:
+        centre = round((line - float(periodogram.frequency[0])) / spacing)
+        if not 0 <= centre < periodogram.power.size:
             continue
-        begin, end = max(centre - reach, 0), min(centre + reach + 1, one.power.size)
-        wide = one.power[max(centre - around, 0) : centre + around + 1]
-        if one.power[begin:end].max() > _LINE * np.median(wide):
+        begin, end = max(centre - reach, 0), min(centre + reach + 1, periodogram.power.size)
+        wide = periodogram.power[max(centre - around, 0) : centre + around + 1]
+        if periodogram.power[begin:end].max() > _LINE * np.median(wide):
             places.append((begin, end))
     return places
 
 
 def mains_frequencies(nyquist: float) -> list[float]:
     """Harmonics of 50 and 60 Hz up to the seventh, folded at the Nyquist frequency [Hz]."""
-    found = set()
+    frequencies = set()
     for mains in (50.0, 60.0):
         for order in range(1, 8):
             folded = abs((order * mains + nyquist) % (2.0 * nyquist) - nyquist)
             if _LOWEST_LINE < folded < nyquist - 1.0:
-                found.add(round(folded, 6))
-    return sorted(found)
+                frequencies.add(round(folded, 6))
+    return sorted(frequencies)
 
 
 def near_mains(frequency: Array, nyquist: float) -> NDArray[np.bool_]:

@@ -59,7 +59,7 @@ def scales_of(campaign: Campaign, motions: Sequence[Motion3]) -> Scales:
     """
     kept = [k for k, test in enumerate(campaign.tests) if not test.held_out]
     centred = [motions[k].values - [[motions[k].values[0].mean()], [0.0], [0.0]] for k in kept]
-    peaks = np.max([np.quantile(np.abs(one), 0.9995, axis=1) for one in centred], axis=0)
+    peaks = np.max([np.quantile(np.abs(history), 0.9995, axis=1) for history in centred], axis=0)
     if not peaks.min() > 0.0:
         raise InputError(
             "The displacement must move in at least one test that is not held out",

@@ -102,12 +102,18 @@ def cut_segments(
     """
     parts = 1 if len(stretches) >= _FEWEST_SEGMENTS - 1 else -(-_FEWEST_SEGMENTS // len(stretches))
     segments = []
-    for one in stretches:
-        edges = np.linspace(one.begin, one.end, parts + 1).astype(int)
+    for stretch in stretches:
+        edges = np.linspace(stretch.begin, stretch.end, parts + 1).astype(int)
         for begin, end in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
             first = -(-begin // every) * every
             length = every * fft.prev_fast_len((end - first) // every, real=True)
             segments.append(
-                Segment(test=one.test, begin=first, end=first + length, rate=rate, highest=highest(one.test))
+                Segment(
+                    test=stretch.test,
+                    begin=first,
+                    end=first + length,
+                    rate=rate,
+                    highest=highest(stretch.test),
+                )
             )
     return tuple(segments)

@@ -34,7 +34,7 @@ from reliab.loop.effects.viscous_damping import ViscousDamping
 ENTRY_POINT_GROUP = "reliab.effects"
 """Group under which other packages register classes derived from `Effect`."""
 
-_OWN: tuple[type[Effect], ...] = (
+_SHIPPED: tuple[type[Effect], ...] = (
     CommandSaturation,
     FirstOrderLag,
     SecondOrderDynamics,
@@ -78,7 +78,7 @@ def library() -> dict[str, type[Effect]]:
     InputError
         If another package adds something that is no effect, or a name that is taken.
     """
-    known = {str(effect.name): effect for effect in _OWN}
+    known = {str(effect.name): effect for effect in _SHIPPED}
     for entry in entry_points(group=ENTRY_POINT_GROUP):
         effect = entry.load()
         if not (isinstance(effect, type) and issubclass(effect, Effect)):

@@ -129,13 +129,15 @@ def _run_coarsely(
     h = coarse / steps
     samples = step * np.arange(ground.size, dtype=np.float64)
     instants = h * np.arange(int(np.ceil(samples[-1] / h)) + 1, dtype=np.float64)
-    found = _run(test, np.interp(instants, samples, ground), h, integrator, compensator)
-    return _resampled(test, found, instants, samples, step)
+    histories = _run(test, np.interp(instants, samples, ground), h, integrator, compensator)
+    return _resampled(test, histories, instants, samples, step)
 
 
-def _resampled(test: HybridTest, found: Histories, instants: Array, samples: Array, step: float) -> Histories:
+def _resampled(
+    test: HybridTest, histories: Histories, instants: Array, samples: Array, step: float
+) -> Histories:
     """Histories at other instants, between which the motion is smooth."""
-    if not np.isfinite(found.force).all():
+    if not np.isfinite(histories.force).all():
         broken = np.full((3, samples.size), np.nan)
         return Histories(
             command=Motion3(values=broken, step=step),
@@ -145,7 +147,7 @@ def _resampled(test: HybridTest, found: Histories, instants: Array, samples: Arr
         )
     command, piston, force = (
         make_interp_spline(instants, values, axis=-1)(samples)
-        for values in (found.command.values, found.piston.values, found.force)
+        for values in (histories.command.values, histories.piston.values, histories.force)
     )
     moved = Motion3(values=piston, step=step)
     return Histories(
@@ -156,13 +158,13 @@ def _resampled(test: HybridTest, found: Histories, instants: Array, samples: Arr
     )
 
 
-def _at_each(test: HybridTest, found: Histories, parts: int) -> Histories:
-    piston = found.piston.at_each(parts)
+def _at_each(test: HybridTest, histories: Histories, parts: int) -> Histories:
+    piston = histories.piston.at_each(parts)
     return Histories(
-        command=found.command.at_each(parts),
+        command=histories.command.at_each(parts),
         piston=piston,
         measured=read_displacement(test, piston),
-        force=np.ascontiguousarray(found.force[::parts]),
+        force=np.ascontiguousarray(histories.force[::parts]),
     )
 
 

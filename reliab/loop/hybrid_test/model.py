@@ -65,7 +65,7 @@ class HybridTest:
         return tuple(effect for effect in self.effects if effect.role in roles)
 
     def setting(self, step: float) -> Setting:
-        """What effects may need to know of this test at a step [s]."""
+        """Return what effects may need to know of this test at a step [s]."""
         specimen = self.specimen or Specimen(stiffness=0.0)
         return Setting(step=step, stiffness=specimen.stiffness, damping=specimen.damping)
 

@@ -265,16 +265,16 @@ class FrameLoop:
         """
         if self.engine is Engine.SPECTRAL:
             return self._exact(cells)
-        found = self._reduced(cells)
+        deviation = self._reduced(cells)
         if self.engine is Engine.POLE:
-            return found
+            return deviation
         again = self.reduction_error(cells) > REDUCTION_TOLERANCE
         if again.any():
             again &= cells.stable
         if again.any():
             exact = self._exact(self.cells(gain=cells.gain[again], delay=cells.delay[again]))
-            found.mean_square[again], found.peak[again] = exact.mean_square, exact.peak
-        return found
+            deviation.mean_square[again], deviation.peak[again] = exact.mean_square, exact.peak
+        return deviation
 
     def at_rest(self) -> Deviation:
         """Deviation of an actuator that does not move; infinite where the test is then unstable."""

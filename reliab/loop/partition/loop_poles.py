@@ -99,9 +99,9 @@ def pole_loop(partition: Partition, gain: Array, delay: Array, output: Array | N
 
 def _followed(partition: Partition, pole: complex, gain: Array, delay: Array) -> ComplexArray:
     """Pole that grows out of one of the structure's, shape (cells,)."""
-    own, others, own_residue, other_residues = _receptance(partition, pole)
+    start, others, residue, other_residues = _receptance(partition, pole)
     k, c, m = partition.specimen.stiffness, partition.specimen.damping, partition.specimen.mass
-    s = np.full(gain.size, own, dtype=np.complex128)
+    s = np.full(gain.size, start, dtype=np.complex128)
     step = s
     for part in range(1, _PARTS + 1):
         share = part / _PARTS
@@ -109,14 +109,14 @@ def _followed(partition: Partition, pole: complex, gain: Array, delay: Array) ->
             sigma = gain * np.exp(-s * delay)
             error = share * (sigma - 1.0)
             impedance, impedance_slope = k + s * (c + s * m), c + 2.0 * s * m
-            apart = s[:, np.newaxis] - others
-            rest = (other_residues / apart).sum(axis=1)
-            rest_slope = -(other_residues / apart**2).sum(axis=1)
-            smooth = own_residue + (s - own) * rest  # (s − λ)·g
-            smooth_slope = rest + (s - own) * rest_slope
+            distance = s[:, np.newaxis] - others
+            rest = (other_residues / distance).sum(axis=1)
+            rest_slope = -(other_residues / distance**2).sum(axis=1)
+            smooth = residue + (s - start) * rest  # (s − λ)·g
+            smooth_slope = rest + (s - start) * rest_slope
             force = impedance * error
             force_slope = impedance_slope * error - impedance * share * delay * sigma
-            value = (s - own) + smooth * force
+            value = (s - start) + smooth * force
             slope = 1.0 + smooth_slope * force + smooth * force_slope
             step = value / slope
             s = s - step
@@ -178,9 +178,9 @@ def _rest(
     s = radius * np.exp(2j * np.pi * (np.arange(_CIRCLE) + 0.5) / _CIRCLE)
     exact = transfer(partition, gain, delay, s, output)
     at = s[:, np.newaxis, np.newaxis]
-    left = exact - (residues / (at - poles) + residues.conj() / (at - poles.conj())).sum(axis=1)
-    value = left.mean(axis=0).real
-    slope = (left / s[:, np.newaxis]).mean(axis=0).real
+    remainder = exact - (residues / (at - poles) + residues.conj() / (at - poles.conj())).sum(axis=1)
+    value = remainder.mean(axis=0).real
+    slope = (remainder / s[:, np.newaxis]).mean(axis=0).real
     with np.errstate(divide="ignore", invalid="ignore"):
         time = np.nan_to_num(-slope / value, nan=0.0, posinf=0.0, neginf=0.0)
     # The rest of a delay lags, that of a lead is ahead; one of another shape follows the ground at once.

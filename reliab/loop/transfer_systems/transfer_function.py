@@ -261,7 +261,7 @@ class TransferUncertainty:
         drawn: list[TransferFunction] = []
         for _ in range(_MOST_DRAWS * count):
             try:
-                drawn.append(self._one(nominal, generator))
+                drawn.append(self._realisation(nominal, generator))
             except InputError:
                 continue
             if len(drawn) == count:
@@ -272,7 +272,7 @@ class TransferUncertainty:
             remedy="Reduce the standard deviations",
         )
 
-    def _one(self, nominal: TransferFunction, generator: np.random.Generator) -> TransferFunction:
+    def _realisation(self, nominal: TransferFunction, generator: np.random.Generator) -> TransferFunction:
         factors = 1.0 + generator.standard_normal(2) * np.array([self.gain, self.delay])
         poles: list[complex] = []
         for pole in nominal.poles[nominal.poles.imag >= 0.0]:

@@ -74,73 +74,76 @@ def assessment_report(
     )
 
 
-def _verdict(found: Assessment) -> Prose:
-    size = found.error.of(found.metric)
+def _verdict(assessment: Assessment) -> Prose:
+    size = assessment.error.of(assessment.metric)
     return (
-        *prose("The test is *{word}*: its ", word=found.verdict.word.replace("_", " ")),
-        ERRORS[found.metric],
+        *prose("The test is *{word}*: its ", word=assessment.verdict.word.replace("_", " ")),
+        ERRORS[assessment.metric],
         " ".join(
             (
                 f" is {percent(size.value)}",
                 f"(90 % interval {percent(size.low)} to {percent(size.high)})",
-                f"against {percent(found.criterion.threshold)}.",
-                f"Probability of staying below: {probability_text(found.probability)}.",
+                f"against {percent(assessment.criterion.threshold)}.",
+                f"Probability of staying below: {probability_text(assessment.probability)}.",
             )
         ),
     )
 
 
-def _facts(found: Assessment) -> dict[str, Prose]:
-    structure, recording = found.structure, found.recording
+def _facts(assessment: Assessment) -> dict[str, Prose]:
+    structure, recording = assessment.structure, assessment.recording
     basis = (
-        f"the boundary of its own ground motion, {found.own.motion}"
-        if found.own
-        else f"{percent(found.criterion.confidence)} of the ground motions behind the criterion"
+        f"the boundary of its own ground motion, {assessment.placement.motion}"
+        if assessment.placement
+        else f"{percent(assessment.criterion.confidence)} of the ground motions behind the criterion"
     )
     window = (
-        found.criterion.provenance.window
-        if found.own is None
-        else f"{found.own.window[0]:.4g} to {found.own.window[1]:.4g} s of the record"
+        assessment.criterion.provenance.window
+        if assessment.placement is None
+        else f"{assessment.placement.window[0]:.4g} to {assessment.placement.window[1]:.4g} s of the record"
     )
     return {
         "Test": f"{recording.name}, {recording.duration:.1f} s at {1.0 / recording.time_step:.5g} Hz",
         "Structure": prose(
             "$f =$ {f} Hz, $xi =$ {xi}, share of the stiffness in the laboratory $alpha =$ {alpha}",
-            f=_stated(found, "f", structure.frequency),
-            xi=_stated(found, "xi", structure.damping_ratio),
-            alpha=_stated(found, "alpha", structure.experimental_fraction),
+            f=_stated(assessment, "f", structure.frequency),
+            xi=_stated(assessment, "xi", structure.damping_ratio),
+            alpha=_stated(assessment, "alpha", structure.experimental_fraction),
         ),
         "Threshold and window": (
-            f"{percent(found.criterion.threshold)}, over the test's own {recording.duration:.4g} s"
+            f"{percent(assessment.criterion.threshold)}, over the test's own {recording.duration:.4g} s"
         ),
         "Index judged by": (
-            f"{basis}: {found.verdict_by_index.word.replace('_', ' ')}; window of its errors: {window}"
+            f"{basis}: {assessment.verdict_by_index.word.replace('_', ' ')}; window of its errors: {window}"
         ),
     }
 
 
-def _stated(found: Assessment, name: str, value: float) -> str:
-    return str(found.stated.get(name, f"{value:g}"))
+def _stated(assessment: Assessment, name: str, value: float) -> str:
+    return str(assessment.stated.get(name, f"{value:g}"))
 
 
-def _numbers(found: Assessment) -> Table:
-    tracking = found.tracking
+def _numbers(assessment: Assessment) -> Table:
+    tracking = assessment.tracking
     (low_a, high_a), (low_d, high_d) = tracking.interval(LEVEL)
-    a, b = found.limits
+    a, b = assessment.limits
     rows = [
         ("Amplitude A", f"{tracking.amplitude:.5f}", f"{low_a:.5f} to {high_a:.5f}", f"1 ± {np.sqrt(a):.5f}"),
         ("Equivalent delay d [ms]", *_milliseconds(tracking.delay, low_d, high_d), f"{np.sqrt(b):.3f}"),
         (
             "Index (A − 1)²/a + d²/b",
-            MISSING if found.index is None else _index(found.index),
-            " to ".join(map(_index, found.index_interval or ())),
+            MISSING if assessment.index is None else _index(assessment.index),
+            " to ".join(map(_index, assessment.index_interval or ())),
             "1",
         ),
-        *_own(found),
-        *_tracking(found),
+        *_on_own_boundary(assessment),
+        *_tracking(assessment),
         (
             "Delay at which the loop is unstable [ms], share of it that is free [%]",
-            f"{_unstable(found)}, {Fixed(decimals=1, factor=PERCENT)(found.stability_margin).digits}",
+            (
+                f"{_unstable(assessment)}, "
+                f"{Fixed(decimals=1, factor=PERCENT)(assessment.stability_margin).digits}"
+            ),
             "",
             "",
         ),
@@ -162,8 +165,8 @@ def _numbers(found: Assessment) -> Table:
     )
 
 
-def _unstable(found: Assessment) -> str:
-    critical = _MILLISECONDS * found.critical_delay
+def _unstable(assessment: Assessment) -> str:
+    critical = _MILLISECONDS * assessment.critical_delay
     return f"{critical:.2f}" if np.isfinite(critical) else "none"
 
 
@@ -173,26 +176,26 @@ def _index(value: float) -> str:
 
 
 def _milliseconds(value: float, low: float, high: float) -> tuple[str, str]:
-    value, low, high = (_MILLISECONDS * each for each in (value, low, high))
+    value, low, high = (_MILLISECONDS * number for number in (value, low, high))
     return f"{value:.3f}", f"{low:.3f} to {high:.3f}"
 
 
-def _own(found: Assessment) -> list[tuple[str, str, str, str]]:
-    if found.own is None:
+def _on_own_boundary(assessment: Assessment) -> list[tuple[str, str, str, str]]:
+    if assessment.placement is None:
         return []
-    low, high = (PERCENT * each for each in found.own.error_interval)
-    bound = f"{PERCENT * found.criterion.threshold:g}"
+    low, high = (PERCENT * limit for limit in assessment.placement.error_interval)
+    bound = f"{PERCENT * assessment.criterion.threshold:g}"
     row = (
         "Error under its own motion [%]",
-        f"{PERCENT * found.own.error:.2f}",
+        f"{PERCENT * assessment.placement.error:.2f}",
         f"{low:.2f} to {high:.2f}",
         bound,
     )
     return [row]
 
 
-def _tracking(found: Assessment) -> list[tuple[str, str, str, str]]:
-    measures = found.measures
+def _tracking(assessment: Assessment) -> list[tuple[str, str, str, str]]:
+    measures = assessment.measures
     return [
         (
             "Largest tracking error over the command's peak [%]",
@@ -216,13 +219,19 @@ def _tracking(found: Assessment) -> list[tuple[str, str, str, str]]:
     ]
 
 
-def _plane(found: Assessment) -> Figure:
+def _plane(assessment: Assessment) -> Figure:
     boundaries = {
-        f"{percent(found.criterion.confidence)} of motions": (found.population.a, found.population.b)
+        f"{percent(assessment.criterion.confidence)} of motions": (
+            assessment.population.a,
+            assessment.population.b,
+        )
     }
-    if found.own is not None:
-        boundaries = {f"motion {found.own.motion}": (found.own.a, found.own.b), **boundaries}
-    windows = found.windows if found.windows.centre.size else None
+    if assessment.placement is not None:
+        boundaries = {
+            f"motion {assessment.placement.motion}": (assessment.placement.a, assessment.placement.b),
+            **boundaries,
+        }
+    windows = assessment.windows if assessment.windows.centre.size else None
     over_time = (
         ""
         if windows is None
@@ -231,9 +240,9 @@ def _plane(found: Assessment) -> Figure:
     )
     return Figure(
         drawing=tracking_overview(
-            amplitude=found.tracking.amplitude,
-            delay=found.tracking.delay,
-            draws=found.tracking.draws,
+            amplitude=assessment.tracking.amplitude,
+            delay=assessment.tracking.delay,
+            draws=assessment.tracking.draws,
             boundaries=boundaries,
             windows=windows,
         ),
@@ -245,15 +254,15 @@ def _plane(found: Assessment) -> Figure:
     )
 
 
-def _cautions(found: Assessment) -> list[Prose]:
-    own = () if found.own else found.criterion.provenance.warnings
-    reasons = found.verdict.reasons if found.verdict.word is Word.UNDECIDED else ()
+def _cautions(assessment: Assessment) -> list[Prose]:
+    warnings = () if assessment.placement else assessment.criterion.provenance.warnings
+    reasons = assessment.verdict.reasons if assessment.verdict.word is Word.UNDECIDED else ()
     return [
         *reasons,
-        *(f"What would decide: {remedy}" for remedy in found.verdict.would_decide),
-        *found.warnings,
-        *found.recording.notes,
-        *own,
+        *(f"What would decide: {remedy}" for remedy in assessment.verdict.would_decide),
+        *assessment.warnings,
+        *assessment.recording.notes,
+        *warnings,
         prose(
             "The error is that of a linear structure with the stated properties, whatever the actuator did; "
             "$A$ and $d$ hold no friction, backlash or saturation."
@@ -261,15 +270,15 @@ def _cautions(found: Assessment) -> list[Prose]:
     ]
 
 
-def _method(found: Assessment) -> Prose:
-    criterion = found.criterion
+def _method(assessment: Assessment) -> Prose:
+    criterion = assessment.criterion
     meaning = METHODS.get(criterion.method, criterion.method)
     basis = (
         prose(
             "The error of a test with this gain and delay was simulated under its own ground motion and held"
             " against the bound."
         )
-        if found.own
+        if assessment.placement
         else prose(
             "The limits $a$ and $b$ are those that {share} of ground motions exceed ({meaning}).",
             share=percent(criterion.confidence),

@@ -15,12 +15,12 @@ _STRETCHES = 40
 _MILLISECONDS = 1e3
 
 
-def errors_table(found: Assessment) -> Table:
+def errors_table(assessment: Assessment) -> Table:
     """Tabulate the error with its interval, and its parts.
 
     Parameters
     ----------
-    found : Assessment
+    assessment : Assessment
         The assessed test.
 
     Returns
@@ -30,7 +30,7 @@ def errors_table(found: Assessment) -> Table:
     """
     rows = []
     for name, metric in (("RMSᴿ", Metric.RMS), ("MTEᴿ", Metric.MTE)):
-        size = found.error.of(metric)
+        size = assessment.error.of(metric)
         rows.append(
             (
                 name,
@@ -39,7 +39,7 @@ def errors_table(found: Assessment) -> Table:
                 "",
             )
         )
-    for name, part in found.error.parts.by_name.items():
+    for name, part in assessment.error.parts.by_name.items():
         rows.append(
             (
                 f"RMSᴿ from {PART_NAMES[name]} alone",
@@ -57,19 +57,20 @@ def errors_table(found: Assessment) -> Table:
             for key, heading in zip(frame.columns, headings, strict=True)
         ),
         caption=(
-            f"Error over the test's own {found.recording.duration:.4g} s: root mean square and largest value "
+            f"Error over the test's own {assessment.recording.duration:.4g} s: root mean square and "
+            "largest value "
             "of measured minus exact displacement. The last column is what would remain without the part."
         ),
         label="tab:errors",
     )
 
 
-def histories_figure(found: Assessment) -> Figure:
+def histories_figure(assessment: Assessment) -> Figure:
     """Draw exact and measured history, the error with its band, and its parts.
 
     Parameters
     ----------
-    found : Assessment
+    assessment : Assessment
         The assessed test.
 
     Returns
@@ -77,7 +78,7 @@ def histories_figure(found: Assessment) -> Figure:
     Figure
         Three panels over time.
     """
-    rebuilt, recording = found.error.rebuilt, found.recording
+    rebuilt, recording = assessment.error.rebuilt, assessment.recording
     stretch = recording.duration / _STRETCHES
     return Figure(
         drawing=error_over_time(
@@ -88,7 +89,7 @@ def histories_figure(found: Assessment) -> Figure:
             band=(rebuilt.low, rebuilt.high),
             parts={
                 PART_NAMES[name]: sizes
-                for name, sizes in found.error.parts.over_time(recording.time_step, stretch).items()
+                for name, sizes in assessment.error.parts.over_time(recording.time_step, stretch).items()
             },
         ),
         caption="Exact and measured response, the error with its 90 % band, and where it comes from.",
@@ -96,12 +97,12 @@ def histories_figure(found: Assessment) -> Figure:
     )
 
 
-def advice(found: Assessment) -> Prose:
+def advice(assessment: Assessment) -> Prose:
     """Say what to improve first, by the error and by the index.
 
     Parameters
     ----------
-    found : Assessment
+    assessment : Assessment
         The assessed test.
 
     Returns
@@ -109,10 +110,10 @@ def advice(found: Assessment) -> Prose:
     Prose
         A paragraph.
     """
-    by_index = found.improvement
+    by_index = assessment.improvement
     share = by_index.share_of_delay if by_index.first == "delay" else 1.0 - by_index.share_of_delay
     late, off = _MILLISECONDS * by_index.tolerable_delay, by_index.tolerable_amplitude_error
-    parts = found.error.parts
+    parts = assessment.error.parts
     remaining = percent(parts.by_name[parts.first].remaining_rms)
     return " ".join(
         (

@@ -59,7 +59,7 @@ def discrepancy_report(
     sections = [_where(diagnosis), _what(diagnosis, sampled), _proof(diagnosis)]
     if diagnosis.criterion_shift is not None:
         sections.append(_shift(diagnosis.criterion_shift))
-    remarks = (*diagnosis.remarks, *(each.statement for each in sampled.values()), *notes)
+    remarks = (*diagnosis.remarks, *(posterior.statement for posterior in sampled.values()), *notes)
     return Document(
         kind="Diagnosis of a measured campaign",
         title=diagnosis.campaign.name,
@@ -71,15 +71,15 @@ def discrepancy_report(
     )
 
 
-def _verdict(found: Diagnosis) -> Prose:
-    names = ", ".join(_words(effect.name) for effect in found.effects)
-    match found.verdict:
+def _verdict(diagnosis: Diagnosis) -> Prose:
+    names = ", ".join(_words(effect.name) for effect in diagnosis.effects)
+    match diagnosis.verdict:
         case Verdict.NO_MISSING_EFFECT:
             return "Nothing is missing: calibration alone explains the tests."
         case Verdict.NAMED:
-            return prose("The model lacks *{names}*. {closed}", names=names, closed=_closed(found))
+            return prose("The model lacks *{names}*. {closed}", names=names, closed=_closed(diagnosis))
         case Verdict.UNKNOWN_EFFECT:
-            where = "" if found.unknown is None else found.unknown.block
+            where = "" if diagnosis.unknown is None else diagnosis.unknown.block
             if not names:
                 return prose("The *{where}* has an effect that is none of the known ones.", where=where)
             return prose(
@@ -88,32 +88,32 @@ def _verdict(found: Diagnosis) -> Prose:
                 where=where,
             )
         case Verdict.NOT_IDENTIFIABLE:
-            doubtful = " or ".join(_words(effect.name) for effect in found.doubtful)
+            doubtful = " or ".join(_words(effect.name) for effect in diagnosis.doubtful)
             return prose("Something is missing, and these tests do not tell what: *{names}*.", names=doubtful)
 
 
-def _closed(found: Diagnosis) -> str:
-    share = found.gap.closed_fraction
+def _closed(diagnosis: Diagnosis) -> str:
+    share = diagnosis.gap.closed_fraction
     if share is None:
-        before, after = percent(found.gap.before), percent(found.gap.after)
+        before, after = percent(diagnosis.gap.before), percent(diagnosis.gap.after)
         return f"On held-out tests the error falls from {before} to {after}."
     if share >= _WHOLLY:
         return "With it the gap on held-out tests closes to the noise."
-    left = "" if share >= _CLOSED else " Something is left."
-    return f"With it {percent(share)} of the gap on held-out tests is closed.{left}"
+    remainder = "" if share >= _CLOSED else " Something is left."
+    return f"With it {percent(share)} of the gap on held-out tests is closed.{remainder}"
 
 
 def _words(name: str) -> str:
     return name.replace("_", " ")
 
 
-def _facts(found: Diagnosis) -> dict[str, Prose]:
-    campaign = found.campaign
-    held_out = ", ".join(found.gap.held_out)
+def _facts(diagnosis: Diagnosis) -> dict[str, Prose]:
+    campaign = diagnosis.campaign
+    held_out = ", ".join(diagnosis.gap.held_out)
     facts: dict[str, Prose] = {
         "Tests": f"{len(campaign.tests)} at {campaign.rate:g} Hz, held out: {held_out}",
         "Channels": ", ".join(sorted(campaign.channels)),
-        "Blocks observed": ", ".join(str(one.block.block) for one in found.blocks),
+        "Blocks observed": ", ".join(str(diagnosed.block.block) for diagnosed in diagnosis.blocks),
     }
     if campaign.structure is not None:
         facts["Structure"] = prose(
@@ -125,11 +125,11 @@ def _facts(found: Diagnosis) -> dict[str, Prose]:
     return facts
 
 
-def _where(found: Diagnosis) -> Section:
-    blocks: list[Block] = [*drawn("the loop", partial(block_figure, found))]
-    if found.where:
-        blocks.append(Points(items=tuple(dict.fromkeys(one.detail for one in found.where))))
-        rows = [{**one.as_dict(), "block": str(one.block)} for one in found.where]
+def _where(diagnosis: Diagnosis) -> Section:
+    blocks: list[Block] = [*drawn("the loop", partial(block_figure, diagnosis))]
+    if diagnosis.where:
+        blocks.append(Points(items=tuple(dict.fromkeys(finding.detail for finding in diagnosis.where))))
+        rows = [{**finding.as_dict(), "block": str(finding.block)} for finding in diagnosis.where]
         columns = (
             Column(key="block", heading="Block"),
             Column(key="kind", heading="Goes with"),
@@ -144,31 +144,35 @@ def _where(found: Diagnosis) -> Section:
         blocks.append(Table(frame=frame, columns=columns, caption=caption, label="tab:where"))
     else:
         blocks.append(Paragraph(text="The calibrated model leaves nothing that differs from noise."))
-    for one in found.blocks:
-        if one.findings:
-            blocks += drawn("residuals over frequency", partial(time_frequency_figure, one))
-            blocks += drawn("residuals over the state plane", partial(state_plane_figure, one))
+    for diagnosed in diagnosis.blocks:
+        if diagnosed.findings:
+            blocks += drawn("residuals over frequency", partial(time_frequency_figure, diagnosed))
+            blocks += drawn("residuals over the state plane", partial(state_plane_figure, diagnosed))
     return Section(title="Where the model fails", blocks=tuple(blocks))
 
 
-def _what(found: Diagnosis, sampled: Mapping[str, Posterior]) -> Section:
-    effects = (*found.effects, *found.doubtful)
+def _what(diagnosis: Diagnosis, sampled: Mapping[str, Posterior]) -> Section:
+    effects = (*diagnosis.effects, *diagnosis.doubtful)
     blocks: list[Block] = []
     if effects:
-        blocks.append(_parameters(found))
+        blocks.append(_parameters(diagnosis))
         blocks += [Paragraph(text=_sentence(effect)) for effect in effects]
         for name, posterior in sampled.items():
-            blocks += drawn("the posterior", partial(posterior_figure, found, name, posterior))
-    blocks += [Paragraph(text=_unknown(one.unknown)) for one in found.blocks if one.unknown is not None]
-    if any(one.calibration for one in found.blocks):
-        blocks.append(_calibration(found))
+            blocks += drawn("the posterior", partial(posterior_figure, diagnosis, name, posterior))
+    blocks += [
+        Paragraph(text=_unknown(diagnosed.unknown))
+        for diagnosed in diagnosis.blocks
+        if diagnosed.unknown is not None
+    ]
+    if any(diagnosed.calibration for diagnosed in diagnosis.blocks):
+        blocks.append(_calibration(diagnosis))
     return Section(title="What is missing", blocks=tuple(blocks) or (Paragraph(text="Nothing."),))
 
 
-def _parameters(found: Diagnosis) -> Table:
+def _parameters(diagnosis: Diagnosis) -> Table:
     rows = []
-    for one in found.blocks:
-        for effect in (*one.effects, *one.doubtful):
+    for diagnosed in diagnosis.blocks:
+        for effect in (*diagnosed.effects, *diagnosed.doubtful):
             for estimate in effect.estimates:
                 low, high = estimate.interval or (np.nan, np.nan)
                 mark = " (on a bound)" if estimate.name in effect.on_bounds else ""
@@ -217,11 +221,17 @@ def _unknown(unknown: Unknown) -> Prose:
     )
 
 
-def _calibration(found: Diagnosis) -> Table:
+def _calibration(diagnosis: Diagnosis) -> Table:
     rows = [
-        {"block": str(one.block.block), "parameter": e.name, "value": e.value, "sd": e.sd, "units": e.units}
-        for one in found.blocks
-        for e in one.calibration
+        {
+            "block": str(diagnosed.block.block),
+            "parameter": e.name,
+            "value": e.value,
+            "sd": e.sd,
+            "units": e.units,
+        }
+        for diagnosed in diagnosis.blocks
+        for e in diagnosed.calibration
     ]
     columns = (
         Column(key="block", heading="Block"),
@@ -252,14 +262,14 @@ def _sentence(effect: MissingEffect) -> Prose:
     )
 
 
-def _proof(found: Diagnosis) -> Section:
+def _proof(diagnosis: Diagnosis) -> Section:
     rows = [
         {
-            **one.gap.as_dict(),
-            "closed": np.nan if one.gap.closed_fraction is None else one.gap.closed_fraction,
-            "noise_floor": np.nan if one.gap.floor is None else one.gap.floor,
+            **diagnosed.gap.as_dict(),
+            "closed": np.nan if diagnosed.gap.closed_fraction is None else diagnosed.gap.closed_fraction,
+            "noise_floor": np.nan if diagnosed.gap.floor is None else diagnosed.gap.floor,
         }
-        for one in found.blocks
+        for diagnosed in diagnosis.blocks
     ]
     size = Significant(digits=3)
     columns = (
@@ -271,16 +281,16 @@ def _proof(found: Diagnosis) -> Section:
     )
     caption = "Difference between model and measurement on held-out tests, RMS over that of the signal."
     table = Table(frame=pd.DataFrame(rows), columns=columns, caption=caption)
-    blocks: list[Block] = [Paragraph(text=_floor(one)) for one in found.blocks]
-    blocks += [table, _errors_by_test(found), *drawn("the gap", partial(gap_figure, found))]
-    for one in found.blocks:
-        blocks += drawn("histories and loops", partial(histories_figure, one))
+    blocks: list[Block] = [Paragraph(text=_floor(diagnosed)) for diagnosed in diagnosis.blocks]
+    blocks += [table, _errors_by_test(diagnosis), *drawn("the gap", partial(gap_figure, diagnosis))]
+    for diagnosed in diagnosis.blocks:
+        blocks += drawn("histories and loops", partial(histories_figure, diagnosed))
     return Section(title="The proof on held-out tests", blocks=tuple(blocks))
 
 
-def _floor(one: BlockDiagnosis) -> Prose:
+def _floor(diagnosed: BlockDiagnosis) -> Prose:
     """Sentence on what no model could explain, and what is the model's own error."""
-    gap = one.gap
+    gap = diagnosed.gap
     if gap.floor is None:
         return prose(
             "{channel}: the recordings do not tell how much of it is noise (no repeated tests or cycles, no "
@@ -298,11 +308,16 @@ def _floor(one: BlockDiagnosis) -> Prose:
     )
 
 
-def _errors_by_test(found: Diagnosis) -> Table:
+def _errors_by_test(diagnosis: Diagnosis) -> Table:
     rows = [
-        {"channel": one.gap.channel, "test": file, "before": one.gap.tests_before[file], "after": after}
-        for one in found.blocks
-        for file, after in one.gap.tests_after.items()
+        {
+            "channel": diagnosed.gap.channel,
+            "test": file,
+            "before": diagnosed.gap.tests_before[file],
+            "after": after,
+        }
+        for diagnosed in diagnosis.blocks
+        for file, after in diagnosed.gap.tests_after.items()
     ]
     size = Significant(digits=3)
     columns = (

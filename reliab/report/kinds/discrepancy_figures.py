@@ -32,106 +32,111 @@ _DENSITY_POINTS = 1025
 _MOST_PARAMETERS = 5
 
 
-def block_figure(found: Diagnosis) -> Figure:
+def block_figure(diagnosis: Diagnosis) -> Figure:
     """Draw the loop with what is missing."""
     guilty: dict[Block, str] = {}
-    for effect in (*found.effects, *found.doubtful):
+    for effect in (*diagnosis.effects, *diagnosis.doubtful):
         block = effect.effect.block
         names = [guilty[block]] if block in guilty else []
         guilty[block] = "\n".join([*names, effect.name.replace("_", " ")])
-    if found.unknown is not None:
-        guilty[Block(found.unknown.block)] = "unknown effect"
-    observed = {one.block.block for one in found.blocks}
-    observed |= {candidate.block for one in found.blocks for candidate in one.block.candidates}
+    if diagnosis.unknown is not None:
+        guilty[Block(diagnosis.unknown.block)] = "unknown effect"
+    observed = {diagnosed.block.block for diagnosed in diagnosis.blocks}
+    observed |= {
+        candidate.block for diagnosed in diagnosis.blocks for candidate in diagnosed.block.candidates
+    }
     caption = "The loop of the test; blocks that no recorded channel shows are dashed."
     return Figure(
         drawing=discrepancy_blocks(guilty=guilty, observed=observed), caption=caption, label="fig:blocks"
     )
 
 
-def _held_out(one: BlockDiagnosis) -> tuple[str, NDArray[np.float64], NDArray[np.float64]]:
+def _held_out(diagnosed: BlockDiagnosis) -> tuple[str, NDArray[np.float64], NDArray[np.float64]]:
     """File and residuals of the held-out test in which the calibrated model fails most."""
-    file = max(one.residuals_before, key=lambda name: float(np.std(one.residuals_before[name])))
-    return file, one.residuals_before[file], one.residuals_after[file]
+    file = max(diagnosed.residuals_before, key=lambda name: float(np.std(diagnosed.residuals_before[name])))
+    return file, diagnosed.residuals_before[file], diagnosed.residuals_after[file]
 
 
-def _noise(one: BlockDiagnosis) -> float | None:
+def _noise(diagnosed: BlockDiagnosis) -> float | None:
     """RMS of what the recordings do not repeat, in the unit of the channel; None where it is not known."""
-    left = np.concatenate(list(one.residuals_before.values()))
-    if one.gap.floor is None:
+    residuals = np.concatenate(list(diagnosed.residuals_before.values()))
+    if diagnosed.gap.floor is None:
         return None
-    return float(np.sqrt(np.mean(left**2))) * one.gap.floor / max(one.gap.before, 1e-300)
+    return float(np.sqrt(np.mean(residuals**2))) * diagnosed.gap.floor / max(diagnosed.gap.before, 1e-300)
 
 
-def _density(one: BlockDiagnosis) -> NDArray[np.float64]:
+def _density(diagnosed: BlockDiagnosis) -> NDArray[np.float64]:
     """Smooth spectrum of what the best model leaves of the tests that it was fitted to."""
-    frequency = np.linspace(0.0, 0.5 * one.block.rate, _DENSITY_POINTS)
-    plain = replace(one.problem, tempering=(), powers=(), conversion={})
-    return plain.noise_of(one.best.space, one.best.coordinates).density(frequency)
+    frequency = np.linspace(0.0, 0.5 * diagnosed.block.rate, _DENSITY_POINTS)
+    plain = replace(diagnosed.problem, tempering=(), powers=(), conversion={})
+    return plain.noise_of(diagnosed.best.space, diagnosed.best.coordinates).density(frequency)
 
 
-def time_frequency_figure(one: BlockDiagnosis) -> Figure:
+def time_frequency_figure(diagnosed: BlockDiagnosis) -> Figure:
     """Draw residuals of a block over time and frequency."""
-    file, before, after = _held_out(one)
-    rate = one.block.rate
+    file, before, after = _held_out(diagnosed)
+    rate = diagnosed.block.rate
     drawing = discrepancy_time_frequency(
         before,
         after,
-        density=_density(one),
+        density=_density(diagnosed),
         rate=rate,
         highest=min(_HIGHEST, 0.5 * rate),
     )
     caption = prose(
         "Power of the residual of {channel} over that of the noise, held-out test {file}.",
-        channel=str(one.block.channel),
+        channel=str(diagnosed.block.channel),
         file=file,
     )
-    return Figure(drawing=drawing, caption=caption, label=f"fig:time-{one.block.block}", floats=True)
+    return Figure(drawing=drawing, caption=caption, label=f"fig:time-{diagnosed.block.block}", floats=True)
 
 
-def state_plane_figure(one: BlockDiagnosis) -> Figure:
+def state_plane_figure(diagnosed: BlockDiagnosis) -> Figure:
     """Draw residuals of a block over the state of the specimen."""
-    file, before, after = _held_out(one)
-    test = next(k for k, each in enumerate(one.block.tests) if each.file == file)
-    motion = one.block.motions[test].values
-    unit, factor = _UNITS[one.block.channel]
+    file, before, after = _held_out(diagnosed)
+    test = next(k for k, candidate in enumerate(diagnosed.block.tests) if candidate.file == file)
+    motion = diagnosed.block.motions[test].values
+    unit, factor = _UNITS[diagnosed.block.channel]
     drawing = discrepancy_state_plane(motion[0], motion[1], before, after, unit=unit, factor=factor)
     caption = prose(
         "Mean residual of {channel} over displacement and velocity, held-out test {file}.",
-        channel=str(one.block.channel),
+        channel=str(diagnosed.block.channel),
         file=file,
     )
-    return Figure(drawing=drawing, caption=caption, label=f"fig:state-{one.block.block}", floats=True)
+    return Figure(drawing=drawing, caption=caption, label=f"fig:state-{diagnosed.block.block}", floats=True)
 
 
-def histories_figure(one: BlockDiagnosis) -> Figure:
+def histories_figure(diagnosed: BlockDiagnosis) -> Figure:
     """Draw measured against modelled channel of a held-out test where it moves most."""
-    file, before, after = _held_out(one)
-    test = next(k for k, each in enumerate(one.block.tests) if each.file == file)
-    measured, driven = one.block.measured(test), one.block.tests[test].channels[one.block.inputs[-1]]
-    cut = _strongest(measured, one.block.rate)
-    unit, factor = _UNITS[one.block.channel]
-    input_unit, input_factor = _UNITS[one.block.inputs[-1]]
+    file, before, after = _held_out(diagnosed)
+    test = next(k for k, candidate in enumerate(diagnosed.block.tests) if candidate.file == file)
+    measured, driven = (
+        diagnosed.block.measured(test),
+        diagnosed.block.tests[test].channels[diagnosed.block.inputs[-1]],
+    )
+    cut = _strongest(measured, diagnosed.block.rate)
+    unit, factor = _UNITS[diagnosed.block.channel]
+    input_unit, input_factor = _UNITS[diagnosed.block.inputs[-1]]
     shown = ModelledHistory(
-        time=np.arange(measured.size)[cut] / one.block.rate,
+        time=np.arange(measured.size)[cut] / diagnosed.block.rate,
         driven=input_factor * driven[cut],
         measured=factor * measured[cut],
         before=factor * (measured - before)[cut],
         after=factor * (measured - after)[cut],
-        input_label=f"{one.block.inputs[-1]} [{input_unit}]",
-        label=f"{one.block.channel} [{unit}]",
+        input_label=f"{diagnosed.block.inputs[-1]} [{input_unit}]",
+        label=f"{diagnosed.block.channel} [{unit}]",
     )
     caption = prose(
         "Measured and modelled {channel} of held-out test {file} in the stretch in which it is strongest: "
         "over time, and over {driven}.",
-        channel=str(one.block.channel),
+        channel=str(diagnosed.block.channel),
         file=file,
-        driven=str(one.block.inputs[-1]),
+        driven=str(diagnosed.block.inputs[-1]),
     )
     return Figure(
         drawing=discrepancy_histories(shown),
         caption=caption,
-        label=f"fig:histories-{one.block.block}",
+        label=f"fig:histories-{diagnosed.block.block}",
         floats=True,
     )
 
@@ -171,44 +176,46 @@ def drawn(what: str, draw: Callable[[], Figure | None]) -> tuple[DocumentBlock, 
     return () if figure is None else (figure,)
 
 
-def gap_figure(found: Diagnosis) -> Figure:
+def gap_figure(diagnosis: Diagnosis) -> Figure:
     """Draw what is left in every observed channel."""
     caption = (
         "Residuals on a held-out test before and after what was found is added, and their size over all "
         "held-out tests beside that of the noise."
     )
-    drawing = discrepancy_gap([_panel(one) for one in found.blocks])
+    drawing = discrepancy_gap([_panel(diagnosed) for diagnosed in diagnosis.blocks])
     return Figure(drawing=drawing, caption=caption, label="fig:gap")
 
 
-def _panel(one: BlockDiagnosis) -> GapPanel:
-    file, before, after = _held_out(one)
-    unit, factor = _UNITS[one.block.channel]
-    noise = _noise(one)
+def _panel(diagnosed: BlockDiagnosis) -> GapPanel:
+    file, before, after = _held_out(diagnosed)
+    unit, factor = _UNITS[diagnosed.block.channel]
+    noise = _noise(diagnosed)
     return GapPanel(
-        title=f"{one.block.block}: {one.block.channel}, {file}",
+        title=f"{diagnosed.block.block}: {diagnosed.block.channel}, {file}",
         label=f"Residual [{unit}]",
-        rate=one.block.rate,
+        rate=diagnosed.block.rate,
         before=factor * before,
         after=factor * after,
         noise=None if noise is None else factor * noise,
-        errors=tuple(e for e in (one.gap.before, one.gap.after, one.gap.floor) if e is not None),
+        errors=tuple(
+            e for e in (diagnosed.gap.before, diagnosed.gap.after, diagnosed.gap.floor) if e is not None
+        ),
     )
 
 
 def _meaning(name: str) -> str:
     """Words for a parameter of an effect, by "effect.parameter"."""
     effect, _, parameter = name.partition(".")
-    return next(one.meaning for one in find_effect(effect).parameters if one.name == parameter)
+    return next(item.meaning for item in find_effect(effect).parameters if item.name == parameter)
 
 
-def posterior_figure(found: Diagnosis, block: str, posterior: Posterior) -> Figure | None:
+def posterior_figure(diagnosis: Diagnosis, block: str, posterior: Posterior) -> Figure | None:
     """Draw the posterior of the effects that are named in a block, None where none has parameters."""
     named = {
         str(effect.effect.name)
-        for one in found.blocks
-        if str(one.block.block) == block
-        for effect in one.effects
+        for diagnosed in diagnosis.blocks
+        if str(diagnosed.block.block) == block
+        for effect in diagnosed.effects
     }
     chosen = [k for k, name in enumerate(posterior.names) if name.split(".")[0] in named][:_MOST_PARAMETERS]
     if not chosen:

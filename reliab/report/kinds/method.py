@@ -68,14 +68,16 @@ def _yielding() -> str:
     measured = measured_yielding()
     shares = listed(
         [
-            f"{percent(each.exceeding, 2)} of {each.tests} tests at $R = {each.reduction:g}$ (up to "
-            f"{each.largest_ratio:.1f} times)"
-            for each in measured
+            f"{percent(measurement.exceeding, 2)} of {measurement.tests} tests at $R = "
+            f"{measurement.reduction:g}$ (up to "
+            f"{measurement.largest_ratio:.1f} times)"
+            for measurement in measured
         ]
     )
     return (
         "A specimen that yields is not always less demanding: with an actuator at which the linear structure "
-        f"just reaches the error, the error of an elastoplastic one ({percent(HARDENING)} hardening) is larger "
+        f"just reaches the error, the error of an elastoplastic one ({percent(HARDENING)} hardening) is "
+        "larger "
         f"in {shares}, $R$ being the peak of the linear response over the yield displacement, under "
         f"{measured[0].motions} real motions."
     )

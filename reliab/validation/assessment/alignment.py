@@ -37,7 +37,7 @@ class Alignment:
         test's file begins before or ends after it.
     match : float
         Similarity at that place [-].
-    found : bool
+    matched : bool
         Whether the match suffices; else the stretch of the test's length with the strongest response was
         taken.
     by : {"ground acceleration", "response", "shape of the response"}
@@ -49,7 +49,7 @@ class Alignment:
     begin: float
     end: float
     match: float
-    found: bool
+    matched: bool
     by: str
     from_rest: bool
 
@@ -83,8 +83,8 @@ def align(recording: Recording, reference: Array, structure: Structure, motion: 
         match = float(similar[place])
     if match < LEAST_MATCH:
         place, match, by = _by_response(reference, response)
-    found = match >= LEAST_MATCH
-    if not found:
+    matched = match >= LEAST_MATCH
+    if not matched:
         place = int(np.argmax(_energies(response, size)))
     begin = place * step
     rest = record.cut(begin, begin + recording.duration).response(structure, step)[:size]
@@ -93,7 +93,7 @@ def align(recording: Recording, reference: Array, structure: Structure, motion: 
         begin=begin - record.before,
         end=begin - record.before + recording.duration,
         match=match,
-        found=found,
+        matched=matched,
         by=by,
         from_rest=_distance(rest, reference) <= _distance(moving, reference),
     )
@@ -162,11 +162,11 @@ def _similarity(part: Array, whole: Array, *, in_size: bool) -> Array:
     2⟨p, w⟩/(⟨p, p⟩ + ⟨w, w⟩), or ⟨p, w⟩/√(⟨p, p⟩⟨w, w⟩) where sizes do not count.
     """
     products = fftconvolve(whole, part[::-1], mode="valid")
-    own, energies = float(part @ part), _energies(whole, part.size)
+    energy, energies = float(part @ part), _energies(whole, part.size)
     if in_size:
-        return np.asarray(2.0 * products / (own + energies))
+        return np.asarray(2.0 * products / (energy + energies))
     loud = np.maximum(energies, _QUIET * energies.max())
-    return np.asarray(products / np.sqrt(own * loud))
+    return np.asarray(products / np.sqrt(energy * loud))
 
 
 def _energies(whole: Array, size: int) -> Array:

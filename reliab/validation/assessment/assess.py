@@ -116,10 +116,10 @@ def assess(
     clean = repaired(recording, faults)
     tracking = track(clean, window=taper, seed=seed)
     judged = _judged(recording, clean, faults, question)
-    own = None
+    placement = None
     if motion is not None:
         alignment = align(clean, judged.error.reference, structure, motion)
-        own = place_on_own(motion, tracking, alignment, question, window=error_window)
+        placement = place_on_own(motion, tracking, alignment, question, window=error_window)
     return Assessment(
         recording=recording,
         structure=structure,
@@ -129,7 +129,7 @@ def assess(
         measures=measure_tracking(clean),
         windows=track_windows(clean, tracking, window=taper),
         population=place(chosen, structure, tracking.amplitude, tracking.delay, tracking.draws),
-        own=own,
+        placement=placement,
         error=judged.error,
         faults=judged.effects,
         equation=judged.equation,
@@ -183,7 +183,9 @@ def _errors(
     error = error_of_test(repaired(recording, unfelt), question, sensor_offset=known)
     effects = []
     for fault in faults:
-        others = [fault] if fault.in_loop is not False else [each for each in unfelt if each is not fault]
+        others = (
+            [fault] if fault.in_loop is not False else [effect for effect in unfelt if effect is not fault]
+        )
         changed = (
             error_of_test(repaired(recording, others), question, sensor_offset=known)
             if fault.repairable
@@ -202,8 +204,8 @@ def _otherwise_stated(
     ratio = equation.identified.damping_ratio.value
     if not 0.0 < ratio < 1.0:
         return ()
-    other = replace(question, structure=replace(question.structure, damping_ratio=ratio))
-    return (error_of_test(recording, other),)
+    restated = replace(question, structure=replace(question.structure, damping_ratio=ratio))
+    return (error_of_test(recording, restated),)
 
 
 def _check_length(recording: Recording, structure: Structure) -> None:

@@ -44,7 +44,7 @@ def in_band(recording: Recording) -> Band:
     histories, passed = [recording.command, recording.measured], np.ones(power.size)
     if 2 * bins < _ROOM * power.size:
         sections = butter(4, 2.0 * bins / power.size, output="sos")
-        histories = [np.asarray(sosfiltfilt(sections, each)) for each in histories]
+        histories = [np.asarray(sosfiltfilt(sections, history)) for history in histories]
         passed = np.abs(sosfreqz(sections, power.size)[1]) ** 4  # forwards and backwards
     total = float(periodogram(histories[0]).sum())
     return Band(command=histories[0], measured=histories[1], bins=bins, noise=floor * passed / total)

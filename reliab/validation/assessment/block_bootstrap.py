@@ -25,7 +25,7 @@ _HIGHEST_LEVERAGE = 0.9
 
 
 def index_errors(
-    command: Array, left: Array, *, window: str = "hann", draws: int = 2000, seed: int = 0
+    command: Array, residual: Array, *, window: str = "hann", draws: int = 2000, seed: int = 0
 ) -> NDArray[np.complex128]:
     """Draw errors of FEI that noise may have caused.
 
@@ -33,7 +33,7 @@ def index_errors(
     ----------
     command : numpy.ndarray
         Command [m], shape (n,).
-    left : numpy.ndarray
+    residual : numpy.ndarray
         What a constant gain and delay leave of the measured displacement [m], shape (n,).
     window : str, optional
         Name of a window of :func:`scipy.signal.get_window`.
@@ -55,7 +55,7 @@ def index_errors(
     >>> round(float(found.real.std()), 4)  # 0.01 √(2 · 1.94 / 4000)
     0.0003
     """
-    contribution, energy = _contributions(command, left, window)
+    contribution, energy = _contributions(command, residual, window)
     blocks, leverage = _blocks(contribution, energy)
     rng = np.random.default_rng(seed)
     weights = rng.normal(size=(draws, blocks.size))
@@ -64,7 +64,7 @@ def index_errors(
     return np.asarray(tails * (weights @ (blocks / (1.0 - leverage))), dtype=np.complex128)
 
 
-def _contributions(command: Array, left: Array, window: str) -> tuple[NDArray[np.complex128], Array]:
+def _contributions(command: Array, residual: Array, window: str) -> tuple[NDArray[np.complex128], Array]:
     """Sum of a stretch's part in Σ F[left] F[I]* / Σ|F[I]|², and its share in the command's energy."""
     taper = get_window(window, command.size)
     points = 1 << (command.size - 1).bit_length()
@@ -72,7 +72,7 @@ def _contributions(command: Array, left: Array, window: str) -> tuple[NDArray[np
     spectrum[0], spectrum[points // 2 :] = 0.0, 0.0
     analytic = taper * np.fft.ifft(spectrum)[: command.size] * points
     edges = np.linspace(0, command.size, min(_CELLS, command.size) + 1).astype(np.int64)[:-1]
-    parts = np.add.reduceat(left * analytic.conj(), edges) / float(np.sum(np.abs(spectrum) ** 2))
+    parts = np.add.reduceat(residual * analytic.conj(), edges) / float(np.sum(np.abs(spectrum) ** 2))
     energy = np.add.reduceat(np.abs(analytic) ** 2, edges)
     return np.asarray(parts, dtype=np.complex128), energy / energy.sum()
 

@@ -23,12 +23,12 @@ _NOISIER, _ROUNDING = 10.0, 1e-8  # in power
 _MILLISECONDS = 1e3
 
 
-def cautions(found: Findings) -> tuple[str, ...]:
+def cautions(findings: Findings) -> tuple[str, ...]:
     """Say what limits a verdict.
 
     Parameters
     ----------
-    found : Findings
+    findings : Findings
         The assessed test.
 
     Returns
@@ -36,7 +36,7 @@ def cautions(found: Findings) -> tuple[str, ...]:
     tuple of str
         Sentences; none for a sound test inside the criterion's validity.
     """
-    return found.assumed + tuple(
+    return findings.assumed + tuple(
         sentence
         for group in (
             _of_faults,
@@ -47,20 +47,20 @@ def cautions(found: Findings) -> tuple[str, ...]:
             _of_validity,
             _of_motion,
         )
-        for sentence in group(found)
+        for sentence in group(findings)
     )
 
 
-def _of_faults(found: Findings) -> Iterator[str]:
-    for effect in found.faults:
-        yield " ".join([effect.fault.finding, *_consequence(effect, found)])
+def _of_faults(findings: Findings) -> Iterator[str]:
+    for effect in findings.faults:
+        yield " ".join([effect.fault.finding, *_consequence(effect, findings)])
 
 
-def _consequence(effect: FaultEffect, found: Findings) -> Iterator[str]:
+def _consequence(effect: FaultEffect, findings: Findings) -> Iterator[str]:
     if effect.otherwise is None:
         return
-    metric = Metric(found.criterion.metric)
-    counted, otherwise = found.error.of(metric).value, effect.otherwise.of(metric).value
+    metric = Metric(findings.criterion.metric)
+    counted, otherwise = findings.error.of(metric).value, effect.otherwise.of(metric).value
     name = ERROR_NAMES[metric]
     fault = effect.fault
     if fault.in_loop is True:
@@ -79,44 +79,48 @@ def _consequence(effect: FaultEffect, found: Findings) -> Iterator[str]:
         yield f"{name} is {counted:.2%} as recorded and {otherwise:.2%} without it."
 
 
-def _of_error(found: Findings) -> Iterator[str]:
-    yield from found.equation.contradictions
-    yield from found.equation.notes
-    if found.otherwise_stated:
-        sizes = ", ".join(f"{each.of(found.metric).value:.2%}" for each in found.otherwise_stated)
+def _of_error(findings: Findings) -> Iterator[str]:
+    yield from findings.equation.contradictions
+    yield from findings.equation.notes
+    if findings.otherwise_stated:
+        sizes = ", ".join(f"{rebuilt.of(findings.metric).value:.2%}" for rebuilt in findings.otherwise_stated)
         yield (
-            f"{ERROR_NAMES[found.metric]} is {found.error.of(found.metric).value:.2%} with the frequency "
+            f"{ERROR_NAMES[findings.metric]} is {findings.error.of(findings.metric).value:.2%} with the "
+            "frequency "
             f"and share that the test shows and the damping ratio as stated; otherwise {sizes}."
         )
-    by_error, by_index = found.verdict.word, found.verdict_by_index.word
-    if Word.UNDECIDED in (by_error, by_index) or by_error is by_index or found.index is None:
+    by_error, by_index = findings.verdict.word, findings.verdict_by_index.word
+    if Word.UNDECIDED in (by_error, by_index) or by_error is by_index or findings.index is None:
         return
-    size = found.error.of(Metric(found.criterion.metric)).value
+    size = findings.error.of(Metric(findings.criterion.metric)).value
     basis = (
-        f"{found.criterion.confidence:.0%} of ground motions"
-        if found.own is None
+        f"{findings.criterion.confidence:.0%} of ground motions"
+        if findings.placement is None
         else "a gain and a delay alone"
     )
     why = (
-        f"the rig does something besides ({found.tracking.unexplained_share:.2%} of its motion)"
-        if found.tracking.unexplained_share > _UNEXPLAINED * float(np.sqrt(found.limits[0]))
+        f"the rig does something besides ({findings.tracking.unexplained_share:.2%} of its motion)"
+        if findings.tracking.unexplained_share > _UNEXPLAINED * float(np.sqrt(findings.limits[0]))
         else "this test's ground motion and length ask more or less than those do"
     )
     yield (
-        f"The error of this very test ({size:.2%}) and the index ({found.index:.3g} against 1) disagree: the "
+        f"The error of this very test ({size:.2%}) and the index ({findings.index:.3g} against 1) "
+        "disagree: the "
         f"index speaks of {basis}, the error of what happened; {why}. The verdict is that of the error."
     )
 
 
-def _of_columns(found: Findings) -> Iterator[str]:
-    tracking, recording = found.tracking, found.recording
+def _of_columns(findings: Findings) -> Iterator[str]:
+    tracking, recording = findings.tracking, findings.recording
     _, (_, latest) = tracking.interval(0.99)
     if tracking.delay < -_LEAD and latest < 0.0:
         yield (
             f"The measured displacement leads the command by {-_MILLISECONDS * tracking.delay:.3g} ms: "
             "the columns may be swapped, or a compensator overcorrects."
         )
-    noise_of_command, noise_of_measured = (_noise(each) for each in (recording.command, recording.measured))
+    noise_of_command, noise_of_measured = (
+        _noise(history) for history in (recording.command, recording.measured)
+    )
     if noise_of_command > _NOISIER * noise_of_measured and noise_of_command > _ROUNDING:
         yield (
             "The command is noisier than the measured displacement, though a command is computed and the "
@@ -134,9 +138,9 @@ def _noise(values: NDArray[np.float64]) -> float:
     return floor * values.size / total
 
 
-def _of_signal(found: Findings) -> Iterator[str]:
-    recording, tracking = found.recording, found.tracking
-    periods = recording.duration * found.structure.frequency
+def _of_signal(findings: Findings) -> Iterator[str]:
+    recording, tracking = findings.recording, findings.tracking
+    periods = recording.duration * findings.structure.frequency
     if periods < _FEW_PERIODS:
         yield f"The test is short: {periods:.2g} periods of the structure."
     samples = 1.0 / (recording.time_step * tracking.plain.equivalent_frequency)
@@ -145,7 +149,7 @@ def _of_signal(found: Findings) -> Iterator[str]:
     noise = float(np.sqrt(max(tracking.noise_share**2 - tracking.unexplained_share**2, 0.0)))
     if noise > _NOISY:
         yield (f"The test is noisy: {noise:.1%} of the measured displacement is unrelated to the command.")
-    limit = float(np.sqrt(found.limits[0]))
+    limit = float(np.sqrt(findings.limits[0]))
     if tracking.unexplained_share > _UNEXPLAINED * limit:
         yield (
             f"A gain and a delay leave {tracking.unexplained_share:.2%} of the measured motion unexplained, "
@@ -154,12 +158,12 @@ def _of_signal(found: Findings) -> Iterator[str]:
         )
 
 
-def _of_constancy(found: Findings) -> Iterator[str]:
-    a, b = found.limits
-    windows = found.windows
+def _of_constancy(findings: Findings) -> Iterator[str]:
+    a, b = findings.limits
+    windows = findings.windows
     late = _MILLISECONDS * windows.delay_range
     if late > _VARYING * np.sqrt(b):
-        first, last = (_MILLISECONDS * each for each in (windows.delay.min(), windows.delay.max()))
+        first, last = (_MILLISECONDS * delay for delay in (windows.delay.min(), windows.delay.max()))
         yield (
             f"The delay varies over the test, from {first:.3g} to {last:.3g} ms. A and d are averages; the "
             "error of a test whose delay drifts by half either way was within 12 % of what its average tells."
@@ -171,43 +175,44 @@ def _of_constancy(found: Findings) -> Iterator[str]:
         )
 
 
-def _of_validity(found: Findings) -> Iterator[str]:
-    structure, carried = found.structure, found.population.carried_from
-    if carried is not None and found.own is None:
+def _of_validity(findings: Findings) -> Iterator[str]:
+    structure, carried = findings.structure, findings.population.carried_from
+    if carried is not None and findings.placement is None:
         yield (
             f"The structure ({structure.frequency:g} Hz, ξ = {structure.damping_ratio:g}) lies outside of "
             f"the criterion's validity; the verdict is carried over from {carried[0]:g} Hz, "
             f"ξ = {carried[1]:g} by dimensionless errors. Give the ground motion with --motion for an exact "
             "one."
         )
-    ratio = found.tracking.plain.equivalent_frequency / structure.frequency
+    ratio = findings.tracking.plain.equivalent_frequency / structure.frequency
     if not _OFF_RESONANCE[0] <= ratio <= _OFF_RESONANCE[1]:
         yield (
-            f"The command moves at {found.tracking.plain.equivalent_frequency:.3g} Hz, the structure at "
+            f"The command moves at {findings.tracking.plain.equivalent_frequency:.3g} Hz, the structure at "
             f"{structure.frequency:g} Hz: check the frequency and the units of time."
         )
-    if structure.experimental_fraction < 1.0 and found.own is None:
+    if structure.experimental_fraction < 1.0 and findings.placement is None:
         yield (
             "The criterion is for a structure that stands wholly in the laboratory (α = 1); for "
             f"α = {structure.experimental_fraction:g} it is on the safe side."
         )
-    if found.stability_margin <= 0.0:
+    if findings.stability_margin <= 0.0:
         yield "The delay exceeds the critical one: the loop is unstable."
 
 
-def _of_motion(found: Findings) -> Iterator[str]:
-    own = found.own
-    if own is None:
+def _of_motion(findings: Findings) -> Iterator[str]:
+    placement = findings.placement
+    if placement is None:
         return
-    place = own.alignment
-    if not place.found:
+    place = placement.alignment
+    if not place.matched:
         yield (
-            f"The test was not found in the record of {own.motion} (best similarity {place.match:.2f} of 1): "
+            f"The test was not found in the record of {placement.motion} (best similarity "
+            f"{place.match:.2f} of 1): "
             "it may be another motion, or another structure. Where in it the test began is unknown; the "
             "index is that of the part, as long as the test, in which the structure moves most."
         )
     elif place.by == "shape of the response":
         yield (
-            f"The test was found in the record of {own.motion} by the shape of its response; its size "
+            f"The test was found in the record of {placement.motion} by the shape of its response; its size "
             "differs, as where the record was scaled or the unit of the displacements is not metres."
         )

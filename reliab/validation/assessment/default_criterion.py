@@ -97,7 +97,7 @@ def _shipped_ellipses(window: str = RECORD) -> xr.Dataset:
 def _between(below: xr.Dataset, above: xr.Dataset, weight: float) -> xr.Dataset:
     """Ellipses of a window between two, ln a and ln b being linear in the logarithm of its length."""
     low, high = (
-        np.log(each[["a", "b"]].where((each["a"] > 0.0) & (each["b"] > 0.0))) for each in (below, above)
+        np.log(table[["a", "b"]].where((table["a"] > 0.0) & (table["b"] > 0.0))) for table in (below, above)
     )
     interpolated = np.exp((1.0 - weight) * low + weight * high)
     return above.assign({name: interpolated[name] for name in ("a", "b")})

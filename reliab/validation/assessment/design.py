@@ -135,7 +135,7 @@ def tolerable_errors(
         By frequency, then by confidence. Outside of the criterion's validity the nearest structure
         stands for the one asked for, by dimensionless errors.
     """
-    found = []
+    tolerances = []
     for frequency in frequencies:
         structure = Structure(frequency=frequency, damping_ratio=damping_ratio)
         criteria = (
@@ -146,18 +146,18 @@ def tolerable_errors(
                 for confidence in confidences
             ]
         )
-        for each in criteria:
-            a, b, carried_from = carried_limits(each, structure)
-            found.append(
+        for candidate in criteria:
+            a, b, carried_from = carried_limits(candidate, structure)
+            tolerances.append(
                 Tolerance(
                     frequency=frequency,
                     damping_ratio=damping_ratio,
-                    threshold=each.threshold,
-                    confidence=each.confidence,
+                    threshold=candidate.threshold,
+                    confidence=candidate.confidence,
                     a=a,
                     b=b,
                     critical_delay=float(critical_delay(structure)),
                     outside_validity=carried_from is not None,
                 )
             )
-    return found
+    return tolerances

@@ -50,7 +50,7 @@ def verdict_of_error(
     if equation.nonlinear:
         reasons.append(equation.nonlinear)
         remedies.append("Calibrate a model of the specimen with `reliab diagnose`, and give it with --model.")
-    if any(word_of_probability(each.probability) is not word for each in otherwise):
+    if any(word_of_probability(rebuilt.probability) is not word for rebuilt in otherwise):
         reasons.extend(equation.contradictions)
         remedies.append("Find out why the structure differs from what was stated; it decides the verdict.")
     return verdict.doubted(reasons, remedies)

@@ -162,18 +162,18 @@ def _copy(recording: Recording) -> Iterator[Fault]:
 
 def _standstill(recording: Recording, expected: Array) -> Iterator[Fault]:
     peak = float(np.abs(recording.command).max())
-    for name, history, other in (
+    for name, history, counterpart in (
         ("measured displacement", recording.measured, recording.command),
         ("command", recording.command, recording.measured),
     ):
         still = [
             (begin, end)
             for begin, end in _runs(np.abs(np.diff(history)) <= _SAME * peak)
-            if np.ptp(other[begin : end + 1]) > _STANDSTILL_SHARE * peak
+            if np.ptp(counterpart[begin : end + 1]) > _STANDSTILL_SHARE * peak
         ]
         if still:
             lasting = sum(end - begin for begin, end in still) * recording.time_step
-            moved = max(float(np.ptp(other[begin : end + 1])) for begin, end in still) / peak
+            moved = max(float(np.ptp(counterpart[begin : end + 1])) for begin, end in still) / peak
             yield Fault(
                 kind="standstill",
                 finding=(
@@ -250,12 +250,12 @@ def _line(values: Array, blocks: int) -> _Line:
     means = np.array([float(part.mean()) for part in np.array_split(values, blocks)])
     places = (np.arange(blocks) + 0.5) / blocks - 0.5
     design = np.stack([np.ones(blocks), places], axis=1)
-    found, *_ = np.linalg.lstsq(design, means, rcond=None)
-    scatter = float(np.sum((means - design @ found) ** 2)) / (blocks - 2)
+    coefficients, *_ = np.linalg.lstsq(design, means, rcond=None)
+    scatter = float(np.sum((means - design @ coefficients) ** 2)) / (blocks - 2)
     errors = np.sqrt(scatter * np.diag(np.linalg.inv(design.T @ design)))
     return _Line(
-        offset=float(found[0]),
-        drift=float(found[1]),
+        offset=float(coefficients[0]),
+        drift=float(coefficients[1]),
         offset_error=float(errors[0]),
         drift_error=float(errors[1]),
     )

@@ -64,7 +64,7 @@ class Findings:
         A and d in moving windows.
     population : Placement
         The test against the population of ground motions.
-    own : OwnPlacement or None
+    placement : OwnPlacement or None
         The test against its own ground motion's boundary, where that is known.
     error : ErrorOfTest
         The error of this very test, rebuilt from its command and measured displacement.
@@ -88,7 +88,7 @@ class Findings:
     measures: TrackingMeasures
     windows: Windows
     population: Placement
-    own: OwnPlacement | None
+    placement: OwnPlacement | None
     error: ErrorOfTest
     faults: tuple[FaultEffect, ...]
     equation: OwnEquation
@@ -107,18 +107,22 @@ class Findings:
 
         None where the test leads and the criterion says nothing of leads.
         """
-        return self.population.index if self.own is None else self.own.index
+        return self.population.index if self.placement is None else self.placement.index
 
     @property
     def index_interval(self) -> tuple[float, float] | None:
         """95 % interval of the index."""
-        return self.population.index_interval if self.own is None else self.own.index_interval
+        return self.population.index_interval if self.placement is None else self.placement.index_interval
 
     @property
     def index_probability(self) -> float | None:
         """Probability, by A and d alone, that the error of such a test stays below the threshold."""
-        found = self.population.probability if self.own is None else self.own.probability
-        return None if found is None else min(max(found, 1.0 - LARGEST_PROBABILITY), LARGEST_PROBABILITY)
+        probability = self.population.probability if self.placement is None else self.placement.probability
+        return (
+            None
+            if probability is None
+            else min(max(probability, 1.0 - LARGEST_PROBABILITY), LARGEST_PROBABILITY)
+        )
 
     @property
     def verdict_by_index(self) -> Verdict:
@@ -128,7 +132,7 @@ class Findings:
             interval=self.index_interval,
             probability=self.index_probability,
             confidence=self.criterion.confidence,
-            own_motion=self.own is not None,
+            own_motion=self.placement is not None,
         )
 
     @property
@@ -155,7 +159,7 @@ class Findings:
     @property
     def limits(self) -> tuple[float, float]:
         """Ellipse parameters a [-] and b [ms²] behind the index."""
-        behind = self.population if self.own is None else self.own
+        behind = self.population if self.placement is None else self.placement
         return behind.a, behind.b
 
     @property

@@ -87,8 +87,8 @@ class FrameAssessment:
             ],
             "error": {
                 **{
-                    str(metric): {"value": each.value, "low": each.low, "high": each.high}
-                    for metric, each in ((Metric.RMS, error.rms), (Metric.MTE, error.mte))
+                    str(metric): {"value": item.value, "low": item.low, "high": item.high}
+                    for metric, item in ((Metric.RMS, error.rms), (Metric.MTE, error.mte))
                 },
                 "probability": self.probability,
             },

@@ -80,10 +80,10 @@ def track_windows(recording: Recording, whole: TrackingIndex, *, window: str = "
     energies = [float(np.var(recording.command[begin : begin + size])) for begin in begins]
     rows = []
     for begin, energy in zip(begins, energies, strict=True):
-        found = None if energy < _QUIET * max(energies) else _tracked(recording, begin, size, window)
-        if found is not None:
+        tracked = None if energy < _QUIET * max(energies) else _tracked(recording, begin, size, window)
+        if tracked is not None:
             centre = (begin + 0.5 * size) * recording.time_step
-            rows.append((centre, found.amplitude, found.delay, *found.spread))
+            rows.append((centre, tracked.amplitude, tracked.delay, *tracked.spread))
     columns = np.array(rows, dtype=np.float64).reshape(-1, 5).T
     names = ("centre", "amplitude", "delay", "amplitude_sd", "delay_sd")
     return Windows(**dict(zip(names, columns, strict=True)), length=size * recording.time_step)

@@ -81,8 +81,8 @@ class OwnBoundary:
         def excess(logarithm: NDArray[np.float64]) -> NDArray[np.float64]:
             share = np.exp(logarithm)
             gain = np.maximum(1.0 + share * offset, 1e-3)
-            found = relative_error(loop.deviation(loop.cells(gain=gain, delay=share * delay)), self.metric)
-            return np.nan_to_num(found, nan=1e3, posinf=1e3) - self.threshold
+            error = relative_error(loop.deviation(loop.cells(gain=gain, delay=share * delay)), self.metric)
+            return np.nan_to_num(error, nan=1e3, posinf=1e3) - self.threshold
 
         bracket = elementwise.bracket_root(excess, np.array([-0.1]), np.array([0.1]))
         if not bool(bracket.success[0]):

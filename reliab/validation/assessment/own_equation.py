@@ -115,32 +115,34 @@ def examine_equation(
         )
         for sign in (1.0, -1.0)
     ]
-    identified = min(candidates, key=lambda each: each.misfit)
+    identified = min(candidates, key=lambda candidate: candidate.misfit)
     if identified.misfit > _LARGEST_MISFIT:
         return OwnEquation(nonlinear=nonlinear, notes=(_other_ground(identified.misfit),))
     notes = () if identified is candidates[0] else ("The ground acceleration has the opposite sign.",)
-    found = {
+    estimates = {
         _QUANTITIES[name][0]: (name, getattr(identified, name))
         for name in identified.disagreements()
         if not _within(getattr(identified, name), stated.get(_QUANTITIES[name][0]), _QUANTITIES[name][-1])
     }
     return OwnEquation(
         identified=identified,
-        wrong=tuple(found),
-        contradictions=tuple(_sentence(name, value) for name, value in found.values()),
+        wrong=tuple(estimates),
+        contradictions=tuple(_sentence(name, value) for name, value in estimates.values()),
         nonlinear=nonlinear,
         notes=notes,
     )
 
 
-def _within(found: Identified, stated: StatedValue | None, factor: float) -> bool:
+def _within(estimate: Identified, stated: StatedValue | None, factor: float) -> bool:
     deviation = 0.0 if stated is None else stated.deviation
-    return abs(factor * (found.value - found.stated)) <= _AGREES * deviation
+    return abs(factor * (estimate.value - estimate.stated)) <= _AGREES * deviation
 
 
-def _sentence(name: str, found: Identified) -> str:
+def _sentence(name: str, estimate: Identified) -> str:
     _, words, unit, factor = _QUANTITIES[name]
-    value, deviation, stated = (factor * each for each in (found.value, found.deviation, found.stated))
+    value, deviation, stated = (
+        factor * number for number in (estimate.value, estimate.deviation, estimate.stated)
+    )
     return (
         f"The test's own equation of motion shows {words} of {value:.4g} ± {deviation:.1g}{unit}; "
         f"{stated:.4g}{unit} was stated."
@@ -158,10 +160,11 @@ def _nonlinear(recording: Recording, structure: Structure, smoothed: Array) -> s
     periods = recording.duration * structure.frequency
     if recording.force is None or periods < _FEWEST_PERIODS:
         return ""
-    found = examine_specimen(smoothed, recording.force, recording.time_step, structure.frequency)
-    if not found.nonlinear:
+    nonlinearity = examine_specimen(smoothed, recording.force, recording.time_step, structure.frequency)
+    if not nonlinearity.nonlinear:
         return ""
     return (
-        f"The specimen looks nonlinear: {found.share:.1%} of its force follows no spring, dashpot or mass. "
+        f"The specimen looks nonlinear: {nonlinearity.share:.1%} of its force follows no spring, dashpot "
+        "or mass. "
         "The error is that of a linear one."
     )

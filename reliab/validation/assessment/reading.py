@@ -13,8 +13,8 @@ from reliab.validation.assessment.recognition import (
     ACCELERATIONS,
     FORCES,
     LENGTHS,
-    Found,
     Part,
+    Recognised,
     recognise,
     recognise_extras,
 )
@@ -69,15 +69,15 @@ def read_recording(
     """
     columns = read_columns(path, delimiter=delimiter)
     given = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
-    found = recognise(columns, {part: name for part, name in given.items() if name is not None})
-    scale, notes = _scales(found, units)
+    recognised = recognise(columns, {part: name for part, name in given.items() if name is not None})
+    scale, notes = _scales(recognised, units)
     extras, extra_notes = _extras(columns, recognise_extras(columns))
     return Recording(
-        command=finite(columns, found[Part.COMMAND].name) * scale[Part.COMMAND],
-        measured=finite(columns, found[Part.MEASURED].name) * scale[Part.MEASURED],
-        time_step=time_step_of(columns, found.get(Part.TIME), rate_hz, time_units),
+        command=finite(columns, recognised[Part.COMMAND].name) * scale[Part.COMMAND],
+        measured=finite(columns, recognised[Part.MEASURED].name) * scale[Part.MEASURED],
+        time_step=time_step_of(columns, recognised.get(Part.TIME), rate_hz, time_units),
         name=columns.path.name,
-        notes=(*_unnamed(columns, found), *notes, *extra_notes),
+        notes=(*_unnamed(columns, recognised), *notes, *extra_notes),
         ground=extras.get(Part.GROUND),
         force=extras.get(Part.FORCE),
         stated=_stated(columns),
@@ -97,11 +97,11 @@ def _stated(columns: Columns) -> dict[str, StatedValue]:
 
 
 def _extras(
-    columns: Columns, found: Mapping[Part, Found]
+    columns: Columns, recognised: Mapping[Part, Recognised]
 ) -> tuple[dict[Part, NDArray[np.float64]], list[str]]:
     """Ground acceleration [m/s²] and force [N], where the file holds them."""
     histories, notes = {}, []
-    for part, column in found.items():
+    for part, column in recognised.items():
         factors, unit = (ACCELERATIONS, "m/s²") if part is Part.GROUND else (FORCES, "N")
         if not column.unit:
             notes.append(f"The {part} states no unit and was taken to be in {unit}.")
@@ -109,27 +109,27 @@ def _extras(
     return histories, notes
 
 
-def _unnamed(columns: Columns, found: Mapping[Part, Found]) -> list[str]:
+def _unnamed(columns: Columns, recognised: Mapping[Part, Recognised]) -> list[str]:
     if columns.named:
         return []
-    order = ", ".join(f"{part} = {each.name}" for part, each in found.items())
+    order = ", ".join(f"{part} = {column.name}" for part, column in recognised.items())
     return [f"The columns have no names and were taken by their order: {order}."]
 
 
-def _scales(found: Mapping[Part, Found], units: str | None) -> tuple[dict[Part, float], list[str]]:
+def _scales(recognised: Mapping[Part, Recognised], units: str | None) -> tuple[dict[Part, float], list[str]]:
     """Factors to metres of command and measured displacement."""
     if units is not None and units not in LENGTHS:
         raise InputError(
             "The unit must be one of length", value=units, remedy=f"Choose among {', '.join(LENGTHS)}"
         )
     parts = (Part.COMMAND, Part.MEASURED)
-    stated = {part: units or found[part].unit for part in parts}
+    stated = {part: units or recognised[part].unit for part in parts}
     missing = [part for part in parts if not stated[part]]
     notes = []
     if len(missing) == 1:
-        other = stated[parts[1 - parts.index(missing[0])]]
-        stated[missing[0]] = other
-        notes.append(f"The {missing[0]} displacement states no unit and was taken to be in {other} too.")
+        unit = stated[parts[1 - parts.index(missing[0])]]
+        stated[missing[0]] = unit
+        notes.append(f"The {missing[0]} displacement states no unit and was taken to be in {unit} too.")
     if stated[parts[0]] != stated[parts[1]]:
         command_unit, measured_unit = (stated[part] for part in parts)
         notes.append(f"The command is stated in {command_unit}, the measured in {measured_unit}.")

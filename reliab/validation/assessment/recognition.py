@@ -98,7 +98,7 @@ _OTHER_QUANTITIES = {"force", "load", "acceleration", "accel", "acc", "velocity"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Found:
+class Recognised:
     """A column that was recognised.
 
     Parameters
@@ -115,7 +115,7 @@ class Found:
 
 def recognise(
     columns: Columns, declared: Mapping[Part, str], *, wanted: Iterable[Part] = DISPLACEMENTS
-) -> dict[Part, Found]:
+) -> dict[Part, Recognised]:
     """Find time, command and measured displacement among the columns.
 
     Parameters
@@ -129,7 +129,7 @@ def recognise(
 
     Returns
     -------
-    dict of Part to Found
+    dict of Part to Recognised
         What was found. Columns without names are taken in the order time, command, measured, or
         command, measured where there are two.
 
@@ -140,12 +140,12 @@ def recognise(
     """
     if not columns.named and not declared:
         return _by_place(columns)
-    found: dict[Part, Found] = {}
+    recognised: dict[Part, Recognised] = {}
     for part in wanted:
         name = _declared(columns, part, declared[part]) if part in declared else _by_name(columns, part)
         if name is not None:
-            found[part] = Found(name=name, unit=_unit(columns, name, part))
-    return found
+            recognised[part] = Recognised(name=name, unit=_unit(columns, name, part))
+    return recognised
 
 
 def normal(name: str) -> str:
@@ -164,7 +164,7 @@ def _without_unit(name: str) -> str:
     return _UNIT.sub("", name.strip()) if known else name
 
 
-def _by_place(columns: Columns) -> dict[Part, Found]:
+def _by_place(columns: Columns) -> dict[Part, Recognised]:
     names = list(columns.values)
     parts = DISPLACEMENTS[-len(names) :]
     if not 2 <= len(names) <= len(DISPLACEMENTS):  # noqa: PLR2004 - command and measured at least
@@ -174,7 +174,7 @@ def _by_place(columns: Columns) -> dict[Part, Found]:
             remedy="Name the columns in the first line, or give --command and --measured",
             where=columns.path.name,
         )
-    return {part: Found(name=name, unit="") for part, name in zip(parts, names, strict=True)}
+    return {part: Recognised(name=name, unit="") for part, name in zip(parts, names, strict=True)}
 
 
 def _declared(columns: Columns, part: Part, name: str) -> str:
@@ -209,7 +209,7 @@ def _by_name(columns: Columns, part: Part) -> str | None:
     )
 
 
-def recognise_extras(columns: Columns) -> dict[Part, Found]:
+def recognise_extras(columns: Columns) -> dict[Part, Recognised]:
     """Find ground acceleration and force where exactly one column states each by its name.
 
     Parameters
@@ -219,15 +219,15 @@ def recognise_extras(columns: Columns) -> dict[Part, Found]:
 
     Returns
     -------
-    dict of Part to Found
+    dict of Part to Recognised
         What was found; nothing in columns without names.
     """
-    found: dict[Part, Found] = {}
+    recognised: dict[Part, Recognised] = {}
     for part in EXTRAS if columns.named else ():
         names = [name for name in columns.values if normal(name.rpartition(".")[2]) in NAMES[part]]
         if len(names) == 1:
-            found[part] = Found(name=names[0], unit=_unit(columns, names[0], part))
-    return found
+            recognised[part] = Recognised(name=names[0], unit=_unit(columns, names[0], part))
+    return recognised
 
 
 def _names_loosely(name: str, part: Part) -> bool:
@@ -245,7 +245,7 @@ def _words(name: str) -> set[str]:
 def _suggestion(columns: Columns, part: Part) -> str:
     for name in columns.values:
         candidates = {normal(name), *_words(name)}
-        if any(get_close_matches(each, NAMES[part], n=1, cutoff=_SIMILAR) for each in candidates):
+        if any(get_close_matches(candidate, NAMES[part], n=1, cutoff=_SIMILAR) for candidate in candidates):
             return f"Did you mean {name!r}? Then rename it to {part}, or give --{part} {name!r}"
     return f"Name the column {part}, or say which it is with --{part}"
 

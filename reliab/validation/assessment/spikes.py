@@ -47,8 +47,8 @@ def spikes(values: Array) -> NDArray[np.bool_]:
         for end in jumps[place + 1 :]:
             if end - begin > _WIDEST:
                 break
-            left = abs(float(values[end + 1] - values[begin]))
-            if left <= _RETURN * size[begin] and steps[begin] * steps[end] < 0.0:
+            remaining = abs(float(values[end + 1] - values[begin]))
+            if remaining <= _RETURN * size[begin] and steps[begin] * steps[end] < 0.0:
                 marked[begin + 1 : end + 1] = True
                 break
     return marked

@@ -15,12 +15,12 @@ from reliab.vocabulary import Metric
 _MILLISECONDS = 1e3
 
 
-def summarise(found: Findings) -> dict[str, Any]:
+def summarise(findings: Findings) -> dict[str, Any]:
     """Put an assessment into plain numbers.
 
     Parameters
     ----------
-    found : Findings
+    findings : Findings
         The assessment.
 
     Returns
@@ -28,59 +28,62 @@ def summarise(found: Findings) -> dict[str, Any]:
     dict
         Ready for JSON; None where a value is infinite or unknown. Delays are in milliseconds.
     """
-    tracking, structure = found.tracking, found.structure
+    tracking, structure = findings.tracking, findings.structure
     of_a, of_d = tracking.interval(LEVEL)
     turn = 2.0 * np.pi * tracking.plain.equivalent_frequency
     return {
-        "test": found.recording.name,
+        "test": findings.recording.name,
         "f": structure.frequency,
         "xi": structure.damping_ratio,
         "alpha": structure.experimental_fraction,
-        "threshold": found.criterion.threshold,
-        "metric": found.criterion.metric,
-        "confidence": found.criterion.confidence,
+        "threshold": findings.criterion.threshold,
+        "metric": findings.criterion.metric,
+        "confidence": findings.criterion.confidence,
         "A": tracking.amplitude,
         "phi": -turn * tracking.delay,
         "f_eq_hz": tracking.plain.equivalent_frequency,
         "d_ms": _MILLISECONDS * tracking.delay,
         "A_interval": list(of_a),
-        "d_ms_interval": [_MILLISECONDS * each for each in of_d],
+        "d_ms_interval": [_MILLISECONDS * bound for bound in of_d],
         "interval_level": LEVEL,
-        "index": _finite(found.index),
-        "index_interval": _ends(found.index_interval),
-        "verdict": str(found.verdict.word),
-        "reliable": found.reliable,
-        "reasons": list(found.verdict.reasons),
-        "would_decide": list(found.verdict.would_decide),
-        "probability": found.probability,
-        "error": _error(found),
-        "by_index": _by_index(found),
-        "stability_margin": _finite(found.stability_margin),
-        "critical_delay_ms": _finite(_MILLISECONDS * found.critical_delay),
-        "basis": "population" if found.own is None else "motion",
-        "population": _population(found),
-        "motion": None if found.own is None else _motion(found),
-        **_details(found),
-        "duration_s": found.recording.duration,
-        "rate_hz": 1.0 / found.recording.time_step,
-        "notes": [*found.recording.notes, *(() if found.own else found.criterion.provenance.warnings)],
+        "index": _finite(findings.index),
+        "index_interval": _ends(findings.index_interval),
+        "verdict": str(findings.verdict.word),
+        "reliable": findings.reliable,
+        "reasons": list(findings.verdict.reasons),
+        "would_decide": list(findings.verdict.would_decide),
+        "probability": findings.probability,
+        "error": _error(findings),
+        "by_index": _by_index(findings),
+        "stability_margin": _finite(findings.stability_margin),
+        "critical_delay_ms": _finite(_MILLISECONDS * findings.critical_delay),
+        "basis": "population" if findings.placement is None else "motion",
+        "population": _population(findings),
+        "motion": None if findings.placement is None else _motion(findings),
+        **_details(findings),
+        "duration_s": findings.recording.duration,
+        "rate_hz": 1.0 / findings.recording.time_step,
+        "notes": [
+            *findings.recording.notes,
+            *(() if findings.placement else findings.criterion.provenance.warnings),
+        ],
     }
 
 
-def _details(found: Findings) -> dict[str, Any]:
+def _details(findings: Findings) -> dict[str, Any]:
     return {
-        "improve": _improve(found),
-        "windows": _windows(found),
-        "noise": _noise(found),
-        "tracking": _tracking(found),
-        "faults": [_fault(effect, found) for effect in found.faults],
-        "stated": {name: {"value": s.value, "deviation": s.deviation} for name, s in found.stated.items()},
-        "window": {"seconds": found.recording.duration, "criterion": found.criterion.provenance.window},
+        "improve": _improve(findings),
+        "windows": _windows(findings),
+        "noise": _noise(findings),
+        "tracking": _tracking(findings),
+        "faults": [_fault(effect, findings) for effect in findings.faults],
+        "stated": {name: {"value": s.value, "deviation": s.deviation} for name, s in findings.stated.items()},
+        "window": {"seconds": findings.recording.duration, "criterion": findings.criterion.provenance.window},
     }
 
 
-def _error(found: Findings) -> dict[str, Any]:
-    error = found.error
+def _error(findings: Findings) -> dict[str, Any]:
+    error = findings.error
     return {
         "rms": _interval(error.of(Metric.RMS)),
         "mte": _interval(error.of(Metric.MTE)),
@@ -88,11 +91,11 @@ def _error(found: Findings) -> dict[str, Any]:
         "probability": error.probability,
         "parts": {name: _part(part) for name, part in error.parts.by_name.items()},
         "improve_first": error.parts.first,
-        "widest": [_widening(each) for each in error.widenings],
+        "widest": [_widening(widening) for widening in error.widenings],
         "would_decide": list(error.would_decide),
-        "contradictions": [*found.equation.contradictions, *filter(None, [found.equation.nonlinear])],
-        "identified": _identified(found.equation),
-        "otherwise_stated": [_interval(each.of(found.metric)) for each in found.otherwise_stated],
+        "contradictions": [*findings.equation.contradictions, *filter(None, [findings.equation.nonlinear])],
+        "identified": _identified(findings.equation),
+        "otherwise_stated": [_interval(rebuilt.of(findings.metric)) for rebuilt in findings.otherwise_stated],
     }
 
 
@@ -101,8 +104,8 @@ def _identified(equation: OwnEquation) -> dict[str, Any] | None:
         return None
     quantities = {
         name: None
-        if (found := getattr(equation.identified, name)) is None
-        else {"value": found.value, "deviation": found.deviation, "stated": found.stated}
+        if (findings := getattr(equation.identified, name)) is None
+        else {"value": findings.value, "deviation": findings.deviation, "stated": findings.stated}
         for name in ("frequency", "damping_ratio", "experimental_fraction", "feedback_lag")
     }
     return {**quantities, "misfit": equation.identified.misfit, "contradicted": list(equation.wrong)}
@@ -131,36 +134,36 @@ def _interval(error: Estimate) -> dict[str, float | None]:
     return {"value": _finite(error.value), "low": _finite(error.low), "high": _finite(error.high)}
 
 
-def _by_index(found: Findings) -> dict[str, Any]:
-    verdict = found.verdict_by_index
+def _by_index(findings: Findings) -> dict[str, Any]:
+    verdict = findings.verdict_by_index
     return {
         "verdict": str(verdict.word),
         "reliable": verdict.word is Word.RELIABLE,
         "reasons": list(verdict.reasons),
         "would_decide": list(verdict.would_decide),
-        "index": _finite(found.index),
-        "index_interval": _ends(found.index_interval),
-        "probability": found.index_probability,
+        "index": _finite(findings.index),
+        "index_interval": _ends(findings.index_interval),
+        "probability": findings.index_probability,
         "largest_probability": LARGEST_PROBABILITY,
-        "basis": "population" if found.own is None else "motion",
-        "side": "lead" if found.tracking.delay < 0.0 else "lag",
+        "basis": "population" if findings.placement is None else "motion",
+        "side": "lead" if findings.tracking.delay < 0.0 else "lag",
     }
 
 
-def _fault(effect: FaultEffect, found: Findings) -> dict[str, Any]:
-    metric = Metric(found.criterion.metric)
+def _fault(effect: FaultEffect, findings: Findings) -> dict[str, Any]:
+    metric = Metric(findings.criterion.metric)
     otherwise = effect.otherwise
     return {
         "kind": effect.fault.kind,
         "finding": effect.fault.finding,
         "in_loop": effect.fault.in_loop,
-        "error": _finite(found.error.of(metric).value),
+        "error": _finite(findings.error.of(metric).value),
         "error_otherwise": None if otherwise is None else _finite(otherwise.of(metric).value),
     }
 
 
-def _tracking(found: Findings) -> dict[str, Any]:
-    measures = found.measures
+def _tracking(findings: Findings) -> dict[str, Any]:
+    measures = findings.measures
     return {
         "mte": measures.maximum_error,
         "rms": measures.rms_error,
@@ -181,8 +184,8 @@ def _ends(interval: tuple[float, float] | None) -> list[float | None] | None:
     return None if interval is None else [_finite(end) for end in interval]
 
 
-def _population(found: Findings) -> dict[str, Any]:
-    placed, criterion = found.population, found.criterion
+def _population(findings: Findings) -> dict[str, Any]:
+    placed, criterion = findings.population, findings.criterion
     return {
         "a": placed.a,
         "b": placed.b,
@@ -201,30 +204,30 @@ def _population(found: Findings) -> dict[str, Any]:
     }
 
 
-def _motion(found: Findings) -> dict[str, Any]:
-    own = found.own
-    if own is None:
+def _motion(findings: Findings) -> dict[str, Any]:
+    placement = findings.placement
+    if placement is None:
         return {}
     return {
-        "name": own.motion,
-        "error": own.error,
-        "error_interval": list(own.error_interval),
-        "index": _finite(own.index),
-        "reliable": own.index <= 1.0,
-        "probability": own.probability,
-        "window_s": list(own.window),
-        "begin_s": own.alignment.begin,
-        "found_in_record": own.alignment.found,
-        "match": own.alignment.match,
-        "match_by": own.alignment.by,
-        "from_rest": own.alignment.from_rest,
-        "a": own.a,
-        "b": own.b,
+        "name": placement.motion,
+        "error": placement.error,
+        "error_interval": list(placement.error_interval),
+        "index": _finite(placement.index),
+        "reliable": placement.index <= 1.0,
+        "probability": placement.probability,
+        "window_s": list(placement.window),
+        "begin_s": placement.alignment.begin,
+        "found_in_record": placement.alignment.matched,
+        "match": placement.alignment.match,
+        "match_by": placement.alignment.by,
+        "from_rest": placement.alignment.from_rest,
+        "a": placement.a,
+        "b": placement.b,
     }
 
 
-def _improve(found: Findings) -> dict[str, Any]:
-    advice = found.improvement
+def _improve(findings: Findings) -> dict[str, Any]:
+    advice = findings.improvement
     return {
         "first": advice.first,
         "share_of_delay": advice.share_of_delay,
@@ -233,8 +236,8 @@ def _improve(found: Findings) -> dict[str, Any]:
     }
 
 
-def _windows(found: Findings) -> dict[str, Any]:
-    windows = found.windows
+def _windows(findings: Findings) -> dict[str, Any]:
+    windows = findings.windows
     return {
         "length_s": windows.length,
         "time_s": windows.centre.tolist(),
@@ -247,8 +250,8 @@ def _windows(found: Findings) -> dict[str, Any]:
     }
 
 
-def _noise(found: Findings) -> dict[str, Any]:
-    tracking = found.tracking
+def _noise(findings: Findings) -> dict[str, Any]:
+    tracking = findings.tracking
     plain = tracking.plain
     return {
         "share": tracking.noise_share,

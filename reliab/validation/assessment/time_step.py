@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from reliab.errors import InputError
 from reliab.validation.assessment.readers import Columns
-from reliab.validation.assessment.recognition import TIMES, Found
+from reliab.validation.assessment.recognition import TIMES, Recognised
 from reliab.validation.assessment.recording import FEWEST_SAMPLES
 
 _JITTER = 0.01  # share of a step by which a time may be off
@@ -49,7 +49,7 @@ def finite(columns: Columns, name: str) -> NDArray[np.float64]:
 
 
 def time_step_of(
-    columns: Columns, time: Found | None, rate_hz: float | None, time_units: str | None
+    columns: Columns, time: Recognised | None, rate_hz: float | None, time_units: str | None
 ) -> float:
     """Step between the samples of a file [s].
 
@@ -57,7 +57,7 @@ def time_step_of(
     ----------
     columns : Columns
         The file.
-    time : Found or None
+    time : Recognised or None
         Its column of times.
     rate_hz : float or None
         Sampling rate [Hz] that the user states.

@@ -111,12 +111,12 @@ def track(recording: Recording, *, window: str = "hann", draws: int = 2000, seed
     path = CubicSpline(np.arange(band.command.size) * step, band.command)
     gain, delay = plain.amplitude, plain.equivalent_delay
     for _ in range(_REFINEMENTS):
-        own = frequency_evaluation(band.command, _moved(path, gain, delay), step, window=window)
-        gain += plain.amplitude - own.amplitude
-        delay += plain.equivalent_delay - own.equivalent_delay
-    left = band.measured - _moved(path, gain, delay)
+        reference = frequency_evaluation(band.command, _moved(path, gain, delay), step, window=window)
+        gain += plain.amplitude - reference.amplitude
+        delay += plain.equivalent_delay - reference.equivalent_delay
+    residual = band.measured - _moved(path, gain, delay)
     turn = 2.0 * np.pi * plain.equivalent_frequency
-    error = index_errors(band.command, left, window=window, draws=draws, seed=seed) / (
+    error = index_errors(band.command, residual, window=window, draws=draws, seed=seed) / (
         gain * np.exp(-1j * turn * delay)
     )
     full = CubicSpline(np.arange(recording.command.size) * step, recording.command)
@@ -128,7 +128,7 @@ def track(recording: Recording, *, window: str = "hann", draws: int = 2000, seed
         draws=np.stack([gain * (1.0 + error.real), delay - error.imag / turn]),
         noise_share=_rms(noise) / _rms(recording.measured),
         attenuation=float(band.noise.sum()),
-        unexplained_share=_unexplained(left, noise, band),
+        unexplained_share=_unexplained(residual, noise, band),
     )
 
 
@@ -160,8 +160,8 @@ def _without_noise(plain: FrequencyEvaluation, band: Band, step: float) -> Frequ
     )
 
 
-def _unexplained(left: Array, noise: Array, band: Band) -> float:
+def _unexplained(residual: Array, noise: Array, band: Band) -> float:
     """Share of the remainder in the band that noise of the level beyond the band does not account for."""
     floor, _ = noise_floor(noise)
-    excess = float(periodogram(left)[: band.bins].sum()) - floor * band.bins
+    excess = float(periodogram(residual)[: band.bins].sum()) - floor * band.bins
     return float(np.sqrt(max(excess, 0.0) / periodogram(band.measured).sum()))

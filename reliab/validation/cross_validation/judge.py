@@ -277,7 +277,7 @@ def _judge(
     edges = [region.edge() for _, region in judging]
     places = np.array([(entry.candidate, entry.confidence) for entry, _ in judging])
     judged = np.array([entry.fold.judged for entry, _ in judging])
-    own = np.stack(cell.parameters(ellipses, side=side), axis=-1)
+    axes = np.stack(cell.parameters(ellipses, side=side), axis=-1)
     limits = np.array([(region.a, region.b) for _, region in judging])
     for motion in range(judged.shape[1]):
         chosen = np.flatnonzero(judged[:, motion])
@@ -286,7 +286,7 @@ def _judge(
         errors = truth.errors(cell, motion, *_together([tests, *(edges[k] for k in chosen)]))
         of_tests, of_edges = errors[:trials], errors[trials:].reshape(chosen.size, -1)
         outcomes = np.concatenate(
-            [_containment(of_edges, own[motion], limits[chosen]), _fates(of_tests, accepted[chosen])]
+            [_containment(of_edges, axes[motion], limits[chosen]), _fates(of_tests, accepted[chosen])]
         )
         np.add.at(counts[..., motion].transpose(1, 2, 0), tuple(places[chosen].T), outcomes.T)
 
@@ -297,13 +297,13 @@ def _together(parts: Sequence[Actuators]) -> tuple[NDArray[np.float64], NDArray[
 
 
 def _containment(
-    errors: NDArray[np.float64], own: NDArray[np.float64], limits: NDArray[np.float64]
+    errors: NDArray[np.float64], axes: NDArray[np.float64], limits: NDArray[np.float64]
 ) -> NDArray[np.int64]:
     """First five counts of each region, from errors (regions, points) over the threshold along its edge."""
     exceeded = (errors > 1.0).any(axis=1)
     judged = exceeded | np.isfinite(errors).all(axis=1)
-    fitted = np.full(judged.size, np.isfinite(own).all())
-    within = fitted & (limits <= own).all(axis=1)
+    fitted = np.full(judged.size, np.isfinite(axes).all())
+    within = fitted & (limits <= axes).all(axis=1)
     return np.array([judged & ~exceeded, judged, ~judged, within, fitted], dtype=np.int64)
 
 

@@ -108,8 +108,8 @@ class SimulatedTruth(Truth):
                 experimental_fraction=self.experimental_fraction,
             ),
         )
-        found = loop.deviation(loop.cells(gain=gain, delay=delay))
-        return np.asarray(relative_error(found, Metric(cell.metric)) / cell.threshold)
+        deviation = loop.deviation(loop.cells(gain=gain, delay=delay))
+        return np.asarray(relative_error(deviation, Metric(cell.metric)) / cell.threshold)
 
 
 class StoredTruth(Truth):

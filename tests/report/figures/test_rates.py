@@ -34,6 +34,8 @@ def test_criteria_that_hold_share_axes():
 def test_seven_criteria_have_seven_colours():
     names = {f"criterion {rank}": 0.95 for rank in range(7)}
     (axes,) = coverage_by_frequency(rates_of(**names), confidence=0.95).axes
-    colours = {line.get_color() for line in axes.lines if len(line.get_xdata()) == 3 and line.get_marker() != "None"}
+    colours = {
+        line.get_color() for line in axes.lines if len(line.get_xdata()) == 3 and line.get_marker() != "None"
+    }
     assert len(colours) >= 7
     assert np.isfinite(axes.get_ylim()).all()

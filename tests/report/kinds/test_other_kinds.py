@@ -97,9 +97,7 @@ def test_the_cases_stand_beside_what_is_printed(rates, text_of):
     noise = np.random.default_rng(1).normal(size=2000) * np.hanning(2000)
     motion = Motion(name="NOISE", acceleration=noise, time_step=0.02)
     cases = cases_dataset(run_paper_cases(motion), motion)
-    document = validation_report(
-        title="V", rates={"one": rates}, confidence=0.95, cases=cases, provenance={}
-    )
+    document = validation_report(title="V", rates={"one": rates}, confidence=0.95, cases=cases, provenance={})
     text = text_of(document)
     assert "over the first 39.98 s" in text
     for printed in ("0.956", "0.760", "0.977", "3.830", "2.55", "3.16", "2.00", "5.35"):

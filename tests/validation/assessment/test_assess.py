@@ -48,7 +48,7 @@ def test_own_boundary_separates_errors_below_and_above_the_threshold(simulate, g
     for motion in range(2):
         for delay in (0.0008, 0.003):
             test = simulate(motion, delay=delay, noise=0.001)
-            own = assess(test, ONE_HERTZ, motion=ground_motions[motion]).own
+            own = assess(test, ONE_HERTZ, motion=ground_motions[motion]).placement
             assert (own.index <= 1.0) is (own.error <= 0.05)
             assert own.probability == float(own.error <= 0.05)
 
@@ -71,7 +71,7 @@ def test_error_under_the_own_motion_is_that_of_the_simulated_test(simulate, grou
     test, perfect = simulate(noise=0.0), simulate(gain=1.0, delay=0.0, noise=0.0)
     strayed = test.measured - perfect.command
     error = np.sqrt(np.mean(strayed**2)) / np.abs(perfect.command).max()
-    assert assess(test, ONE_HERTZ, motion=ground_motions[0]).own.error == pytest.approx(error, rel=5e-3)
+    assert assess(test, ONE_HERTZ, motion=ground_motions[0]).placement.error == pytest.approx(error, rel=5e-3)
 
 
 def test_structure_outside_the_criterion_is_warned_of_and_carried_over(simulate):

@@ -115,8 +115,8 @@ class MotionMeans:
             precision = prior[:, None] + self._event_sums(weight)[..., None] * np.eye(2)
             pull = self._event_sums(weight * strayed)
             mode = (_inverse(precision) @ pull[..., None])[..., 0]
-            apart = ((strayed - mode[:, self.groups]) ** 2).sum(axis=2, keepdims=True)
-            weight = (degrees[:, None, None] + 2.0) / (degrees[:, None, None] + apart)
+            distance_squared = ((strayed - mode[:, self.groups]) ** 2).sum(axis=2, keepdims=True)
+            weight = (degrees[:, None, None] + 2.0) / (degrees[:, None, None] + distance_squared)
         return np.asarray(mode), np.asarray(precision, dtype=np.float64)
 
     def _integrand(
@@ -128,10 +128,10 @@ class MotionMeans:
     ) -> NDArray[np.float64]:
         """Log-density of effects and motions in whitened coordinates, shape (vectors, events, nodes)."""
         of_motions = effects[:, self.groups]
-        apart = (strayed[..., None, 0] - of_motions[..., 0]) ** 2
-        apart += (strayed[..., None, 1] - of_motions[..., 1]) ** 2
+        distance_squared = (strayed[..., None, 0] - of_motions[..., 0]) ** 2
+        distance_squared += (strayed[..., None, 1] - of_motions[..., 1]) ** 2
         nu = degrees[:, None, None]
-        motions = self._event_sums(np.log1p(apart / nu))
+        motions = self._event_sums(np.log1p(distance_squared / nu))
         factor = _inverse_of_triangle(_cholesky(prior))
         standard = np.einsum("wij,wenj->weni", factor, effects)
         events = -0.5 * (standard**2).sum(axis=-1) + np.log(_determinant(factor))[:, None, None]

@@ -154,7 +154,7 @@ def divide(grid: Grid, values: NDArray[np.float64], terms: NDArray[np.float64]) 
     pairs_of_strata = [(both[:, of_f, of_xi].reshape(-1, both.shape[-1]), w) for of_f, of_xi, w in places]
     present = [(pairs, weights) for pairs, weights in pairs_of_strata if pairs.size]
     return Strata(
-        weights=np.array([_weights(grid, each) for _, each in present]).reshape(-1, len(grid.effects)),
+        weights=np.array([_weights(grid, stratum) for _, stratum in present]).reshape(-1, len(grid.effects)),
         counts=np.array([float(len(pairs)) for pairs, _ in present]),
         products=np.array([pairs.T @ pairs for pairs, _ in present]).reshape(-1, *(both.shape[-1],) * 2),
     )

@@ -17,7 +17,7 @@ from reliab.loop.hybrid_test.compensators.polynomial_extrapolation import Polyno
 ENTRY_POINT_GROUP = "reliab.compensators"
 """Group under which other packages register classes derived from `Compensator`."""
 
-_OWN: tuple[type[Compensator], ...] = (
+_SHIPPED: tuple[type[Compensator], ...] = (
     PhaseLeadControl,
     Feedforward,
     InverseCompensation,
@@ -48,7 +48,7 @@ def compensators() -> dict[str, type[Compensator]]:
     >>> "adaptive_time_series" in compensators()
     True
     """
-    known = {compensator.name: compensator for compensator in _OWN}
+    known = {compensator.name: compensator for compensator in _SHIPPED}
     for entry in entry_points(group=ENTRY_POINT_GROUP):
         compensator = entry.load()
         if not (isinstance(compensator, type) and issubclass(compensator, Compensator)):

@@ -59,7 +59,7 @@ def columns_of_arrays(
             where=path.name,
         )
     sizes = [vector.size for vector in vectors.values()]
-    size = max(set(sizes), key=lambda each: (sizes.count(each), each))
+    size = max(set(sizes), key=lambda length: (sizes.count(length), length))
     return Columns(
         path=path,
         values={name: vector for name, vector in vectors.items() if vector.size == size},

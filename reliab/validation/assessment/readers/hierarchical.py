@@ -45,8 +45,10 @@ def read_classic_netcdf(path: Path) -> Columns:
     """Read the variables of a classic NetCDF file, as :func:`read_hierarchical` does."""
     with netcdf_file(path, "r", mmap=False) as file:
         variables = dict(file.variables)
-        arrays = {name: np.array(each[()]) for name, each in variables.items()}
-        units = {name: _text(each.units) for name, each in variables.items() if hasattr(each, "units")}
+        arrays = {name: np.array(variable[()]) for name, variable in variables.items()}
+        units = {
+            name: _text(variable.units) for name, variable in variables.items() if hasattr(variable, "units")
+        }
     return columns_of_arrays(path, arrays, units)
 
 

@@ -52,8 +52,8 @@ def read_text(path: Path, *, delimiter: str | None = None) -> Columns:
         the message names the line.
     """
     text = _decoded(path)
-    found = delimiter if delimiter is not None else _delimiter(text)
-    lines = list(_lines(text, found))
+    separator = delimiter if delimiter is not None else _delimiter(text)
+    lines = list(_lines(text, separator))
     first = next((place for place, line in enumerate(lines) if line.holds_numbers), None)
     if first is None or len(lines[first].cells) < _FEWEST_COLUMNS:
         raise InputError(
