@@ -25,8 +25,7 @@ _SHARED = Path(__file__).resolve().parents[2] / "shared"
 def pytest_configure(config):
     """Few examples of each property by default, many where the slow tests run too (`-m ""`).
 
-    Where several processes share the work, each of them and what it starts uses one thread for linear
-    algebra.
+    Where several processes share the work, each uses one thread for linear algebra, as what it starts does.
     """
     settings.load_profile("few" if config.getoption("markexpr") == "not slow" else "many")
     if config.getoption("numprocesses", None):

@@ -1,6 +1,8 @@
 """Every option of `reliab assess` changes the answer, or is refused."""
 
 import json
+import sys
+from functools import cache
 
 import numpy as np
 import pandas as pd
@@ -15,6 +17,7 @@ from reliab.loop.effects import find_effect
 from reliab.loop.hybrid_test import HybridTest, run_closed_loop
 from reliab.loop.hybrid_test.model_file import UpdatedModel, write_model
 from reliab.loop.structure import Structure
+from reliab.validation.assessment import assess as assess_recording
 
 app = typer.Typer()
 app.command()(assess)
@@ -113,6 +116,15 @@ def folder(tmp_path_factory):
     write_model(made / "model.toml", UpdatedModel(name="cubic", test=model))
     (made / "criterion.json").write_text(published_criterion("guo_2017_18").to_json(), encoding="utf-8")
     return made
+
+
+@pytest.fixture(scope="module", autouse=True)
+def criteria_derived_once():
+    """Every call asks for one of few criteria, which is derived from the shipped ellipses once."""
+    module = sys.modules[assess_recording.__module__]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "default_criterion", cache(module.default_criterion))
+        yield
 
 
 @pytest.fixture(scope="module")

@@ -1,5 +1,6 @@
 """Terminals and pipes that lack characters get others in their place, and JSON stays exact."""
 
+import io
 import json
 import os
 import subprocess
@@ -7,45 +8,65 @@ import sys
 
 import pytest
 
-COMMANDS = [
-    ["--help"],
-    ["criterion", "--help"],
-    ["criterion", "--ellipses", "real_suite", "--f", "1", "--xi", "0.02"],
-    ["run", "--list"],
-]
+from reliab.cli import main
+
+STRUCTURE = ["--f", "1", "--xi", "0.02"]
+CRITERION = ["criterion", "--law", "guo_2017_18", *STRUCTURE]
+COMMANDS = [["--help"], ["criterion", "--help"], CRITERION, ["run", "--list"]]
 
 
-def run_with(encoding, arguments):
-    environment = {**os.environ, "PYTHONIOENCODING": encoding, "PYTHONUTF8": "0", "NO_COLOR": "1"}
-    command = [sys.executable, "-c", "from reliab.cli import main; main()", *arguments]
-    return subprocess.run(command, capture_output=True, env=environment, check=False)  # noqa: S603
+@pytest.fixture
+def run_with(monkeypatch):
+    """Function that runs the program with streams of an encoding; returns its code, output and messages."""
+
+    def run(encoding, arguments):
+        streams = {name: io.TextIOWrapper(io.BytesIO(), encoding=encoding) for name in ("stdout", "stderr")}
+        with monkeypatch.context() as patch:
+            patch.setenv("NO_COLOR", "1")
+            patch.setattr(sys, "argv", ["reliab", *arguments])
+            for name, stream in streams.items():
+                patch.setattr(sys, name, stream)
+            with pytest.raises(SystemExit) as end:
+                main()
+            written = []
+            for stream in streams.values():
+                stream.flush()
+                written.append(stream.buffer.getvalue())
+        return end.value.code, *written
+
+    return run
 
 
-@pytest.mark.parametrize(("encoding", "arguments"), [("cp1252", arguments) for arguments in COMMANDS])
-def test_no_command_ends_in_an_encoding_error(encoding, arguments):
-    done = run_with(encoding, arguments)
-    assert done.returncode == 0, done.stderr.decode(encoding)
+@pytest.mark.parametrize("arguments", COMMANDS)
+def test_no_command_ends_in_an_encoding_error(run_with, arguments):
+    code, output, _ = run_with("cp1252", arguments)
+    assert code == 0
+    assert output.decode("cp1252")
+
+
+def test_a_process_of_its_own_has_no_encoding_error_either():
+    environment = {**os.environ, "PYTHONIOENCODING": "cp1252", "PYTHONUTF8": "0", "NO_COLOR": "1"}
+    command = [sys.executable, "-c", "from reliab.cli import main; main()", "criterion", "--help"]
+    done = subprocess.run(command, capture_output=True, env=environment, check=False)  # noqa: S603
+    assert done.returncode == 0, done.stderr.decode("cp1252")
     assert b"UnicodeEncodeError" not in done.stderr
 
 
-def test_symbols_are_written_out():
-    done = run_with("ascii", COMMANDS[2])
-    text = done.stdout.decode("ascii")
+def test_symbols_are_written_out(run_with):
+    text = run_with("ascii", ["criterion", "--ellipses", "real_suite", *STRUCTURE])[1].decode("ascii")
     assert "(A - 1)2/a + d2/b <= 1" in text
     assert "alpha" in text
     assert "?" not in text
 
 
-def test_json_is_exact_whatever_the_encoding():
-    arguments = [*COMMANDS[2], "--json", "-"]
-    exact, escaped = (run_with(encoding, arguments).stdout for encoding in ("utf-8", "cp1252"))
+def test_json_is_exact_whatever_the_encoding(run_with):
+    arguments = [*CRITERION, "--json", "-"]
+    exact, escaped = (run_with(encoding, arguments)[1] for encoding in ("utf-8", "cp1252"))
     assert json.loads(escaped.decode("cp1252")) == json.loads(exact.decode("utf-8"))
 
 
-def test_a_message_that_cannot_be_encoded_ends_with_its_sentence():
-    done = run_with(
-        "cp1252", ["criterion", "--ellipses", "real_suite", "--f", "1", "--xi", "0.02", "--law", "ξ"]
-    )
-    assert done.returncode == 2
-    assert b"Error" in done.stderr
-    assert b"Traceback" not in done.stderr
+def test_a_message_that_cannot_be_encoded_ends_with_its_sentence(run_with):
+    code, _, message = run_with("cp1252", [*CRITERION[:1], "--law", "ξ", *STRUCTURE])
+    assert code == 2
+    assert b"Error" in message
+    assert b"Traceback" not in message

@@ -1,11 +1,15 @@
 """Fixtures of the discrepancy room: small campaigns of known content, and blind ones."""
 
 import sys
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
+
+from reliab.discrepancy import diagnose, read_campaign
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests"))
@@ -45,6 +49,34 @@ def small_campaign(tmp_path):
 def sample_campaigns():
     """The folder of the campaigns that ship."""
     return ROOT / "datasets" / "campaigns"
+
+
+@pytest.fixture(scope="session")
+def blas_threads():
+    """Threads of linear algebra before, while and after `diagnosis_of` has diagnosed."""
+    return {"before": [], "while": [], "after": []}
+
+
+@pytest.fixture(scope="session")
+def diagnosis_of(blas_threads):
+    """Function that diagnoses a campaign that ships, each once."""
+
+    def look(when):
+        pools = [pool for pool in threadpool_info() if pool["user_api"] == "blas"]
+        blas_threads[when].append([pool["num_threads"] for pool in pools])
+
+    @cache
+    def diagnosed(name):
+        campaign = read_campaign(ROOT / "datasets" / "campaigns" / name)
+        with threadpool_limits(2, user_api="blas"):
+            look("before")
+            diagnosis = diagnose(
+                campaign, progress=lambda done, total: look("while") if done < total else None
+            )
+            look("after")
+        return diagnosis
+
+    return diagnosed
 
 
 @pytest.fixture(scope="session")

@@ -4,9 +4,7 @@ from unittest.mock import patch
 
 import numpy as np
 import pytest
-from threadpoolctl import threadpool_info
 
-from reliab.discrepancy import diagnose, read_campaign
 from reliab.discrepancy.blocks.actuator import ActuatorBlock
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
@@ -122,15 +120,8 @@ def test_a_fit_that_has_settled_simulates_no_more_than_it_must(problem, fitted):
     assert simulate.call_count <= 2 + settled.space.size
 
 
-def test_linear_algebra_keeps_to_one_thread_while_fits_run_side_by_side(sample_campaigns):
-    seen = []
-
-    def look(done, total):
-        if done < total:
-            seen.extend(pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas")
-
-    before = [pool["num_threads"] for pool in threadpool_info()]
-    diagnose(read_campaign(sample_campaigns / "rig_a"), progress=look)
-    assert seen
-    assert set(seen) == {1}
-    assert [pool["num_threads"] for pool in threadpool_info()] == before
+def test_linear_algebra_keeps_to_one_thread_while_fits_run_side_by_side(diagnosis_of, blas_threads):
+    diagnosis_of("rig_b")
+    assert {threads for pools in blas_threads["before"] for threads in pools} == {2}
+    assert {threads for pools in blas_threads["while"] for threads in pools} == {1}
+    assert blas_threads["after"] == blas_threads["before"]

@@ -53,16 +53,23 @@ def responses(excitations, cubic):
     return np.stack(found[::FINER], axis=1)
 
 
+@pytest.fixture(scope="module")
+def linear():
+    """Excitations and the responses of the linear oscillator, whose standard deviation is 0.05 m."""
+    volts = multisines(np.random.default_rng(4))
+    moved = responses(volts, 0.0)
+    scale = 0.05 / moved.std()
+    return scale * volts, scale * moved
+
+
 @pytest.fixture
-def campaign(tmp_path):
+def campaign(tmp_path, linear):
     def written(cubic_share):
-        rng = np.random.default_rng(4)
-        volts = multisines(rng)
-        size = responses(volts, 0.0).std()
-        volts *= 0.05 / size
+        volts, moved = linear
         cubic = cubic_share / (3.0 * 0.05) ** 2
-        moved = responses(volts, cubic)
-        moved += 2e-4 * rng.standard_normal(moved.shape)
+        if cubic_share:
+            moved = responses(volts, cubic)
+        moved = moved + 2e-4 * np.random.default_rng(5).standard_normal(moved.shape)
         time = np.arange(SAMPLES) / RATE
         say = SAY
         for k in range(TESTS):

@@ -24,13 +24,13 @@ def motion(rng):
 
 def hysteretic(moved):
     """Dimensionless hysteretic variable z along a displacement, by small steps of Euler's method."""
-    z, found = 0.0, np.zeros_like(moved)
-    for i in range(1, moved.size):
-        part = (moved[i] - moved[i - 1]) / PARTS / (YIELD * LARGEST)
+    z, history = 0.0, [0.0]
+    for step in np.diff(moved).tolist():  # numbers of Python, which are faster one by one
+        part = step / PARTS / (YIELD * LARGEST)
         for _ in range(PARTS):
-            z += part * (1.0 - abs(z) ** EXPONENT * (BETA * np.sign(part * z) + 1.0 - BETA))
-        found[i] = z
-    return found
+            z += part * (1.0 - abs(z) ** EXPONENT * (1.0 if part * z > 0.0 else 1.0 - 2.0 * BETA))
+        history.append(z)
+    return np.array(history)
 
 
 def textbook(moved, after):

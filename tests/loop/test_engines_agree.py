@@ -29,30 +29,33 @@ def random_case(rng: np.random.Generator, acceleration, time_step) -> tuple[Loop
     return loop, loop.cells(gain=gain, delay=delay)
 
 
-def differences(loop: Loop, cells: Cells, other: Engine, metric: Metric) -> float:
-    oracle = relative_error(replace(loop, engine=other).deviation(cells), metric)
-    return float(np.abs(relative_error(loop.deviation(cells), metric) / oracle - 1.0).max())
+def differences(loop: Loop, cells: Cells, other: Engine) -> dict[Metric, float]:
+    """Largest relative difference of each error between two engines, each of which runs once."""
+    ours, oracle = loop.deviation(cells), replace(loop, engine=other).deviation(cells)
+    return {
+        metric: float(np.abs(relative_error(ours, metric) / relative_error(oracle, metric) - 1.0).max())
+        for metric in Metric
+    }
 
 
 @pytest.mark.parametrize("seed", range(60))
 def test_automatic_engine_agrees_with_the_spectral_one(random_record, seed):
     rng = np.random.default_rng(seed)
     loop, cells = random_case(rng, *random_record(rng))
-    assert differences(loop, cells, Engine.SPECTRAL, Metric.RMS) < 1e-4
-    assert differences(loop, cells, Engine.SPECTRAL, Metric.MTE) < 2e-3
+    found = differences(loop, cells, Engine.SPECTRAL)
+    assert found[Metric.RMS] < 1e-4
+    assert found[Metric.MTE] < 2e-3
 
 
-def test_engines_agree_on_hundreds_of_cells_of_the_real_records(real_motions_folder):
+@pytest.mark.parametrize("count", [40, pytest.param(300, marks=pytest.mark.slow)])
+def test_engines_agree_on_many_cells_of_the_real_records(real_motions_folder, count):
     rng = np.random.default_rng(2017)
     motions = load_motions(real_motions_folder)
-    rms, mte = [], []
-    for index in rng.integers(0, len(motions), 300):
+    for index in rng.integers(0, len(motions), count):
         motion = motions[int(index)]
-        loop, cells = random_case(rng, motion.acceleration, motion.time_step)
-        rms.append(differences(loop, cells, Engine.SPECTRAL, Metric.RMS))
-        mte.append(differences(loop, cells, Engine.SPECTRAL, Metric.MTE))
-    assert max(rms) < 1e-4
-    assert max(mte) < 1e-3
+        found = differences(*random_case(rng, motion.acceleration, motion.time_step), Engine.SPECTRAL)
+        assert found[Metric.RMS] < 1e-4
+        assert found[Metric.MTE] < 1e-3
 
 
 @pytest.mark.parametrize("delay", [0.0, 1e-4, 0.001, 0.004, 0.0149, 0.016, 0.05])
@@ -65,7 +68,7 @@ def test_delay_stepper_agrees_with_the_spectral_engine_on_both_sides_of_a_block(
         engine=Engine.DELAY,
     )
     cells = loop.cells(gain=[0.97, 1.02], delay=delay)
-    assert differences(loop, cells, Engine.SPECTRAL, Metric.RMS) < 1e-4
+    assert differences(loop, cells, Engine.SPECTRAL)[Metric.RMS] < 1e-4
 
 
 def test_pole_and_delay_engines_agree_beyond_the_stability_limit(random_record):
@@ -78,7 +81,7 @@ def test_pole_and_delay_engines_agree_beyond_the_stability_limit(random_record):
         engine=Engine.POLE,
     )
     cells = loop.cells(gain=1.0, delay=1.5 * critical_delay(structure))
-    assert differences(loop, cells, Engine.DELAY, Metric.RMS) < 1e-4
+    assert differences(loop, cells, Engine.DELAY)[Metric.RMS] < 1e-4
 
 
 def test_result_does_not_depend_on_the_company_of_a_cell(random_record):
@@ -103,7 +106,7 @@ def test_window_inside_the_record_is_the_same_for_all_engines(random_record):
     loop = Loop(excitation=excitation, structure=Structure(frequency=1.0, damping_ratio=0.03))
     cells = loop.cells(gain=[0.99, 1.01], delay=[0.001, 0.002])
     for engine in (Engine.DELAY, Engine.SPECTRAL):
-        assert differences(loop, cells, engine, Metric.RMS) < 1e-4
+        assert differences(loop, cells, engine)[Metric.RMS] < 1e-4
 
 
 def test_spectral_engine_refuses_an_unstable_loop_and_names_the_limit(random_record):

@@ -1,16 +1,30 @@
 """A small suite on disk and a study of it."""
 
+import numpy as np
 import pytest
 
-from reliab.motions.synthetic import synthetic_suite
+from reliab.motions import Motion, MotionSuite
 from reliab.motions.writing import write_suite
 from reliab.study import study_from
 
 
 @pytest.fixture(scope="session")
 def suite_folder(tmp_path_factory):
+    """Both components of eight earthquakes, short ones: every study simulates them."""
+    rng = np.random.default_rng(16)
+    t = np.arange(0.0, 12.0, 0.02)
+    suite = MotionSuite.from_motions(
+        Motion(
+            name=f"E{number // 2}/H{number % 2}",
+            event=f"E{number // 2}",
+            acceleration=np.convolve(rng.standard_normal(t.size), np.ones(8), "same")
+            * np.sin(np.pi * t / t[-1]) ** 2,
+            time_step=0.02,
+        )
+        for number in range(16)
+    )
     folder = tmp_path_factory.mktemp("study") / "suite"
-    write_suite(synthetic_suite(count=16), folder)
+    write_suite(suite, folder)
     return folder
 
 

@@ -58,12 +58,9 @@ def test_the_report_can_be_made_again_from_the_folder_alone(finished):
     assert write_report(finished).read_bytes() == first
 
 
-def test_the_same_study_gives_the_same_bytes_elsewhere(finished, small_study, tmp_path):
-    again = run_study(small_study, tmp_path / "again")
-    assert again.read_bytes() == (finished / "report.pdf").read_bytes()
-
-
-def test_a_run_that_was_killed_goes_on(tmp_path, small_study, monkeypatch):
+def test_a_run_that_was_killed_resumes_and_gives_the_same_bytes_elsewhere(
+    finished, tmp_path, small_study, monkeypatch
+):
     from reliab.study import steps
 
     def killed(*_, **__):
@@ -72,14 +69,15 @@ def test_a_run_that_was_killed_goes_on(tmp_path, small_study, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(steps, "ellipses", killed)
         with pytest.raises(KeyboardInterrupt):
-            run_study(small_study, tmp_path / "run")
-    assert stages_of(small_study, tmp_path / "run") == {
+            run_study(small_study, tmp_path / "again")
+    assert stages_of(small_study, tmp_path / "again") == {
         "trace",
         "derive",
         "validate",
         "real motions",
         "report",
     }
+    assert (tmp_path / "again" / "report.pdf").read_bytes() == (finished / "report.pdf").read_bytes()
 
 
 def test_a_folder_with_other_files_is_left_alone(tmp_path, small_study):

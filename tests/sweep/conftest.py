@@ -1,11 +1,14 @@
 """A small suite and a small sweep."""
 
+import shutil
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from reliab.indices.window import Window
 from reliab.motions import Motion, MotionSuite
-from reliab.sweep import ScaledGrid, SweepRequest
+from reliab.sweep import ScaledGrid, SweepRequest, run_sweep
 
 
 @pytest.fixture(scope="session")
@@ -32,3 +35,15 @@ def request_() -> SweepRequest:
         grid=ScaledGrid(gain_steps=14, delay_steps=20),
         windows=(Window(), Window.parse("arias")),
     )
+
+
+@pytest.fixture(scope="session")
+def store(tmp_path_factory, suite, request_):
+    """The sweep in a store, which is only read."""
+    return run_sweep(suite, request_, tmp_path_factory.mktemp("sweep") / "results.zarr")
+
+
+@pytest.fixture
+def own_store(tmp_path, store):
+    """The same store for a test to change."""
+    return Path(shutil.copytree(store, tmp_path / "results.zarr"))

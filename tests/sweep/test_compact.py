@@ -6,12 +6,7 @@ import pytest
 from reliab.boundary import Ellipse
 from reliab.errors import InputError
 from reliab.shipped import shipped
-from reliab.sweep import open_ellipses, open_results, run_sweep, write_compact, write_ellipses
-
-
-@pytest.fixture(scope="module")
-def store(tmp_path_factory, suite, request_):
-    return run_sweep(suite, request_, tmp_path_factory.mktemp("compact") / "results.zarr")
+from reliab.sweep import open_ellipses, open_results, write_compact, write_ellipses
 
 
 @pytest.fixture(scope="module")

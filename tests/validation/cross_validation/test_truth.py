@@ -44,7 +44,7 @@ def ellipses(both_sides):
 @pytest.fixture(scope="module")
 def stored(tmp_path_factory):
     path = tmp_path_factory.mktemp("truth") / "results.zarr"
-    return api.simulate(synthetic_suite(count=6), out=path, f=[1.0], xi=[0.02])
+    return api.simulate(synthetic_suite(count=6)[:2], out=path, f=[1.0], xi=[0.02])
 
 
 def spectral_error(motion, region):
@@ -68,7 +68,7 @@ def test_edge_is_the_ellipse_and_closes_on_the_axis_of_no_delay():
 def test_simulated_and_stored_truth_agree_with_the_spectral_engine(motions, stored):
     region = Region(a=1e-4, b=2.0)
     edge = region.edge()
-    for number, motion in enumerate(motions):
+    for number, motion in enumerate(motions[:2]):
         exact = spectral_error(motion, region) / 0.05
         for truth in (SimulatedTruth(motions=motions), StoredTruth(stored)):
             np.testing.assert_allclose(truth.errors(CELL, number, edge.gain, edge.delay), exact, rtol=2e-3)
