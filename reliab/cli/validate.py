@@ -1,5 +1,6 @@
 """`reliab validate`: whether criteria hold on motions that they have not seen."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -7,6 +8,7 @@ import typer
 from reliab.cli.criterion import Ellipses
 from reliab.cli.options import (
     FIVE_PERCENT,
+    TWO_PERCENT,
     DampingRatios,
     FractionIfGiven,
     Frequencies,
@@ -77,7 +79,12 @@ Confidences = Annotated[
 ]
 Tests = Annotated[
     int | None,
-    typer.Option("--trials", min=1, help="Tests per structure, near the boundaries; 512 by default."),
+    typer.Option(
+        "--trials",
+        min=1,
+        help="Tests per structure, near the boundaries, 512 by default; with --rebuilt-error, tests of each "
+        "kind of actuator and specimen, 6 by default.",
+    ),
 ]
 Calibration = Annotated[
     bool,
@@ -106,6 +113,24 @@ CompensatorName = Annotated[
         help="For --case: inverse (the paper's), feedforward, polynomial_extrapolation or none.",
     ),
 ]
+RebuiltError = Annotated[
+    bool,
+    typer.Option(
+        "--rebuilt-error",
+        help="Judge simulated tests by their rebuilt error, beside criteria and the own boundary.",
+    ),
+]
+TestsFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--tests",
+        metavar="FILE.csv",
+        help="For --rebuilt-error: all tests and verdicts; an interrupted run goes on with it.",
+    ),
+]
+_OF_REBUILT_ERROR = (
+    *("motions", "sets", "f", "xi", "alpha", "threshold", "metric", "confidence", "trials", "tests"),
+)
 
 
 def validate(
@@ -133,9 +158,29 @@ def validate(
     case: Case = None,
     integrator: IntegratorName = None,
     compensator: CompensatorName = None,
+    rebuilt_error: RebuiltError = False,
+    tests: TestsFile = None,
     json_target: JsonTarget = None,
 ) -> None:
     """Judge criteria on earthquakes that they were not learned from."""
+    if rebuilt_error:
+        from reliab.cli.rebuilt_error_mode import TRIALS, judge_by_rebuilt_error
+
+        _refuse_beside("--rebuilt-error", locals(), _OF_REBUILT_ERROR)
+        judge_by_rebuilt_error(
+            motions,
+            sets,
+            frequencies=f or [1.0],
+            damping_ratios=xi or [TWO_PERCENT],
+            experimental_fraction=1.0 if alpha is None else alpha,
+            threshold=FIVE_PERCENT if threshold is None else threshold,
+            metric=metric,
+            confidence=confidence,
+            trials=trials or TRIALS,
+            kept=tests,
+            json_target=json_target,
+        )
+        return
     if case is not None:
         from reliab.cli.case_mode import judge_cases
 
@@ -154,6 +199,8 @@ def validate(
             raise InputError(
                 f"{option} is of the paper's cases", value=value, remedy="Give --case, or leave it out"
             )
+    if tests is not None:
+        raise InputError("--tests is of --rebuilt-error", value=tests, remedy="Give it too, or leave it out")
     from reliab.cli.validation_choice import Asked, candidates_of, folds_of, truth_of
 
     asked = Asked(
@@ -215,7 +262,8 @@ def _refuse_beside(option: str, values: dict[str, object], used: tuple[str, ...]
     from inspect import signature
 
     for name, parameter in signature(validate).parameters.items():
-        idle = name not in {*used, "case", "json_target"} and values[name] != parameter.default
+        own = option.removeprefix("--").replace("-", "_")
+        idle = name not in {*used, own, "json_target"} and values[name] != parameter.default
         if idle:
             raise InputError(
                 f"{option} takes {' and '.join(f'--{option_name}' for option_name in used)} alone",

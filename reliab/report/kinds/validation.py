@@ -13,6 +13,7 @@ from reliab.report.figures.displacement_histories import HistoryPanel, displacem
 from reliab.report.kinds.method import limits_section, method_section
 from reliab.report.kinds.provenance import provenance_of
 from reliab.report.kinds.rates import rates_section
+from reliab.report.kinds.rebuilt_error_study import rebuilt_error_section
 from reliab.report.kinds.wording import PERCENT, law_in_words, percent
 from reliab.report.numbers import Fixed, Shortest, Whole
 from reliab.report.prose import Prose, prose
@@ -30,6 +31,8 @@ def validation_report(
     window: str = "record",
     verdicts: pd.DataFrame | None = None,
     beyond: pd.DataFrame | None = None,
+    rebuilt: pd.DataFrame | None = None,
+    threshold: float = 0.05,
     cases: xr.Dataset | None = None,
     provenance: Mapping[str, object],
     notes: Sequence[Prose] = (),
@@ -58,6 +61,11 @@ def validation_report(
     beyond : pandas.DataFrame, optional
         Tests with actuators that are no constant gain and delay, as
         :func:`reliab.validation.beyond_the_model.try_rigs` makes it.
+    rebuilt : pandas.DataFrame, optional
+        Tests that are judged by their rebuilt error too, as
+        :func:`reliab.validation.rebuilt_error_study.try_tests` makes it.
+    threshold : float, optional
+        Error up to which these tests are good [-].
     cases : xarray.Dataset, optional
         The paper's four cases, from :func:`reliab.paper.cases.cases_dataset`.
     provenance : mapping
@@ -79,6 +87,8 @@ def validation_report(
         blocks.append(_confusion(verdicts, confidence))
     if beyond is not None and len(beyond):
         blocks.append(_beyond(beyond))
+    if rebuilt is not None and len(rebuilt):
+        blocks.append(rebuilt_error_section(rebuilt, threshold))
     if cases is not None:
         blocks.append(_cases(cases))
     blocks += [

@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 from itertools import islice
 from pathlib import Path
-from typing import Final
+from typing import Annotated, Final
 
 import pandas as pd
+from pydantic import Field
 
 from reliab.criterion.provenance import records_checksum
 from reliab.loop.structure import Structure
@@ -30,8 +31,10 @@ from reliab.study.steps import (
     validations_of,
 )
 from reliab.sweep import open_ellipses
+from reliab.vocabulary import Metric
 
 BEYOND: Final = "beyond_the_model.csv"
+REBUILT: Final = "rebuilt_error_tests.csv"
 
 _MOTIONS_BEYOND = 20
 
@@ -40,6 +43,8 @@ class CasesTable(ValidationTable):
     """`[validation]`: how criteria are put to the test, and under which motion the paper's cases are run."""
 
     held_out: str | None = None
+    rebuilt_error_trials: Annotated[int, Field(ge=0)] = 6
+    """Tests of each kind of actuator and specimen whose error is rebuilt; 0 leaves them out."""
 
 
 class ValidationStudy(CriterionStudy):
@@ -59,6 +64,7 @@ def stages(study: ValidationStudy, show: Show) -> Sequence[Stage]:
         derivation(study.errors, study.criterion),
         judgement(study, material, show),
         _beyond(study, material, show),
+        *_rebuilt(study, material, show),
         *cases,
     )
 
@@ -91,6 +97,8 @@ def report(study: ValidationStudy, folder: Path) -> Document:
         window=study.errors.window,
         verdicts=tabulate(next(iter(validations.values()))),
         beyond=pd.read_csv(folder / BEYOND),
+        rebuilt=pd.read_csv(folder / REBUILT) if study.validation.rebuilt_error_trials else None,
+        threshold=study.errors.thresholds[0],
         cases=opened(folder / CASES) if _held_out(study) else None,
         provenance=provenance,
         notes=refusals_of(folder),
@@ -107,7 +115,7 @@ def _beyond(study: ValidationStudy, material: Material, show: Show) -> Stage:
     """Try actuators that are no constant gain and delay."""
     # Without records the rigs are tried under the suite that is built in.
     suite = material.motions if study.motions.sources else load_motions(SYNTHETIC)
-    structure = Structure(frequency=study.structures.f[0], damping_ratio=study.structures.xi[0])
+    structure = _structure(study)
 
     def work(folder: Path) -> None:
         from reliab.validation.beyond_the_model import TEST_COLUMNS, rigs_of_delay, try_rigs
@@ -119,7 +127,7 @@ def _beyond(study: ValidationStudy, material: Material, show: Show) -> Stage:
         criterion = criteria[0]
         with show("Trying other rigs") as progress:
             tests = try_rigs(
-                _spread(suite),
+                _spread(suite, _MOTIONS_BEYOND),
                 [structure],
                 rigs_of_delay,
                 criterion,
@@ -128,13 +136,54 @@ def _beyond(study: ValidationStudy, material: Material, show: Show) -> Stage:
             )
         tests.to_csv(folder / BEYOND, index=False)
 
-    inputs = {"motions": [motion.checksum for motion in _spread(suite)], "structure": repr(structure)}
+    inputs = {
+        "motions": [motion.checksum for motion in _spread(suite, _MOTIONS_BEYOND)],
+        "structure": repr(structure),
+    }
     return Stage(name="beyond the model", inputs=inputs, reads=(CRITERIA,), writes=(BEYOND,), work=work)
 
 
-def _spread(suite: MotionSuite) -> list[Motion]:
+def _rebuilt(study: ValidationStudy, material: Material, show: Show) -> list[Stage]:
+    """Judge simulated tests by their rebuilt error too."""
+    trials = study.validation.rebuilt_error_trials
+    if not trials:
+        return []
+    suite = material.motions if study.motions.sources else load_motions(SYNTHETIC)
+    motions = _spread(suite, trials)
+    structure = _structure(study)
+    threshold, metric = study.errors.thresholds[0], study.errors.metrics[0]
+    confidence = study.criterion.confidences[0]
+
+    def work(folder: Path) -> None:
+        from reliab.validation.rebuilt_error_study import Design, try_tests
+
+        design = Design.of(
+            motions,
+            [structure],
+            trials=trials,
+            threshold=threshold,
+            metric=Metric(metric),
+            confidence=confidence,
+        )
+        with show("Rebuilding the errors of tests") as progress:
+            try_tests(design, kept=folder / REBUILT, progress=progress)
+
+    inputs = {
+        "motions": [motion.checksum for motion in motions],
+        "structure": repr(structure),
+        "asked": [threshold, metric, confidence, trials],
+    }
+    return [Stage(name="rebuilt errors", inputs=inputs, writes=(REBUILT,), work=work)]
+
+
+def _structure(study: ValidationStudy) -> Structure:
+    """Structure with which single tests are simulated."""
+    return Structure(frequency=study.structures.f[0], damping_ratio=study.structures.xi[0])
+
+
+def _spread(suite: MotionSuite, count: int) -> list[Motion]:
     """Take some of the motions, spread over the suite."""
-    return list(islice(suite, 0, None, max(1, len(suite) // _MOTIONS_BEYOND)))[:_MOTIONS_BEYOND]
+    return list(islice(suite, 0, None, max(1, len(suite) // count)))[:count]
 
 
 KIND: Final = Kind(name="validation", tables=ValidationStudy, stages=stages, report=report)

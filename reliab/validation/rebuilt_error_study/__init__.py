@@ -13,9 +13,23 @@ the ground motion. `rebuild_with_specimen` marches its own reference with the sa
 force, under the demand that the recorded displacement reveals.
 """
 
-from reliab.validation.rebuilt_error_study.conditions import CONDITIONS, Condition
-from reliab.validation.rebuilt_error_study.rigs import RIGS
-from reliab.validation.rebuilt_error_study.shares import shares
+from reliab.validation.rebuilt_error_study.conditions import PLAIN, RIGHT
+from reliab.validation.rebuilt_error_study.judges import CERTAIN, OWN_BOUNDARY, REBUILT, WITH_MODEL
+from reliab.validation.rebuilt_error_study.rigs import LINEAR
+from reliab.validation.rebuilt_error_study.shares import shares, summarised
 from reliab.validation.rebuilt_error_study.study import STUDY_COLUMNS, Design, try_tests
 
-__all__ = ["CONDITIONS", "RIGS", "STUDY_COLUMNS", "Condition", "Design", "shares", "try_tests"]
+__all__ = [
+    "CERTAIN",
+    "LINEAR",
+    "OWN_BOUNDARY",
+    "PLAIN",
+    "REBUILT",
+    "RIGHT",
+    "STUDY_COLUMNS",
+    "WITH_MODEL",
+    "Design",
+    "shares",
+    "summarised",
+    "try_tests",
+]

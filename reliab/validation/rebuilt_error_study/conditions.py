@@ -60,7 +60,7 @@ class Condition:
         return Tolerances(**{self.quantity: abs(self.wrong_by)}) if self.quantity else Tolerances()
 
     def read(self, true: Array, rng: np.random.Generator) -> Array:
-        """Recorded history of a true one [m or N], shape (n,)."""
+        """Record a true history [m or N], shape (n,), as the sensor shows it."""
         level = 10.0 ** (-_DECIBELS[self.sensor] / 20.0) * float(np.sqrt(np.mean(true**2)))
         if self.sensor == QUANTISED:
             width = np.sqrt(12.0) * level

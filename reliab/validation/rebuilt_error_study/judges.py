@@ -87,10 +87,10 @@ def by_rebuilt_error(error: RebuiltError, question: Question, judge: str = REBUI
     )
 
 
-def by_verdict(error: RebuiltError, question: Question) -> Judgement:
-    """Accept a test that is reliable: its error stays below the threshold with 95 % probability."""
+def by_verdict(error: RebuiltError, question: Question, *, looks_nonlinear: bool) -> Judgement:
+    """Accept a test as `reliab assess` does: below the threshold with 95 % probability, and no doubt."""
     word = word_of_probability(error.probability(question.threshold, question.metric))
-    return Judgement(judge=CERTAIN, accepted=word is Word.RELIABLE)
+    return Judgement(judge=CERTAIN, accepted=word is Word.RELIABLE and not looks_nonlinear)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,6 +7,9 @@ import numpy as np
 import pandas as pd
 
 from reliab.validation.cross_validation.intervals import event_bootstrap
+from reliab.validation.rebuilt_error_study.conditions import PLAIN, RIGHT
+from reliab.validation.rebuilt_error_study.judges import OWN_BOUNDARY, REBUILT
+from reliab.validation.rebuilt_error_study.rigs import LINEAR
 
 _ENDS = (0.05, 0.95)
 
@@ -54,6 +57,36 @@ def shares(tests: pd.DataFrame, by: Sequence[str]) -> pd.DataFrame:
     for names, group in tests.groupby(list(by), sort=False):
         rows.append({**dict(zip(by, names, strict=True)), **_counted(group)})
     return pd.DataFrame(rows)
+
+
+def summarised(tests: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """Bring a study into the tables that are printed and reported.
+
+    Parameters
+    ----------
+    tests : pandas.DataFrame
+        As :func:`~reliab.validation.rebuilt_error_study.study.try_tests` gives it, with at least one test.
+
+    Returns
+    -------
+    dict of str to pandas.DataFrame
+        Each as :func:`shares` makes it: "judges" on linear specimens with a sensor of 40 dB and all stated
+        rightly; "rigs", the same by actuator for the rebuilt error and the motion's own boundary;
+        "conditions", every judge by sensor and by what is stated wrongly; "specimens", every judge by
+        nonlinear specimen; and "looks", by specimen and sensor the share of tests whose recorded force
+        `looks_nonlinear` [-] among so many `tests`.
+    """
+    linear = tests[tests["specimen"] == LINEAR]
+    plain = linear[(linear["sensor"] == PLAIN.sensor) & (linear["stated"] == RIGHT)]
+    looked = tests[(tests["judge"] == REBUILT) & tests["looks_nonlinear"].notna()]
+    looks = looked.groupby(["specimen", "sensor"], sort=False)["looks_nonlinear"].agg(["mean", "count"])
+    return {
+        "judges": shares(plain, ["judge"]),
+        "rigs": shares(plain[plain["judge"].isin([REBUILT, OWN_BOUNDARY])], ["judge", "rig"]),
+        "conditions": shares(linear, ["sensor", "stated", "judge"]),
+        "specimens": shares(tests[tests["specimen"] != LINEAR], ["specimen", "judge"]),
+        "looks": looks.reset_index().rename(columns={"mean": "looks_nonlinear", "count": "tests"}),
+    }
 
 
 def _counted(group: pd.DataFrame) -> dict[str, Any]:

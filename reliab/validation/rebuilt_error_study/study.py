@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 import reliab
 from reliab.errors import InputError
 from reliab.indices.response_error import response_error
-from reliab.loop.effects import Effect
 from reliab.loop.excitation import Excitation
 from reliab.loop.hybrid_test import HybridTest, run_closed_loop
 from reliab.loop.hybrid_test.closed_loop import Histories
@@ -23,7 +22,10 @@ from reliab.loop.structure import Structure
 from reliab.motions import Motion, resample
 from reliab.progress import Progress, silent
 from reliab.rebuilt_error import RebuiltError, examine_specimen, rebuild, rebuild_with_specimen
+from reliab.shipped import shipped
+from reliab.sweep import open_ellipses
 from reliab.validation.beyond_the_model import Rig
+from reliab.validation.earthquakes import earthquakes_among
 from reliab.validation.rebuilt_error_study.conditions import CONDITIONS, PLAIN, RIGHT, Condition
 from reliab.validation.rebuilt_error_study.judges import (
     WITH_MODEL,
@@ -75,13 +77,13 @@ class Design:
         Structures, each of which sees every round.
     trials : int
         Rounds: tests of each kind of actuator and of specimen, for each structure.
-    threshold : float, optional
+    threshold : float
         Error up to which a test is good [-]; tests are made with 0.2 to 3 times this error.
-    metric : Metric, optional
+    metric : Metric
         Which error.
-    confidence : float, optional
+    confidence : float
         Share of ground motions that the criterion states [-].
-    learned_without : sequence of str or None, optional
+    learned_without : sequence of str or None
         For each motion its earthquake in the suite from which the shipped criterion was learned.
     seed : int, optional
         Seed of sizes, noise and specimens.
@@ -95,15 +97,44 @@ class Design:
     motions: Sequence[Motion]
     structures: Sequence[Structure]
     trials: int
-    threshold: float = 0.05
-    metric: Metric = Metric.RMS
-    confidence: float = 0.95
-    learned_without: Sequence[str | None] = ()
+    threshold: float
+    metric: Metric
+    confidence: float
+    learned_without: Sequence[str | None]
     seed: int = 0
 
     def __post_init__(self) -> None:
         if not self.motions:
             raise InputError("The study needs ground motions", value="none", remedy="Give --motions")
+
+    @classmethod
+    def of(
+        cls,
+        motions: Sequence[Motion],
+        structures: Sequence[Structure],
+        *,
+        trials: int,
+        threshold: float = 0.05,
+        metric: Metric = Metric.RMS,
+        confidence: float = 0.95,
+        seed: int = 0,
+    ) -> "Design":
+        """Find out of each motion whether the shipped criterion was learned from its earthquake."""
+        among = earthquakes_among(
+            [motion.event for motion in motions],
+            [motion.checksum for motion in motions],
+            open_ellipses(shipped("datasets", "real_suite/ellipses.nc")),
+        )
+        return cls(
+            motions=motions,
+            structures=structures,
+            trials=trials,
+            threshold=threshold,
+            metric=metric,
+            confidence=confidence,
+            learned_without=among,
+            seed=seed,
+        )
 
     @property
     def question(self) -> Question:
@@ -140,10 +171,10 @@ def try_tests(design: Design, *, kept: Path | None = None, progress: Progress = 
     -------
     pandas.DataFrame
         Columns :data:`STUDY_COLUMNS`: the true `error` [-] of the test and whether it is `good`; of the
-        `judge` whether it `accepted` the test, and the error that it stated, `estimate` with its 90 % interval
-        `low` to `high` [-], where it states one; and whether the specimen `looks_nonlinear`, where the
-        recorded force was looked at (1 or 0). Tests that run away are not judged, since nobody takes them
-        for good.
+        `judge` whether it `accepted` the test, and the error that it stated, `estimate` with its 90 %
+        interval `low` to `high` [-], where it states one; and whether the specimen `looks_nonlinear`, where
+        the recorded force was looked at (1 or 0). Tests that run away are not judged, since nobody takes
+        them for good.
 
     Raises
     ------
@@ -207,14 +238,12 @@ class _Bench:
     judges: Mapping[str, ByIndices]
 
     def run(self, rig: Rig, nonlinear: NonlinearSpecimen | None) -> Histories:
-        effects: tuple[Effect, ...] = rig.effects
-        if nonlinear is not None:
-            effects = (*effects, nonlinear.effect)
+        behaviour = () if nonlinear is None else (nonlinear.effect,)
         test = HybridTest(
             structure=self.structure,
             actuator=rig.actuator,
             specimen=None if nonlinear is None else nonlinear.specimen(),
-            effects=effects,
+            effects=(*rig.effects, *behaviour),
         )
         with np.errstate(over="ignore", invalid="ignore"):
             return run_closed_loop(
@@ -226,7 +255,7 @@ def _round(design: Design, number: int) -> Iterator[dict[str, object]]:
     place = number % len(design.motions)
     motion = _cut(design.motions[place])
     record = resample(motion, RATE_HZ)
-    without = design.learned_without[place] if design.learned_without else None
+    without = design.learned_without[place]
     count = 0
     for order, structure in enumerate(design.structures):
         excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step)
@@ -328,7 +357,7 @@ def _judged(
         seen = examine_specimen(error.histories.measured, force, step, stated.frequency)
         looks_nonlinear = float(seen.nonlinear)
     yield by_rebuilt_error(error, question), looks_nonlinear
-    yield by_verdict(error, question), looks_nonlinear
+    yield by_verdict(error, question, looks_nonlinear=looks_nonlinear == 1.0), looks_nonlinear
     if nonlinear is not None:
         modelled = _with_model(bench, command, measured, nonlinear)
         yield by_rebuilt_error(modelled, question, WITH_MODEL), looks_nonlinear
