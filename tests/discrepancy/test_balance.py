@@ -23,3 +23,15 @@ def test_coarse_integration_is_named_alone_with_its_step(blind, seed):
     truth = label.effects[0]
     assert step == pytest.approx(truth["parameters"]["step_s"]["value"], rel=0.1)
     assert damping == pytest.approx(truth["derived"]["numerical_damping_ratio"], rel=0.02)
+
+
+def test_ground_thinned_to_every_second_sample_is_no_integration_error(sample_campaigns):
+    """Between samples it runs in two straight lines, 1 − 2⁻² of the way from one line to a smooth curve."""
+    campaign = read_campaign(sample_campaigns / "rig_c")
+    block = BalanceBlock(campaign, scales_of(campaign, motions_of(campaign)))
+    segments = cut_segments(campaign.training, campaign.rate, block.highest_of)
+    search = Search(Problem(block=block, segments=segments))
+    best = search.whole()
+    assert best.space.names == ()
+    (curvature,) = best.space.values(best.coordinates)
+    assert curvature == pytest.approx(0.75, abs=0.05)

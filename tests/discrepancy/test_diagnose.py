@@ -70,15 +70,24 @@ def test_twenty_blind_campaigns(blind):
     assert len(wrong) <= 1, wrong
 
 
+def noise_of(found, label):
+    """RMS of the noise that a label states over that of the channel, in the only held-out test."""
+    (file,) = found.gap.held_out
+    noise = next(test["noise_rms"] for test in label["tests"] if test["file"] == file)
+    channels = next(test.channels for test in found.campaign.tests if test.file == file)
+    return noise[found.gap.channel] / np.sqrt(np.mean(channels[found.gap.channel] ** 2))
+
+
 @pytest.mark.parametrize("name", ["rig_a", "rig_b", "rig_c"])
 def test_sample_campaigns_answer_as_their_sealed_labels(sample_campaigns, diagnosis_of, name):
     sealed = json.loads((sample_campaigns / "labels.json").read_text(encoding="utf-8"))[name]
     label = json.loads(base64.b64decode(sealed))
     found = diagnosis_of(name)
     assert str(found.verdict) == label["verdict"]
+    in_library = {one["name"] for one in label["effects"] if one["in_library"]}
+    assert {one.name for one in found.effects} == in_library
     if label["verdict"] == "named":
-        assert {one.name for one in found.effects} == {one["name"] for one in label["effects"]}
-        assert found.gap.closed_fraction > 0.9
+        assert found.gap.after == pytest.approx(noise_of(found, label), rel=0.05)
         truth = label["effects"][0]["parameters"]["force_n"]["value"]
         estimate = next(one for one in found.effects[0].estimates if one.name == "force_n")
         assert abs(estimate.value - truth) < 4.0 * estimate.sd

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
+from reliab.discrepancy.blocks.curved_ground import curvature_between_samples
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.loop.effects import RecordEffect, Role, Scales, library
@@ -42,7 +43,7 @@ class BalanceBlock(ObservedBlock):
         self.rate = campaign.rate
         self.scales = scales
         self.nominal = campaign.nominal
-        self.calibrations = ()
+        self.calibrations = (curvature_between_samples(),)
         self.offsets = ()
         roles = (Role.RECORD, Role.INTEGRATION)
         self.candidates = tuple(effect for effect in library().values() if effect.role in roles)
@@ -83,6 +84,7 @@ def _motion(test: MeasuredTest, step: float) -> Motion3:
     """Motion of the command, whose acceleration is as straight between samples as the ground's only in part.
 
     The spline takes all of it for straight, which makes the smooth rest s = x'' + a_g larger by −h²s''/12.
+    The ground is taken for straight here; how much of its curvature is missed is calibrated.
     """
     motion = Motion3.through(test.channels[Channel.COMMAND], step)
     values = motion.values.copy()
