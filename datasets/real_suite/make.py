@@ -23,6 +23,7 @@ FREQUENCIES = (0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0)
 DAMPING_RATIOS = (0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09, 0.10)
 THRESHOLDS = (0.01, 0.02, 0.03, 0.05, 0.10, 0.20)
 METRICS = ("rms", "mte")
+NAMES = ("motion", "event", "checksum")
 WINDOWS = ("record", "arias", "10", "15", "20", "30", "40")
 
 
@@ -73,6 +74,8 @@ def rounded(dataset: xr.Dataset) -> xr.Dataset:
 def joined(parts: Path, name: str, count: int) -> xr.Dataset:
     """Join the parts of all motions, which differ in the windows that a short record needs."""
     files = [xr.load_dataset(parts / f"{name}_{index:03d}.nc", engine="h5netcdf") for index in range(count)]
+    # Names of a fixed width would be cut to that of the first.
+    files = [file.assign_coords({key: file[key].astype(object) for key in NAMES}) for file in files]
     whole = xr.concat(files, dim="motion", data_vars="minimal", combine_attrs="drop_conflicts")
     request = SweepRequest(
         frequencies=FREQUENCIES,

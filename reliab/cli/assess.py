@@ -66,7 +66,7 @@ WindowName = Annotated[
         "--window",
         metavar="record|SECONDS|arias",
         help="With --motion: part of the record over which the index's error is computed; by default the "
-        "part that the test saw.",
+        "part that the test saw. The test's own error is always over its own length.",
     ),
 ]
 CriterionFile = Annotated[

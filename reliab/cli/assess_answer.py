@@ -44,9 +44,8 @@ def _headline(assessment: "Assessment") -> str:
     name = ERROR_NAMES[assessment.metric]
     return (
         f"{assessment.verdict.word.shout}: {name} is {assessment.error.of(assessment.metric).value:.2%} "
-        "against "
-        f"{assessment.criterion.threshold:.3g}, probability {probability_text(assessment.probability)} of "
-        "staying below"
+        f"against {_PERCENT * assessment.criterion.threshold:.3g}%, "
+        f"probability {probability_text(assessment.probability)} of staying below"
     )
 
 
@@ -58,7 +57,7 @@ def _asked(assessment: "Assessment") -> str:
         for name, symbol, unit in (("f", "f", " Hz"), ("xi", "ξ", ""), ("alpha", "α", ""))
     )
     return (
-        f"Structure {stated}; threshold {assessment.criterion.threshold:.3g} "
+        f"Structure {stated}; threshold {_PERCENT * assessment.criterion.threshold:.3g}% "
         f"({ERROR_NAMES[assessment.metric]}); "
         f"window of the error: the test's own {assessment.recording.duration:.4g} s. RMS^R is the root mean "
         "square, MTE^R the largest value, of measured minus exact displacement, both over the peak of the "

@@ -28,6 +28,7 @@ _ROWS_FOR_STEP = 64
 _GAP = 0.6  # of a step that a sample may come late or early after the one before
 _WHOLE_RATE = 1e-4  # relative distance up to which a rate is a whole number of hertz
 _MILLISECONDS = 1e-3
+_PERCENT = 100.0
 _CRITICAL = 0.25  # share of the structure's damping ratio below which a warning is given
 
 Source = Annotated[
@@ -38,7 +39,7 @@ Frequency = Annotated[
     typer.Option("--f", metavar="HZ", help="Natural frequency, 1 or with its standard deviation 1±0.01."),
 ]
 DampingRatio = Annotated[
-    str, typer.Option("--xi", metavar="RATIO", help="Damping ratio, 0.02 for 2 %, or 0.02±0.002.")
+    str | None, typer.Option("--xi", metavar="RATIO", help="Damping ratio, 0.02 for 2 %, or 0.02±0.002.")
 ]
 Alpha = Annotated[
     str, typer.Option("--alpha", metavar="SHARE", help="Share of the stiffness in the laboratory.")
@@ -88,7 +89,7 @@ def monitor(
     source: Source,
     *,
     f: Frequency = None,
-    xi: DampingRatio = "0.02",
+    xi: DampingRatio = None,
     alpha: Alpha = "1",
     scale: Scale = "1",
     feedback_lag: FeedbackLag = "0",
@@ -110,6 +111,10 @@ def monitor(
 
     if f is None:
         raise InputError("A test needs --f, the structure's natural frequency", remedy="Give it in hertz")
+    if xi is None:
+        raise InputError(
+            "A test needs --xi, the structure's damping ratio", remedy="Give 0.02 for 2 %, or 0.02±0.002"
+        )
     for option, number in (("--threshold", threshold), ("--every", every), ("--wait", wait)):
         if not 0.0 < number < float("inf"):
             raise InputError(f"{option} must be positive", value=number)
@@ -318,7 +323,8 @@ class Watch:
         damping = message["net_damping_ratio"]
         return (
             f"{message['time_s']:8.2f} s  {self.metric.upper()} {error['value']:.2%} "
-            f"(90 %: {error['low']:.2%} to {error['high']:.2%}), below {self.threshold:.0%} with probability "
+            f"(90 %: {error['low']:.2%} to {error['high']:.2%}), below "
+            f"{_PERCENT * self.threshold:.3g}% with probability "
             f"{message['error']['probability']:.3f}, net damping "
             + ("not settled" if damping is None else f"{damping:.2%}")
         )
@@ -338,7 +344,7 @@ class Watch:
                 f"{error.value:.2%} ({error.low:.2%} to {error.high:.2%})",
             )
             probability = result.probability(self.threshold, self.metric)
-            shown.add_row(f"probability below {self.threshold:.0%}", f"{probability:.3f}")
+            shown.add_row(f"probability below {_PERCENT * self.threshold:.3g}%", f"{probability:.3f}")
         damping = now.damping_ratio
         shown.add_row("net damping ratio", "not settled" if damping is None else f"{damping:.2%}")
         for alarm in self.alarms:

@@ -96,5 +96,6 @@ def stated_start(
         Offset and state of motion.
     """
     lowest = float(structure.natural_frequencies[0]) or 1.0
-    start = examine_start(command, measured, time_step, lowest, noise.white, noise.slow)
+    share = float(structure.error_transfer(np.zeros(1, dtype=np.complex128))[0].real)
+    start = examine_start(command, measured, time_step, lowest, noise.white, noise.slow, share)
     return start if sensor_offset is None else replace(start, offset=sensor_offset, offset_deviation=0.0)

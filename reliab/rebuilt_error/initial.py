@@ -1,13 +1,16 @@
 """What is known before the first sample: the sensor's offset and how the error begins.
 
-A displacement sensor is read from an arbitrary zero. Where a test begins at rest, command and piston stand
-at the same place, so that what the channels differ by is the sensor's offset; it is taken away where it
-exceeds what noise and the command's own motion explain, and its uncertainty is carried on. Where a test
-begins in motion nothing tells offset and error apart, nor how the error was moving: both go into the
-interval.
+A displacement sensor is read from an arbitrary zero. Where a test begins at rest, what the channels differ
+by is either the sensor's offset, or a piston that stands off its command. The two are told apart by what the
+command answers: the restoring force of a piston that stands off by b pushes the structure away from zero, by
+−b times the specimen's share of the static stiffness, and a ground acceleration has no mean to do the same.
+An offset that the loop did not feel is taken away, one that it felt is left; where the command does not tell,
+it is taken away and its whole size is left open. Where a test begins in motion nothing tells how the error
+was moving: that goes into the interval.
 """
 
 from dataclasses import dataclass
+from enum import Enum, auto
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +22,16 @@ _STILL = 2e-3  # share up to which the command still counts as standing
 _LONGEST_REST = 0.25  # of the record
 _SIGNIFICANT = 4.0  # standard deviations
 _FEWEST = 4
+_CONCLUSIVE = 3.0  # logarithm of the ratio of likelihoods from which on the command has told
+_NEIGHBOURS = slice(2, 6)  # bins of a tapered spectrum that no constant reaches
+
+
+class _Answer(Enum):
+    """Whether the loop felt an offset."""
+
+    FELT = auto()
+    NOT_FELT = auto()
+    OPEN = auto()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,7 +57,13 @@ class Start:
 
 
 def examine_start(
-    command: Array, measured: Array, time_step: float, frequency: float, white: float, slow: float = 0.0
+    command: Array,
+    measured: Array,
+    time_step: float,
+    frequency: float,
+    white: float,
+    slow: float = 0.0,
+    share: float = 1.0,
 ) -> Start:
     """Find offset and state of motion at the begin of a recording.
 
@@ -60,6 +79,8 @@ def examine_start(
         Standard deviation of the sensor's white noise [m].
     slow : float, optional
         Root mean square of its slow noise [m].
+    share : float, optional
+        Specimen's share of the static stiffness at the interface [-].
 
     Returns
     -------
@@ -72,14 +93,24 @@ def examine_start(
     >>> command = np.where(time > 1.0, np.sin(6.0 * (time - 1.0)), 0.0)
     >>> round(examine_start(command, command + 0.02, 0.01, 1.0, 0.0).offset, 6)
     0.02
+
+    The same offset, which the loop felt, moved the command the other way:
+
+    >>> examine_start(command - 0.02, command, 0.01, 1.0, 0.0).offset
+    0.0
     """
     peak = float(np.abs(command - command[0]).max())
-    few = min(_FEWEST, command.size - 1)
-    velocity = (command[few] - command[0]) / (few * time_step)
-    amplitude = float(np.hypot(command[0], velocity / (2.0 * np.pi * frequency)))
+    amplitude = _amplitude(command, time_step, frequency)
     if amplitude > _AT_REST * max(peak, float(np.abs(command).max())):
-        constant = float(np.mean(measured - command))
-        return Start(at_rest=False, amplitude=amplitude, offset=0.0, offset_deviation=abs(constant))
+        constant = _constant(command, measured, time_step)
+        felt = _felt(command, measured, constant, share) is _Answer.FELT
+        deviation = float(np.hypot(white / np.sqrt(command.size), slow))
+        return Start(
+            at_rest=False,
+            amplitude=amplitude,
+            offset=0.0,
+            offset_deviation=deviation if felt else float(np.hypot(constant, deviation)),
+        )
     moved = np.abs(command - command[0]) > _STILL * peak
     still = int(np.argmax(moved)) if moved.any() else command.size
     still = max(min(still, int(_LONGEST_REST * command.size)), _FEWEST)
@@ -88,4 +119,48 @@ def examine_start(
     deviation = float(np.hypot(white / np.sqrt(still), slow))
     if abs(offset) <= _SIGNIFICANT * deviation + motion:
         return Start(at_rest=True, amplitude=0.0, offset=0.0, offset_deviation=deviation)
-    return Start(at_rest=True, amplitude=0.0, offset=offset, offset_deviation=deviation)
+    turned = 2.0 * np.pi * frequency * still * time_step
+    answer = share * abs(offset) * (1.0 - np.cos(min(turned, np.pi)))
+    if answer > _SIGNIFICANT * max(
+        motion, _STILL * peak
+    ):  # a structure that felt it would not have stood still
+        return Start(at_rest=True, amplitude=0.0, offset=offset, offset_deviation=deviation)
+    told = _felt(command, measured, offset, share)
+    if told is _Answer.FELT:
+        return Start(at_rest=True, amplitude=0.0, offset=0.0, offset_deviation=deviation)
+    left = deviation if told is _Answer.NOT_FELT else float(np.hypot(deviation, offset))
+    return Start(at_rest=True, amplitude=0.0, offset=offset, offset_deviation=left)
+
+
+def _amplitude(command: Array, time_step: float, frequency: float) -> float:
+    """Amplitude of the motion at the first sample, by the parabola through the first ones [m]."""
+    first = command[: 2 * _FEWEST]
+    place = np.arange(first.size, dtype=np.float64)
+    _, slope, begin = np.polyfit(place, first, 2)
+    return float(np.hypot(begin, slope / (2.0 * np.pi * frequency * time_step)))
+
+
+def _constant(command: Array, measured: Array, time_step: float) -> float:
+    """What measured and command differ by beside a gain and a delay [m]."""
+    rows = np.stack([command, np.gradient(command, time_step), np.ones(command.size)])
+    scale = np.abs(rows).max(axis=1)
+    rows = rows / scale[:, np.newaxis]
+    found = np.linalg.lstsq(rows @ rows.T, rows @ (measured - command), rcond=1e-12)[0]
+    return float(found[2] / scale[2])
+
+
+def _felt(command: Array, measured: Array, offset: float, share: float) -> _Answer:
+    """Whether the loop felt an offset, by the place about which the command moved.
+
+    Of x_c + share (x_m − x_c) the tapered mean is zero where the loop felt what was read, and share times the
+    offset where it did not, but for what the ground moved slowly; neighbouring bins of the spectrum tell how
+    much that is.
+    """
+    taper = np.hanning(command.size)
+    spectrum = np.fft.rfft(taper * (command + share * (measured - command))) / taper.sum()
+    power = float(np.mean(np.abs(spectrum[_NEIGHBOURS]) ** 2))
+    mean = float(spectrum[0].real)
+    ratio = 0.5 * ((mean - share * offset) ** 2 - mean**2)
+    if abs(ratio) <= _CONCLUSIVE * power:
+        return _Answer.OPEN
+    return _Answer.FELT if ratio > 0.0 else _Answer.NOT_FELT

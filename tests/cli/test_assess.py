@@ -56,9 +56,9 @@ def test_good_test_is_reliable_and_says_so(folder):
     assert found["d_ms"] == pytest.approx(0.4, abs=0.05)
     shown = run(folder / "good.csv", *ONE_HERTZ).stdout
     assert shown.startswith("RELIABLE: RMS^R is ")
-    assert "against 0.05, probability > 0.99 of staying below" in shown
+    assert "against 5%, probability > 0.99 of staying below" in shown
     assert (
-        "f = 1 Hz, ξ = 0.02, α = 1; threshold 0.05 (RMS^R); window of the error: the test's own 40 s" in shown
+        "f = 1 Hz, ξ = 0.02, α = 1; threshold 5% (RMS^R); window of the error: the test's own 40 s" in shown
     )
     assert "RMS^R is the root mean square" in " ".join(shown.split())
     assert "Stability margin" in shown
@@ -98,6 +98,14 @@ def test_known_ground_motion_gives_its_own_verdict(folder):
     assert found["motion"]["window_s"] == pytest.approx(
         [found["motion"]["begin_s"], found["motion"]["begin_s"] + found["duration_s"]]
     )
+    assert 0.01 <= found["motion"]["probability"] <= 0.99
+    assert 0.01 <= found["population"]["probability"] <= 0.99
+    cut = answer(folder / "good.csv", "--motion", folder / "ground.txt", "--window", "10")
+    assert cut["error"]["rms"] == found["error"]["rms"]
+    assert cut["window"]["motion_s"] == cut["motion"]["window_s"]
+    said = "are over its own 40 s"
+    assert any(said in warning for warning in cut["warnings"])
+    assert not any(said in warning for warning in found["warnings"])
 
 
 def test_criterion_of_a_file_is_used(folder):
@@ -191,4 +199,17 @@ def test_what_the_header_states_holds_unless_an_option_says_otherwise(folder):
 
 def test_an_assumed_damping_ratio_is_said(folder):
     shown = " ".join(run(folder / "good.csv", "--f", 1).stdout.split())
+    assert shown.startswith("RELIABLE")  # whatever the damping ratio
     assert "No damping ratio was stated" in shown
+    frame = pd.read_csv(folder / "good.csv")
+    path = CubicSpline(frame["time_s"], frame["command_m"])
+    frame["measured_m"] = path(np.clip(frame["time_s"] - 0.0015, 0.0, None)) + 1e-4 * np.random.default_rng(
+        1
+    ).normal(size=len(frame))
+    frame.to_csv(folder / "between.csv", index=False)
+    found = json.loads(run(folder / "between.csv", "--f", 1, "--xi", 0.02, "--json", "-").stdout)
+    assert found["verdict"] != "undecided"
+    left_open = json.loads(run(folder / "between.csv", "--f", 1, "--json", "-").stdout)
+    assert left_open["verdict"] == "undecided"
+    assert "ξ = 0.005 and" in left_open["reasons"][0]
+    assert "--xi" in left_open["would_decide"][0]

@@ -196,10 +196,12 @@ def test_a_missing_sample_is_refused(tmp_path, good, capsys):
 
 
 def test_a_missing_file_and_frequency_are_refused(tmp_path, capsys):
-    assert run(["monitor", str(tmp_path / "none.csv"), "--f", "1"]) == 2
+    assert run(["monitor", str(tmp_path / "none.csv"), "--f", "1", "--xi", "0.02"]) == 2
     assert "readable" in capsys.readouterr().err
     assert run(["monitor", os.devnull]) == 2
     assert "--f" in capsys.readouterr().err
+    assert run(["monitor", os.devnull, "--f", "1"]) == 2
+    assert "--xi" in capsys.readouterr().err
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from pathlib import Path
 import numba
 import numpy as np
 
-PERFECT, DELAY, LAG, RATE_LIMIT, BACKLASH, LEAD, SECOND_ORDER, STROKE = range(8)
+PERFECT, DELAY, LAG, RATE_LIMIT, BACKLASH, LEAD, SECOND_ORDER, STROKE, BIAS, SLOW_GAIN = range(10)
 """What the actuator does; its four numbers are listed in `reached`."""
 
 LINEAR, CUBIC, COULOMB, HYSTERESIS = range(4)
@@ -93,7 +93,7 @@ def _past_velocity(v, last, time, dt):
 
 @numba.njit(cache=True)
 def _slopes(  # noqa: C901 - one compiled function, a branch for each actuator and specimen
-    y, kind, numbers, shape, specimen, w0, xi, alpha, ground, held, late, late_velocity
+    y, kind, numbers, shape, specimen, w0, xi, alpha, ground, held, late, late_velocity, time
 ):
     """Time derivatives of (x, v, piston, piston's velocity, hysteretic displacement), and force, piston."""
     x, v, m, mv, z = y[0], y[1], y[2], y[3], y[4]
@@ -118,6 +118,11 @@ def _slopes(  # noqa: C901 - one compiled function, a branch for each actuator a
         piston, velocity = m, mv
     elif kind == STROKE:
         piston = min(max(numbers[0] * x, -numbers[1]), numbers[1])
+    elif kind == BIAS:
+        piston, velocity = numbers[0] * x + numbers[1], numbers[0] * v
+    elif kind == SLOW_GAIN:
+        gain = numbers[0] + numbers[1] * math.sin(numbers[2] * time + numbers[3])
+        piston, velocity = gain * x, gain * v
     k = alpha * w0 * w0
     force, dz = k * piston, 0.0
     if specimen == CUBIC:
@@ -154,7 +159,7 @@ def _march(ground, h, parts, kind, numbers, specimen, shape, w0, xi, alpha, lag)
             late = _past(xs, vs, i - 1, time - tau, dt) if tau > 0.0 else u[0]
             late_velocity = _past_velocity(vs, i - 1, time - tau, dt) if tau > 0.0 else u[1]
             v, acc, dm, dmv, dz, force, _ = _slopes(
-                u, kind, numbers, shape, specimen, w0, xi, alpha, a, held, late, late_velocity
+                u, kind, numbers, shape, specimen, w0, xi, alpha, a, held, late, late_velocity, time
             )
             if lag > 0.0:
                 place = max((time - lag) / dt, 0.0)
@@ -171,7 +176,7 @@ def _march(ground, h, parts, kind, numbers, specimen, shape, w0, xi, alpha, lag)
         tau = numbers[1] + numbers[2] * time if kind == DELAY else 0.0
         late = _past(xs, vs, i, time - tau, dt) if tau > 0.0 else y[0]
         late_velocity = _past_velocity(vs, i, time - tau, dt) if tau > 0.0 else y[1]
-        out = _slopes(y, kind, numbers, shape, specimen, w0, xi, alpha, a1, held, late, late_velocity)
+        out = _slopes(y, kind, numbers, shape, specimen, w0, xi, alpha, a1, held, late, late_velocity, time)
         fs[i], ms[i] = out[5], out[6]
         if not abs(y[0]) < 1e6:
             break

@@ -31,6 +31,7 @@ from reliab.vocabulary import Metric
 _FEWEST_PERIODS = 2.0
 _LONGEST_STEP = 0.2  # of a period
 _FEW_DRAWS = 2
+_EXTREME_DAMPING = (0.005, 0.1)  # between them lie the damping ratios of structures in laboratories
 
 
 def assess(
@@ -77,7 +78,8 @@ def assess(
     model : UpdatedModel, optional
         Calibrated model of a nonlinear specimen, as `reliab diagnose` writes it.
     assumed : tuple of str, optional
-        What was not stated and had to be assumed, in sentences; repeated among the warnings.
+        That no damping ratio was stated and one had to be assumed, in sentences; repeated among the warnings.
+        The verdict then stands only if it is the same with every ratio from 0.5 to 10 %.
     taper : str, optional
         Window of the evaluation index.
     seed : int, optional
@@ -134,7 +136,13 @@ def assess(
         faults=judged.effects,
         equation=judged.equation,
         otherwise_stated=judged.otherwise,
-        verdict=verdict_of_error(judged.error, judged.effects, judged.equation, judged.otherwise),
+        verdict=verdict_of_error(
+            judged.error,
+            judged.effects,
+            judged.equation,
+            judged.otherwise,
+            _at_extreme_damping(clean, question) if assumed else (),
+        ),
         assumed=assumed,
     )
 
@@ -206,6 +214,16 @@ def _otherwise_stated(
         return ()
     restated = replace(question, structure=replace(question.structure, damping_ratio=ratio))
     return (error_of_test(recording, restated),)
+
+
+def _at_extreme_damping(recording: Recording, question: Question) -> tuple[ErrorOfTest, ...]:
+    """Error with the lowest and the highest damping ratio that a structure may have."""
+    return tuple(
+        error_of_test(
+            recording, replace(question, structure=replace(question.structure, damping_ratio=ratio))
+        )
+        for ratio in _EXTREME_DAMPING
+    )
 
 
 def _check_length(recording: Recording, structure: Structure) -> None:

@@ -7,6 +7,7 @@ from reliab.validation.assessment.verdict import Verdict, Word, word_of_probabil
 from reliab.vocabulary import Metric
 
 ERROR_NAMES = {Metric.RMS: "RMS^R", Metric.MTE: "MTE^R"}
+_PERCENT = 100.0
 
 
 def verdict_of_error(
@@ -14,6 +15,7 @@ def verdict_of_error(
     effects: tuple[FaultEffect, ...],
     equation: OwnEquation,
     otherwise: tuple[ErrorOfTest, ...],
+    assumed: tuple[ErrorOfTest, ...] = (),
 ) -> Verdict:
     """Judge a test by its own error.
 
@@ -27,19 +29,23 @@ def verdict_of_error(
         What the test's own equation of motion says of the structure.
     otherwise : tuple of ErrorOfTest
         Error of the test with what was stated, or could be stated, instead.
+    assumed : tuple of ErrorOfTest, optional
+        Error of the test with the lowest and the highest damping ratio of structures, where none was stated.
 
     Returns
     -------
     Verdict
         Undecided where the interval holds the threshold, where a fault of the recording would turn the
-        verdict round, and where the test contradicts what was stated of it.
+        verdict round, where the test contradicts what was stated of it, and where another damping ratio
+        than the assumed one would turn it round.
     """
     size = error.of(error.metric)
     word = word_of_probability(error.probability)
     name = ERROR_NAMES[error.metric]
     reason = (
         f"{name} is {size.value:.2%}, 90 % interval {size.low:.2%} to {size.high:.2%}, against a threshold "
-        f"of {error.threshold:.3g}: probability {probability_text(error.probability)} of staying below it."
+        f"of {_PERCENT * error.threshold:.3g}%: "
+        f"probability {probability_text(error.probability)} of staying below it."
     )
     verdict = Verdict(
         word=word,
@@ -53,6 +59,12 @@ def verdict_of_error(
     if any(word_of_probability(rebuilt.probability) is not word for rebuilt in otherwise):
         reasons.extend(equation.contradictions)
         remedies.append("Find out why the structure differs from what was stated; it decides the verdict.")
+    if any(word_of_probability(each.probability) is not word for each in assumed):
+        sizes = " and ".join(
+            f"{each.of(error.metric).value:.2%} at ξ = {each.damping_ratio:g}" for each in assumed
+        )
+        reasons.append(f"No damping ratio was stated, and it decides the verdict: {name} is {sizes}.")
+        remedies.append("State the damping ratio of the structure with --xi.")
     return verdict.doubted(reasons, remedies)
 
 

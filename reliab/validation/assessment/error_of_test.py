@@ -105,11 +105,14 @@ class ErrorOfTest:
         Which error is asked about.
     threshold : float
         Error that it is held against [-].
+    damping_ratio : float
+        ξ of the structure with which it was rebuilt [-].
     """
 
     rebuilt: RebuiltError
     metric: Metric
     threshold: float
+    damping_ratio: float
 
     def of(self, metric: Metric) -> Estimate:
         """Error by one metric, with its 90 % interval [-]."""
@@ -184,7 +187,12 @@ def error_of_test(
             tolerances=question.tolerances,
             seed=question.seed,
         )
-        return ErrorOfTest(rebuilt=rebuilt, metric=question.metric, threshold=question.threshold)
+        return ErrorOfTest(
+            rebuilt=rebuilt,
+            metric=question.metric,
+            threshold=question.threshold,
+            damping_ratio=question.structure.damping_ratio,
+        )
     rebuilt = rebuild(
         recording.command,
         measured,
@@ -195,4 +203,9 @@ def error_of_test(
         tolerances=question.tolerances,
         seed=question.seed,
     )
-    return ErrorOfTest(rebuilt=rebuilt, metric=question.metric, threshold=question.threshold)
+    return ErrorOfTest(
+        rebuilt=rebuilt,
+        metric=question.metric,
+        threshold=question.threshold,
+        damping_ratio=question.structure.damping_ratio,
+    )

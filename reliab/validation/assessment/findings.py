@@ -25,6 +25,19 @@ LARGEST_PROBABILITY: Final = 0.99
 """Largest probability that is stated of a population of ground motions; no more was checked on others."""
 
 
+def capped(probability: float | None) -> float | None:
+    """Probability no nearer to 0 and 1 than was checked; None where it is not known.
+
+    Examples
+    --------
+    >>> capped(1.0), capped(0.4), capped(None)
+    (0.99, 0.4, None)
+    """
+    if probability is None:
+        return None
+    return min(max(probability, 1.0 - LARGEST_PROBABILITY), LARGEST_PROBABILITY)
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FaultEffect:
     """A fault of the recording with what it does to the error.
@@ -117,12 +130,7 @@ class Findings:
     @property
     def index_probability(self) -> float | None:
         """Probability, by A and d alone, that the error of such a test stays below the threshold."""
-        probability = self.population.probability if self.placement is None else self.placement.probability
-        return (
-            None
-            if probability is None
-            else min(max(probability, 1.0 - LARGEST_PROBABILITY), LARGEST_PROBABILITY)
-        )
+        return capped(self.population.probability if self.placement is None else self.placement.probability)
 
     @property
     def verdict_by_index(self) -> Verdict:

@@ -6,7 +6,7 @@ import numpy as np
 
 from reliab.rebuilt_error import Estimate, Part, Widening
 from reliab.rebuilt_error.interval import LEVEL as ERROR_LEVEL
-from reliab.validation.assessment.findings import LARGEST_PROBABILITY, FaultEffect, Findings
+from reliab.validation.assessment.findings import LARGEST_PROBABILITY, FaultEffect, Findings, capped
 from reliab.validation.assessment.own_equation import OwnEquation
 from reliab.validation.assessment.tracking_index import LEVEL
 from reliab.validation.assessment.verdict import Word
@@ -78,7 +78,11 @@ def _details(findings: Findings) -> dict[str, Any]:
         "tracking": _tracking(findings),
         "faults": [_fault(effect, findings) for effect in findings.faults],
         "stated": {name: {"value": s.value, "deviation": s.deviation} for name, s in findings.stated.items()},
-        "window": {"seconds": findings.recording.duration, "criterion": findings.criterion.provenance.window},
+        "window": {
+            "seconds": findings.recording.duration,
+            "criterion": findings.criterion.provenance.window,
+            "motion_s": None if findings.placement is None else list(findings.placement.window),
+        },
     }
 
 
@@ -193,7 +197,7 @@ def _population(findings: Findings) -> dict[str, Any]:
         "delay_limit_ms": float(np.sqrt(placed.b)),
         "index": _finite(placed.index),
         "reliable": None if placed.index is None else placed.index <= 1.0,
-        "probability": placed.probability,
+        "probability": capped(placed.probability),
         "method": criterion.method,
         "joint": criterion.joint,
         "law": criterion.law.name,
@@ -214,7 +218,7 @@ def _motion(findings: Findings) -> dict[str, Any]:
         "error_interval": list(placement.error_interval),
         "index": _finite(placement.index),
         "reliable": placement.index <= 1.0,
-        "probability": placement.probability,
+        "probability": capped(placement.probability),
         "window_s": list(placement.window),
         "begin_s": placement.alignment.begin,
         "found_in_record": placement.alignment.matched,
