@@ -250,8 +250,8 @@ def _stated(
     assumed = []
     if "xi" not in stated:
         assumed.append(
-            "No damping ratio was stated (--xi); 0.02 was assumed. The verdict stands only if every ratio from "
-            "0.005 to 0.1 gives the same."
+            "No damping ratio was stated (--xi); 0.02 was assumed. The verdict stands only if every ratio "
+            "from 0.005 to 0.1 gives the same."
         )
     defaults = {"xi": StatedValue(TWO_PERCENT), "alpha": StatedValue(1.0), "scale": StatedValue(1.0)}
     return {**defaults, "feedback_lag": StatedValue(0.0), **stated}, tuple(assumed)

@@ -141,7 +141,7 @@ def _amplitude(command: Array, time_step: float, frequency: float) -> float:
 
 
 def _constant(command: Array, measured: Array, time_step: float) -> float:
-    """What measured and command differ by beside a gain and a delay [m]."""
+    """Return what measured and command differ by beside a gain and a delay [m]."""
     rows = np.stack([command, np.gradient(command, time_step), np.ones(command.size)])
     scale = np.abs(rows).max(axis=1)
     rows = rows / scale[:, np.newaxis]

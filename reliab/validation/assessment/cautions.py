@@ -208,8 +208,8 @@ def _of_motion(findings: Findings) -> Iterator[str]:
     begin, end = placement.window
     if abs(end - begin - findings.recording.duration) > _OTHER_WINDOW * findings.recording.duration:
         yield (
-            f"The index's error is over {begin:.3g} to {end:.4g} s of the record; RMS^R and MTE^R of this test "
-            f"are over its own {findings.recording.duration:.4g} s, and the verdict with them."
+            f"The index's error is over {begin:.3g} to {end:.4g} s of the record; RMS^R and MTE^R of this "
+            f"test are over its own {findings.recording.duration:.4g} s, and the verdict with them."
         )
     if not place.matched:
         yield (
