@@ -80,7 +80,9 @@ Wait = Annotated[
 JsonTarget = Annotated[
     str | None,
     typer.Option(
-        "--json", metavar="FILE|-", help="One JSON object in a line for each message, - for nothing else."
+        "--json",
+        metavar="FILE|-",
+        help="One JSON object in a line for each message; '-' prints only these to standard output.",
     ),
 ]
 

@@ -117,7 +117,7 @@ def ellipse_dataset(
         traced = _stored(results, f, xi, thresholds, Metric(metric), window or _RECORD)
         return _of_fraction(traced, alpha, results)
     if structure is not None:
-        excluded = {"--f": f, "--xi": xi, "--alpha": alpha, "--model": model}
+        excluded: dict[str, object] = {"--f": f, "--xi": xi, "--alpha": alpha, "--model": model}
         return _of_frame(structure, motions or [], sets, thresholds, metric, window or _RECORD, excluded)
     suite = load_motions(*(motions or []), sets=sets)
     with progress_bar("Reading spectra" if first_order else "Tracing boundaries") as progress:

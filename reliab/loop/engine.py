@@ -40,7 +40,7 @@ UNSTABLE_TOLERANCE = 2e-3
 """The same beyond the critical delay, where the error grows exponentially with the delay."""
 
 _OFF_SCALE, _ROUGH_TOLERANCE = 2.0, 0.05
-"""Beyond the critical delay an RMS^R above the first serves no one but to be above: there the
+"""Beyond the critical delay only the fact that an RMS^R exceeds the first matters: above it the
 reduction may err by the second."""
 
 

@@ -16,7 +16,7 @@ from pathlib import Path
 from reliab.motions.catalogue import CATALOGUE
 from reliab.motions.faults import Report
 from reliab.motions.readers.reading import Declared
-from reliab.motions.readers.registry import ENDINGS, TEXT, detect, open_records
+from reliab.motions.readers.registry import TEXT, claims_to_be_record, detect, open_records
 from reliab.motions.readers.source import HEAD, open_source
 from reliab.motions.record import RecordFile
 
@@ -127,7 +127,7 @@ def _may_be_record(path: Path, folder: Path) -> bool:
         return False
     if path.name.lower() == CATALOGUE or path.stem.lower().lstrip("_").startswith(_NOT_RECORDS):
         return False
-    if path.suffix.lower() in ENDINGS:
+    if claims_to_be_record(path):
         return True
     source = open_source(path, Report(file=str(path)), limit=HEAD)
     return source is not None and detect(source) not in {None, TEXT}

@@ -1,4 +1,4 @@
-"""Ellipses of a partitioned frame under many ground motions: a criterion for one's own structure."""
+"""Ellipses of a partitioned frame under many ground motions: a criterion for one laboratory's structure."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""Results on disk: a Zarr store with one chunk a motion, safe against being killed.
+"""Results on disk: a Zarr store with one chunk a motion, safe against an interruption.
 
 A store is first made whole but empty under another name and then renamed, so that it is there
 completely or not at all. Every chunk carries a checksum (CRC-32C) and is written at once or not at

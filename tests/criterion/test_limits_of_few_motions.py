@@ -13,10 +13,12 @@ from reliab.criterion import Criterion, derive_criterion
 from reliab.criterion.distributions import DISTRIBUTIONS
 from reliab.criterion.ellipse_sample import EllipseSample
 from reliab.criterion.laws import FITTED
-from reliab.criterion.methods import BOUND_METHODS, limits, method_of
+from reliab.criterion.methods import METHODS, BoundMethod, limits, method_of
 from reliab.criterion.motion_predictive import MotionPredictive
 from reliab.errors import InputError
 from reliab.vocabulary import ELLIPSE_DIMENSIONS
+
+BOUND_METHODS = [name for name, method in METHODS.items() if issubclass(method, BoundMethod)]
 
 EXAMPLES = 6
 CONFIDENCES = (0.3, 0.6, 0.75, 0.9, 0.95, 0.99, 0.995, 0.999)

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from reliab.criterion.methods import BOUND_METHODS, Quantile, method_of
+from reliab.criterion.methods import METHODS, BoundMethod, Quantile, method_of
 from reliab.validation.criterion_coverage import Truth, coverage_table, simulate_coverage
+
+BOUND_METHODS = [name for name, method in METHODS.items() if issubclass(method, BoundMethod)]
 
 INDEPENDENT = Truth(n_events=60, motions_per_event=1, event_share=0.0)
 GROUPED = Truth(n_events=19, motions_per_event=5, event_share=0.15)

@@ -7,7 +7,6 @@ from reliab.criterion.laws.log_linear import LogLinearLaw
 from reliab.criterion.laws.power import Power
 from reliab.criterion.laws.registry import (
     FITTED,
-    LAWS,
     OF_MANY_MOTIONS,
     FittedLaw,
     known,
@@ -19,7 +18,6 @@ from reliab.criterion.laws.validity import Validity
 
 __all__ = [
     "FITTED",
-    "LAWS",
     "OF_MANY_MOTIONS",
     "Dimensionless",
     "Exponential",

@@ -12,22 +12,28 @@ from reliab.criterion.laws.log_linear import LogLinearLaw
 from reliab.criterion.laws.power import Power
 from reliab.criterion.laws.table import Table
 from reliab.errors import InputError
+from reliab.registry import Registry
 
 FittedLaw = type[Table] | type[LogLinearLaw]
 """A law that is fitted to the limits of a grid of structures."""
 
 LawKind = TypeVar("LawKind")
 
-FITTED: Final[dict[str, FittedLaw]] = {law.name: law for law in (Table, Dimensionless, Power, Exponential)}
-"""Laws that are fitted, by name."""
+FITTED: Final[Registry[FittedLaw]] = Registry(
+    noun="law",
+    base=Law,
+    group="reliab.laws",
+    shipped=(Table, Dimensionless, Power, Exponential),
+    name_of=lambda law: law.name,
+)
+"""Laws that are fitted, by name; other packages register classes derived from `LogLinearLaw`."""
 
 OF_MANY_MOTIONS: Final[dict[str, Law]] = {
     law.name: law() for law in (*PUBLISHED, *CORRECTED) if law not in OF_ONE_MOTION
 }
 """Published and corrected laws that promise a confidence over motions, by name."""
 
-LAWS: Final[dict[str, type[Law]]] = {law.name: law for law in (*FITTED.values(), *PUBLISHED, *CORRECTED)}
-"""Every law by its name."""
+_PRINTED: Final[dict[str, type[Law]]] = {law.name: law for law in (*PUBLISHED, *CORRECTED)}
 
 
 def law_to_dict(law: Law) -> dict[str, Any]:
@@ -36,7 +42,7 @@ def law_to_dict(law: Law) -> dict[str, Any]:
     Parameters
     ----------
     law : Law
-        A law of `LAWS`, a dataclass.
+        A fitted, published or corrected law, a dataclass.
 
     Returns
     -------
@@ -76,7 +82,8 @@ def law_from_dict(content: Mapping[str, Any]) -> Law:
         If there is no law of that name, or its parameters are missing, unknown or wrong.
     """
     parameters = {key: _tuples(value) for key, value in content.items() if key != "name"}
-    law = known(LAWS, content.get("name"))
+    laws: dict[str, type[Law]] = {**FITTED, **_PRINTED}
+    law = known(laws, content.get("name"))
     needed = {parameter.name for parameter in fields(cast("Any", law))}
     if parameters.keys() != needed:
         raise InputError(

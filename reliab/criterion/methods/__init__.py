@@ -17,11 +17,10 @@ from reliab.criterion.methods.order_statistic import OrderStatistic
 from reliab.criterion.methods.posterior import Posterior
 from reliab.criterion.methods.predictive import Predictive
 from reliab.criterion.methods.quantile import Quantile
-from reliab.criterion.methods.registry import BOUND_METHODS, METHODS, RECOMMENDED, method_of
+from reliab.criterion.methods.registry import METHODS, RECOMMENDED, method_of
 from reliab.criterion.methods.tolerance import Tolerance, tolerance_factor
 
 __all__ = [
-    "BOUND_METHODS",
     "METHODS",
     "RECOMMENDED",
     "Bootstrap",

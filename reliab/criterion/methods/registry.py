@@ -4,7 +4,6 @@ from dataclasses import fields
 from typing import Any, Final, cast
 
 from reliab.criterion.methods.bootstrap import Bootstrap
-from reliab.criterion.methods.bound import BoundMethod
 from reliab.criterion.methods.conformal import Conformal
 from reliab.criterion.methods.dirichlet import Dirichlet
 from reliab.criterion.methods.hierarchical import HierarchicalNormal, HierarchicalRobust
@@ -15,21 +14,20 @@ from reliab.criterion.methods.predictive import Predictive
 from reliab.criterion.methods.quantile import Quantile
 from reliab.criterion.methods.tolerance import Tolerance
 from reliab.errors import InputError
+from reliab.registry import Registry
 
-METHODS: Final[dict[str, type[Method]]] = {
-    method.name: method
-    for method in (
+METHODS: Final[Registry[type[Method]]] = Registry(
+    noun="method",
+    base=Method,
+    group="reliab.criterion_methods",
+    shipped=(
         *(Quantile, Tolerance, Posterior, Predictive),
         *(Dirichlet, OrderStatistic, Conformal, Bootstrap),
         *(HierarchicalNormal, HierarchicalRobust),
-    )
-}
-"""Every method by its name."""
-
-BOUND_METHODS: Final[dict[str, type[BoundMethod]]] = {
-    name: method for name, method in METHODS.items() if issubclass(method, BoundMethod)
-}
-"""Methods that take each structure for itself, by name."""
+    ),
+    name_of=lambda method: method.name,
+)
+"""Every method by its name; other packages register classes derived from `Method`."""
 
 RECOMMENDED: Final = Dirichlet.name
 """The method to rely on, used jointly for a and b: the default everywhere."""
@@ -60,8 +58,7 @@ def method_of(name: str, **settings: object) -> Method:
     >>> method_of("tolerance", assurance=0.9)
     Tolerance(assurance=0.9)
     """
-    if name not in METHODS:
-        raise InputError("The method must be known", value=name, remedy=f"Choose among {', '.join(METHODS)}")
+    kind: Any = METHODS.find(name)
     given = {key: value for key, value in settings.items() if value is not None}
     for unknown in given.keys() - _parameters(name):
         takers = [method for method in METHODS if unknown in _parameters(method)]
@@ -70,7 +67,6 @@ def method_of(name: str, **settings: object) -> Method:
             value=given[unknown],
             remedy=f"Leave it out, or choose among {', '.join(takers)}",
         )
-    kind: Any = METHODS[name]
     chosen: Method = kind(**given)
     return chosen
 

@@ -1,9 +1,5 @@
 """The library of effects: those of this package and those that other packages add."""
 
-from functools import cache
-from importlib.metadata import entry_points
-
-from reliab.errors import InputError
 from reliab.loop.effects.added_mass import AddedMass
 from reliab.loop.effects.backlash import Backlash
 from reliab.loop.effects.coulomb_friction import CoulombFriction
@@ -30,6 +26,7 @@ from reliab.loop.effects.series_play import SeriesPlay
 from reliab.loop.effects.stroke_saturation import CommandSaturation, StrokeSaturation
 from reliab.loop.effects.time_step_error import TimeStepError
 from reliab.loop.effects.viscous_damping import ViscousDamping
+from reliab.registry import Registry
 
 ENTRY_POINT_GROUP = "reliab.effects"
 """Group under which other packages register classes derived from `Effect`."""
@@ -64,39 +61,29 @@ _SHIPPED: tuple[type[Effect], ...] = (
 )
 
 
-@cache
-def library() -> dict[str, type[Effect]]:
+_LIBRARY: Registry[type[Effect]] = Registry(
+    noun="effect",
+    base=Effect,
+    group=ENTRY_POINT_GROUP,
+    shipped=_SHIPPED,
+    name_of=lambda effect: str(effect.name),
+)
+
+
+def library() -> Registry[type[Effect]]:
     """All effects by name, in the order in which they act within their block.
 
     Returns
     -------
-    dict of str to type
+    Registry of str to type
         The classes of effects.
 
     Raises
     ------
     InputError
-        If another package adds something that is no effect, or a name that is taken.
+        When it is read: if another package adds something that is no effect, or a name that is taken.
     """
-    known = {str(effect.name): effect for effect in _SHIPPED}
-    for entry in entry_points(group=ENTRY_POINT_GROUP):
-        effect = entry.load()
-        if not (isinstance(effect, type) and issubclass(effect, Effect)):
-            raise InputError(
-                f"What is registered under {ENTRY_POINT_GROUP} must be a class derived from Effect",
-                value=repr(effect),
-                remedy="Mend or remove the package that registers it",
-                where=entry.value,
-            )
-        if str(effect.name) in known:
-            raise InputError(
-                "The name of an effect must be unique",
-                value=str(effect.name),
-                remedy="Rename the added effect",
-                where=entry.value,
-            )
-        known[str(effect.name)] = effect
-    return known
+    return _LIBRARY
 
 
 def find_effect(name: str) -> type[Effect]:
@@ -122,9 +109,4 @@ def find_effect(name: str) -> type[Effect]:
     >>> find_effect("backlash").__name__
     'Backlash'
     """
-    known = library()
-    if name not in known:
-        raise InputError(
-            f"An effect must be one of {', '.join(known)}", value=name, remedy="Choose one of these"
-        )
-    return known[name]
+    return _LIBRARY.find(name)

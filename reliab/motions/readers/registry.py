@@ -8,6 +8,7 @@ from reliab.motions.faults import Report
 from reliab.motions.readers import cosmos, csmip, knet, peer, text
 from reliab.motions.readers.header import Header
 from reliab.motions.readers.source import HEAD, Source, open_source
+from reliab.registry import Registry
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,7 +36,13 @@ class Format:
     several: bool = False
 
 
-FORMATS = (
+TEXT = Format(
+    name="text",
+    endings=(".txt", ".csv", ".tsv", ".dat", ".asc", ".acc"),
+    recognises=text.recognises,
+    headers=text.headers,
+)
+_SHIPPED = (
     Format(name="PEER AT2", endings=(".at2",), recognises=peer.recognises, headers=peer.headers),
     Format(
         name="K-NET",
@@ -57,16 +64,22 @@ FORMATS = (
         headers=csmip.headers,
         several=True,
     ),
-    Format(
-        name="text",
-        endings=(".txt", ".csv", ".tsv", ".dat", ".asc", ".acc"),
-        recognises=text.recognises,
-        headers=text.headers,
-    ),
+    TEXT,
 )
-TEXT = FORMATS[-1]
-ENDINGS = frozenset(ending for form in FORMATS for ending in form.endings)
-"""Endings that claim to be a record."""
+
+FORMATS = Registry(
+    noun="format of records",
+    base=Format,
+    group="reliab.record_formats",
+    shipped=_SHIPPED,
+    name_of=lambda form: form.name,
+)
+"""Every format by its name; other packages register a `Format`."""
+
+
+def claims_to_be_record(path: Path) -> bool:
+    """Tell whether the ending of a file's name is one of a record."""
+    return any(path.suffix.lower() in form.endings for form in FORMATS.values())
 
 
 def detect(source: Source) -> Format | None:
@@ -83,10 +96,10 @@ def detect(source: Source) -> Format | None:
         The format; None if the file is no record.
     """
     ending = source.path.suffix.lower()
-    for form in FORMATS:
+    for form in FORMATS.values():
         if form is not TEXT and form.recognises(source):
             return form
-    for form in FORMATS:
+    for form in FORMATS.values():
         if ending in form.endings:
             return form
     return TEXT if TEXT.recognises(source) else None

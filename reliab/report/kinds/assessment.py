@@ -10,7 +10,7 @@ from reliab.report.document import Column, Document, Figure, Paragraph, Points, 
 from reliab.report.figures.measured_test import tracking_overview
 from reliab.report.kinds.assessment_error import advice, errors_table, histories_figure
 from reliab.report.kinds.provenance import provenance_of
-from reliab.report.kinds.wording import ERRORS, METHODS, PERCENT, percent
+from reliab.report.kinds.wording import ERRORS, PERCENT, meaning_of_confidence, percent
 from reliab.report.numbers import MISSING, Fixed
 from reliab.report.prose import Prose, prose
 from reliab.report.sources import SOURCES
@@ -272,7 +272,7 @@ def _cautions(assessment: Assessment) -> list[Prose]:
 
 def _method(assessment: Assessment) -> Prose:
     criterion = assessment.criterion
-    meaning = METHODS.get(criterion.method, criterion.method)
+    meaning = meaning_of_confidence(criterion.method)
     basis = (
         prose(
             "The error of a test with this gain and delay was simulated under its own ground motion and held"

@@ -57,7 +57,7 @@ def blind_evaluation_report(
         title=title,
         verdict=prose(
             "{reached} of {asked} targets are reached on {campaigns} campaigns that were not used while "
-            "building; {failed} campaigns were answered otherwise than they should have been.",
+            "building; {failed} campaigns were answered wrongly.",
             reached=sum(bool(rate["reached"]) for rate in asked),
             asked=len(asked),
             campaigns=last["campaigns"],

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from reliab.criterion import Criterion
 from reliab.report.document import Equation, Paragraph, Points, Section
-from reliab.report.kinds.wording import METHODS, listed, percent, window_in_words
+from reliab.report.kinds.wording import listed, meaning_of_confidence, percent, window_in_words
 from reliab.report.prose import Prose, prose
 from reliab.validation.yielding import HARDENING, measured_yielding
 from reliab.vocabulary import CurveName
@@ -194,7 +194,7 @@ def _confidence(criterion: Criterion) -> Section:
                     "records, are the independent units of the data.",
                     method=criterion.method,
                     together=together,
-                    meaning=METHODS.get(criterion.method, criterion.method),
+                    meaning=meaning_of_confidence(criterion.method),
                 )
             ),
             Paragraph(

@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from reliab.criterion.methods import METHODS as KNOWN_METHODS
+from reliab.criterion.methods import METHODS
 from reliab.report.prose import Math, Piece
 from reliab.vocabulary import Metric
 
@@ -40,8 +40,15 @@ def window_in_words(window: str) -> str:
     return known.get(window, f"the first {window} s of the record")
 
 
-METHODS: Final = {name: method.meaning for name, method in KNOWN_METHODS.items()}
-"""What a stated confidence means, by the name of the method."""
+def meaning_of_confidence(method: str) -> str:
+    """Say what a stated confidence means by the method of a name; a method of an older file by its name.
+
+    Examples
+    --------
+    >>> meaning_of_confidence("order_statistic")
+    'a bound by order statistics, free of any distribution'
+    """
+    return METHODS[method].meaning if method in METHODS else method
 
 
 def percent(share: float, digits: int = 3) -> str:

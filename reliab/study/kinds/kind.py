@@ -1,4 +1,4 @@
-"""What a kind of study is: the tables that it knows, its stages, and a report of what they leave behind."""
+"""What a kind of study is: the tables that it knows, its stages, and the report of their results."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

@@ -108,8 +108,8 @@ def _identified(equation: OwnEquation) -> dict[str, Any] | None:
         return None
     quantities = {
         name: None
-        if (findings := getattr(equation.identified, name)) is None
-        else {"value": findings.value, "deviation": findings.deviation, "stated": findings.stated}
+        if (estimate := getattr(equation.identified, name)) is None
+        else {"value": estimate.value, "deviation": estimate.deviation, "stated": estimate.stated}
         for name in ("frequency", "damping_ratio", "experimental_fraction", "feedback_lag")
     }
     return {**quantities, "misfit": equation.identified.misfit, "contradicted": list(equation.wrong)}

@@ -5,8 +5,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from reliab.criterion.methods import BOUND_METHODS, method_of
+from reliab.criterion.methods import METHODS, BoundMethod, method_of
 from reliab.errors import InputError
+
+BOUND_METHODS = [name for name, method in METHODS.items() if issubclass(method, BoundMethod)]
 
 EVERY = pytest.mark.parametrize("method", [method_of(name) for name in BOUND_METHODS], ids=BOUND_METHODS)
 CONFIDENCES = (0.5, 0.8, 0.9, 0.95)

@@ -1,9 +1,5 @@
 """The library of compensators and controllers: those of this package and those that other packages add."""
 
-from functools import cache
-from importlib.metadata import entry_points
-
-from reliab.errors import InputError
 from reliab.loop.hybrid_test.compensator import Compensator
 from reliab.loop.hybrid_test.compensators.adaptive_inverse import AdaptiveInverse
 from reliab.loop.hybrid_test.compensators.adaptive_model_based import AdaptiveModelBased
@@ -13,6 +9,7 @@ from reliab.loop.hybrid_test.compensators.inverse import InverseCompensation
 from reliab.loop.hybrid_test.compensators.model_inverse import ModelInverse
 from reliab.loop.hybrid_test.compensators.pi_phase_lead import PhaseLeadControl
 from reliab.loop.hybrid_test.compensators.polynomial_extrapolation import PolynomialExtrapolation
+from reliab.registry import Registry
 
 ENTRY_POINT_GROUP = "reliab.compensators"
 """Group under which other packages register classes derived from `Compensator`."""
@@ -29,44 +26,34 @@ _SHIPPED: tuple[type[Compensator], ...] = (
 )
 
 
-@cache
-def compensators() -> dict[str, type[Compensator]]:
+_LIBRARY: Registry[type[Compensator]] = Registry(
+    noun="compensator",
+    base=Compensator,
+    group=ENTRY_POINT_GROUP,
+    shipped=_SHIPPED,
+    name_of=lambda compensator: compensator.name,
+)
+
+
+def compensators() -> Registry[type[Compensator]]:
     """All compensators by name.
 
     Returns
     -------
-    dict of str to type
+    Registry of str to type
         The classes of compensators.
 
     Raises
     ------
     InputError
-        If another package adds something that is no compensator, or a name that is taken.
+        When it is read: if another package adds something that is no compensator, or a name that is taken.
 
     Examples
     --------
     >>> "adaptive_time_series" in compensators()
     True
     """
-    known = {compensator.name: compensator for compensator in _SHIPPED}
-    for entry in entry_points(group=ENTRY_POINT_GROUP):
-        compensator = entry.load()
-        if not (isinstance(compensator, type) and issubclass(compensator, Compensator)):
-            raise InputError(
-                f"What is registered under {ENTRY_POINT_GROUP} must be a class derived from Compensator",
-                value=repr(compensator),
-                remedy="Mend or remove the package that registers it",
-                where=entry.value,
-            )
-        if compensator.name in known:
-            raise InputError(
-                "The name of a compensator must be unique",
-                value=compensator.name,
-                remedy="Rename the added compensator",
-                where=entry.value,
-            )
-        known[compensator.name] = compensator
-    return known
+    return _LIBRARY
 
 
 def find_compensator(name: str) -> type[Compensator]:
@@ -77,9 +64,4 @@ def find_compensator(name: str) -> type[Compensator]:
     InputError
         If there is none; the message lists those there are.
     """
-    known = compensators()
-    if name not in known:
-        raise InputError(
-            f"A compensator must be one of {', '.join(known)}", value=name, remedy="Choose one of these"
-        )
-    return known[name]
+    return _LIBRARY.find(name)

@@ -16,9 +16,9 @@ from reliab.report.kinds.provenance import provenance_of
 from reliab.report.kinds.rates import rates_section
 from reliab.report.kinds.wording import (
     MEANINGS_OF_ERRORS,
-    METHODS,
     ellipse,
     error_below,
+    meaning_of_confidence,
     percent,
     values,
     window_in_words,
@@ -128,7 +128,7 @@ def _real(share: Mapping[str, float] | None) -> dict[str, Prose]:
 def _facts(reported: ReportedCriteria, coverage: pd.DataFrame | None) -> dict[str, Prose]:
     chosen, source = reported.criterion, reported.criterion.provenance
     together = "for both limits together" if chosen.joint else "for each limit separately"
-    meaning = METHODS.get(chosen.method, chosen.method)
+    meaning = meaning_of_confidence(chosen.method)
     facts: dict[str, Prose] = {
         "Ground motions": f"{source.n_motions} of {source.n_events} earthquakes",
         "Structures": prose(

@@ -1,0 +1,99 @@
+"""What the package and others that are installed beside it offer of one kind, by name."""
+
+from collections.abc import Callable, Iterator, Mapping
+from functools import cached_property
+from importlib.metadata import entry_points
+from typing import TypeVar
+
+from reliab.errors import InputError
+
+Item = TypeVar("Item")
+
+
+class Registry(Mapping[str, Item]):
+    """Items of this package, then those of other packages; these are loaded when a name is first asked for.
+
+    Parameters
+    ----------
+    noun : str
+        What an item is, in words.
+    base : type
+        What an item must be derived from, or be an instance of.
+    group : str
+        Group of entry points under which other packages register theirs.
+    shipped : tuple
+        Items of this package, in their order.
+    name_of : callable
+        Gives the name by which files and commands call an item.
+
+    Raises
+    ------
+    InputError
+        When it is first read: if another package registers something else, or a name that is taken.
+
+    Examples
+    --------
+    >>> from fractions import Fraction
+    >>> halves = Registry(
+    ...     noun="fraction", base=Fraction, group="example", shipped=(Fraction(1, 2),), name_of=str
+    ... )
+    >>> halves.find("1/2")
+    Fraction(1, 2)
+    """
+
+    def __init__(
+        self, *, noun: str, base: type, group: str, shipped: tuple[Item, ...], name_of: Callable[[Item], str]
+    ) -> None:
+        self._noun, self._base, self._group = noun, base, group
+        self._shipped, self._name_of = shipped, name_of
+
+    def find(self, name: object) -> Item:
+        """Return the item of a name.
+
+        Raises
+        ------
+        InputError
+            If there is none; the message lists the names that there are.
+        """
+        if not isinstance(name, str) or name not in self:
+            raise InputError(
+                f"{self._one} must be one of {', '.join(self)}", value=name, remedy="Choose one of these"
+            )
+        return self[name]
+
+    @property
+    def _one(self) -> str:
+        return f"{'An' if self._noun[0] in 'aeiou' else 'A'} {self._noun}"
+
+    @cached_property
+    def _items(self) -> dict[str, Item]:
+        items = {self._name_of(item): item for item in self._shipped}
+        for entry in entry_points(group=self._group):
+            item = entry.load()
+            if not issubclass(item if isinstance(item, type) else type(item), self._base):
+                raise InputError(
+                    f"What is registered under {self._group} must be {self._one.lower()}, derived from "
+                    f"{self._base.__name__}",
+                    value=repr(item),
+                    remedy="Mend or remove the package that registers it",
+                    where=entry.value,
+                )
+            name = self._name_of(item)
+            if name in items:
+                raise InputError(
+                    f"The name of {self._one.lower()} must be unique",
+                    value=name,
+                    remedy=f"Rename the added {self._noun}",
+                    where=entry.value,
+                )
+            items[name] = item
+        return items
+
+    def __getitem__(self, name: str) -> Item:
+        return self._items[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._items)
+
+    def __len__(self) -> int:
+        return len(self._items)

@@ -1,0 +1,196 @@
+"""One new law, method, effect, format, compensator or kind of study is one file and one entry point."""
+
+import sys
+
+import numpy as np
+import pytest
+
+from reliab.criterion.laws import FITTED, law_from_dict, law_to_dict
+from reliab.criterion.methods import METHODS, method_of
+from reliab.errors import InputError
+from reliab.loop.effects import find_effect, library
+from reliab.loop.hybrid_test.compensators import compensators
+from reliab.motions import load_motions
+from reliab.motions.readers.registry import FORMATS
+from reliab.report.kinds.wording import meaning_of_confidence
+from reliab.study.kinds import KINDS
+from reliab.study.reading import read_study
+
+ADDITIONS = {
+    "law": (
+        "reliab.laws",
+        "Constant",
+        """
+        from dataclasses import dataclass
+        import numpy as np
+        from reliab.criterion.laws import LogLinearLaw
+
+        @dataclass(frozen=True, kw_only=True)
+        class Constant(LogLinearLaw):
+            name = "constant"
+            equation = "a = c, b = c'"
+
+            @staticmethod
+            def _terms(f, xi):
+                return np.ones_like(f)[..., None], np.ones_like(f)[..., None]
+
+            @staticmethod
+            def _references(f, xi):
+                return np.ones_like(f), np.ones_like(f)
+        """,
+    ),
+    "method": (
+        "reliab.criterion_methods",
+        "Least",
+        """
+        from dataclasses import dataclass
+        from reliab.criterion.methods import BoundMethod
+
+        @dataclass(frozen=True, kw_only=True)
+        class Least(BoundMethod):
+            name = "least"
+            meaning = "the least of the motions at hand"
+            exchangeable = "motions"
+            distribution_free = True
+
+            def _lower_bound(self, logarithms, events, confidence):
+                return float(logarithms.min())
+        """,
+    ),
+    "effect": (
+        "reliab.effects",
+        "Thermal",
+        """
+        from reliab.loop.effects.sensor_bias import SensorBias
+
+        class Thermal(SensorBias):
+            name = "thermal_bias"
+        """,
+    ),
+    "compensator": (
+        "reliab.compensators",
+        "Twin",
+        """
+        from reliab.loop.hybrid_test.compensators.inverse import InverseCompensation
+
+        class Twin(InverseCompensation):
+            name = "twin"
+        """,
+    ),
+    "format": (
+        "reliab.record_formats",
+        "FORMAT",
+        """
+        from reliab.motions.readers import text
+        from reliab.motions.readers.registry import Format
+
+        FORMAT = Format(
+            name="pairs",
+            endings=(".pairs",),
+            recognises=lambda source: source.path.suffix == ".pairs",
+            headers=text.headers,
+        )
+        """,
+    ),
+    "kind": (
+        "reliab.study_kinds",
+        "KIND",
+        """
+        from reliab.study.description import Study
+        from reliab.study.kinds.kind import Kind
+
+        KIND = Kind(
+            name="nothing", tables=Study, stages=lambda study, show: (), report=lambda study, folder: {}
+        )
+        """,
+    ),
+}
+REGISTRIES = {
+    "law": FITTED,
+    "method": METHODS,
+    "effect": library(),
+    "compensator": compensators(),
+    "format": FORMATS,
+    "kind": KINDS,
+}
+
+
+def forget() -> None:
+    for registry in REGISTRIES.values():
+        vars(registry).pop("_items", None)
+
+
+@pytest.fixture
+def plugin(tmp_path, monkeypatch):
+    """Return what installs one addition as a package of one file."""
+
+    def install(thing: str) -> None:
+        group, item, text = ADDITIONS[thing]
+        lines = [line.removeprefix(" " * 8) for line in text.splitlines()]
+        (tmp_path / f"plugin_{thing}.py").write_text("\n".join(lines), encoding="utf-8")
+        about = tmp_path / f"plugin_{thing}-1.dist-info"
+        about.mkdir()
+        (about / "METADATA").write_text(f"Name: plugin_{thing}\nVersion: 1\n", encoding="utf-8")
+        (about / "entry_points.txt").write_text(
+            f"[{group}]\n{item} = plugin_{thing}:{item}\n", encoding="utf-8"
+        )
+        forget()
+
+    monkeypatch.syspath_prepend(tmp_path)
+    yield install
+    for thing in ADDITIONS:
+        sys.modules.pop(f"plugin_{thing}", None)
+    forget()
+
+
+def test_law_is_fitted_and_comes_back_from_json(plugin):
+    plugin("law")
+    law = FITTED.find("constant").fit([1.0, 2.0], [0.02, 0.05], np.full((2, 2), 1e-4), np.full((2, 2), 2.0))
+    assert law.limits(1.5, 0.03) == pytest.approx((1e-4, 2.0))
+    assert law_from_dict(law_to_dict(law)) == law
+
+
+def test_method_bounds_and_says_what_its_confidence_means(plugin):
+    plugin("method")
+    assert method_of("least").lower_bound(np.array([3.0, 1.0, 2.0]), np.array(["p", "q", "r"]), 0.9) == 1.0
+    assert meaning_of_confidence("least") == "the least of the motions at hand"
+
+
+def test_effect_and_compensator_are_known_by_name(plugin):
+    plugin("effect")
+    plugin("compensator")
+    assert find_effect("thermal_bias").__name__ == "Thermal"
+    assert compensators().find("twin").__name__ == "Twin"
+
+
+def test_format_is_read_from_a_folder(plugin, tmp_path):
+    plugin("format")
+    folder = tmp_path / "records"
+    folder.mkdir()
+    t = 0.01 * np.arange(600)
+    rows = "\n".join(f"{x:.2f} {np.sin(x):.6e}" for x in t)
+    (folder / "shake.pairs").write_text(rows + "\n", encoding="utf-8")
+    (motion,) = load_motions(folder, units="m/s2")
+    assert motion.time_step == pytest.approx(0.01)
+
+
+def test_kind_of_study_is_read_with_its_tables_only(plugin, tmp_path):
+    plugin("kind")
+    path = tmp_path / "study.toml"
+    path.write_text('title = "Nothing"\nkind = "nothing"\n', encoding="utf-8")
+    assert read_study(path).kind == "nothing"
+    path.write_text('title = "Nothing"\nkind = "nothing"\n[criterion]\nlaw = "table"\n', encoding="utf-8")
+    with pytest.raises(InputError, match="criterion"):
+        read_study(path)
+
+
+@pytest.mark.parametrize("thing", REGISTRIES)
+def test_addition_under_a_name_that_is_taken_is_refused(plugin, thing, tmp_path):
+    plugin(thing)
+    about = tmp_path / "plugin_twice-1.dist-info"
+    about.mkdir()
+    group, item, _ = ADDITIONS[thing]
+    (about / "METADATA").write_text("Name: plugin_twice\nVersion: 1\n", encoding="utf-8")
+    (about / "entry_points.txt").write_text(f"[{group}]\nagain = plugin_{thing}:{item}\n", encoding="utf-8")
+    with pytest.raises(InputError, match="must be unique"):
+        list(REGISTRIES[thing])
