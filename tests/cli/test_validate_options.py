@@ -45,6 +45,8 @@ REFUSED = {
     "case": ("--case", "KOBE/KJM000"),
     "integrator": ("--integrator", "exact"),
     "compensator": ("--compensator", "none"),
+    "rebuilt_error": ("--rebuilt-error",),
+    "tests": ("--tests", "tests.csv"),
 }
 
 

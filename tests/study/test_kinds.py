@@ -3,6 +3,7 @@
 import json
 import shutil
 
+import pandas as pd
 import pytest
 
 from reliab.errors import InputError
@@ -18,6 +19,8 @@ def small(name, suite_folder, **tables):
     validation = {"confidences": [0.5, 0.9], "trials": 64}
     if "schemes" in study.validation.model_dump():
         validation["schemes"] = ["k_fold"]
+    if name == "validation":
+        validation["rebuilt_error_trials"] = 0  # its section and its stage have tests of their own
     changes = {
         "motions": {"sources": [str(suite_folder)]},
         "structures": {"f": [1.0], "xi": [0.02]},
@@ -46,6 +49,17 @@ def test_shipped_studies_run_on_other_motions(name, sentences, suite_folder, tmp
     text = text_of_run(study, tmp_path / "run", text_of)
     assert study.title in text
     assert all(sentence in text for sentence in sentences)
+
+
+@pytest.mark.slow
+def test_a_validation_rebuilds_the_errors_of_tests(suite_folder, tmp_path, text_of):
+    study = small("validation", suite_folder)
+    table = study.validation.model_copy(update={"rebuilt_error_trials": 1})
+    study = study.model_copy(update={"validation": table})
+    run_study(study, tmp_path / "run")
+    assert "The error of the test itself" in text_of_run(study, tmp_path / "run", text_of)
+    tests = pd.read_csv(tmp_path / "run" / "rebuilt_error_tests.csv")
+    assert tests["test"].nunique() == 11
 
 
 def test_a_campaign_is_diagnosed_and_reported_from_the_folder_alone(tmp_path, text_of):

@@ -161,7 +161,12 @@ def test_two_earthquakes_end_in_a_report_that_says_what_they_do_not_carry(tmp_pa
             "date": "2026-01-01",
             "motions": {"sources": [str(suite_of(2, suite_folder, tmp_path))]},
             "criterion": {"confidences": [0.99]},
-            "validation": {"schemes": ["k_fold", "random_halves"], "confidences": [0.9], "trials": 64},
+            "validation": {
+                "schemes": ["k_fold", "random_halves"],
+                "confidences": [0.9],
+                "trials": 64,
+                "rebuilt_error_trials": 0,
+            },
         }
     )
     assert run_study(study, tmp_path / "run").read_bytes().startswith(b"%PDF")

@@ -61,6 +61,8 @@ def rebuilt_error_section(tests: pd.DataFrame, threshold: float) -> Section:
                     "against the same loop with a perfect actuator. A criterion that says nothing of leads "
                     "accepts none. A verdict is “reliable” as `reliab assess` gives it: the error stays "
                     "below the threshold with 95 % probability, and the specimen does not look nonlinear. "
+                    "A motion is contained when none of its bad tests is accepted, and an error in the "
+                    "interval when the stated 90 % interval holds it. "
                     "The rebuilt error takes the structure as linear and stated; the specimens that are not "
                     "linear look so in {nonlinear} of their tests, the linear ones in {linear} at 40 dB.",
                     threshold=percent(threshold),
@@ -124,15 +126,15 @@ def _table(frame: pd.DataFrame, key: str, heading: str, caption: Prose, label: s
     return Table(
         frame=frame,
         columns=(
-            Column(key=key, heading=heading, wide=True),
+            Column(key=key, heading=heading),
             Column(key="bad", heading="tried", number=Whole(), group=bad),
             Column(key="bad_accepted", heading="accepted", unit="%", number=share, group=bad),
             Column(key="good", heading="tried", number=Whole(), group=good),
             Column(key="good_accepted", heading="accepted", unit="%", number=share, group=good),
-            Column(key="contained", heading="Motions without a bad test accepted", unit="%", number=share),
+            Column(key="contained", heading="Motions contained", unit="%", number=share),
             Column(key="ratio_05", heading="5 %", number=ratio, group=stated),
             Column(key="ratio_95", heading="95 %", number=ratio, group=stated),
-            Column(key="covered", heading="In 90 % interval", unit="%", number=share),
+            Column(key="covered", heading="In interval", unit="%", number=share),
         ),
         caption=caption,
         label=f"tab:rebuilt-{label}",

@@ -65,7 +65,7 @@ class Condition:
         if self.sensor == QUANTISED:
             width = np.sqrt(12.0) * level
             return np.asarray(width * np.round(true / width + rng.uniform(-0.5, 0.5)), dtype=np.float64)
-        return true + level * rng.standard_normal(true.size)
+        return np.asarray(true + level * rng.standard_normal(true.size), dtype=np.float64)
 
 
 PLAIN: Final = Condition(sensor="40 dB")

@@ -12,6 +12,7 @@ from reliab.validation.rebuilt_error_study.judges import OWN_BOUNDARY, REBUILT
 from reliab.validation.rebuilt_error_study.rigs import LINEAR
 
 _ENDS = (0.05, 0.95)
+_TAIL = 0.025
 
 
 def shares(tests: pd.DataFrame, by: Sequence[str]) -> pd.DataFrame:
@@ -114,5 +115,14 @@ def _counted(group: pd.DataFrame) -> dict[str, Any]:
 def _rate(name: str, counted: np.ndarray, among: np.ndarray, events: pd.Series) -> dict[str, float]:
     total = int(among.sum())
     rate = float(counted.sum() / total) if total else np.nan
-    low, high = event_bootstrap(counted.astype(float), among.astype(float), events.to_numpy(str))
-    return {name: rate, f"{name}_low": float(low), f"{name}_high": float(high)}
+    low, high = (
+        float(end)
+        for end in event_bootstrap(counted.astype(float), among.astype(float), events.to_numpy(str))
+    )
+    # Where none or all were counted, drawing earthquakes again shows no spread: Clopper and Pearson's bound.
+    least = _TAIL ** (1.0 / max(events[among].nunique(), 1))
+    if rate == 0.0:
+        high = 1.0 - least
+    elif rate == 1.0:
+        low = least
+    return {name: rate, f"{name}_low": low, f"{name}_high": high}

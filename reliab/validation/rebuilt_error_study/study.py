@@ -60,6 +60,7 @@ _DRAWS = 64
 _SMALLEST, _LARGEST = 0.2, 3.0  # true errors that are aimed at, as shares of the threshold
 _STARTING_SIZE = 0.1
 _ATTEMPTS = 6
+_RAN_AWAY = 1.0  # relative error of a test that nobody would take for good
 _NEAR = 0.15  # relative: near enough to the error that is aimed at
 _MODEL_OFF = 0.01  # standard deviation of a model's parameters, relative
 _GAIN_AND_DELAY = 0  # of RIGS: what drives nonlinear specimens
@@ -332,7 +333,7 @@ def _of_some_error(
         histories = bench.run(rig, nonlinear)
         piston = histories.piston.values[0]
         error = response_error(piston, ideal, bench.design.metric) if np.isfinite(piston).all() else np.inf
-        if not np.isfinite(error):
+        if not error < _RAN_AWAY:
             size *= 0.25
             continue
         if best is None or abs(np.log(error / aim)) < abs(np.log(best[2] / aim)):
