@@ -137,6 +137,12 @@ class Study(Table):
     purpose: str = ""
     date: dt.date | None = None
 
+    def titled(self, population: str) -> str:
+        """Title of the report with the ground motions that it is about, in words."""
+        if self.title.endswith("?"):
+            return f"{self.title} {population[:1].upper()}{population[1:]}"
+        return f"{self.title}: {population}"
+
     def on(self, sources: Sequence[str] | None, sets: Sequence[str] | None) -> Self:
         """Return the same study on other ground motions.
 
@@ -175,6 +181,12 @@ class RecordsStudy(Study):
     """A study of records."""
 
     motions: RecordsTable = RecordsTable()
+
+    def titled(self, population: str) -> str:
+        """Title of the report with the ground motions that it is about, in words."""
+        if self.title.endswith("?"):
+            return f"{self.title} {population[:1].upper()}{population[1:]}"
+        return f"{self.title}: {population}"
 
     def on(self, sources: Sequence[str] | None, sets: Sequence[str] | None) -> Self:
         """Return the same study on other records."""

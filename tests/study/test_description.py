@@ -84,3 +84,9 @@ def test_a_study_of_no_ground_motions_takes_none():
             open_study(name).on(["elsewhere"], None)
     with pytest.raises(InputError, match="sets"):
         open_study("quick").on(None, ["far_field"])
+
+
+def test_a_question_is_not_followed_by_a_colon():
+    titles = {name: open_study(name).titled("real motions") for name in ("quick", "validation")}
+    assert titles["quick"] == "Limits of amplitude error and delay: real motions"
+    assert titles["validation"] == "Do criteria keep their promise? Real motions"

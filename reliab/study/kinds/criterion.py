@@ -42,7 +42,7 @@ def report(study: CriterionStudy, folder: Path) -> Document:
 
     population = Material(study, results=study.motions.results).population
     derived, traced = derivation_of(folder), open_ellipses(folder / ELLIPSES)
-    title = f"{study.title}: {population}"
+    title = study.titled(population)
     provenance = {**study.provenance, **made_with(folder)}
     if not derived.criteria:
         return no_criterion_report(

@@ -76,7 +76,7 @@ def report(study: SuitesStudy, folder: Path) -> Document:
         truth="simulated",
     )
     return suites_report(
-        title=f"{study.title}: {Material(study).population}",
+        title=study.titled(Material(study).population),
         measures={
             names[0]: _with_ellipses(pd.read_csv(_shipped(MEASURES)), real, study),
             names[1]: _with_ellipses(pd.read_csv(folder / MEASURES), compared, study),

@@ -77,7 +77,7 @@ def report(study: ValidationStudy, folder: Path) -> Document:
     from reliab.validation.cross_validation.tabulation import tabulate
 
     validations, traced = validations_of(study, folder), open_ellipses(folder / ELLIPSES)
-    title = f"{study.title}: {Material(study, results=study.motions.results).population}"
+    title = study.titled(Material(study, results=study.motions.results).population)
     provenance = {**study.provenance, "records, SHA-256": records_checksum(traced), **made_with(folder)}
     if not validations:
         return no_criterion_report(
