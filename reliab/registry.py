@@ -57,12 +57,12 @@ class Registry(Mapping[str, Item]):
         """
         if not isinstance(name, str) or name not in self:
             raise InputError(
-                f"{self._one} must be one of {', '.join(self)}", value=name, remedy="Choose one of these"
+                f"{self._phrase} must be one of {', '.join(self)}", value=name, remedy="Choose one of these"
             )
         return self[name]
 
     @property
-    def _one(self) -> str:
+    def _phrase(self) -> str:
         return f"{'An' if self._noun[0] in 'aeiou' else 'A'} {self._noun}"
 
     @cached_property
@@ -72,7 +72,7 @@ class Registry(Mapping[str, Item]):
             item = entry.load()
             if not issubclass(item if isinstance(item, type) else type(item), self._base):
                 raise InputError(
-                    f"What is registered under {self._group} must be {self._one.lower()}, derived from "
+                    f"What is registered under {self._group} must be {self._phrase.lower()}, derived from "
                     f"{self._base.__name__}",
                     value=repr(item),
                     remedy="Mend or remove the package that registers it",
@@ -81,7 +81,7 @@ class Registry(Mapping[str, Item]):
             name = self._name_of(item)
             if name in items:
                 raise InputError(
-                    f"The name of {self._one.lower()} must be unique",
+                    f"The name of {self._phrase.lower()} must be unique",
                     value=name,
                     remedy=f"Rename the added {self._noun}",
                     where=entry.value,

@@ -16,28 +16,28 @@ VAGUE = frozenset({"found", "each", "one", "made", "told", "apart", "left", "the
 """Words that name no thing of the field."""
 
 LONG_MODULES = {
+    "cli/validate.py",
+    "validation/rebuilt_error_study/study.py",
     "loop/hybrid_test/closed_loop.py",
     "discrepancy/result.py",
     "sweep/store.py",
     "cli/monitor.py",
     "loop/partition/frame_loop.py",
-    "criterion/derivation.py",
     "rebuilt_error/monitor.py",
     "discrepancy/fitting/search.py",
     "discrepancy/naming/naming.py",
     "loop/partition/frame_file.py",
     "criterion/criterion.py",
-    "report/kinds/paper/report.py",
     "report/kinds/discrepancy.py",
     "sweep/results.py",
     "validation/cross_validation/judge.py",
     "validation/partitioned_structures.py",
-    "rebuilt_error/identification.py",
     "rebuilt_error/interval.py",
 }
 """Modules still to be split at their seams."""
 
 LONG_FUNCTIONS = {
+    "report/kinds/rebuilt_error_study.py:rebuilt_error_section": "to be split",
     "cli/criterion.py:criterion": "to be split",
     "cli/sources.py:ellipse_dataset": "to be split",
     "cli/validate.py:validate": "to be split",
@@ -63,27 +63,17 @@ LONG_FUNCTIONS = {
 """Functions longer than the rule allows, and why."""
 
 WITHOUT_USER_INSIDE = {
-    "loop/hybrid_test/compensators/registry.py:find_compensator": "to be judged",
-    "loop/partition/critical_delay.py:predictive_stability_indicator": "to be judged",
-    "loop/partition/partition.py:storey_drifts": "to be judged",
-    "loop/partition/root_locus.py:discrete_critical_delay": "to be judged",
-    "loop/partition/root_locus.py:root_locus": "to be judged",
-    "loop/transfer_systems/transfer_function.py:TransferUncertainty": "to be judged",
-    "loop/transfer_systems/transfer_function.py:first_order_lag": "to be judged",
-    "loop/transfer_systems/transfer_function.py:gain_and_delay": "to be judged",
-    "loop/transfer_systems/transfer_function.py:second_order": "to be judged",
-    "motions/checking.py:check_folder": "to be judged",
-    "paper/audit.py:audit": "to be judged",
-    "rebuilt_error/spectral.py:respond_spectrally": "to be judged",
-    "report/style.py:png": "to be judged",
-    "sampling/calibration.py:calibration_ranks": "to be judged",
-    "sampling/calibration.py:uniformity": "to be judged",
-    "sampling/model.py:prior_predictive": "to be judged",
-    "sampling/normal_values.py:NormalValues": "to be judged",
-    "sweep/compact.py:write_compact": "to be judged",
-    "validation/criterion_coverage.py:coverage_table": "to be judged",
-    "validation/motion_terms.py:gain_of_terms": "to be judged",
-    "validation/yielding.py:yielding_tests": "to be judged",
+    "loop/partition/critical_delay.py:predictive_stability_indicator": "a published indicator",
+    "loop/partition/partition.py:storey_drifts": "a frame's interfaces",
+    "loop/partition/root_locus.py:discrete_critical_delay": "a published locus",
+    "loop/partition/root_locus.py:root_locus": "a published locus",
+    "rebuilt_error/spectral.py:respond_spectrally": "the recursion's oracle",
+    "sampling/calibration.py:calibration_ranks": "puts a model of one's own to the test",
+    "sampling/calibration.py:uniformity": "puts a model of one's own to the test",
+    "sampling/model.py:prior_predictive": "puts a model of one's own to the test",
+    "validation/criterion_coverage.py:coverage_table": "makes a table of criterion/README.md",
+    "validation/motion_terms.py:gain_of_terms": "makes a number of criterion/README.md",
+    "validation/yielding.py:yielding_tests": "makes datasets/yielding",
 }
 """Public code that nothing else in the package uses, and who uses it."""
 
@@ -172,6 +162,16 @@ def is_command(node: ast.FunctionDef | ast.ClassDef) -> bool:
     return any(re.search(r"\.(command|register_\w+)\(", ast.unparse(item)) for item in node.decorator_list)
 
 
+def offered() -> set[str]:
+    """Return the names that a package of reliab offers in its `__all__`."""
+    names: set[str] = set()
+    for path in PACKAGE.rglob("__init__.py"):
+        for node in source(path)[1].body:
+            if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__":
+                names.update(ast.literal_eval(node.value))
+    return names
+
+
 def test_public_code_has_a_user_in_the_package():
     unused = {
         f"{path.relative_to(PACKAGE)}:{node.name}"
@@ -179,6 +179,6 @@ def test_public_code_has_a_user_in_the_package():
         for node in source(path)[1].body
         if isinstance(node, ast.FunctionDef | ast.ClassDef)
         if not (node.name.startswith("__") or is_command(node))
-        if uses()[node.name] == 0 and node.name not in reliab.__all__
+        if uses()[node.name] == 0 and node.name not in offered()
     }
     assert unused == set(WITHOUT_USER_INSIDE)

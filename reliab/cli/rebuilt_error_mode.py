@@ -68,7 +68,7 @@ def judge_by_rebuilt_error(
     if confidence and len(confidence) > 1:
         raise InputError(
             "The criterion beside the rebuilt error states one --confidence",
-            value=", ".join(f"{each:g}" for each in confidence),
+            value=", ".join(f"{share:g}" for share in confidence),
             remedy="Give one",
         )
     if metric not in list(Metric):
@@ -100,14 +100,18 @@ def _answer(design: "Design", tables: "dict[str, pd.DataFrame]") -> dict[str, An
         "metric": str(design.metric),
         "confidence": design.confidence,
         "structures": [
-            {"f": each.frequency, "xi": each.damping_ratio, "alpha": each.experimental_fraction}
-            for each in design.structures
+            {
+                "f": structure.frequency,
+                "xi": structure.damping_ratio,
+                "alpha": structure.experimental_fraction,
+            }
+            for structure in design.structures
         ],
         "n_motions": len(design.motions),
         "trials": design.trials,
         **{
-            name: each.astype(object).where(each.notna(), None).to_dict(orient="records")
-            for name, each in tables.items()
+            name: table.astype(object).where(table.notna(), None).to_dict(orient="records")
+            for name, table in tables.items()
         },
     }
 

@@ -262,8 +262,8 @@ def _refuse_beside(option: str, values: dict[str, object], used: tuple[str, ...]
     from inspect import signature
 
     for name, parameter in signature(validate).parameters.items():
-        own = option.removeprefix("--").replace("-", "_")
-        idle = name not in {*used, own, "json_target"} and values[name] != parameter.default
+        gate = option.removeprefix("--").replace("-", "_")
+        idle = name not in {*used, gate, "json_target"} and values[name] != parameter.default
         if idle:
             raise InputError(
                 f"{option} takes {' and '.join(f'--{option_name}' for option_name in used)} alone",

@@ -11,8 +11,8 @@ import xarray as xr
 from reliab.criterion.cautions import cautions_of, few_leads
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.ellipse_sample import names_along, position
-from reliab.criterion.law_scaling import contained_alike
-from reliab.criterion.laws import FITTED, FittedLaw, Law, Table, known
+from reliab.criterion.laws import FITTED, FittedLaw, Table, known
+from reliab.criterion.learned_side import LearnedSide
 from reliab.criterion.meaning import require_meaning
 from reliab.criterion.methods import RECOMMENDED, Learned, Method, method_of
 from reliab.criterion.methods.method import checked_share
@@ -127,35 +127,6 @@ def derive_criterion(
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _LearnedSide:
-    """One side of the boundaries: its motions, and what a method learned from them."""
-
-    grid: SampleGrid
-    learned: Learned
-
-    def law(self, kind: FittedLaw, method: Method, confidence: float, *, joint: bool) -> tuple[Law, int]:
-        """Fit a law to the limits; return it with the number of structures at which they are zero."""
-        limits = self.learned.limits(confidence, joint=joint)
-        for row, column in np.ndindex(limits.shape[:2]):
-            sample = self.grid.samples[row][column]
-            if not method.carries(confidence, sample.n_motions, sample.n_events):
-                limits[row, column] = 0.0
-        empty = int((limits <= 0.0).any(axis=-1).sum())
-        if empty and kind is not Table:
-            raise InputError(
-                "A law is fitted where the method can promise something at every structure",
-                value=(
-                    f"too few motions or earthquakes for {method.name} at {confidence:g} at "
-                    f"{empty} structures"
-                ),
-                remedy="Give more motions or a lower confidence, or keep the limits as a table",
-            )
-        grid = self.grid.frequencies, self.grid.damping_ratios
-        law: Law = kind.fit(*grid, limits[..., 0], limits[..., 1])
-        return (law if kind is Table else contained_alike(kind, law, self.grid, limits)), empty
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
 class Derivation:
     """What was learned from ellipses, from which criteria follow at any confidence.
 
@@ -167,17 +138,17 @@ class Derivation:
         What the confidence means.
     law : type of Law
         How the limits depend on the structure.
-    lag : _LearnedSide
+    lag : LearnedSide
         What was learned of actuators that are late.
-    lead : _LearnedSide, optional
+    lead : LearnedSide, optional
         The same of actuators that are early, where the ellipses have that side.
     """
 
     ellipses: xr.Dataset
     method: Method
     law: FittedLaw
-    lag: _LearnedSide
-    lead: _LearnedSide | None
+    lag: LearnedSide
+    lead: LearnedSide | None
 
     @classmethod
     def of(
@@ -211,7 +182,7 @@ class Derivation:
                     raise
                 continue  # too few motions have a boundary on this side; the criterion then says so
             learned = method.learn(grid, law=law.name, chains=chains, progress=progress)
-            sides[side] = _LearnedSide(grid=grid, learned=learned)
+            sides[side] = LearnedSide(grid=grid, learned=learned)
         if Side.LAG not in sides:
             raise InputError(
                 "A criterion is derived from boundaries of actuators that are late",
@@ -233,7 +204,7 @@ class Derivation:
         return [side.learned for side in self._sides]
 
     @property
-    def _sides(self) -> list[_LearnedSide]:
+    def _sides(self) -> list[LearnedSide]:
         return [self.lag] if self.lead is None else [self.lag, self.lead]
 
     def criterion(

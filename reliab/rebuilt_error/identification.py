@@ -21,15 +21,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import fftconvolve
 
 from reliab.errors import InputError
 from reliab.loop.structure import Structure
+from reliab.rebuilt_error.kernel import Kernel
 
 Array = NDArray[np.float64]
 
-_PERIODS_OF_KERNEL = 0.5
-_PER_PERIOD = 24.0  # samples of the equation in a period
 _FEWEST_PERIODS = 4.0
 _SIGNIFICANT = 3.0  # standard errors
 _MATTERS = {"frequency": 0.005, "damping_ratio": 0.10, "experimental_fraction": 0.02, "feedback_lag": 1e-4}
@@ -139,7 +137,7 @@ def identify(
     (1.0, ('frequency',))
     """
     _check(command, measured, ground_acceleration, force, time_step, structure)
-    kernel = _Kernel.of(structure.frequency, time_step)
+    kernel = Kernel.of(structure.frequency, time_step)
     moved = [kernel.seen(command, order) for order in range(3)]
     shaken, reached = kernel.seen(ground_acceleration, 0), kernel.seen(measured, 0)
     if force is None:
@@ -147,39 +145,11 @@ def identify(
     return _with_force(moved, shaken, reached, kernel, structure, feedback_lag, force)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Kernel:
-    """φ and its first two derivatives, and how densely what it sees is sampled."""
-
-    values: tuple[Array, Array, Array]
-    time_step: float
-    every: int
-
-    @classmethod
-    def of(cls, frequency: float, step: float) -> "_Kernel":
-        reach = max(round(_PERIODS_OF_KERNEL / (frequency * step)), 8)
-        u = np.arange(-reach, reach + 1) / reach
-        # φ = (1 − u²)⁶ and its derivatives by u
-        flank = 1.0 - u**2
-        first = -12.0 * u * flank**5
-        second = -12.0 * flank**5 + 120.0 * u**2 * flank**4
-        per_time = 1.0 / (reach * step)
-        return cls(
-            values=(flank**6 / reach, first * per_time / reach, second * per_time**2 / reach),
-            time_step=step,
-            every=max(int(1.0 / (_PER_PERIOD * frequency * step)), 1),
-        )
-
-    def seen(self, history: Array, order: int) -> Array:
-        """Convolve a history with φ⁽ᵏ⁾: its derivative as the kernel sees it."""
-        return np.asarray(fftconvolve(history, self.values[order], mode="valid"))[:: self.every]
-
-
 def _with_force(
     moved: list[Array],
     shaken: Array,
     reached: Array,
-    kernel: _Kernel,
+    kernel: Kernel,
     structure: Structure,
     stated_lag: float,
     force: Array,
@@ -222,7 +192,7 @@ def _without_force(
     moved: list[Array],
     shaken: Array,
     reached: Array,
-    kernel: _Kernel,
+    kernel: Kernel,
     structure: Structure,
     stated_lag: float,
     measured: Array,
@@ -267,7 +237,7 @@ def _misfit(residual: Array, shaken: Array) -> float:
     return float(np.sqrt(residual @ residual / power)) if power > 0.0 else 0.0
 
 
-def _least_squares(columns: Array, target: Array, kernel: _Kernel) -> tuple[Array, Array, Array]:
+def _least_squares(columns: Array, target: Array, kernel: Kernel) -> tuple[Array, Array, Array]:
     """Coefficients, their covariance with correlated residuals, and the residuals."""
     scale = np.maximum(np.sqrt((columns**2).mean(axis=1)), np.finfo(float).tiny)
     rows = columns / scale[:, np.newaxis]

@@ -128,8 +128,8 @@ def examine_start(
     told = _felt(command, measured, offset, share)
     if told is _Answer.FELT:
         return Start(at_rest=True, amplitude=0.0, offset=0.0, offset_deviation=deviation)
-    left = deviation if told is _Answer.NOT_FELT else float(np.hypot(deviation, offset))
-    return Start(at_rest=True, amplitude=0.0, offset=offset, offset_deviation=left)
+    open_offset = deviation if told is _Answer.NOT_FELT else float(np.hypot(deviation, offset))
+    return Start(at_rest=True, amplitude=0.0, offset=offset, offset_deviation=open_offset)
 
 
 def _amplitude(command: Array, time_step: float, frequency: float) -> float:

@@ -217,11 +217,6 @@ def svg(figure: Figure) -> bytes:
     return _drawn(figure, "svg", metadata={"Date": None, "Creator": None})
 
 
-def png(figure: Figure) -> bytes:
-    """Draw a figure as PNG at 300 dots per inch, for screens that show no SVG."""
-    return _drawn(figure, "png", metadata={"Software": None})
-
-
 def _drawn(figure: Figure, kind: str, metadata: dict[str, Any]) -> bytes:
     target = io.BytesIO()
     with mpl.rc_context({**mpl.rcParamsDefault, **RC}):

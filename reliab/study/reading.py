@@ -72,7 +72,7 @@ def study_from(content: Mapping[str, Any], *, where: str = "") -> Study:
         If its kind is not known, or a key, a table or a value is not allowed; all faults at once.
     """
     name = content.get("kind")
-    if name not in KINDS:
+    if not isinstance(name, str) or name not in KINDS:
         raise InputError(
             "A study says of which kind it is",
             value=f"kind = {name!r}" if name is not None else "no key kind",

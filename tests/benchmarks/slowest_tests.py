@@ -13,7 +13,7 @@ import argparse
 import resource
 import sys
 from collections import defaultdict
-from collections.abc import Iterator  # noqa: TC003 - read beside the hooks
+from typing import TYPE_CHECKING
 
 import pytest
 

@@ -59,9 +59,9 @@ def verdict_of_error(
     if any(word_of_probability(rebuilt.probability) is not word for rebuilt in otherwise):
         reasons.extend(equation.contradictions)
         remedies.append("Find out why the structure differs from what was stated; it decides the verdict.")
-    if any(word_of_probability(each.probability) is not word for each in assumed):
+    if any(word_of_probability(restated.probability) is not word for restated in assumed):
         sizes = " and ".join(
-            f"{each.of(error.metric).value:.2%} at ξ = {each.damping_ratio:g}" for each in assumed
+            f"{restated.of(error.metric).value:.2%} at ξ = {restated.damping_ratio:g}" for restated in assumed
         )
         reasons.append(f"No damping ratio was stated, and it decides the verdict: {name} is {sizes}.")
         remedies.append("State the damping ratio of the structure with --xi.")

@@ -10,12 +10,12 @@ from reliab.criterion.provenance import records_checksum
 from reliab.errors import InputError
 from reliab.paper.audit import items_of, tabulate
 from reliab.paper.containment import LAWS, containment
-from reliab.paper.item import CLOSE
 from reliab.paper.printed import EXAMPLE, PrintedTables
 from reliab.paper.records import Records
 from reliab.paper.text import SLIPS
 from reliab.report.document import Column, Document, Paragraph, Points, Section, Table
 from reliab.report.kinds.method import limits_section, method_section
+from reliab.report.kinds.paper.counting import count, number, of_row, rows_that_agree
 from reliab.report.kinds.paper.figures import (
     boundary_section,
     cases_section,
@@ -105,33 +105,9 @@ def paper_report(
     )
 
 
-def _of_row(numbers: pd.DataFrame) -> pd.Series:
-    """Tell which numbers are those of a row of Table 2."""
-    return (numbers["item"] == "Table 2") & numbers["quantity"].str.contains(" of ")
-
-
-def _count(numbers: pd.DataFrame) -> tuple[int, int]:
-    """How many printed numbers outside the rows of Table 2 come back, of how many that can be recomputed."""
-    chosen = numbers[~_of_row(numbers) & (numbers["item"] != "Table 2")].dropna(subset=["difference"])
-    return int((chosen["difference"].abs() <= CLOSE).sum()), len(chosen)
-
-
-def _rows_that_agree(numbers: pd.DataFrame) -> tuple[int, int, int]:
-    """Rows of Table 2 that come back in a and b, those that do in the fitting error, and all rows."""
-    both, errors = "rows within 10 % in a and b", "rows within 10 % in the fitting error"
-    rows = int(_number(numbers, "Table 2", both, "printed"))
-    return int(_number(numbers, "Table 2", both)), int(_number(numbers, "Table 2", errors)), rows
-
-
-def _number(numbers: pd.DataFrame, item: str, quantity: str, column: str = "from_records") -> float:
-    """Take one number of the table."""
-    chosen = (numbers["item"] == item) & (numbers["quantity"] == quantity)
-    return float(numbers.loc[chosen, column].to_numpy(dtype=np.float64)[0])
-
-
 def _verdict(numbers: pd.DataFrame, contained: pd.DataFrame) -> Prose:
-    close, known = _count(numbers)
-    rows, errors, all_rows = _rows_that_agree(numbers)
+    close, known = count(numbers)
+    rows, errors, all_rows = rows_that_agree(numbers)
     law = contained["guo_2017_18"]
     return prose(
         "{close} of the {known} numbers that can be recomputed come back within 10 %. So do {rows} of the "
@@ -163,7 +139,7 @@ def _facts(records: Records, fraction: float) -> dict[str, Prose]:
 
 
 def _numbers(numbers: pd.DataFrame) -> Section:
-    shown = numbers[~_of_row(numbers)]
+    shown = numbers[~of_row(numbers)]
     relative = Fixed(decimals=1, factor=PERCENT, signed=True)
     return Section(
         title="All tables, figures and numbered equations",
@@ -254,7 +230,7 @@ def _promise(contained: pd.DataFrame) -> Section:
 
 def _errata(numbers: pd.DataFrame) -> Section:
     slips = tuple(prose("{place}: {slip}", place=place, slip=slip) for place, slip in SLIPS)
-    peak = _number(numbers, "Text above Table 5", "peak acceleration of KOBE/KJM000")
+    peak = number(numbers, "Text above Table 5", "peak acceleration of KOBE/KJM000")
     points: list[Prose] = [
         prose(
             "Table 4's column $b$ is $sqrt(b)$ in ms (@fig:paper-table-4). $b$ therefore grows as $xi^2$, "
@@ -280,8 +256,8 @@ def _errata(numbers: pd.DataFrame) -> Section:
         prose(
             "At 6.4 ms the text quotes errors of 280 % and 96 %; the exact loop gives {mte:.0f} % and "
             "{rms:.0f} %.",
-            mte=_number(numbers, "Figure 4", "MTE^R at 6.4 ms"),
-            rms=_number(numbers, "Figure 4", "RMS^R at 6.4 ms"),
+            mte=number(numbers, "Figure 4", "MTE^R at 6.4 ms"),
+            rms=number(numbers, "Figure 4", "RMS^R at 6.4 ms"),
         ),
     ]
     if np.isfinite(peak):
@@ -304,7 +280,7 @@ def _errata(numbers: pd.DataFrame) -> Section:
 
 
 def _limits(numbers: pd.DataFrame) -> list[Prose]:
-    rows, errors, all_rows = _rows_that_agree(numbers)
+    rows, errors, all_rows = rows_that_agree(numbers)
     sentences: list[Prose] = [
         prose(
             "{count} rows of Table 2 differ by more than 10 % in $a$ or $b$; the records behind them may "
@@ -314,7 +290,7 @@ def _limits(numbers: pd.DataFrame) -> list[Prose]:
             errors=errors,
         )
     ]
-    missing = int(numbers.loc[_of_row(numbers), "from_records"].isna().sum()) // 3
+    missing = int(numbers.loc[of_row(numbers), "from_records"].isna().sum()) // 3
     if missing:
         sentences.append(f"{missing} motions of Table 2 were not among those simulated.")
     return sentences
