@@ -13,7 +13,7 @@ PROMISED = (
 )
 
 
-@pytest.mark.parametrize("name", reliab.__all__)
+@pytest.mark.parametrize("name", [name for name in reliab.__all__ if name != "__version__"])
 def test_every_name_is_a_documented_function(name):
     offered = getattr(reliab, name)
     assert callable(offered)

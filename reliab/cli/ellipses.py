@@ -8,8 +8,8 @@ import typer
 
 from reliab.cli.options import (
     DampingRatios,
-    ExperimentalFraction,
     FirstOrder,
+    FractionIfGiven,
     Frequencies,
     JsonTarget,
     MetricName,
@@ -59,7 +59,7 @@ def ellipses(
     threshold: Thresholds = None,
     metric: MetricName = "rms",
     window: WindowName = "record",
-    alpha: ExperimentalFraction = 1.0,
+    alpha: FractionIfGiven = None,
     model: ModelFile = None,
     first_order: FirstOrder = False,
     out: Out = None,

@@ -206,9 +206,9 @@ def test_a_missing_file_and_frequency_are_refused(tmp_path, capsys):
 
 @pytest.fixture(scope="module")
 def short(tmp_path_factory) -> tuple[Path, str]:
-    """A test of six seconds, and what is printed of it without further options."""
+    """The test, and what is printed of it without further options."""
     path = tmp_path_factory.mktemp("short") / "good.csv"
-    written(path, 0.004, seconds=6.0)
+    written(path, 0.004, seconds=12.0)
     with contextlib.redirect_stdout(io.StringIO()) as printed:
         run(follow(path, "--threshold", "0.15"))
     return path, printed.getvalue()

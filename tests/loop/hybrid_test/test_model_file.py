@@ -117,6 +117,7 @@ def test_commands_take_the_model(motions):
     write_model(model, UpdatedModel(name="late", test=HybridTest(structure=STRUCTURE, effects=(lag,))))
     records = sorted(motions.glob("*.csv"))
     shared = [option for record in records for option in ("--motions", record)]
+    shared += ["--confidence", 0.5]  # three earthquakes carry no more than three quarters
     with_lag = command("criterion", *shared, "--model", model, "--json", "-")
     assert with_lag.exit_code == 0
     structure = ("--f", "1.3", "--xi", "0.03", "--alpha", "0.7")
