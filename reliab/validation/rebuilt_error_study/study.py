@@ -4,6 +4,7 @@ import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from importlib.metadata import version
 from itertools import product
 from pathlib import Path
 from typing import Final
@@ -12,7 +13,6 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-import reliab
 from reliab.errors import InputError
 from reliab.indices.response_error import response_error
 from reliab.loop.excitation import Excitation
@@ -146,7 +146,7 @@ class Design:
     def digest(self) -> str:
         """What the rows of a study are known by."""
         content = {
-            "version": reliab.__version__,
+            "version": version("reliab"),
             "motions": [motion.checksum for motion in self.motions],
             "structures": [repr(structure) for structure in self.structures],
             "asked": [self.threshold, str(self.metric), self.confidence, self.seed],
