@@ -6,15 +6,14 @@ histories that run through the same recursion. Nothing is linearised: a mean squ
 whole reaches down to zero.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft
 from scipy.stats import norm, qmc
 
 from reliab.rebuilt_error.error_statistics import mean_square, sweep_draws
-from reliab.rebuilt_error.noise import SensorNoise
+from reliab.rebuilt_error.noise_share import NoiseShare, thinning
 from reliab.rebuilt_error.recursion import Recursion, respond
 from reliab.rebuilt_error.tolerances import Tolerances
 from reliab.rebuilt_error.whole_structure import WholeStructure, first_mode
@@ -24,9 +23,6 @@ Array = NDArray[np.float64]
 LEVEL = 0.90
 """Level of the intervals."""
 
-_PER_PERIOD = 64.0  # samples in a period of the highest mode while draws are swept
-_NOISE_HISTORIES = 64
-_NEGLIGIBLE = 1e-4  # share of the error that noise must exceed to be swept
 HALF_WIDTH = float(norm.ppf(0.5 + 0.5 * LEVEL))
 """Half width of a 90 % interval in standard deviations."""
 
@@ -107,85 +103,6 @@ class Histories:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class NoiseShare:
-    """What noise adds to the mean square and to the peak of an error.
-
-    Attributes
-    ----------
-    white : float
-        Expected share of white noise in the mean square [m²].
-    in_square, in_peak : numpy.ndarray
-        Drawn differences, observed minus true [m²] and [m], shape (draws,).
-    deviation : float
-        Root mean square of the noise in the error's history [m].
-    """
-
-    white: float
-    in_square: Array
-    in_peak: Array
-    deviation: float
-
-    @property
-    def white_in_peak(self) -> float:
-        """What white noise adds to the peak in the mean [m], by its share of the noise's power.
-
-        What passes for slow noise may be the actuator's own doing, and is not taken away from a value.
-        """
-        power = self.deviation**2
-        return float(self.in_peak.mean()) * self.white / power if power > 0.0 else 0.0
-
-
-def share_of_noise(
-    noise: SensorNoise, structure: WholeStructure, error: Array, generator: np.random.Generator
-) -> NoiseShare:
-    """Noise in the mean square and peak of a rebuilt error.
-
-    Parameters
-    ----------
-    noise : SensorNoise
-        The sensor's noise.
-    structure : WholeStructure
-        The structure, which filters it.
-    error : numpy.ndarray
-        Rebuilt x_m − x_I from smoothed histories [m], shape (n,).
-    generator : numpy.random.Generator
-        Source of the draws.
-
-    Returns
-    -------
-    NoiseShare
-        The shares; zero where they are negligible.
-    """
-    every = min(thinning(structure, noise.time_step), max(int(0.3 / (noise.band * noise.time_step)), 1))
-    coarse = np.ascontiguousarray(error[::every])
-    recursion = Recursion.of_displacement(structure, every * noise.time_step)
-    points = fft.next_fast_len(2 * coarse.size, real=True)
-    frequency = fft.rfftfreq(points, every * noise.time_step)
-    density = noise.passed(frequency) / every
-    amplitude = np.sqrt(0.5 * points * density)
-    top, square = float(np.abs(coarse).max()), mean_square(coarse)
-    in_square, in_peak, power = [], [], []
-    for count in range(_NOISE_HISTORIES):
-        normal = generator.standard_normal((2, amplitude.size))
-        sample = fft.irfft((normal[0] + 1j * normal[1]) * amplitude, points)[: coarse.size]
-        noisy = respond(recursion, sample)[0] - sample
-        power.append(mean_square(noisy))
-        if count == 0 and np.sqrt(power[0]) <= _NEGLIGIBLE * np.sqrt(square):
-            return NoiseShare(white=0.0, in_square=np.zeros(1), in_peak=np.zeros(1), deviation=0.0)
-        in_square.append(mean_square(coarse + noisy) - square)
-        in_peak.append(float(np.abs(coarse + noisy).max()) - top)
-    mean_power = float(np.mean(power))
-    gain = np.abs(structure.error_transfer(2j * np.pi * frequency) - 1.0) ** 2
-    white = gain * density * noise.weights[0] / noise.density(frequency)
-    return NoiseShare(
-        white=mean_power * float(white.sum() / (gain * density).sum()),
-        in_square=np.array(in_square),
-        in_peak=np.array(in_peak),
-        deviation=float(np.sqrt(mean_power)),
-    )
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
 class Spread:
     """Errors of many draws.
 
@@ -245,12 +162,6 @@ def sweep(histories: Histories, structure: WholeStructure, unknown: Unknown, dra
         ideal_peak=swept[:, 2] * scale[2],
         deviation=np.interp(places, np.arange(thin.command.size), deviation),
     )
-
-
-def thinning(structure: WholeStructure, time_step: float) -> int:
-    """Return the number of samples of which one is enough while draws are swept."""
-    highest = float(structure.natural_frequencies[-1])
-    return max(int(1.0 / (_PER_PERIOD * highest * time_step)), 1)
 
 
 def _normal(dimensions: int, draws: int, seed: int) -> Array:
@@ -348,107 +259,3 @@ def estimate(value: float, draws: Array) -> Estimate:
 def probability_below(draws: Array, threshold: float) -> float:
     """Probability of an error below a threshold, no nearer to 0 and 1 than the number of draws can tell."""
     return (float(np.count_nonzero(draws < threshold)) + 0.5) / (draws.size + 1.0)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Widening:
-    """What one thing that is not known does to the interval.
-
-    Attributes
-    ----------
-    name : str
-        The tolerance, or "sensor_noise" or "initial_state".
-    deviation : float
-        Its standard deviation, relative or in SI units; zero for noise.
-    width : float
-        Width of the 90 % interval [-].
-    width_without : float
-        Width if this were known exactly [-].
-    deviation_for_half : float or None
-        Standard deviation at which the width is halved; None where no value does so alone.
-    """
-
-    name: str
-    deviation: float
-    width: float
-    width_without: float
-    deviation_for_half: float | None
-
-
-def widenings(
-    histories: Histories,
-    structure: WholeStructure,
-    unknown: Unknown,
-    share: NoiseShare,
-    *,
-    rms: bool,
-    draws: int,
-    seed: int,
-) -> tuple[Widening, ...]:
-    """Which unknowns widen the interval most, and what would halve it.
-
-    Parameters
-    ----------
-    histories, structure, unknown, share
-        As for `sweep` and `combine`.
-    rms : bool
-        Whether the interval is that of RMS^R, else of MTE^R.
-    draws, seed : int
-        Number and seed of the draws.
-
-    Returns
-    -------
-    tuple of Widening
-        The widest first; only what widens the interval.
-    """
-
-    def width(changed: Unknown, noisy: NoiseShare) -> float:
-        drawn = combine(sweep(histories, structure, changed, draws, seed), noisy, seed)
-        ends = np.quantile(drawn.rms if rms else drawn.mte, [0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL])
-        return float(ends[1] - ends[0])
-
-    whole = width(unknown, share)
-    parts = []
-    for name, deviation in unknown.deviations().items():
-        if deviation > 0.0:
-            without = width(_scaled(unknown, name, 0.0), share)
-            half = None
-            if without < 0.5 * whole:
-                low, high = 0.0, 1.0
-                for _ in range(6):
-                    middle = 0.5 * (low + high)
-                    narrow = width(_scaled(unknown, name, middle), share) <= 0.5 * whole
-                    low, high = (middle, high) if narrow else (low, middle)
-                half = low * deviation or None
-            parts.append(
-                Widening(
-                    name=name,
-                    deviation=deviation,
-                    width=whole,
-                    width_without=without,
-                    deviation_for_half=half,
-                )
-            )
-    if share.deviation > 0.0:
-        quiet = replace(share, in_square=np.zeros(1), in_peak=np.zeros(1))
-        without = width(unknown, quiet)
-        parts.append(
-            Widening(
-                name="sensor_noise",
-                deviation=0.0,
-                width=whole,
-                width_without=without,
-                deviation_for_half=None,
-            )
-        )
-    return tuple(
-        sorted((part for part in parts if part.width_without < whole), key=lambda part: part.width_without)
-    )
-
-
-def _scaled(unknown: Unknown, name: str, factor: float) -> Unknown:
-    if name == "initial_state":
-        return replace(unknown, error_at_start=factor * unknown.error_at_start)
-    tolerances = replace(unknown.tolerances, **{name: factor * getattr(unknown.tolerances, name)})
-    offset = factor * unknown.offset if name == "sensor_offset" else unknown.offset
-    return replace(unknown, tolerances=tolerances, offset=offset)

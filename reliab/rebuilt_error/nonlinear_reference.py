@@ -26,8 +26,9 @@ from reliab.loop.effects import Effect, Role
 from reliab.loop.hybrid_test import HybridTest, Motion3, load, run_closed_loop
 from reliab.rebuilt_error.channels import checked_histories, stated_start
 from reliab.rebuilt_error.error_statistics import mean_square
-from reliab.rebuilt_error.interval import Histories, Spread, Unknown, share_of_noise
+from reliab.rebuilt_error.interval import Histories, Spread, Unknown
 from reliab.rebuilt_error.noise import estimate_noise
+from reliab.rebuilt_error.noise_share import share_of_noise
 from reliab.rebuilt_error.rebuilt import RebuiltError, conclude
 from reliab.rebuilt_error.tolerances import Tolerances
 from reliab.rebuilt_error.whole_structure import WholeStructure

@@ -22,8 +22,9 @@ from reliab.rebuilt_error.channels import checked_histories, stated_start
 from reliab.rebuilt_error.error_statistics import mean_square
 from reliab.rebuilt_error.feedback import delayed
 from reliab.rebuilt_error.force_form import Form, combined_reading, felt_displacement
-from reliab.rebuilt_error.interval import Histories, Unknown, share_of_noise, sweep
+from reliab.rebuilt_error.interval import Histories, Unknown, sweep
 from reliab.rebuilt_error.noise import estimate_noise
+from reliab.rebuilt_error.noise_share import share_of_noise
 from reliab.rebuilt_error.rebuilt import RebuiltError, conclude
 from reliab.rebuilt_error.recursion import Recursion, respond
 from reliab.rebuilt_error.tolerances import Tolerances

@@ -12,19 +12,18 @@ from reliab.rebuilt_error.interval import (
     ErrorDraws,
     Estimate,
     Histories,
-    NoiseShare,
     Spread,
     Unknown,
-    Widening,
     combine,
     estimate,
     probability_below,
-    widenings,
 )
 from reliab.rebuilt_error.noise import SensorNoise
+from reliab.rebuilt_error.noise_share import NoiseShare
 from reliab.rebuilt_error.parts import Parts, divide
 from reliab.rebuilt_error.recursion import Recursion
 from reliab.rebuilt_error.whole_structure import WholeStructure
+from reliab.rebuilt_error.widenings import Widening, widenings
 from reliab.vocabulary import Metric
 
 Array = NDArray[np.float64]
