@@ -16,7 +16,7 @@ def _filtered(numerator, denominator, step, command):
 def third_order(step, command, reach, speed, rng):
     """A slow real pole before an oscillating pair far above, as a valve before an oil column."""
     del reach, speed
-    slow, column = rng.uniform(0.008, 0.025), 2.0 * np.pi * rng.uniform(25.0, 45.0)
+    slow, column = rng.uniform(0.03, 0.08), 2.0 * np.pi * rng.uniform(25.0, 45.0)
     damping = rng.uniform(0.3, 0.6)
     return _filtered(
         [column**2], np.polymul([slow, 1.0], [1.0, 2.0 * damping * column, column**2]), step, command
@@ -26,7 +26,7 @@ def third_order(step, command, reach, speed, rng):
 def oil_column(step, command, reach, speed, rng):
     """An oscillating pair with a fast pole, and a stiffness that rises towards the ends of the stroke."""
     del speed
-    natural, damping = 2.0 * np.pi * rng.uniform(5.0, 9.0), rng.uniform(0.4, 0.8)
+    natural, damping = 2.0 * np.pi * rng.uniform(2.5, 5.0), rng.uniform(0.4, 0.8)
     rise = rng.uniform(0.0, 0.1)
     y, v = 0.0, 0.0
     out = np.zeros(command.size)

@@ -14,6 +14,7 @@ TESTS, HELD_OUT = 5, (3, 4)
 WORLDS = (*SPECIMENS, *ACTUATORS)
 FURTHER = "further.csv"
 _FINE = 10  # steps of an actuator to a sample
+_LARGEST_ERROR = 0.5  # of what the effect leaves to calibration, so that the effect is the dominant one
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,7 +59,7 @@ def write_world(folder: Path, seed: int) -> World:
     error = float(np.exp(rng.uniform(np.log(0.02), np.log(0.2))))
     moved = _motions(rng, TESTS + 1)
     build = _specimen_tests if name in SPECIMENS else _actuator_tests
-    columns, described, accepted = build(name, moved, error, rng)
+    columns, described, accepted, error = build(name, moved, error, rng)
     files = [f"test_{k}.csv" for k in range(TESTS)]
     lines = [f'name = "world {seed}"', described, "[sampling]", f"rate_hz = {RATE:g}"]
     for k, file in enumerate(files):
@@ -109,44 +110,56 @@ def _peaks(motions):
     return max(np.abs(x).max() for x in motions), max(np.abs(v).max() for v in velocities), velocities
 
 
+def _below_effect(error, channels, calibrated):
+    """Error, but no more than a share of what calibration leaves of the channels, over their RMS."""
+    channel = np.concatenate(channels)
+    columns = np.concatenate(calibrated, axis=1).T
+    left = channel - columns @ np.linalg.lstsq(columns, channel, rcond=None)[0]
+    return min(error, _LARGEST_ERROR * float(left.std() / channel.std()))
+
+
 def _specimen_tests(name, motions, error, rng):
     equation, accepted = SPECIMENS[name]
     reach, speed, velocities = _peaks(motions)
     stiffness, dominant = 5e4, rng.uniform(0.25, 0.7)
     shape, disturbed, noise = rng.integers(2**31), rng.integers(2**31), 0.003 * stiffness * reach
-    tables = []
+    factor = dominant * stiffness * reach * (1.0 if name != "bilinear_gap" else 1.0 / dominant)
+    parts = []
     for fine, speeds in zip(motions, velocities, strict=True):
         x, v = fine[::_FINE], speeds[::_FINE]
         time = np.arange(x.size) / RATE
-        linear = stiffness * x
         effect = equation(time, x, v, reach, speed, np.random.default_rng(shape))
-        force = linear + dominant * stiffness * reach * effect * (
-            1.0 if name != "bilinear_gap" else 1.0 / dominant
-        )
+        parts.append((time, x, v, stiffness * x + factor * effect))
+    error = _below_effect(error, [p[3] for p in parts], [p[1][np.newaxis] for p in parts])
+    tables = []
+    for time, x, v, exact in parts:
         added = _disturbance(np.random.default_rng(disturbed), time, x, v, reach, speed)
-        force = force + error * force.std() * added / max(added.std(), 1e-12)
+        force = exact + error * exact.std() * added / max(added.std(), 1e-12)
         force = force + noise * rng.normal(size=x.size)
         tables.append({"measured_m": x + 1e-4 * reach * rng.normal(size=x.size), "force_n": force})
     described = (
         f"[specimen]\nstiffness_n_per_m = {stiffness * rng.uniform(0.96, 1.04):g}\n"
         "damping_n_s_per_m = 0.0\nmass_kg = 0.0"
     )
-    return tables, described, accepted
+    return tables, described, accepted, error
 
 
 def _actuator_tests(name, motions, error, rng):
     equation, accepted = ACTUATORS[name]
     reach, speed, velocities = _peaks(motions)
     shape, disturbed, delay = rng.integers(2**31), rng.integers(2**31), int(rng.uniform(5, 20))
-    tables = []
+    parts = []
     for u, v in zip(motions, velocities, strict=True):
         moved = equation(1.0 / (RATE * _FINE), u, reach, speed, np.random.default_rng(shape))
-        moved = np.concatenate([np.full(delay, moved[0]), moved[:-delay]])
+        parts.append((u, v, np.concatenate([np.full(delay, moved[0]), moved[:-delay]])))
+    error = _below_effect(error, [p[2] for p in parts], [np.stack(p[:2]) for p in parts])
+    tables = []
+    for u, v, exact in parts:
         time = np.arange(u.size) / (RATE * _FINE)
         added = _disturbance(np.random.default_rng(disturbed), time, u, v, reach, speed)
-        moved = moved + error * moved.std() * added / max(added.std(), 1e-12)
-        read = moved[::_FINE]
+        read = (exact + error * exact.std() * added / max(added.std(), 1e-12))[::_FINE]
         tables.append(
             {"command_m": u[::_FINE], "measured_m": read + 0.002 * reach * rng.normal(size=read.size)}
         )
-    return tables, f"[actuator]\ngain = 1.0\ndelay_s = {delay / (RATE * _FINE):g}", accepted
+    described = f"[actuator]\ngain = 1.0\ndelay_s = {delay / (RATE * _FINE):g}"
+    return tables, described, accepted, error

@@ -21,6 +21,7 @@ from reliab.discrepancy.spectra.segment import Segment
 Array = NDArray[np.float64]
 
 _RAN_AWAY = 1e300
+_FEWEST_TESTS = 2  # that have a standard error
 _STEPS = 3  # of a refit without one test, from the fit to all of them
 
 
@@ -51,6 +52,13 @@ class LeftOut:
     def nrmse(self) -> float:
         """RMS of the residuals over that of the channel."""
         return float(np.sqrt(self.energies.sum() / max(self.signals.sum(), 1e-300)))
+
+    def undecided(self, other: "LeftOut") -> bool:
+        """Whether the mean difference to another model is within its standard error over the tests."""
+        ratios = np.log(np.maximum(self.energies, 1e-300) / np.maximum(other.energies, 1e-300))
+        if ratios.size < _FEWEST_TESTS:
+            return True
+        return bool(abs(ratios.mean()) < ratios.std(ddof=1) / np.sqrt(ratios.size))
 
 
 def left_out(problem: Problem, fitted: Fit, fixed: tuple[int, ...] = ()) -> LeftOut:

@@ -115,7 +115,26 @@ def ranking(search: Search) -> tuple[Ranked, ...]:
     ordered = sorted(search.fitted.values(), key=search.score, reverse=True)
     weights = np.exp(np.array([search.score(fit) for fit in ordered]) - search.score(ordered[0]))
     shares = (weights / weights.sum()).tolist()
+    if search.problem.flat:
+        _place(search, ordered)
     return tuple(Ranked(fit=fit, probability=share) for fit, share in zip(ordered, shares, strict=True))
+
+
+def _place(search: Search, ordered: list[Fit]) -> None:
+    """Let the likelihood of all tests tell where along the block the effects of the first model act.
+
+    Models that differ in nothing but that have the same names and as many parameters. A test in which the
+    place shows best is missing where it is left out, so that left-out tests often do not tell; the other
+    model then takes the first one's rank, and its own rank goes to that one.
+    """
+    first = ordered[0]
+    names = sorted(effect.label() for effect in first.space.effects)
+    for rank, other in enumerate(ordered[1:], start=1):
+        same = sorted(effect.label() for effect in other.space.effects) == names
+        if same and search.error(first).undecided(search.error(other)):
+            if other.log_evidence > first.log_evidence:
+                ordered[0], ordered[rank] = other, first
+            return
 
 
 def probability(ranked: Sequence[Ranked], effect: type[Effect]) -> float:

@@ -1,0 +1,55 @@
+"""Models of the same names: left-out tests tell them apart where these decide, else all tests together."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from reliab.discrepancy.fitting.left_out import LeftOut
+from reliab.discrepancy.naming.naming import ranking
+from reliab.loop.effects import find_effect
+
+AFTER, BEFORE = find_effect("stroke_saturation"), find_effect("command_saturation")
+BACKLASH = find_effect("backlash")
+STEADY = [1.0, 1.1, 0.9, 1.0]
+ONE_WORSE = [3.3, 0.65, 0.8, 0.5]  # of what a limit shows in one test only, which is left out once
+ALL_WORSE = [3.3, 3.0, 3.5, 3.1]
+
+
+def model(effect, evidence):
+    return SimpleNamespace(space=SimpleNamespace(effects=(effect,)), log_evidence=evidence)
+
+
+def errors(energies):
+    return LeftOut(energies=np.array(energies), signals=np.ones(4), units=np.ones(4))
+
+
+def first_of(*models, flat=True):
+    """Effect of the most probable of models with their left-out errors."""
+    fits = {str(k): fit for k, (fit, _) in enumerate(models)}
+    left = {id(fit): errors(energies) for fit, energies in models}
+    search = SimpleNamespace(
+        fitted=fits,
+        problem=SimpleNamespace(flat=flat),
+        error=lambda fit: left[id(fit)],
+        score=lambda fit: -10.0 * np.log(left[id(fit)].energy),
+    )
+    return ranking(search)[0].fit.space.effects[0]
+
+
+def test_all_tests_tell_the_place_where_left_out_ones_do_not():
+    after, before = (model(AFTER, 68.0), STEADY), (model(BEFORE, 78.0), ONE_WORSE)
+    assert first_of(after, before) is BEFORE
+
+
+@pytest.mark.parametrize(
+    ("other", "energies", "evidence", "flat"),
+    [
+        (BEFORE, ALL_WORSE, 78.0, True),  # left-out tests decide
+        (BEFORE, ONE_WORSE, 58.0, True),  # the likelihood says the same
+        (BACKLASH, ONE_WORSE, 78.0, True),  # another effect
+        (BEFORE, ONE_WORSE, 78.0, False),  # noise judges by the evidence itself
+    ],
+)
+def test_the_first_model_stays_first_otherwise(other, energies, evidence, flat):
+    assert first_of((model(AFTER, 68.0), STEADY), (model(other, evidence), energies), flat=flat) is AFTER
