@@ -87,6 +87,7 @@ def sources(tmp_path_factory):
 FILE = ("--ellipses", "{folder}/ellipses.nc", "--f", "1", "--xi", "0.02")
 PAPER = ("--ellipses", TABLE2)
 RECORDS = ("--motions", "{folder}/motions", "--method", "quantile", "--confidence", "0.8")
+HALF = (*RECORDS[:-1], "0.6", "--sets", "near")
 STORE = ("--results", "{folder}/results.zarr", "--confidence", "0.7")
 PRINTED = ("--law", "guo_2017_18")
 CHANGES = {
@@ -111,7 +112,7 @@ CHANGES = {
     "window": [(RECORDS, ("--window", "1.5")), (RECORDS, ("--window", "arias"))],
     "alpha": [(RECORDS, ("--alpha", "0.5"))],
     "model": [],
-    "structure": [(RECORDS, ("--structure", FRAME))],
+    "structure": [(HALF, ("--structure", FRAME))],
     "method": [(FILE, ("--method", name)) for name in ("quantile", "tolerance", "conformal", "bootstrap")],
     "assurance": [((*FILE, "--method", "tolerance"), ("--assurance", "0.8"))],
     "distribution": [((*FILE, "--method", "quantile"), ("--distribution", "weibull"))],
