@@ -242,11 +242,16 @@ class ErrorDraws:
 
 
 def combine(spread: Spread, share: NoiseShare, seed: int) -> ErrorDraws:
-    """Take drawn noise away from drawn errors."""
+    """Take drawn noise away from drawn errors.
+
+    In the mean only what white noise adds is taken from a peak, as from its value: what passes for slow noise
+    may be the actuator's own doing.
+    """
     draws = spread.peak.size
     order = np.random.default_rng(seed).permutation(np.arange(draws) % share.in_square.size)
     square = np.maximum(spread.mean_square - share.in_square[order], 0.0)
-    peak = np.maximum(spread.peak - share.in_peak[order], 0.0)
+    in_peak = share.in_peak - share.in_peak.mean() + share.white_in_peak
+    peak = np.maximum(spread.peak - in_peak[order], 0.0)
     return ErrorDraws(rms=np.sqrt(square) / spread.ideal_peak, mte=peak / spread.ideal_peak)
 
 

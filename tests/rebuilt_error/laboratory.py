@@ -144,6 +144,8 @@ def _march(ground, h, parts, kind, numbers, specimen, shape, w0, xi, alpha, lag)
     xs, vs, fs, ms = np.zeros(total), np.zeros(total), np.zeros(total), np.zeros(total)
     y, held = np.zeros(5), 0.0
     slopes = np.zeros((4, 5))
+    if kind == BIAS:
+        ms[0], fs[0] = numbers[1], alpha * w0 * w0 * numbers[1]
     for i in range(1, total):
         j = (i - 1) // parts
         part = (i - 1) - j * parts

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rebuilt_error.laboratory import DELAY, RATE, Lab, noise, run, synthetic_ground
+from rebuilt_error.laboratory import BACKLASH, BIAS, DELAY, RATE, Lab, noise, run, synthetic_ground
 from reliab.errors import InputError
 from reliab.loop.structure import Structure
 from reliab.rebuilt_error import Tolerances, rebuild
@@ -88,6 +88,23 @@ def test_a_sensor_offset_at_rest_is_taken_away(outcome):
     assert kept.rms.value > 1.5 * plain.rms.value
 
 
+@pytest.mark.parametrize(("alpha", "every"), [(1.0, 2), (0.5, 8)])
+def test_an_offset_that_the_loop_felt_is_part_of_the_error(alpha, every):
+    bias = 0.01 * np.abs(run(Lab(1.0, 0.03, alpha), synthetic_ground(7, 20.0)).ideal).max()
+    felt = run(Lab(1.0, 0.03, alpha, BIAS, (0.998, bias, 0.0, 0.0)), synthetic_ground(7, 20.0))
+    structure = Structure(frequency=1.0, damping_ratio=0.03, experimental_fraction=alpha)
+    level = 0.01 * np.sqrt(np.mean(felt.measured**2))
+    read = (felt.measured + noise("white", felt.measured.size, level, np.random.default_rng(1)))[::every]
+    rebuilt = rebuild(felt.command[::every], read, every * STEP, structure)
+    assert rebuilt.start.offset == 0.0
+    assert rebuilt.rms.value == pytest.approx(felt.rms, rel=0.05)
+    # the same offset of a reading that the loop did not feel
+    unfelt = run(Lab(1.0, 0.03, alpha, BIAS, (0.998, 0.0, 0.0, 0.0)), synthetic_ground(7, 20.0))
+    shifted = rebuild(unfelt.command[::every], unfelt.measured[::every] + bias, every * STEP, structure)
+    assert shifted.start.offset == pytest.approx(bias, rel=0.05)
+    assert shifted.rms.value == pytest.approx(unfelt.rms, rel=0.05)
+
+
 def test_a_test_that_begins_in_motion_says_so(outcome):
     begin = int(np.argmax(np.abs(outcome.command)))
     rebuilt = rebuild(outcome.command[begin:], outcome.measured[begin:], STEP, STRUCTURE)
@@ -96,6 +113,16 @@ def test_a_test_that_begins_in_motion_says_so(outcome):
     assert not rebuilt.start.at_rest
     assert rebuilt.rms.low < true < rebuilt.rms.high
     assert "initial_state" in {one.name for one in rebuilt.widenings()}
+
+
+def test_an_actuator_that_passes_for_slow_noise_keeps_its_peak():
+    built = Lab(1.0, 0.03, 1.0, BACKLASH, (0.002, 0.0, 0.0, 0.0))
+    played = run(built, synthetic_ground(5, 20.0))
+    level = 0.01 * np.sqrt(np.mean(played.measured**2))
+    read = played.measured + noise("white", played.measured.size, level, np.random.default_rng(2))
+    rebuilt = rebuild(played.command, read, STEP, STRUCTURE)
+    assert rebuilt.mte.low < played.mte < rebuilt.mte.high
+    assert np.mean(rebuilt.draws.mte) == pytest.approx(rebuilt.mte.value, rel=0.02)
 
 
 def test_parts_add_up_and_name_what_is_wrong(outcome):
