@@ -12,13 +12,17 @@ _PERCENT = 100.0
 
 
 @styled
-def error_beyond_the_model(tests: pd.DataFrame) -> Figure:
+def error_beyond_the_model(
+    tests: pd.DataFrame, *, prediction: str = "Error of a constant gain $A$ and delay $d$"
+) -> Figure:
     """Draw the error of each test over that of a constant gain and delay with the same indices.
 
     Parameters
     ----------
     tests : pandas.DataFrame
         Columns rig, error [-] and predicted [-], one row a test.
+    prediction : str, optional
+        What the predicted error is that of.
 
     Returns
     -------
@@ -35,6 +39,6 @@ def error_beyond_the_model(tests: pd.DataFrame) -> Figure:
         place.plot(chosen["predicted"], chosen["error"], label=plain(str(name)), **look)
     place.set(xscale="log", yscale="log", xlim=ends, ylim=ends, aspect="equal")
     label_logarithmic(place.xaxis, place.yaxis)
-    name_axes(place, "Error of a constant gain $A$ and delay $d$ [%]", "Error of the test [%]")
+    name_axes(place, f"{prediction} [%]", "Error of the test [%]")
     legend_below(figure, place, columns=2)
     return figure

@@ -96,7 +96,7 @@ def _predictions(table: pd.DataFrame, tests: pd.DataFrame) -> Section:
     blocks = (
         Table(frame=table, columns=columns, caption=caption, label="tab:predictions"),
         Figure(
-            drawing=error_beyond_the_model(long),
+            drawing=error_beyond_the_model(long, prediction="Predicted error"),
             caption="Simulated error of every test over three predictions of it; on the line they agree.",
             label="fig:predictions",
         ),
