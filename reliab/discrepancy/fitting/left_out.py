@@ -53,9 +53,9 @@ class LeftOut:
         """RMS of the residuals over that of the channel."""
         return float(np.sqrt(self.energies.sum() / max(self.signals.sum(), 1e-300)))
 
-    def undecided(self, other: "LeftOut") -> bool:
+    def undecided(self, rival: "LeftOut") -> bool:
         """Whether the mean difference to another model is within its standard error over the tests."""
-        ratios = np.log(np.maximum(self.energies, 1e-300) / np.maximum(other.energies, 1e-300))
+        ratios = np.log(np.maximum(self.energies, 1e-300) / np.maximum(rival.energies, 1e-300))
         if ratios.size < _FEWEST_TESTS:
             return True
         return bool(abs(ratios.mean()) < ratios.std(ddof=1) / np.sqrt(ratios.size))

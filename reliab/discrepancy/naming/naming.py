@@ -129,11 +129,11 @@ def _place(search: Search, ordered: list[Fit]) -> None:
     """
     first = ordered[0]
     names = sorted(effect.label() for effect in first.space.effects)
-    for rank, other in enumerate(ordered[1:], start=1):
-        same = sorted(effect.label() for effect in other.space.effects) == names
-        if same and search.error(first).undecided(search.error(other)):
-            if other.log_evidence > first.log_evidence:
-                ordered[0], ordered[rank] = other, first
+    for rank, rival in enumerate(ordered[1:], start=1):
+        same = sorted(effect.label() for effect in rival.space.effects) == names
+        if same and search.error(first).undecided(search.error(rival)):
+            if rival.log_evidence > first.log_evidence:
+                ordered[0], ordered[rank] = rival, first
             return
 
 
