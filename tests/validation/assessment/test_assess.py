@@ -26,7 +26,8 @@ ONE_HERTZ = Structure(frequency=1.0, damping_ratio=0.02)
 
 
 def test_index_and_probability_are_those_of_the_criterion(simulate):
-    found, criterion = assess(simulate(noise=0.001), ONE_HERTZ), default_criterion(1.0, 0.02)
+    test = simulate(noise=0.001)
+    found, criterion = assess(test, ONE_HERTZ), default_criterion(1.0, 0.02, duration=test.duration)
     at = (found.tracking.amplitude, found.tracking.delay, 1.0, 0.02)
     assert found.index == pytest.approx(float(criterion.index(*at)))
     promised = min(float(criterion.probability(*at)), LARGEST_PROBABILITY)
@@ -76,9 +77,10 @@ def test_error_under_the_own_motion_is_that_of_the_simulated_test(simulate, grou
 
 def test_structure_outside_the_criterion_is_warned_of_and_carried_over(simulate):
     structure = Structure(frequency=3.0, damping_ratio=0.02)
-    found = assess(simulate(f=3.0, delay=0.0001), structure)
+    test = simulate(f=3.0, delay=0.0001)
+    found = assess(test, structure)
     assert any("outside of the criterion's validity" in warning for warning in found.warnings)
-    at_edge = default_criterion(2.0, 0.02).limits(2.0, 0.02)
+    at_edge = default_criterion(2.0, 0.02, duration=test.duration).limits(2.0, 0.02)
     assert found.population.a == pytest.approx(float(at_edge[0]))
     assert found.population.b == pytest.approx(float(at_edge[1]) * (2.0 / 3.0) ** 2)
     assert carried_limits(found.criterion, ONE_HERTZ)[1] == pytest.approx(float(at_edge[1]) * 4.0)
