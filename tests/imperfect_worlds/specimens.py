@@ -40,7 +40,7 @@ def dahl(time, x, v, reach, speed, rng):
 def lugre(time, x, v, reach, speed, rng):
     """Friction after Canudas de Wit et al. (1995): bristles, Stribeck's curve, viscous part."""
     static, stribeck = rng.uniform(1.1, 1.4), rng.uniform(0.02, 0.1) * speed
-    stiffness = 1.0 / (rng.uniform(0.005, 0.02) * reach)
+    stiffness = 1.0 / (rng.uniform(0.02, 0.06) * reach)
     damping = 0.3 * np.sqrt(stiffness) * 0.01
 
     def slope(v, z):
