@@ -198,15 +198,15 @@ def test_what_the_header_states_holds_unless_an_option_says_otherwise(folder):
 
 
 def test_an_assumed_damping_ratio_is_said(folder):
-    shown = " ".join(run(folder / "good.csv", "--f", 1).stdout.split())
-    assert shown.startswith("RELIABLE")  # whatever the damping ratio
-    assert "No damping ratio was stated" in shown
     frame = pd.read_csv(folder / "good.csv")
     path = CubicSpline(frame["time_s"], frame["command_m"])
-    frame["measured_m"] = path(np.clip(frame["time_s"] - 0.0015, 0.0, None)) + 1e-4 * np.random.default_rng(
-        1
-    ).normal(size=len(frame))
-    frame.to_csv(folder / "between.csv", index=False)
+    noise = 1e-4 * np.random.default_rng(1).normal(size=len(frame))
+    for name, delay in (("prompt", 1e-4), ("between", 1.5e-3)):
+        frame["measured_m"] = path(np.clip(frame["time_s"] - delay, 0.0, None)) + noise
+        frame.to_csv(folder / f"{name}.csv", index=False)
+    shown = " ".join(run(folder / "prompt.csv", "--f", 1).stdout.split())
+    assert shown.startswith("RELIABLE")  # whatever the damping ratio
+    assert "No damping ratio was stated" in shown
     found = json.loads(run(folder / "between.csv", "--f", 1, "--xi", 0.02, "--json", "-").stdout)
     assert found["verdict"] != "undecided"
     left_open = json.loads(run(folder / "between.csv", "--f", 1, "--json", "-").stdout)
