@@ -312,6 +312,8 @@ class Watch:
         return {
             "rms": {"value": asked.rms.value, "low": asked.rms.low, "high": asked.rms.high},
             "mte": {"value": asked.mte.value, "low": asked.mte.low, "high": asked.mte.high},
+            "metric": str(self.metric),
+            "threshold": self.threshold,
             "probability": asked.probability(self.threshold, self.metric),
         }
 

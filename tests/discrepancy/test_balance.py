@@ -19,7 +19,7 @@ def test_coarse_integration_is_named_alone_with_its_step(blind, seed):
     search = Search(Problem(block=block, segments=segments))
     best = search.whole()
     assert best.space.names == ("integration_error",)
-    damping, step = best.space.values(best.coordinates)
+    _curvature, damping, step = best.space.values(best.coordinates)
     truth = label.effects[0]
     assert step == pytest.approx(truth["parameters"]["step_s"]["value"], rel=0.1)
     assert damping == pytest.approx(truth["derived"]["numerical_damping_ratio"], rel=0.02)
