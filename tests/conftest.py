@@ -141,3 +141,12 @@ def grouped_ellipses() -> xr.Dataset:
         },
         attrs={"window": "record"},
     )
+
+
+@pytest.fixture(scope="session")
+def printed_table2():
+    """Ellipses of the paper's Table 2, as a dataset."""
+    from reliab.criterion import read_ellipses
+    from reliab.shipped import shipped
+
+    return read_ellipses(shipped("datasets", "paper/table2.csv"))

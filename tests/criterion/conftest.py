@@ -7,16 +7,9 @@ import pytest
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.criterion import EllipseSample, read_ellipses
-from reliab.shipped import shipped
+from reliab.criterion import EllipseSample
 
 SampleOf = Callable[..., EllipseSample]
-
-
-@pytest.fixture(scope="session")
-def printed_table2() -> xr.Dataset:
-    """The paper's Table 2."""
-    return read_ellipses(shipped("datasets", "paper/table2.csv"))
 
 
 @pytest.fixture(scope="session")

@@ -25,7 +25,7 @@ def test_the_new_law_beats_the_printed_and_the_exponential_form_at_every_frequen
 )
 def test_on_real_records_the_new_law_beats_the_printed_ones_at_every_frequency(damping_ratios, others):
     real = open_ellipses(shipped("datasets", "real_suite/ellipses.nc")).sel(xi=damping_ratios)
-    laws = {name: (FITTED | OF_MANY_MOTIONS)[name] for name in ("dimensionless", *others)}
+    laws = {name: {**FITTED, **OF_MANY_MOTIONS}[name] for name in ("dimensionless", *others)}
     table = compare_laws(real, laws=laws)
     for column in ("log_score", "region_at_f"):
         found = table.pivot_table(index="f", columns="law", values=column)
