@@ -30,8 +30,8 @@ def expected_error(errors: LeftOut) -> FurtherError | None:
     --------
     >>> errors = LeftOut(energies=np.array([1.0, 4.0, 2.0]), signals=np.full(3, 100.0), units=np.ones(3))
     >>> further = expected_error(errors)
-    >>> round(further.value, 2), round(further.low, 2), round(further.high, 2)
-    (0.14, 0.04, 0.46)
+    >>> round(further.value, 3), round(further.low, 3), round(further.high, 3)
+    (0.141, 0.044, 0.455)
     """
     logarithms = 0.5 * np.log(np.maximum(errors.energies, 1e-300) / np.maximum(errors.signals, 1e-300))
     count = logarithms.size

@@ -130,7 +130,7 @@ class FrameLoop:
     >>> loop = FrameLoop(excitation=excitation, partition=benchmark_partition(1))
     >>> found = loop.deviation(loop.cells(gain=1.0, delay=0.002))
     >>> (found.peak / found.ideal_peak).round(3)
-    array([0.062])
+    array([0.018])
     """
 
     excitation: Excitation
