@@ -29,7 +29,8 @@ _YIELDS = (0.05, 0.15, 0.3, 0.5, 0.75)  # of the largest displacement, where a J
 _TURNS_OVER = 0.02  # of the largest velocity, over which friction changes sign
 _GAIN = 0.25  # share of the residual that must vanish on the other half
 _LEAST = 0.004  # share of the force below which nothing is called nonlinear
-_FEWEST_PERIODS = 4.0
+FEWEST_PERIODS = 4.0
+"""Periods of the structure over which a specimen is examined at least."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,9 +92,9 @@ def examine_specimen(measured: Array, force: Array, time_step: float, frequency:
         raise InputError(
             "Displacement and force must have one length", value=f"{measured.size}, {force.size}"
         )
-    if measured.size * time_step * frequency < _FEWEST_PERIODS:
+    if measured.size * time_step * frequency < FEWEST_PERIODS:
         raise InputError(
-            f"A specimen is examined over at least {_FEWEST_PERIODS:.0f} periods",
+            f"A specimen is examined over at least {FEWEST_PERIODS:.0f} periods",
             value=f"{measured.size * time_step * frequency:.2g}",
             remedy="Give the whole test",
         )

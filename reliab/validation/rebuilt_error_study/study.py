@@ -22,6 +22,7 @@ from reliab.loop.structure import Structure
 from reliab.motions import Motion, resample
 from reliab.progress import Progress, silent
 from reliab.rebuilt_error import RebuiltError, examine_specimen, rebuild, rebuild_with_specimen
+from reliab.rebuilt_error.specimen_check import FEWEST_PERIODS
 from reliab.shipped import shipped
 from reliab.sweep import open_ellipses
 from reliab.validation.beyond_the_model import Rig
@@ -353,7 +354,8 @@ def _judged(
     measured = condition.read(histories.piston.values[0], bench.rng)
     error = rebuild(command, measured, step, stated, tolerances=condition.tolerances, draws=_DRAWS)
     looks_nonlinear = np.nan
-    if condition.stated == RIGHT:
+    periods = command.size * step * stated.frequency
+    if condition.stated == RIGHT and periods >= FEWEST_PERIODS:
         force = condition.read(histories.force, bench.rng)
         seen = examine_specimen(error.histories.measured, force, step, stated.frequency)
         looks_nonlinear = float(seen.nonlinear)
