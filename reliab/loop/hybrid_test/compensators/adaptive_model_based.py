@@ -11,6 +11,7 @@ from reliab.errors import InputError
 from reliab.loop.effects.kernel import Kernel, Numbers
 from reliab.loop.hybrid_test.compensator import Compensator
 from reliab.loop.hybrid_test.compensators.low_pass import butterworth_sections
+from reliab.loop.hybrid_test.compensators.sections import filter_two
 
 _FACTORS = 4
 
@@ -30,19 +31,7 @@ def _compensate(
     sent += state[3] * (x - 2.0 * state[5] + state[6]) / step**2
     sent += state[4] * (x - 3.0 * state[5] + 3.0 * state[6] - state[7]) / step**3
     state[7], state[6], state[5] = state[6], state[5], x
-    u, y = sent, measured
-    for section in range(2):
-        at, memory = 8 + 5 * section, 11 + 2 * section
-        b0, b1, b2 = coefficients[at], coefficients[at + 1], coefficients[at + 2]
-        a1, a2 = coefficients[at + 3], coefficients[at + 4]
-        filtered = b0 * u + state[memory]
-        state[memory] = b1 * u - a1 * filtered + state[memory + 1]
-        state[memory + 1] = b2 * u - a2 * filtered
-        u = filtered
-        filtered = b0 * y + state[memory + 4]
-        state[memory + 4] = b1 * y - a1 * filtered + state[memory + 5]
-        state[memory + 5] = b2 * y - a2 * filtered
-        y = filtered
+    u, y = filter_two(sent, measured, state, 11, coefficients, 8)
     first = (y - state[8]) / step
     second = (y - 2.0 * state[8] + state[9]) / step**2
     third = (y - 3.0 * state[8] + 3.0 * state[9] - state[10]) / step**3

@@ -11,13 +11,14 @@ from reliab.errors import InputError
 from reliab.loop.effects.kernel import Kernel, Numbers
 from reliab.loop.hybrid_test.compensator import Compensator
 from reliab.loop.hybrid_test.compensators.low_pass import butterworth_sections
+from reliab.loop.hybrid_test.compensators.sections import filter_two
 
 _LONGEST = 256  # samples of the moving window
 _FACTORS = 3
 _RING = 27  # where the window begins in the state
 
 
-def _compensate(  # noqa: PLR0915 - one compiled step
+def _compensate(
     motion: Numbers, measured: float, step: float, coefficients: Numbers, state: Numbers
 ) -> float:
     # Coefficients: 3 first factors, 3 lower and 3 upper bounds, 3 largest rates, trigger, samples, window,
@@ -31,19 +32,7 @@ def _compensate(  # noqa: PLR0915 - one compiled step
     sent = state[1] * x + state[2] * (x - state[4]) / step
     sent += state[3] * (x - 2.0 * state[4] + state[5]) / step**2
     state[5], state[4] = state[4], x
-    u, y = sent, measured
-    for section in range(2):
-        at, memory = 16 + 5 * section, 6 + 2 * section
-        b0, b1, b2 = coefficients[at], coefficients[at + 1], coefficients[at + 2]
-        a1, a2 = coefficients[at + 3], coefficients[at + 4]
-        filtered = b0 * u + state[memory]
-        state[memory] = b1 * u - a1 * filtered + state[memory + 1]
-        state[memory + 1] = b2 * u - a2 * filtered
-        u = filtered
-        filtered = b0 * y + state[memory + 4]
-        state[memory + 4] = b1 * y - a1 * filtered + state[memory + 5]
-        state[memory + 5] = b2 * y - a2 * filtered
-        y = filtered
+    u, y = filter_two(sent, measured, state, 6, coefficients, 16)
     scale, every, window = coefficients[15], int(coefficients[13]), int(coefficients[14])
     count = int(state[0])
     if count % every == 0:
