@@ -12,7 +12,7 @@ from reliab.loop.effects import find_effect, library
 from reliab.loop.hybrid_test.compensators import compensators
 from reliab.motions import load_motions
 from reliab.motions.readers.registry import FORMATS
-from reliab.report.kinds.wording import meaning_of_confidence
+from reliab.report.wording import meaning_of_confidence
 from reliab.study.kinds import KINDS
 from reliab.study.reading import read_study
 

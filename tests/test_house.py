@@ -28,7 +28,6 @@ LONG_MODULES = {
     "discrepancy/naming/naming.py",
     "loop/partition/frame_file.py",
     "criterion/criterion.py",
-    "report/kinds/discrepancy.py",
     "sweep/results.py",
     "validation/cross_validation/judge.py",
     "validation/partitioned_structures.py",
@@ -36,7 +35,7 @@ LONG_MODULES = {
 """Modules still to be split at their seams."""
 
 LONG_FUNCTIONS = {
-    "report/kinds/rebuilt_error_study.py:rebuilt_error_section": "to be split",
+    "report/kinds/validation/rebuilt_error.py:rebuilt_error_section": "to be split",
     "cli/criterion.py:criterion": "hands its options on",
     "cli/sources.py:ellipse_dataset": "hands its options on",
     "cli/validate.py:validate": "hands its options on",
@@ -54,9 +53,9 @@ LONG_FUNCTIONS = {
     "report/kinds/criterion/result.py:_criteria_table": "to be split",
     "report/kinds/paper/figures.py:loop_section": "a table of text",
     "report/kinds/paper/report.py:_errata": "a table of text",
-    "report/kinds/paper/rows_of_table_2.py:_disagreeing": "to be split",
-    "report/kinds/validation.py:_beyond": "to be split",
-    "report/kinds/validation.py:_cases": "to be split",
+    "report/kinds/table_audit/report.py:_disagreeing": "to be split",
+    "report/kinds/validation/report.py:_beyond": "to be split",
+    "report/kinds/validation/report.py:_cases": "to be split",
     "validation/assessment/assess.py:assess": "to be split",
 }
 """Functions longer than the rule allows, and why."""

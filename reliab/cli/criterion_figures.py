@@ -89,8 +89,8 @@ def _listed(dataset: "xr.Dataset", name: str) -> str:
 def _plane(dataset: "xr.Dataset", alike: "Sequence[Criterion]", f: float, xi: float) -> "Figure":
     from reliab.criterion import sample_of
     from reliab.report.figures.ellipses_and_criterion import ellipses_and_criterion
-    from reliab.report.kinds.wording import percent
     from reliab.report.style import VERMILION
+    from reliab.report.wording import percent
 
     first = alike[0]
     sample = sample_of(

@@ -17,7 +17,7 @@ from reliab.report.content import CONTENT_FILE, files_of
 from reliab.report.figures.discrepancy_blocks import discrepancy_blocks
 from reliab.report.figures.discrepancy_evaluation import discrepancy_confusion, discrepancy_reliability
 from reliab.report.kinds.discrepancy import discrepancy_report
-from reliab.report.kinds.discrepancy_figures import posterior_figure
+from reliab.report.kinds.discrepancy.figures import posterior_figure
 from reliab.report.pdf import compiled_report
 from reliab.report.style import svg
 from reliab.vocabulary import Block
@@ -87,7 +87,7 @@ def test_a_figure_that_fails_costs_a_figure_and_a_line(damped, monkeypatch):
     def fail(_found):
         raise ValueError("Number of rows must be positive")
 
-    monkeypatch.setattr("reliab.report.kinds.discrepancy.gap_figure", fail)
+    monkeypatch.setattr("reliab.report.kinds.discrepancy.proof.gap_figure", fail)
     document = discrepancy_report(damped, provenance={})
     content = json.dumps(text_of(document), ensure_ascii=False)
     assert "The figure of the gap could not be drawn" in content

@@ -41,7 +41,7 @@ def test_every_shipped_study_is_valid_and_says_what_it_is_for():
             "motions is not a known table; criterion is not a known table",
         ),
         (
-            'title = "x"\nkind = "audit"\n[motions]\nresults = "real_suite"',
+            'title = "x"\nkind = "table_audit"\n[motions]\nresults = "real_suite"',
             r"motions\.results is not a known key",
         ),
         ('title = "x"\nkind = "suites"\n[validation]\nschemes = ["k_fold"]', r"validation\.schemes is not"),

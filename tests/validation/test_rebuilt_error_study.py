@@ -167,7 +167,7 @@ def test_the_report_shows_the_study(short, text_of_section):
 @pytest.fixture
 def text_of_section():
     def told(tests):
-        from reliab.report.kinds.rebuilt_error_study import rebuilt_error_section
+        from reliab.report.kinds.validation.rebuilt_error import rebuilt_error_section
         from reliab.report.prose import plain_text
 
         section = rebuilt_error_section(tests, 0.05)

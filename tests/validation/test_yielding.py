@@ -6,7 +6,7 @@ from scipy.integrate import solve_ivp
 
 from reliab.loop.structure import Structure
 from reliab.motions.synthetic import synthetic_suite
-from reliab.report.kinds.method import limits_section
+from reliab.report.sections.limits import limits_section
 from reliab.validation.yielding import (
     HARDENING,
     _fine,

@@ -1,1 +1,1 @@
-"""Reports, one kind per file: from plain results to a document."""
+"""One folder for each kind of report; `report.py` in it lays the pages out."""

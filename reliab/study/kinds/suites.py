@@ -63,8 +63,8 @@ def stages(study: SuitesStudy, show: Show) -> Sequence[Stage]:
 
 def report(study: SuitesStudy, folder: Path) -> Document:
     """Compare the suites."""
-    from reliab.report.kinds.rates import rates_table
     from reliab.report.kinds.suites import suites_report
+    from reliab.report.sections.rates import rates_table
 
     real, compared = _reference(study), open_ellipses(folder / ELLIPSES)
     names = (_NAME, (study.motions.sources or (SYNTHETIC,))[0])

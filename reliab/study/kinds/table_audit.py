@@ -40,9 +40,9 @@ def stages(study: RecordsStudy, show: Show) -> Sequence[Stage]:
 
 def report(study: RecordsStudy, folder: Path) -> Document:
     """Report the rows."""
-    from reliab.report.kinds.paper import table_2_report
+    from reliab.report.kinds.table_audit import table_audit_report
 
-    return table_2_report(
+    return table_audit_report(
         title=study.title,
         rows=pd.read_csv(folder / ROWS),
         provenance={**study.provenance, **made_with(folder)},
@@ -50,5 +50,5 @@ def report(study: RecordsStudy, folder: Path) -> Document:
     )
 
 
-KIND: Final = Kind(name="audit", tables=RecordsStudy, stages=stages, report=report)
+KIND: Final = Kind(name="table_audit", tables=RecordsStudy, stages=stages, report=report)
 """Table 2 as measured data against our simulation of its records."""

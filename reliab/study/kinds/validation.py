@@ -72,8 +72,8 @@ def stages(study: ValidationStudy, show: Show) -> Sequence[Stage]:
 def report(study: ValidationStudy, folder: Path) -> Document:
     """Report containment, false-safe rate and accepted share of every scheme, and what lies beyond."""
     from reliab.report.kinds.criterion import no_criterion_report
-    from reliab.report.kinds.rates import rates_table
     from reliab.report.kinds.validation import validation_report
+    from reliab.report.sections.rates import rates_table
     from reliab.validation.cross_validation.tabulation import tabulate
 
     validations, traced = validations_of(study, folder), open_ellipses(folder / ELLIPSES)

@@ -12,9 +12,9 @@ from reliab.motions import Motion
 from reliab.paper.cases import cases_dataset, run_paper_cases
 from reliab.report.document import Table
 from reliab.report.kinds.assessment import assessment_report
-from reliab.report.kinds.rates import rates_section
 from reliab.report.kinds.suites import suites_report
 from reliab.report.kinds.validation import validation_report
+from reliab.report.sections.rates import rates_section
 from reliab.stated_value import StatedValue
 from reliab.validation.assessment import Recording, assess
 

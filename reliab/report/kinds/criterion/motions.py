@@ -10,12 +10,12 @@ from reliab.report.figures.parameter_distributions import parameter_distribution
 from reliab.report.figures.posterior_and_predictive import posterior_and_predictive
 from reliab.report.figures.quantile_quantile import quantile_quantile
 from reliab.report.kinds.criterion.reported import ReportedCriteria
-from reliab.report.kinds.wording import (
+from reliab.report.numbers import Fixed, Scientific, Significant
+from reliab.report.prose import Piece, prose
+from reliab.report.wording import (
     ERRORS,
     percent,
 )
-from reliab.report.numbers import Fixed, Scientific, Significant
-from reliab.report.prose import Piece, prose
 from reliab.vocabulary import Metric
 
 _MOST_EVENTS = 40

@@ -6,9 +6,9 @@ import numpy as np
 import xarray as xr
 
 from reliab.report.document import Column, Document, Points, Section, Table
-from reliab.report.kinds.provenance import provenance_of
 from reliab.report.numbers import Fixed, Number, Scientific, Significant
 from reliab.report.prose import Prose, prose
+from reliab.report.provenance import provenance_of
 
 _PERCENT = 100.0
 

@@ -11,10 +11,13 @@ from reliab.report.document import Block, Document
 from reliab.report.kinds.criterion.motions import appendix_section, motions_section
 from reliab.report.kinds.criterion.reported import ReportedCriteria
 from reliab.report.kinds.criterion.result import result_section
-from reliab.report.kinds.method import limits_section, method_section
-from reliab.report.kinds.provenance import provenance_of
-from reliab.report.kinds.rates import rates_section
-from reliab.report.kinds.wording import (
+from reliab.report.prose import Prose, prose
+from reliab.report.provenance import provenance_of
+from reliab.report.sections.limits import limits_section
+from reliab.report.sections.method import method_section
+from reliab.report.sections.rates import rates_section
+from reliab.report.sources import SOURCES
+from reliab.report.wording import (
     MEANINGS_OF_ERRORS,
     ellipse,
     error_below,
@@ -23,8 +26,6 @@ from reliab.report.kinds.wording import (
     values,
     window_in_words,
 )
-from reliab.report.prose import Prose, prose
-from reliab.report.sources import SOURCES
 from reliab.vocabulary import Metric
 
 
@@ -55,7 +56,7 @@ def criterion_report(
     coverage : pandas.DataFrame, optional
         Shares of held-out motions that criteria contain, one row each: `candidate` (name), `confidence`
         (stated), `f` [Hz] (NaN for all structures together), `rate`, `low`, `high` [-], as
-        :func:`reliab.report.kinds.rates.rates_table` makes it.
+        :func:`reliab.report.sections.rates.rates_table` makes it.
     population : str, optional
         What the ground motions are, "synthetic ground motions" where they are no real ones.
     real_motions : mapping of str to float, optional

@@ -15,13 +15,13 @@ from reliab.report.figures.parameters_over_structure import (
     parameters_over_frequency,
 )
 from reliab.report.kinds.criterion.reported import ReportedCriteria
-from reliab.report.kinds.wording import (
+from reliab.report.numbers import Fixed, Scientific, Shortest, Significant
+from reliab.report.prose import prose
+from reliab.report.wording import (
     ERROR_NAMES,
     PERCENT,
     percent,
 )
-from reliab.report.numbers import Fixed, Scientific, Shortest, Significant
-from reliab.report.prose import prose
 from reliab.vocabulary import Metric
 
 _MOST_COLUMNS = 9

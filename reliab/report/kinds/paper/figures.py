@@ -36,8 +36,8 @@ from reliab.report.figures.parameters_over_structure import (
     parameters_over_damping_ratio,
     parameters_over_frequency,
 )
-from reliab.report.kinds.wording import PERCENT
 from reliab.report.prose import prose
+from reliab.report.wording import PERCENT
 from reliab.vocabulary import Metric
 
 _METRICS = (Metric.MTE, Metric.RMS)

@@ -14,7 +14,6 @@ from reliab.paper.printed import EXAMPLE, PrintedTables
 from reliab.paper.records import Records
 from reliab.paper.text import SLIPS
 from reliab.report.document import Column, Document, Paragraph, Points, Section, Table
-from reliab.report.kinds.method import limits_section, method_section
 from reliab.report.kinds.paper.counting import count, number, of_row, rows_that_agree
 from reliab.report.kinds.paper.figures import (
     boundary_section,
@@ -23,11 +22,13 @@ from reliab.report.kinds.paper.figures import (
     motions_section,
     structures_section,
 )
-from reliab.report.kinds.provenance import provenance_of
-from reliab.report.kinds.wording import PERCENT, percent
 from reliab.report.numbers import Fixed, Shortest, Significant, in_line
 from reliab.report.prose import Prose, prose
+from reliab.report.provenance import provenance_of
+from reliab.report.sections.limits import limits_section
+from reliab.report.sections.method import method_section
 from reliab.report.sources import SOURCES
+from reliab.report.wording import PERCENT, percent
 
 _SHORT = {"^Equation": "Eq.", "^Figure": "Fig.", "^Text.*": "Text"}
 _UNITS = {"1": "-", "ms2": "ms²", "ms4": "ms⁴", "N m2": "N m²"}

@@ -100,6 +100,17 @@ def listed(words: Sequence[str]) -> str:
     return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else list(words))
 
 
+def spelled_out(name: str) -> str:
+    """Write a name of the package as words.
+
+    Examples
+    --------
+    >>> spelled_out("viscous_damping")
+    'viscous damping'
+    """
+    return name.replace("_", " ")
+
+
 def law_in_words(name: str) -> str:
     """Name a published law as readers of the paper know it; other names stay as they are.
 

@@ -5,8 +5,8 @@ import pandas as pd
 
 from reliab.report.document import Column, Figure, Table
 from reliab.report.figures.measured_test import error_over_time
-from reliab.report.kinds.wording import PERCENT, percent
 from reliab.report.prose import Prose
+from reliab.report.wording import PERCENT, percent
 from reliab.validation.assessment.assessment import Assessment
 from reliab.validation.assessment.error_of_test import PART_NAMES
 from reliab.vocabulary import Metric

@@ -8,12 +8,12 @@ import pandas as pd
 
 from reliab.report.document import Column, Document, Figure, Paragraph, Points, Section, Table
 from reliab.report.figures.measured_test import tracking_overview
-from reliab.report.kinds.assessment_error import advice, errors_table, histories_figure
-from reliab.report.kinds.provenance import provenance_of
-from reliab.report.kinds.wording import ERRORS, PERCENT, meaning_of_confidence, percent
+from reliab.report.kinds.assessment.error import advice, errors_table, histories_figure
 from reliab.report.numbers import MISSING, Fixed
 from reliab.report.prose import Prose, prose
+from reliab.report.provenance import provenance_of
 from reliab.report.sources import SOURCES
+from reliab.report.wording import ERRORS, PERCENT, meaning_of_confidence, percent, spelled_out
 from reliab.validation.assessment.assessment import Assessment
 from reliab.validation.assessment.doubts import probability_text
 from reliab.validation.assessment.tracking_index import LEVEL
@@ -77,7 +77,7 @@ def assessment_report(
 def _verdict(assessment: Assessment) -> Prose:
     size = assessment.error.of(assessment.metric)
     return (
-        *prose("The test is *{word}*: its ", word=assessment.verdict.word.replace("_", " ")),
+        *prose("The test is *{word}*: its ", word=spelled_out(assessment.verdict.word)),
         ERRORS[assessment.metric],
         " ".join(
             (
@@ -114,7 +114,7 @@ def _facts(assessment: Assessment) -> dict[str, Prose]:
             f"{percent(assessment.criterion.threshold)}, over the test's own {recording.duration:.4g} s"
         ),
         "Index judged by": (
-            f"{basis}: {assessment.verdict_by_index.word.replace('_', ' ')}; window of its errors: {window}"
+            f"{basis}: {spelled_out(assessment.verdict_by_index.word)}; window of its errors: {window}"
         ),
     }
 

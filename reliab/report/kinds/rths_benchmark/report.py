@@ -7,10 +7,10 @@ import pandas as pd
 
 from reliab.report.document import Block, Column, Document, Figure, Paragraph, Section, Table
 from reliab.report.figures.rths_benchmark import benchmark_spread
-from reliab.report.kinds.provenance import provenance_of
-from reliab.report.kinds.wording import PERCENT, percent
 from reliab.report.numbers import Fixed, Whole
 from reliab.report.prose import prose
+from reliab.report.provenance import provenance_of
+from reliab.report.wording import PERCENT, percent, spelled_out
 from reliab.validation.rths_benchmark import NOMINAL, summary
 
 _CRITERIA = tuple(f"J{number}" for number in range(1, 10))
@@ -77,7 +77,7 @@ def rths_benchmark_report(
 
 
 def _worded(name: str) -> str:
-    return _NAMES.get(name, name.replace("_", " "))
+    return _NAMES.get(name, spelled_out(name))
 
 
 def _published(published: pd.DataFrame) -> Section:
@@ -166,7 +166,7 @@ def _errors(rows: Sequence[Mapping[str, Any]]) -> Section:
                 "rebuilt": row["rebuilt"]["rms"]["value"],
                 "low": row["rebuilt"]["rms"]["low"],
                 "high": row["rebuilt"]["rms"]["high"],
-                "verdict": row["rebuilt"]["verdict"].replace("_", " "),
+                "verdict": spelled_out(row["rebuilt"]["verdict"]),
             }
             for row in judged
         ],

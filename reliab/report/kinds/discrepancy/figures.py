@@ -18,6 +18,7 @@ from reliab.report.figures.discrepancy_posterior import discrepancy_posterior
 from reliab.report.figures.discrepancy_state_plane import discrepancy_state_plane
 from reliab.report.figures.discrepancy_time_frequency import discrepancy_time_frequency
 from reliab.report.prose import prose
+from reliab.report.wording import spelled_out
 from reliab.vocabulary import Block
 
 _STRETCHES, _SHORTEST_STRETCH = 5, 4.0  # of a test; s
@@ -38,7 +39,7 @@ def block_figure(diagnosis: Diagnosis) -> Figure:
     for effect in (*diagnosis.effects, *diagnosis.doubtful):
         block = effect.effect.block
         names = [guilty[block]] if block in guilty else []
-        guilty[block] = "\n".join([*names, effect.name.replace("_", " ")])
+        guilty[block] = "\n".join([*names, spelled_out(effect.name)])
     if diagnosis.unknown is not None:
         guilty[Block(diagnosis.unknown.block)] = "unknown effect"
     observed = {diagnosed.block.block for diagnosed in diagnosis.blocks}

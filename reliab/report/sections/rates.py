@@ -8,9 +8,9 @@ import pandas as pd
 
 from reliab.report.document import Column, Figure, Paragraph, Section, Table
 from reliab.report.figures.rates import calibration_curve, coverage_by_frequency
-from reliab.report.kinds.wording import PERCENT, law_in_words, percent
 from reliab.report.numbers import Fixed, Shortest
 from reliab.report.prose import prose
+from reliab.report.wording import PERCENT, law_in_words, percent
 from reliab.validation.cross_validation import CrossValidation
 from reliab.validation.cross_validation.tabulation import tabulate
 

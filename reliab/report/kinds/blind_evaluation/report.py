@@ -7,10 +7,10 @@ import pandas as pd
 
 from reliab.report.document import Block, Column, Document, Figure, Paragraph, Points, Section, Table
 from reliab.report.figures.discrepancy_evaluation import discrepancy_confusion, discrepancy_reliability
-from reliab.report.kinds.provenance import provenance_of
-from reliab.report.kinds.wording import PERCENT, percent
 from reliab.report.numbers import Fixed, Whole
 from reliab.report.prose import Prose, prose
+from reliab.report.provenance import provenance_of
+from reliab.report.wording import PERCENT, percent, spelled_out
 from reliab.vocabulary import EffectName
 
 _GROUPS = (
@@ -64,7 +64,7 @@ def blind_evaluation_report(
             failed=len(last["failures"]),
         ),
         facts={
-            "Campaigns": ", ".join(f"{count} {_worded(kind)}" for kind, count in last["kinds"].items()),
+            "Campaigns": ", ".join(f"{count} {spelled_out(kind)}" for kind, count in last["kinds"].items()),
             "Gap closed on held-out tests": prose(
                 "{middle} in the middle, {low} or more in 95 % of {n} campaigns",
                 middle=percent(gap["q50"]),
@@ -77,10 +77,6 @@ def blind_evaluation_report(
             {**provenance, **{f"seeds, code {run['code']}": run["seeds"] for run in runs}}
         ),
     )
-
-
-def _worded(name: str) -> str:
-    return name.replace("_", " ")
 
 
 def _rates(runs: Sequence[Mapping[str, Any]]) -> Section:
@@ -176,11 +172,11 @@ def _failures(run: Mapping[str, Any]) -> Section:
     rows = [
         {
             "campaign": str(failure["campaign"]).removeprefix("campaign_"),
-            "seen": _worded(failure["observation"]),
-            "noise": f"{_worded(failure['noise'])}, {failure['snr_db']:.0f} dB",
-            "truth": ", ".join(f"{_worded(name)} {db:+.0f} dB" for name, db in failure["truth"].items())
+            "seen": spelled_out(failure["observation"]),
+            "noise": f"{spelled_out(failure['noise'])}, {failure['snr_db']:.0f} dB",
+            "truth": ", ".join(f"{spelled_out(name)} {db:+.0f} dB" for name, db in failure["truth"].items())
             or "nothing",
-            "answer": ", ".join(map(_worded, failure["named"])) or _worded(str(failure["verdict"])),
+            "answer": ", ".join(map(spelled_out, failure["named"])) or spelled_out(str(failure["verdict"])),
         }
         for failure in run["failures"]
     ]

@@ -6,10 +6,10 @@ import pandas as pd
 
 from reliab.report.document import Column, Document, Figure, Paragraph, Section, Table
 from reliab.report.figures.beyond_the_model import error_beyond_the_model
-from reliab.report.kinds.provenance import provenance_of
-from reliab.report.kinds.wording import PERCENT
 from reliab.report.numbers import Fixed, Whole
 from reliab.report.prose import prose
+from reliab.report.provenance import provenance_of
+from reliab.report.wording import PERCENT
 from reliab.validation.partitioned_structures import PREDICTIONS, ratios
 
 _NAMES = {

@@ -9,13 +9,14 @@ from scipy.stats import ks_2samp
 
 from reliab.report.document import Block, Column, Document, Figure, Paragraph, Section, Table
 from reliab.report.figures.suite_comparison import MEASURES, suite_measures, suite_spectra
-from reliab.report.kinds.method import limits_section, method_section
-from reliab.report.kinds.provenance import provenance_of
-from reliab.report.kinds.rates import rates_section
-from reliab.report.kinds.wording import PERCENT, listed, percent
 from reliab.report.numbers import Fixed, Shortest, Significant
 from reliab.report.prose import Prose, prose
+from reliab.report.provenance import provenance_of
+from reliab.report.sections.limits import limits_section
+from reliab.report.sections.method import method_section
+from reliab.report.sections.rates import rates_section
 from reliab.report.sources import SOURCES
+from reliab.report.wording import PERCENT, listed, percent
 
 _WORDS = {
     "peak_acceleration": ("Peak acceleration", "m/s²"),
@@ -54,7 +55,7 @@ def suites_report(
         Limits of the criterion of each suite: columns suite, f [Hz], xi, a [-], b [ms²].
     coverage : pandas.DataFrame, optional
         What criteria learned from one suite contain of the motions of the reference, as
-        :func:`reliab.report.kinds.rates.rates_table` makes it.
+        :func:`reliab.report.sections.rates.rates_table` makes it.
     confidence : float
         Confidence of the criteria [-].
     provenance : mapping

@@ -9,15 +9,16 @@ from reliab.paper.item import CLOSE
 from reliab.paper.table2_audit import LARGEST_CHANCE, NONE_FOUND
 from reliab.report.document import Column, Document, Figure, Paragraph, Section, Table
 from reliab.report.figures.table_rows import table_rows
-from reliab.report.kinds.method import limits_section, method_section
-from reliab.report.kinds.provenance import provenance_of
-from reliab.report.kinds.wording import PERCENT, percent
 from reliab.report.numbers import Fixed, Scientific, Significant
 from reliab.report.prose import Prose, prose
+from reliab.report.provenance import provenance_of
+from reliab.report.sections.limits import limits_section
+from reliab.report.sections.method import method_section
 from reliab.report.sources import SOURCES
+from reliab.report.wording import PERCENT, percent
 
 
-def table_2_report(
+def table_audit_report(
     *,
     title: str,
     rows: pd.DataFrame,

@@ -10,14 +10,15 @@ from reliab.paper.cases import case_table
 from reliab.report.document import Block, Column, Document, Figure, Paragraph, Section, Table
 from reliab.report.figures.beyond_the_model import error_beyond_the_model
 from reliab.report.figures.displacement_histories import HistoryPanel, displacement_histories
-from reliab.report.kinds.method import limits_section, method_section
-from reliab.report.kinds.provenance import provenance_of
-from reliab.report.kinds.rates import rates_section
-from reliab.report.kinds.rebuilt_error_study import rebuilt_error_section
-from reliab.report.kinds.wording import PERCENT, law_in_words, percent
+from reliab.report.kinds.validation.rebuilt_error import rebuilt_error_section
 from reliab.report.numbers import Fixed, Shortest, Whole
 from reliab.report.prose import Prose, prose
+from reliab.report.provenance import provenance_of
+from reliab.report.sections.limits import limits_section
+from reliab.report.sections.method import method_section
+from reliab.report.sections.rates import rates_section
 from reliab.report.sources import SOURCES
+from reliab.report.wording import PERCENT, law_in_words, percent
 
 _MILLISECONDS = 1e3
 
@@ -46,7 +47,7 @@ def validation_report(
         Title of the report.
     rates : mapping of str to pandas.DataFrame
         What was found by the name of each division into learned and judged motions, each as
-        :func:`reliab.report.kinds.rates.rates_table` makes it; the verdict is that of the first, and in
+        :func:`reliab.report.sections.rates.rates_table` makes it; the verdict is that of the first, and in
         it of the first criterion.
     confidence : float
         The confidence that the verdict speaks of [-].

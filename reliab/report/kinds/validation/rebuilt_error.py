@@ -4,9 +4,9 @@ import pandas as pd
 
 from reliab.report.document import Column, Figure, Paragraph, Section, Table
 from reliab.report.figures.rebuilt_error_study import accepted_tests, stated_errors
-from reliab.report.kinds.wording import PERCENT, percent
 from reliab.report.numbers import Fixed, Whole
 from reliab.report.prose import Prose, prose
+from reliab.report.wording import PERCENT, percent
 from reliab.validation.rebuilt_error_study import (
     LINEAR,
     OWN_BOUNDARY,
