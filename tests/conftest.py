@@ -63,12 +63,43 @@ def real_motions_folder(shared_folder: Path) -> Path:
     return shared_folder / "motions"
 
 
+def blank(figure):
+    """An empty SVG as large as a figure."""
+    width, height = figure.get_size_inches()
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{72.0 * width}pt" height="{72.0 * height}pt"/>'
+    ).encode()
+
+
 @pytest.fixture(scope="session")
-def set_without_warnings():
+def figures_are_drawn(pytestconfig):
+    """Whether reports are set with their figures: only where the slow tests run too.
+
+    Drawing takes ten times as long as everything else in a report. By default a figure is an empty one of
+    the same size; that figures can be drawn is what `tests/report/figures` and the runs of studies show.
+    """
+    return pytestconfig.getoption("markexpr") != "not slow"
+
+
+@pytest.fixture(scope="session")
+def written(figures_are_drawn):
+    """Function that writes what typst reads of a report."""
+
+    def write(document):
+        with pytest.MonkeyPatch.context() as patch:
+            if not figures_are_drawn:
+                patch.setattr("reliab.report.content.svg", blank)
+            return files_of(document)
+
+    return write
+
+
+@pytest.fixture(scope="session")
+def set_without_warnings(written):
     """Function that sets a report as PDF, of which typst has nothing to warn."""
 
     def check(document):
-        content = files_of(document) if isinstance(document, Document) else document
+        content = written(document) if isinstance(document, Document) else document
         files = {**templates(), **content}
         inputs = {"date": "2026-01-01", "version": "0"}
         pdf, warnings = typst.compile_with_warnings(
@@ -81,12 +112,12 @@ def set_without_warnings():
 
 
 @pytest.fixture(scope="session")
-def text_of(set_without_warnings):
+def text_of(set_without_warnings, written):
     """Function that sets a report as PDF and returns what a reader reads in it, pieces joined by blanks."""
 
     def read(document):
-        set_without_warnings(document)
-        files = files_of(document) if isinstance(document, Document) else document
+        files = written(document) if isinstance(document, Document) else document
+        set_without_warnings(files)
         content = json.loads(files[CONTENT_FILE])
         words = " ".join(_words(content))
         return " ".join(unicodedata.normalize("NFKC", words).replace("\u200b", "").split())
