@@ -2,6 +2,7 @@
 
 import os
 import signal
+from contextlib import contextmanager
 
 import pytest
 
@@ -11,30 +12,40 @@ from reliab.sweep import open_results, run_sweep
 distributed = pytest.importorskip("distributed")
 
 
-@pytest.fixture
-def cluster():
+@contextmanager
+def cluster(*, processes):
+    """Two workers: processes of their own, which start slowly, or threads of this one."""
     with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
-    ) as cluster:
-        yield cluster
+        n_workers=2, threads_per_worker=1, processes=processes, protocol="tcp", dashboard_address=None
+    ) as workers:
+        yield workers
 
 
 @pytest.mark.filterwarnings("ignore")  # dask's own shutdown is noisy
-def test_cluster_gives_the_local_results_even_when_a_worker_dies(tmp_path, suite, request_, cluster):
-    local = open_results(run_sweep(suite, request_, tmp_path / "local.zarr"))
+def test_a_cluster_gives_the_local_results(tmp_path, suite, request_, store):
+    with cluster(processes=False) as threads:
+        path = run_sweep(suite, request_, tmp_path / "remote.zarr", scheduler=threads.scheduler_address)
+    assert open_results(path).identical(open_results(store))
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore")
+def test_a_cluster_gives_the_local_results_even_when_a_worker_dies(tmp_path, suite, request_, store):
     killed = []
 
-    def kill_one(done: int, _: int) -> None:
-        if done == 1 and not killed:
-            worker = next(iter(cluster.workers.values()))
-            killed.append(worker.pid)
-            os.kill(worker.pid, signal.SIGKILL)
+    with cluster(processes=True) as workers:
 
-    path = run_sweep(
-        suite, request_, tmp_path / "remote.zarr", scheduler=cluster.scheduler_address, progress=kill_one
-    )
+        def kill_one(done: int, _: int) -> None:
+            if done == 1 and not killed:
+                worker = next(iter(workers.workers.values()))
+                killed.append(worker.pid)
+                os.kill(worker.pid, signal.SIGKILL)
+
+        path = run_sweep(
+            suite, request_, tmp_path / "remote.zarr", scheduler=workers.scheduler_address, progress=kill_one
+        )
     assert killed
-    assert open_results(path).identical(local)
+    assert open_results(path).identical(open_results(store))
 
 
 def test_scheduler_that_does_not_answer_is_named(tmp_path, suite, request_, monkeypatch):

@@ -14,8 +14,12 @@ import numpy as np
 import pytest
 
 from reliab.errors import IncompleteError, InputError
+from reliab.motions import load_motions
 from reliab.sweep import ScaledGrid, SweepRequest, open_results, run_sweep, store
 
+REQUEST = SweepRequest(
+    frequencies=(0.5, 1.0), damping_ratios=(0.02,), grid=ScaledGrid(gain_steps=5, delay_steps=6)
+)
 SCRIPT = textwrap.dedent(
     """
     import sys
@@ -26,7 +30,13 @@ SCRIPT = textwrap.dedent(
         frequencies=(0.5, 1.0), damping_ratios=(0.02,), grid=ScaledGrid(gain_steps=5, delay_steps=6)
     )
     print("ready", flush=True)
-    run_sweep(load_motions("synthetic")[:40], request, sys.argv[1], resume="--resume" in sys.argv)
+    run_sweep(
+        load_motions("synthetic")[:40],
+        request,
+        sys.argv[1],
+        resume="--resume" in sys.argv,
+        progress=lambda *_: print("solved", flush=True),
+    )
     """
 )
 
@@ -52,28 +62,35 @@ def kill_repeatedly(path: Path, times: int, rng: np.random.Generator) -> int:
         assert process.stdout is not None
         process.stdout.readline()
         time.sleep(float(rng.uniform(0.0, 0.5)))
-        process.send_signal(signal.SIGKILL)
-        process.communicate()
-        interrupted += process.returncode == -signal.SIGKILL
+        interrupted += killed(process)
     finish = run_script(path, resume=path.exists())
     _, error = finish.communicate()
     assert finish.returncode == 0, error
     return interrupted
 
 
+def killed(process: subprocess.Popen[str]) -> bool:
+    """Kill a process; return whether it was still running."""
+    process.send_signal(signal.SIGKILL)
+    process.communicate()
+    return process.returncode == -signal.SIGKILL
+
+
 @pytest.fixture(scope="module")
 def reference(tmp_path_factory):
     path = tmp_path_factory.mktemp("reference") / "results.zarr"
+    return contents(run_sweep(load_motions("synthetic")[:40], REQUEST, path))
+
+
+def test_a_store_whose_sweep_was_killed_is_finished_with_the_same_bytes(tmp_path, reference):
+    path = tmp_path / "results.zarr"
     process = run_script(path, resume=False)
-    _, error = process.communicate()
-    assert process.returncode == 0, error
-    return contents(path)
-
-
-def test_killed_and_resumed_store_has_the_same_bytes(tmp_path, reference):
-    interrupted = kill_repeatedly(tmp_path / "results.zarr", 3, np.random.default_rng(0))
-    assert interrupted > 0
-    assert contents(tmp_path / "results.zarr") == reference
+    assert process.stdout is not None
+    assert [process.stdout.readline() for _ in range(6)] == ["ready\n", *["solved\n"] * 5]
+    assert killed(process)
+    assert contents(path) != reference
+    run_sweep(load_motions("synthetic")[:40], REQUEST, path, resume=True)
+    assert contents(path) == reference
 
 
 @pytest.mark.slow
