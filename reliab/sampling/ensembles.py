@@ -151,7 +151,7 @@ def draw(
         while True:
             _run(samplers, starts, steps // ensembles.thin, ensembles.thin, progress)
             posterior = _kept_draws(model, samplers, steps // ensembles.thin // 2, ensembles.thin)
-            if posterior.converged or 2 * steps > ensembles.longest:
+            if 2 * steps > ensembles.longest or posterior.converged:
                 return posterior
             steps *= 2
 

@@ -37,11 +37,9 @@ def deviation(ranks):
     return min(1.0, p_values.min() * p_values.size)
 
 
-@pytest.mark.parametrize("name", ["normal_values", "hierarchical"])
-def test_ranks_are_uniform_over_a_few_fits(name):
-    model, steps = MODELS[name]
-    fits = 10 if name == "hierarchical" else 40
-    assert deviation(calibration_ranks(model, fits=fits, steps=steps)) > 0.01
+def test_ranks_are_uniform_over_a_few_fits():
+    model, steps = MODELS["normal_values"]
+    assert deviation(calibration_ranks(model, fits=40, steps=steps)) > 0.01
 
 
 @pytest.mark.slow
@@ -59,7 +57,7 @@ def test_a_wrong_posterior_is_found_out():
         def log_likelihood(self, theta):
             return 4.0 * super().log_likelihood(theta)
 
-    ranks = calibration_ranks(Overconfident(values=np.zeros(12)), fits=60, steps=200)
+    ranks = calibration_ranks(Overconfident(values=np.zeros(12)), fits=40, steps=200)
     assert deviation(ranks) < 0.01
 
 
