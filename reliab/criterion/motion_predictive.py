@@ -22,8 +22,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import elementwise
-from scipy.special import ndtr, ndtri, owens_t
-from scipy.stats import t
+from scipy.special import ndtr, ndtri, owens_t, stdtr
 
 from reliab.criterion.event_components import event_components
 
@@ -159,7 +158,7 @@ class MotionPredictive:
         # The sample's own spread lacks that of its mean, which a further value has twice (t of a further
         # value).
         student = normal / np.sqrt((self.effective_number + 1.0) / degrees)
-        return np.asarray(t.cdf(student, degrees)), np.asarray(t.sf(student, degrees))
+        return np.asarray(stdtr(degrees, student)), np.asarray(stdtr(degrees, -student))
 
     def _empirical(
         self, x: NDArray[np.float64], base: NDArray[np.float64], above: NDArray[np.float64]

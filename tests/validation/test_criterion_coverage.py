@@ -16,7 +16,7 @@ ON_AVERAGE = ("predictive", "dirichlet")
 WITH_ASSURANCE = ("tolerance", "posterior", "order_statistic")
 
 
-SIZES = pytest.mark.parametrize("count", [pytest.param(80), pytest.param(1000, marks=pytest.mark.slow)])
+SIZES = pytest.mark.parametrize("count", [40, pytest.param(1000, marks=pytest.mark.slow)])
 
 
 @SIZES
@@ -41,7 +41,7 @@ def test_methods_that_promise_an_assurance_keep_it(name, confidence, count):
 
 def test_the_plug_in_quantile_falls_short_with_few_motions():
     few = Truth(n_events=10, motions_per_event=1, event_share=0.0)
-    content = simulate_coverage(Quantile(), few, 0.95, suites=300).mean
+    content = simulate_coverage(Quantile(), few, 0.95, suites=200).mean
     # The mean content of mean + z s over normal samples of ten, by integration over s and the mean.
     rng = np.random.default_rng(1)
     mean, spread = rng.normal(size=10**6) / np.sqrt(10), np.sqrt(rng.chisquare(9, 10**6) / 10)
@@ -50,12 +50,12 @@ def test_the_plug_in_quantile_falls_short_with_few_motions():
 
 
 @SIZES
-def test_the_recommended_method_is_right_for_a_and_b_together(count):
-    for truth in (GROUPED, SKEWED):
-        for confidence in (0.8, 0.95):
-            found = simulate_coverage(method_of("dirichlet"), truth, confidence, joint=True, suites=count)
-            slack = 4.0 * found.contents.std() / np.sqrt(count) + 0.007
-            assert found.mean == pytest.approx(confidence, abs=slack)
+@pytest.mark.parametrize("truth", [GROUPED, SKEWED])
+@pytest.mark.parametrize("confidence", [0.8, 0.95])
+def test_the_recommended_method_is_right_for_a_and_b_together(truth, confidence, count):
+    found = simulate_coverage(method_of("dirichlet"), truth, confidence, joint=True, suites=count)
+    slack = 4.0 * found.contents.std() / np.sqrt(count) + 0.007
+    assert found.mean == pytest.approx(confidence, abs=slack)
 
 
 @SIZES
@@ -64,18 +64,19 @@ def test_the_conformal_bound_promises_no_more_than_it_can(count):
     assert 0.9 - 0.01 <= found.mean <= 0.9 + 1 / 61 + 0.02
 
 
-def test_earthquakes_weaken_the_assurance_of_the_tolerance_bound_and_the_bootstrap_sees_them():
+@pytest.mark.parametrize("count", [80, pytest.param(300, marks=pytest.mark.slow)])
+def test_earthquakes_weaken_the_assurance_of_the_tolerance_bound_and_the_bootstrap_sees_them(count):
     alike = Truth(n_events=19, motions_per_event=5, event_share=0.5)
-    blind = simulate_coverage(method_of("tolerance"), alike, 0.9, suites=300).kept
-    seeing = simulate_coverage(method_of("bootstrap"), alike, 0.9, suites=300).kept
+    blind = simulate_coverage(method_of("tolerance"), alike, 0.9, suites=count).kept
+    seeing = simulate_coverage(method_of("bootstrap"), alike, 0.9, suites=count).kept
     assert blind < 0.88
     assert seeing > blind
 
 
 def test_skewness_spoils_the_lognormal_quantile_and_not_the_recommended_one():
     large = Truth(n_events=400, motions_per_event=2, skewness=0.25)
-    lognormal = simulate_coverage(Quantile(), large, 0.95, suites=40).mean
-    learned = simulate_coverage(method_of("dirichlet"), large, 0.95, suites=40).mean
+    lognormal = simulate_coverage(Quantile(), large, 0.95, suites=20).mean
+    learned = simulate_coverage(method_of("dirichlet"), large, 0.95, suites=20).mean
     assert abs(lognormal - 0.95) > 0.02
     assert learned == pytest.approx(0.95, abs=0.005)
 
