@@ -19,7 +19,8 @@ from reliab.discrepancy.spectra.segment import cut_segments
 from reliab.errors import InputError
 from reliab.loop.effects import find_effect
 from reliab.loop.hybrid_test import HybridTest, Motion3, Specimen, load
-from reliab.sampling import Ensembles, sample
+from reliab.sampling import Ensembles
+from reliab.sampling.ensembles import draw
 
 RATE, NOISE = 256.0, 2.0
 SPECIMEN = Specimen(stiffness=2000.0)
@@ -100,7 +101,7 @@ def test_a_conjugate_posterior_is_met_exactly():
         bounds=(np.array([-9.0]), np.array([9.0])),
         coefficients=np.array([[1.6], [-0.7], [0.0]]),  # 3 − (1.4 + 0.7 z)
     )
-    drawn = surface.coordinates(sample(surface, Ensembles(steps=800)).spread_out(4000))[:, 0]
+    drawn = surface.coordinates(draw(surface, Ensembles(steps=800)).spread_out(4000))[:, 0]
     assert drawn.mean() == pytest.approx(1.5, abs=0.04)
     assert drawn.std() == pytest.approx(np.sqrt(0.5), rel=0.04)
 
@@ -114,36 +115,50 @@ def test_bounds_cut_the_posterior():
         bounds=(np.array([-9.0]), np.array([1.5])),
         coefficients=np.array([[1.6], [-0.7], [0.0]]),
     )
-    drawn = surface.coordinates(sample(surface, Ensembles(steps=800)).spread_out(4000))[:, 0]
+    drawn = surface.coordinates(draw(surface, Ensembles(steps=800)).spread_out(4000))[:, 0]
     assert drawn.max() <= 1.5
     expected = 1.5 - stats.halfnorm.mean(scale=np.sqrt(0.5))
     assert drawn.mean() == pytest.approx(expected, abs=0.04)
 
 
-@pytest.mark.parametrize(
-    ("name", "values"),
-    [
-        ("coulomb_friction", {"force_n": 4.0, "regularisation_velocity_m_per_s": 3e-3}),
-        ("cubic_stiffness", {"cubic_n_per_m3": 1e5}),
-    ],
-)
-def test_the_surface_agrees_with_simulations_where_the_data_are_good(name, values):
+def sampled(name, values):
+    """A specimen of one effect with little noise: its problem, fit and posterior."""
     problem = problem_with(find_effect(name)(**values), 2, noise=0.5)
     fitted = fitted_to(problem, name, noise=0.5)
-    posterior = sample_posterior(problem, fitted)
-    assert posterior.agreement > 0.9
+    return problem, fitted, sample_posterior(problem, fitted)
+
+
+FRICTION = {"force_n": 4.0, "regularisation_velocity_m_per_s": 3e-3}
+
+
+@pytest.fixture(scope="module")
+def rubbing():
+    return sampled("coulomb_friction", FRICTION)
+
+
+def assert_values_come_back(posterior, name, values):
     for parameter, truth in values.items():
         entry = posterior.of(name)[parameter]
         assert abs(entry["value"] - truth) < 4.0 * entry["sd"]
 
 
-def test_a_surface_that_does_not_hold_is_seen():
+def test_the_surface_agrees_with_simulations_where_the_data_are_good(rubbing):
+    assert rubbing[2].agreement > 0.99
+    assert_values_come_back(rubbing[2], "coulomb_friction", FRICTION)
+
+
+@pytest.mark.slow
+def test_the_surface_of_a_stiffness_agrees_with_simulations():
+    values = {"cubic_n_per_m3": 1e5}
+    posterior = sampled("cubic_stiffness", values)[2]
+    assert posterior.agreement > 0.9
+    assert_values_come_back(posterior, "cubic_stiffness", values)
+
+
+def test_a_surface_that_does_not_hold_is_seen(rubbing):
     """Simulated far beyond where the data leave the posterior, a polynomial does not follow friction."""
-    friction = find_effect("coulomb_friction")(force_n=4.0, regularisation_velocity_m_per_s=3e-3)
-    problem = problem_with(friction, 2, noise=0.5)
-    fitted = fitted_to(problem, "coulomb_friction", noise=0.5)
+    problem, fitted, _ = rubbing
     careless = replace(fitted, jacobian=1e-3 * fitted.jacobian)
-    assert sample_posterior(problem, fitted).agreement > 0.99
     assert sample_posterior(problem, careless).agreement < 0.95
 
 
@@ -155,16 +170,15 @@ def test_a_surface_that_is_not_trusted_has_not_converged(damped):
 
 def test_a_run_goes_on_where_it_ended(damped, tmp_path):
     problem, fitted, _ = damped
-    whole = sample_posterior(problem, fitted, steps=320)
-    sample_posterior(problem, fitted, steps=160, out=tmp_path / "chains.h5")
-    resumed = sample_posterior(problem, fitted, steps=320, out=tmp_path / "chains.h5")
+    whole = sample_posterior(problem, fitted, steps=160)
+    sample_posterior(problem, fitted, steps=80, out=tmp_path / "chains.h5")
+    resumed = sample_posterior(problem, fitted, steps=160, out=tmp_path / "chains.h5")
     np.testing.assert_array_equal(resumed.draws, whole.draws)
     other = problem_with(find_effect("viscous_damping")(damping_n_s_per_m=30.0), 9)
     with pytest.raises(InputError, match="resumed"):
         sample_posterior(other, fitted_to(other, "viscous_damping"), out=tmp_path / "chains.h5")
 
 
-@pytest.mark.filterwarnings("ignore::reliab.sampling.ConvergenceWarning")
 @pytest.mark.parametrize("trials", [pytest.param(6), pytest.param(200, marks=pytest.mark.slow)])
 def test_intervals_cover_the_truth_as_often_as_they_say(damped, trials):
     problem, fitted, _ = damped
@@ -174,7 +188,7 @@ def test_intervals_cover_the_truth_as_often_as_they_say(damped, trials):
     for trial in range(trials):
         truth = 0.5 * rng.standard_normal(surface.centre.size)
         again = surface.simulate(truth, rng)
-        drawn = sample(again, Ensembles(steps=400, seed=trial)).flat
+        drawn = draw(again, Ensembles(steps=400, count=2, seed=trial)).flat
         low, high = np.quantile(drawn, (0.05, 0.95), axis=0)
         hits += int(((low < truth) & (truth < high)).sum())
     total = trials * surface.centre.size
