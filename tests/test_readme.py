@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -19,7 +20,7 @@ ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 RECIPES = README.split("## Recipes")[1].split("## Studies")[0]
 INSTALL = "python -m pip install"  # what the test's own environment has already
-LONG = ("--method hierarchical", "--scheduler", "reliab diagnose")  # half a minute and more
+LONG = ("--method hierarchical", "--scheduler", "reliab diagnose", "--rebuilt-error")  # 10 s and more
 
 
 def blocks(kind: str) -> list[str]:
@@ -31,15 +32,19 @@ def lines_of(block: str) -> list[str]:
     return [line for line in lines if not line.startswith(INSTALL)]
 
 
-def recipes() -> list:
-    return [
-        pytest.param(
-            lines_of(block),
-            id=lines_of(block)[0][:40],
-            marks=pytest.mark.slow if any(words in block for words in LONG) else (),
-        )
-        for block in blocks("console")
-    ]
+def is_long(line: str) -> bool:
+    return any(words in line for words in LONG)
+
+
+def recipes() -> Iterator:
+    """Every recipe; one with long lines runs whole among the slow tests, without them by default."""
+    for block in blocks("console"):
+        lines = lines_of(block)
+        marks = pytest.mark.slow if is_long(block) else ()
+        yield pytest.param(lines, id=lines[0][:40], marks=marks)
+        short = [line for line in lines if not is_long(line)]
+        if 0 < len(short) < len(lines) and all(line.startswith("reliab ") for line in lines):
+            yield pytest.param(short, id=f"{lines[0][:40]} without its long lines")
 
 
 COMMANDS = [line for block in blocks("console") for line in lines_of(block) if line.startswith("reliab ")]
@@ -53,7 +58,7 @@ def checkout(tmp_path, monkeypatch):
     return tmp_path
 
 
-@pytest.mark.parametrize("lines", recipes())
+@pytest.mark.parametrize("lines", list(recipes()))
 def test_recipe_runs(lines, checkout):
     if all(line.startswith("reliab ") for line in lines):
         for line in lines:
