@@ -3,6 +3,7 @@
 import json
 import os
 import unicodedata
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -76,9 +77,18 @@ def figures_are_drawn(pytestconfig):
     """Whether reports are set with their figures: only where the slow tests run too.
 
     Drawing takes ten times as long as everything else in a report. By default a figure is an empty one of
-    the same size; that figures can be drawn is what `tests/report/figures` and the runs of studies show.
+    the same size; `tests/report/figures` and the studies of `tests/study/test_kinds.py` draw theirs.
     """
     return pytestconfig.getoption("markexpr") != "not slow"
+
+
+@contextmanager
+def with_blank_figures(figures_are_drawn):
+    """Write reports with empty figures, unless they are to be drawn."""
+    with pytest.MonkeyPatch.context() as patch:
+        if not figures_are_drawn:
+            patch.setattr("reliab.report.content.svg", blank)
+        yield
 
 
 @pytest.fixture(scope="session")
@@ -86,12 +96,17 @@ def written(figures_are_drawn):
     """Function that writes what typst reads of a report."""
 
     def write(document):
-        with pytest.MonkeyPatch.context() as patch:
-            if not figures_are_drawn:
-                patch.setattr("reliab.report.content.svg", blank)
+        with with_blank_figures(figures_are_drawn):
             return files_of(document)
 
     return write
+
+
+@pytest.fixture(scope="module")
+def blank_figures(figures_are_drawn):
+    """Reports that a module's tests write have empty figures by default."""
+    with with_blank_figures(figures_are_drawn):
+        yield
 
 
 @pytest.fixture(scope="session")

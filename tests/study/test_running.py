@@ -16,6 +16,8 @@ from reliab.study.kinds import KINDS
 from reliab.study.stages import RunFolder, Stage
 from reliab.study.steps import candidates
 
+pytestmark = pytest.mark.usefixtures("blank_figures")
+
 
 @pytest.fixture(scope="module")
 def finished_once(tmp_path_factory, small_study):

@@ -30,27 +30,41 @@ def figures(blocks):
             yield block
 
 
+def figures_of(document):
+    return {block.label: block for block in figures(document.blocks)}
+
+
 @pytest.fixture(scope="module")
-def drawn(ellipses_of, rates):
-    """All figures of two kinds of report."""
+def drawn_of_criterion(ellipses_of, rates):
+    ellipses = ellipses_of()
+    criterion = derive_criterion(ellipses, method=method_of("dirichlet"), joint=True)
+    return figures_of(
+        criterion_report(title="C", ellipses=ellipses, criteria=[criterion], coverage=rates, provenance={})
+    )
+
+
+@pytest.fixture(scope="module")
+def drawn_of_paper(ellipses_of):
     noise = np.random.default_rng(1).normal(size=3000) * np.hanning(3000)
     motion = Motion(name=EXAMPLE, acceleration=noise, time_step=0.015)
     tables = PrintedTables.read()
     structures = (tuple(tables.table3["f_hz"]), tuple(tables.table4["xi"]))
     ellipses = ellipses_of(*structures, motions=100, events=19, names=tables.table2["record"].to_numpy())
-    few = ellipses_of()
-    criterion = derive_criterion(few, method=method_of("dirichlet"), joint=True)
-    documents = (
+    return figures_of(
         paper_report(
             title="P",
             example=run_paper_example(motion),
             ellipses=ellipses,
             cases=cases_dataset(run_paper_cases(motion), motion),
             provenance={},
-        ),
-        criterion_report(title="C", ellipses=few, criteria=[criterion], coverage=rates, provenance={}),
+        )
     )
-    return {block.label: block for document in documents for block in figures(document.blocks)}
+
+
+@pytest.fixture(scope="module")
+def drawn(drawn_of_criterion, drawn_of_paper):
+    """All figures of two kinds of report."""
+    return {**drawn_of_criterion, **drawn_of_paper}
 
 
 def test_every_axis_has_a_unit(drawn):
@@ -84,6 +98,17 @@ def test_every_figure_fits_the_column(drawn):
 
 def test_every_figure_says_what_to_see(drawn):
     assert all(len("".join(map(str, each.caption))) > 40 for each in drawn.values())
+
+
+def test_every_figure_of_a_criterion_can_be_drawn(drawn_of_criterion):
+    for figure in drawn_of_criterion.values():
+        assert svg(figure.drawing).startswith(b"<?xml")
+
+
+@pytest.mark.slow
+def test_every_figure_of_the_paper_can_be_drawn(drawn_of_paper):
+    for figure in drawn_of_paper.values():
+        assert svg(figure.drawing).startswith(b"<?xml")
 
 
 def test_lines_differ_without_colour():
