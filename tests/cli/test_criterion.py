@@ -254,6 +254,7 @@ def ellipses_of_twelve(tmp_path_factory):
     return file
 
 
+@pytest.mark.slow
 def test_a_converged_posterior_is_a_finished_answer(ellipses_of_twelve):
     structure = ("--f", 1, "--xi", 0.05)
     result = run("--ellipses", ellipses_of_twelve, *structure, "--method", "hierarchical", "--json", "-")

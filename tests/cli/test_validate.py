@@ -50,13 +50,14 @@ def test_printed_laws_are_judged_where_they_promise_only(table2):
 
 
 def test_shipped_results_say_what_became_of_tests():
-    found = answer("--results", "real_suite", "--f", 1, "--xi", 0.02, "--confidence", 0.95, "--trials", 128)
+    arguments = ("--results", "real_suite", "--f", 1, "--xi", 0.02, "--confidence", 0.95, "--trials", 128)
+    found = answer(*arguments)
     ours, _, eq18 = found["rows"]
     assert found["truth"] == "simulated"
     assert (found["n_motions"], found["n_events"]) == (100, 19)
     assert 0.92 <= ours["containment"]["rate"] <= 0.98
     assert ours["false_safe"]["rate"] < 0.05 < eq18["false_safe"]["rate"]
-    shown = run("--results", "real_suite", "--f", 1, "--xi", 0.02, "--confidence", 0.95).stdout
+    shown = run(*arguments).stdout
     assert "guo_2017_18 protects 12.0% of the motions where it states 95%" in shown
 
 

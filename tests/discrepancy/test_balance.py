@@ -10,8 +10,9 @@ from reliab.discrepancy.spectra.scales import motions_of, scales_of
 from reliab.discrepancy.spectra.segment import cut_segments
 
 
-@pytest.mark.parametrize("seed", [710001, 710010])  # explicit Newmark with γ = 0.84, forward Euler
+@pytest.mark.parametrize("seed", [pytest.param(710001, marks=pytest.mark.slow), 710010])
 def test_coarse_integration_is_named_alone_with_its_step(blind, seed):
+    """Explicit Newmark with γ = 0.84, and forward Euler."""
     folder, label = blind(seed, "single", "full", "integration_error", "white", 40.0)
     campaign = read_campaign(folder)
     block = BalanceBlock(campaign, scales_of(campaign, motions_of(campaign)))

@@ -109,6 +109,7 @@ def test_answer_has_the_keys_of_the_format_and_is_json(diagnosis_of):
     json.dumps(content, allow_nan=False)
 
 
+@pytest.mark.slow
 def test_servo_hydraulic_is_a_low_pass_with_a_bias_and_no_drifting_delay(shared_folder):
     found = diagnose(read_campaign(shared_folder / "measured" / "servo_hydraulic"))
     names = {effect.name for effect in found.effects}
@@ -182,6 +183,7 @@ def test_results_are_there_when_the_report_fails(rig_b, tmp_path, monkeypatch):
     assert run.output.index("no_missing_effect") < run.output.index("held-out")
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_command_line_writes_json_and_says_what_is_wrong(rig_b, tmp_path):
     application = typer.Typer()
     application.command()(command)

@@ -77,7 +77,10 @@ def closed(gap):
     [
         (textbook, 0.5, "hysteresis", "displacement_m", YIELD * LARGEST),
         (beside, 0.3, "hysteresis", "displacement_m", YIELD * LARGEST),
-        (sliding, 0.2, "coulomb_friction", "force_n", 0.2 * STIFFNESS * YIELD * LARGEST),
+        pytest.param(
+            *(sliding, 0.2, "coulomb_friction", "force_n", 0.2 * STIFFNESS * YIELD * LARGEST),
+            marks=pytest.mark.slow,  # by default the campaign rig_a has dry friction
+        ),
     ],
 )
 def test_the_effect_is_named(tmp_path, force, value, name, size, expected):

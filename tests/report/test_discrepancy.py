@@ -22,6 +22,8 @@ from reliab.report.pdf import compiled_report
 from reliab.report.style import svg
 from reliab.vocabulary import Block
 
+pytestmark = pytest.mark.usefixtures("blank_figures")
+
 RATE = 256.0
 SPECIMEN = Specimen(stiffness=2000.0)
 

@@ -76,34 +76,27 @@ def test_reference_has_the_published_rms_and_peak(elcentro):
         assert np.abs(first).max() == pytest.approx(peak, abs=6e-4)
 
 
-def test_published_table_comes_back(elcentro, published):
+def criteria_of(elcentro, seed, *, emulate):
+    """The benchmark's indicators of its four cases, shape (cases, indicators)."""
     ground, step = elcentro
-    plant = benchmark_plants(0)[0]
-    for emulate, within in ((True, 0.04), (False, 0.06)):
-        seeds = range(6 if emulate else 1)
-        values = np.array(
-            [
-                [
-                    list(
-                        benchmark_criteria(
-                            run_laboratory(
-                                benchmark_partition(case),
-                                benchmark_rig("pi_phase_lead", plant),
-                                ground,
-                                step,
-                                seed=seed,
-                                emulate_differences=emulate,
-                            )
-                        ).values()
-                    )
-                    for case in CASES
-                ]
-                for seed in seeds
-            ]
-        )
-        assert np.abs(values.mean(axis=0) / published - 1.0).max() < within
-        if emulate:
-            assert (np.round(values, 1) == published).any(axis=0).sum() >= 30
+    rig = benchmark_rig("pi_phase_lead", benchmark_plants(0)[0])
+    runs = (
+        run_laboratory(benchmark_partition(case), rig, ground, step, seed=seed, emulate_differences=emulate)
+        for case in CASES
+    )
+    return np.array([list(benchmark_criteria(run).values()) for run in runs])
+
+
+def test_published_table_comes_back(elcentro, published):
+    values = criteria_of(elcentro, 0, emulate=False)
+    assert np.abs(values / published - 1.0).max() < 0.06
+
+
+@pytest.mark.slow
+def test_published_table_comes_back_to_its_digits_from_the_published_differences(elcentro, published):
+    values = np.array([criteria_of(elcentro, seed, emulate=True) for seed in range(6)])
+    assert np.abs(values.mean(axis=0) / published - 1.0).max() < 0.04
+    assert (np.round(values, 1) == published).any(axis=0).sum() >= 30
 
 
 @pytest.mark.parametrize("name", ["inverse", "adaptive_time_series", "adaptive_model_based"])
