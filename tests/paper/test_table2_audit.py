@@ -63,11 +63,13 @@ def audited(suite):
     return audit_table2(suite, pd.DataFrame(rows)).set_index("record")
 
 
+@pytest.mark.slow
 def test_planted_differences_are_named(audited):
     named = audited.loc[list(PLANTED), "difference"]
     assert named.to_dict() == PLANTED
 
 
+@pytest.mark.slow
 def test_named_rows_close_their_gap(audited):
     named = audited.loc[list(PLANTED)]
     assert (named["gap_before"] > 0.1).all()
@@ -75,11 +77,13 @@ def test_named_rows_close_their_gap(audited):
     assert (named["chance"] <= 0.05).all()
 
 
+@pytest.mark.slow
 def test_rows_without_a_difference_are_seldom_given_one(audited):
     given = audited.loc[list(UNEXPLAINED), "difference"] != NONE_FOUND
     assert given.sum() <= 1
 
 
+@pytest.mark.slow
 def test_rows_that_agree_are_left_alone(audited):
     rest = audited.drop([*PLANTED, *UNEXPLAINED])
     assert rest["agrees"].all()
