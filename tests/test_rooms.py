@@ -17,6 +17,7 @@ ROOMS = (
     "report",
     "paper",
     "discrepancy",
+    "explore",
     "validation",
     "criterion",
     "sampling",

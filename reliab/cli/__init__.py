@@ -11,7 +11,18 @@ from typing import Any
 
 import typer
 
-from reliab.cli import assess, criterion, diagnose, ellipses, monitor, motions, report, simulate, validate
+from reliab.cli import (
+    assess,
+    criterion,
+    diagnose,
+    ellipses,
+    explore,
+    monitor,
+    motions,
+    report,
+    simulate,
+    validate,
+)
 from reliab.cli import run as run_command
 from reliab.cli.output import write_what_can_be_written
 from reliab.errors import IncompleteError, InputError
@@ -32,6 +43,7 @@ app.command("ellipses")(ellipses.ellipses)
 app.command("criterion")(criterion.criterion)
 app.command("assess")(assess.assess)
 app.command("monitor")(monitor.monitor)
+app.command("explore")(explore.explore)
 app.command("validate")(validate.validate)
 app.command("diagnose")(diagnose.diagnose)
 app.command("run")(run_command.run)

@@ -68,11 +68,7 @@ def open_ellipses(path: str | Path, *, window: str | None = None) -> xr.Dataset:
         dataset = xr.Dataset()
     needed = set(ELLIPSE_DIMENSIONS) - {Dimension.CURVE, Dimension.SIDE}
     if not needed <= set(dataset.dims) or not {"a", "b"} <= set(dataset):
-        raise InputError(
-            "Ellipses in NetCDF are a and b over motion, f, xi, threshold and metric",
-            value=path,
-            remedy="Check the path, or write the file with `reliab ellipses --out FILE.nc`",
-        )
+        raise _no_ellipses(path)
     return _in_window(with_sides(dataset), window, path)
 
 
@@ -88,11 +84,27 @@ def ellipse_windows(path: str | Path) -> tuple[str, ...]:
     -------
     tuple of str
         "record", "arias" or seconds.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read.
     """
-    with xr.open_dataset(path, engine="h5netcdf") as file:
-        if Dimension.WINDOW in file.dims:
-            return tuple(str(label) for label in file[Dimension.WINDOW].values)
-        return (str(file.attrs.get("window", Window().label)),)
+    try:
+        with xr.open_dataset(path, engine="h5netcdf") as file:
+            if Dimension.WINDOW in file.dims:
+                return tuple(str(label) for label in file[Dimension.WINDOW].values)
+            return (str(file.attrs.get("window", Window().label)),)
+    except (OSError, ValueError) as error:
+        raise _no_ellipses(path) from error
+
+
+def _no_ellipses(path: str | Path) -> InputError:
+    return InputError(
+        "Ellipses in NetCDF are a and b over motion, f, xi, threshold and metric",
+        value=path,
+        remedy="Check the path, or write the file with `reliab ellipses --out FILE.nc`",
+    )
 
 
 def with_sides(dataset: xr.Dataset) -> xr.Dataset:

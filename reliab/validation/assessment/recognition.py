@@ -93,7 +93,17 @@ _UNIT = re.compile(
 )
 _WORDS = re.compile(r"[^a-z0-9]+")
 _SIMILAR = 0.7
-_OTHER_QUANTITIES = {"force", "load", "acceleration", "accel", "acc", "velocity", "vel", "rate", "strain"}
+OTHER_QUANTITIES: Final = {
+    "force",
+    "load",
+    "acceleration",
+    "accel",
+    "acc",
+    "velocity",
+    "vel",
+    "rate",
+    "strain",
+}
 """Words of columns that are no displacement."""
 
 
@@ -233,7 +243,7 @@ def recognise_extras(columns: Columns) -> dict[Part, Recognised]:
 def _names_loosely(name: str, part: Part) -> bool:
     """Whether a word of a name means the part, and none means that it is no displacement."""
     words = _words(name)
-    return bool(words & set(NAMES[part])) and (part is Part.TIME or not words & _OTHER_QUANTITIES)
+    return bool(words & set(NAMES[part])) and (part is Part.TIME or not words & OTHER_QUANTITIES)
 
 
 def _words(name: str) -> set[str]:

@@ -1,0 +1,70 @@
+"""`reliab explore`: one page on which the tolerable region follows sliders and a dropped test is judged."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from reliab.cli.output import console
+
+_MEGABYTE = 1e6
+
+Out = Annotated[Path, typer.Option("--out", metavar="FILE.html", help="The page to write.")]
+Ellipses = Annotated[
+    Path,
+    typer.Option(
+        "--ellipses",
+        metavar="FILE.nc",
+        help="Ellipses of `reliab ellipses`, or real_suite, shipped: 100 real ground motions.",
+    ),
+]
+Frequency = Annotated[
+    float | None, typer.Option("--f", metavar="HZ", help="Natural frequency with which the page opens.")
+]
+DampingRatio = Annotated[
+    float | None, typer.Option("--xi", metavar="RATIO", help="Damping ratio with which the page opens.")
+]
+Alpha = Annotated[
+    float, typer.Option("--alpha", metavar="SHARE", help="Share of the stiffness in the laboratory.")
+]
+Threshold = Annotated[
+    float | None, typer.Option("--threshold", metavar="ERROR", help="Error of the whole test, 0.05 for 5 %.")
+]
+MetricName = Annotated[
+    str | None, typer.Option("--metric", metavar="rms|mte", help="Error of the whole test: RMS^R or MTE^R.")
+]
+Confidence = Annotated[
+    float, typer.Option("--confidence", metavar="SHARE", help="Share of ground motions, 0.95 for 95 %.")
+]
+
+
+def explore(
+    *,
+    out: Out = Path("criterion.html"),
+    ellipses: Ellipses = Path("real_suite"),
+    f: Frequency = None,
+    xi: DampingRatio = None,
+    alpha: Alpha = 1.0,
+    threshold: Threshold = None,
+    confidence: Confidence = 0.95,
+    metric: MetricName = None,
+) -> None:
+    """Write a page that shows what a test may afford and judges a test that is dropped on it, offline."""
+    from reliab.explore import Settings, write_page
+    from reliab.shipped import or_shipped
+    from reliab.sweep import ellipse_windows, open_ellipses
+
+    path = or_shipped(ellipses, "datasets", "ellipses.nc")
+    windows = [label for label in ellipse_windows(path) if label != "arias"] or list(ellipse_windows(path))
+    settings = Settings(
+        frequency=f,
+        damping_ratio=xi,
+        experimental_fraction=alpha,
+        threshold=threshold,
+        confidence=confidence,
+        metric=metric,
+    )
+    tables = {window: open_ellipses(path, window=window) for window in windows}
+    write_page(out, tables, settings, source=f"the ellipses of {ellipses.name}")
+    size = out.stat().st_size / _MEGABYTE
+    console().print(f"{out}: {size:.1f} MB, open it in any browser.", highlight=False)

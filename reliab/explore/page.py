@@ -1,0 +1,197 @@
+"""One page that answers without a network: JavaScript, style and ellipses written into one HTML file.
+
+The scripts in `web/` are modules that import each other. In the page they stand one below the other in one
+script, each after what it imports and as a function that returns what it exports. A content security policy
+allows this very script and this very style by their checksums, and nothing else: no request, no other
+script, whatever a dropped file holds.
+"""
+
+import base64
+import hashlib
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from graphlib import TopologicalSorter
+from pathlib import Path
+from typing import Any, Final
+
+import xarray as xr
+
+from reliab.errors import InputError
+from reliab.explore.packing import pack
+from reliab.validation.assessment.recognition import LENGTHS, NAMES, OTHER_QUANTITIES, TIMES, Part
+from reliab.version import __version__
+
+_FOLDER: Final = Path(__file__).parent / "web"
+_MAIN: Final = "main"
+_ROUNDING = 1e-9
+_IMPORT = re.compile(r'^import (\{.*\}) from "\./(\w+)\.js";$', re.MULTILINE)
+_EXPORT = re.compile(r"^export (?=(?:async )?(?:function|class|const) (\w+))", re.MULTILINE)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """Structure and criterion with which the page opens.
+
+    Parameters
+    ----------
+    frequency : float, optional
+        Natural frequency [Hz]; 1 Hz, or the nearest of the ellipses, by default.
+    damping_ratio : float, optional
+        Damping ratio [-]; 0.02, or the nearest of the ellipses, by default.
+    experimental_fraction : float, optional
+        Share of the stiffness in the laboratory [-].
+    threshold : float, optional
+        Error of the whole test [-]; 0.05, or the nearest of the ellipses, by default.
+    confidence : float, optional
+        Share of ground motions [-].
+    metric : str, optional
+        Which error, "rms" or "mte"; the first of the ellipses by default.
+    """
+
+    frequency: float | None = None
+    damping_ratio: float | None = None
+    experimental_fraction: float = 1.0
+    threshold: float | None = None
+    confidence: float = 0.95
+    metric: str | None = None
+
+
+def write_page(
+    path: str | Path, ellipses: Mapping[str, xr.Dataset], settings: Settings | None = None, *, source: str
+) -> None:
+    """Write the explorer of a set of ellipses.
+
+    Parameters
+    ----------
+    path : str or pathlib.Path
+        The HTML file.
+    ellipses : mapping of str to xarray.Dataset
+        `a` [-] and `b` [ms²] over (motion, f, xi, threshold, metric, curve, side) by window: "record" or a
+        length in seconds.
+    settings : Settings, optional
+        Structure and criterion with which the page opens.
+    source : str
+        Where the ellipses come from, in words.
+
+    Raises
+    ------
+    InputError
+        If a setting lies outside of what the ellipses hold, or the file cannot be written.
+    """
+    content = render(pack(ellipses), settings or Settings(), source=source)
+    try:
+        Path(path).write_text(content, encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise InputError(
+            "The page must be writable", value=error.strerror, remedy="Name another file", where=str(path)
+        ) from error
+
+
+def render(packed: Mapping[str, Any], settings: Settings, *, source: str) -> str:
+    """Write packed ellipses, scripts and style into the template.
+
+    Parameters
+    ----------
+    packed : mapping
+        As `pack` gives it.
+    settings : Settings
+        Structure and criterion with which the page opens.
+    source : str
+        Where the ellipses come from, in words.
+
+    Returns
+    -------
+    str
+        The page.
+
+    Raises
+    ------
+    InputError
+        If a setting lies outside of what the ellipses hold.
+    """
+    data = {
+        "ellipses": dict(packed),
+        "settings": _opening(packed, settings),
+        "words": words(),
+        "provenance": f"Written by reliab {__version__} from {source}.",
+    }
+    script, style = bundled_script(), (_FOLDER / "style.css").read_text(encoding="utf-8")
+    parts = {
+        "policy": f"default-src 'none'; script-src '{_checksum(script)}'; style-src '{_checksum(style)}'; "
+        "base-uri 'none'; form-action 'none'",
+        "style": style,
+        "data": json.dumps(data, allow_nan=False).replace("<", "\\u003c"),
+        "script": script,
+    }
+    template = (_FOLDER / "template.html").read_text(encoding="utf-8")
+    return re.sub(r"\{\{ (\w+) \}\}", lambda match: parts[match[1]], template)
+
+
+def words() -> dict[str, Any]:
+    """Return the names and units by which the page recognises columns: those of `reliab assess`."""
+    return {
+        "names": {part.value: NAMES[part] for part in (Part.TIME, Part.COMMAND, Part.MEASURED)},
+        "lengths": dict(LENGTHS),
+        "times": dict(TIMES),
+        "otherQuantities": sorted(OTHER_QUANTITIES),
+    }
+
+
+def bundled_script() -> str:
+    """Return all scripts of the page as one, each after what it imports, and the main one at the end."""
+    sources = {path.stem: path.read_text(encoding="utf-8") for path in sorted(_FOLDER.glob("*.js"))}
+    needs = {name: {module for _, module in _IMPORT.findall(text)} for name, text in sources.items()}
+    order = [name for name in TopologicalSorter(needs).static_order() if name != _MAIN]
+    modules = [_as_function(name, sources[name]) for name in order]
+    return "\n".join([*modules, f"await (async () => {{\n{_body(sources[_MAIN])}}})();\n"])
+
+
+def _as_function(name: str, text: str) -> str:
+    exported = ", ".join(_EXPORT.findall(text))
+    return f"const module_{name} = (() => {{\n{_body(text)}return {{ {exported} }};\n}})();\n"
+
+
+def _body(text: str) -> str:
+    return _EXPORT.sub("", _IMPORT.sub(r"const \1 = module_\2;", text))
+
+
+def _checksum(text: str) -> str:
+    return f"sha256-{base64.b64encode(hashlib.sha256(text.encode('utf-8')).digest()).decode('ascii')}"
+
+
+def _opening(packed: Mapping[str, Any], settings: Settings) -> dict[str, Any]:
+    """Return the settings by the page's names, checked and with what is not given filled in."""
+    for name, value in (("share", settings.experimental_fraction), ("confidence", settings.confidence)):
+        if not 0.0 < value <= 1.0:
+            raise InputError(f"The {name} must lie between 0 and 1", value=value)
+    metrics = packed["metrics"]
+    if settings.metric not in (None, *metrics):
+        raise InputError(
+            "The metric must be that of the ellipses",
+            value=settings.metric,
+            remedy=f"Choose among {', '.join(metrics)}",
+        )
+    return {
+        "frequency": _within("natural frequency", settings.frequency, packed["frequencies"], 1.0),
+        "dampingRatio": _within("damping ratio", settings.damping_ratio, packed["dampingRatios"], 0.02),
+        "threshold": _within("error threshold", settings.threshold, packed["thresholds"], 0.05),
+        "share": settings.experimental_fraction,
+        "confidence": settings.confidence,
+        "metric": settings.metric or metrics[0],
+    }
+
+
+def _within(name: str, value: float | None, held: list[float], usual: float) -> float:
+    """Return a value that must lie among those of the ellipses, or the nearest to a usual one."""
+    low, high = min(held), max(held)
+    if value is None:
+        return min(max(usual, low), high)
+    if not low * (1.0 - _ROUNDING) <= value <= high * (1.0 + _ROUNDING):
+        raise InputError(
+            f"The page opens with a {name} of the ellipses, {low:g} to {high:g}",
+            value=value,
+            remedy="Choose one in that range, or give other ellipses",
+        )
+    return value

@@ -1,0 +1,79 @@
+"""How fast the explorer answers in a headless Chromium, and a picture of it.
+
+    python tests/benchmarks/explorer.py [--screenshot reports/explorer.png]
+
+Needs selenium, chromium and its driver. Prints the size of the file [MB], the time from opening it to the
+first picture [ms] and the longest and median time of a slider's move until the drawings stand [ms]; a test is
+loaded.
+"""
+
+import argparse
+import shutil
+import statistics
+import tempfile
+import time
+from pathlib import Path
+
+from selenium.webdriver import Chrome, ChromeOptions
+from selenium.webdriver.chrome.service import Service
+
+from reliab.cli import run
+from reliab.shipped import shipped
+
+SLIDERS = ("frequency", "damping", "share", "threshold", "confidence")
+MOVES = 20
+PAUSE = 0.15
+
+
+def browser() -> Chrome:
+    """Start a browser without a window."""
+    options = ChromeOptions()
+    options.binary_location = shutil.which("chromium")
+    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--window-size=1440,1750"):
+        options.add_argument(argument)
+    return Chrome(options=options, service=Service(shutil.which("chromedriver")))
+
+
+def moved(page: Chrome, slider: str, part: float) -> float:
+    """Move a slider to a part of its range; return the milliseconds until everything was drawn."""
+    script = (
+        "const e = document.getElementById(arguments[0]), [low, high] = [Number(e.min), Number(e.max)];"
+        "e.value = low + (high - low) * arguments[1]; const begin = performance.now();"
+        "e.dispatchEvent(new Event('input', {bubbles: true})); return performance.now() - begin;"
+    )
+    return float(page.execute_script(script, slider, part))
+
+
+def main() -> None:
+    """Measure, print, and take the picture that is asked for."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--screenshot", type=Path)
+    arguments = parser.parse_args()
+    page = browser()
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "criterion.html"
+        run(["explore", "--out", str(path)])
+        print(f"size {path.stat().st_size / 1e6:.2f} MB")
+        page.get(path.as_uri())
+        while not page.execute_script("return document.documentElement.dataset.ready"):
+            time.sleep(0.02)
+        first = page.execute_script(
+            "return performance.getEntriesByName('first-contentful-paint')[0].startTime"
+        )
+        ready = float(page.execute_script("return document.documentElement.dataset.ready"))
+        print(f"first paint {first:.0f} ms, region drawn {ready:.0f} ms")
+        page.find_element("id", "file").send_keys(str(shipped("datasets", "sample_test/test.csv")))
+        time.sleep(4.0)
+        if arguments.screenshot:
+            page.save_screenshot(str(arguments.screenshot))
+        for slider in SLIDERS:
+            times = []
+            for k in range(MOVES):
+                times.append(moved(page, slider, (k + 0.5) / MOVES))
+                time.sleep(PAUSE)
+            print(f"{slider}: median {statistics.median(times):.1f} ms, longest {max(times):.1f} ms")
+    page.quit()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,45 @@
+import json
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+import reliab
+from reliab.explore.packing import pack
+from reliab.explore.page import words
+from reliab.shipped import shipped
+from reliab.sweep import open_ellipses
+
+WINDOWS = ("record", "20", "30", "40")
+WEB = Path(reliab.__file__).parent / "explore" / "web"
+
+
+@pytest.fixture(scope="session")
+def shipped_ellipses():
+    path = shipped("datasets", "real_suite/ellipses.nc")
+    return {window: open_ellipses(path, window=window) for window in WINDOWS}
+
+
+@pytest.fixture(scope="session")
+def packed(shipped_ellipses):
+    return pack(shipped_ellipses)
+
+
+@pytest.fixture(scope="session")
+def by_javascript(packed):
+    """Answer questions by the scripts of the page, run by node."""
+    node = shutil.which("node")
+    if node is None:
+        pytest.skip("the page's scripts are run by node, and there is none here")
+
+    def ask(*questions):
+        table = packed if any(kind in ("limits", "band") for kind, _ in questions) else None
+        job = json.dumps({"packed": table, "words": words(), "questions": questions})
+        script = Path(__file__).with_name("numbers.mjs")
+        done = subprocess.run(  # noqa: S603
+            [node, str(script), str(WEB)], input=job, capture_output=True, text=True, check=True, timeout=120
+        )
+        return json.loads(done.stdout)
+
+    return ask

@@ -1,0 +1,134 @@
+"""The page in a real browser without a window; skipped where there is none."""
+
+import json
+import shutil
+import time
+
+import pytest
+
+from reliab.explore import write_page
+from reliab.loop.structure import Structure
+from reliab.shipped import shipped
+from reliab.validation.assessment import assess, read_recording
+
+selenium = pytest.importorskip("selenium", reason="the browser is driven by selenium, and there is none here")
+SAMPLE = shipped("datasets", "sample_test/test.csv")
+PATIENCE = 60.0
+
+
+@pytest.fixture(scope="module")
+def browser():
+    from selenium.webdriver import Chrome, ChromeOptions
+    from selenium.webdriver.chrome.service import Service
+
+    program = shutil.which("chromium") or shutil.which("google-chrome")
+    driver = shutil.which("chromedriver")
+    if program is None or driver is None:
+        pytest.skip("neither chromium nor its driver is installed here")
+    options = ChromeOptions()
+    options.binary_location = program
+    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--window-size=1400,1600"):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    chrome = Chrome(options=options, service=Service(driver))
+    yield chrome
+    chrome.quit()
+
+
+@pytest.fixture(scope="module")
+def address(shipped_ellipses, tmp_path_factory):
+    path = tmp_path_factory.mktemp("page") / "criterion.html"
+    write_page(path, shipped_ellipses, source="a test")
+    return path.as_uri()
+
+
+@pytest.fixture
+def page(browser, address):
+    browser.get(address)
+    until(browser, "return Boolean(document.documentElement.dataset.ready)")
+    return browser
+
+
+def until(browser, question):
+    end = time.monotonic() + PATIENCE
+    while not browser.execute_script(question):
+        assert time.monotonic() < end, question
+        time.sleep(0.05)
+
+
+def text(browser, name):
+    return browser.execute_script("return document.getElementById(arguments[0]).textContent", name)
+
+
+def drop(browser, path):
+    browser.execute_script("document.getElementById('word').textContent = ''")
+    browser.find_element("id", "file").send_keys(str(path))
+
+
+def test_a_dropped_test_is_judged_and_nothing_is_requested(page, address):
+    drop(page, SAMPLE)
+    until(page, "return document.getElementById('word').textContent !== ''")
+    python = assess(read_recording(SAMPLE), Structure(frequency=1.0, damping_ratio=0.02))
+    assert text(page, "word") == "reliable"
+    numbers = text(page, "numbers")
+    assert f"{python.tracking.amplitude:.5f}" in numbers
+    assert f"{1e3 * python.tracking.delay:.4f} ms" in numbers
+    assert f"RMS error of this test, rebuilt{100 * python.error.rebuilt.rms.value:.2f} %" in numbers
+    assert f"{python.population.index:#.4g}: inside" in numbers
+    requested = [
+        message["params"]["request"]["url"]
+        for entry in page.get_log("performance")
+        if (message := json.loads(entry["message"])["message"])["method"] == "Network.requestWillBeSent"
+    ]
+    assert set(requested) <= {address}
+    assert page.get_log("browser") == []
+
+
+def test_hostile_names_and_content_do_nothing(page, tmp_path):
+    path = tmp_path / "<img src=x onerror=document.title='owned'>.csv"
+    rows = SAMPLE.read_text(encoding="utf-8").replace("time_s", "time_s", 1)
+    path.write_text(f"# <script>document.title='owned'</script>\n{rows}", encoding="utf-8")
+    drop(page, path)
+    until(page, "return document.getElementById('word').textContent !== ''")
+    assert text(page, "test-name") == path.name
+    bad = tmp_path / "bad.csv"
+    bad.write_text("<svg onload=document.title='owned'>,1\n" * 90, encoding="utf-8")
+    drop(page, bad)
+    until(page, "return document.getElementById('problem').textContent.startsWith('bad.csv')")
+    page.execute_script(
+        "const script = document.createElement('script');"
+        "script.textContent = \"document.title='owned'\"; document.body.append(script)"
+    )
+    assert "owned" not in page.title
+    assert page.execute_script("return document.querySelectorAll('img, #test script').length") == 0
+
+
+def test_sliders_answer_to_the_keyboard_and_the_region_follows(page):
+    before = text(page, "answer")
+    slider = page.find_element("id", "damping")
+    slider.send_keys("\ue014" * 20)  # right arrow
+    assert text(page, "damping-value") == "4 %"
+    assert text(page, "answer") != before
+    plane = page.find_element("id", "plane")
+    page.execute_script("arguments[0].focus()", plane)
+    plane.send_keys("\ue013" * 3)  # up arrow: a later actuator
+    assert "accepted" in text(page, "probe")
+    assert "A = 1.0000" in text(page, "probe")
+
+
+def test_two_criteria_stand_side_by_side(page):
+    page.find_element("id", "keep").click()
+    page.find_element("id", "confidence").send_keys("\ue012" * 10)
+    assert "95 % of motions" in text(page, "compared-hint")
+    regions = (
+        "return ['region', 'compared']"
+        ".map((name) => document.querySelector(`#plane .${name}`).getAttribute('d'))"
+    )
+    own, compared = page.execute_script(regions)
+    assert own != compared
+    page.execute_script(
+        "const e = document.getElementById('compared'); e.value = 'printed';"
+        "e.dispatchEvent(new Event('input', {bubbles: true}))"
+    )
+    assert page.execute_script(regions)[1] not in (own, compared)
+    until(page, "return document.querySelectorAll('#delay-law .band').length === 1")

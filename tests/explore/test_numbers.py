@@ -1,0 +1,258 @@
+"""What the page computes is what Python computes."""
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+from scipy.special import ndtr, ndtri, owens_t
+from scipy.stats import t as student
+
+from reliab.criterion import published_criterion
+from reliab.errors import InputError
+from reliab.loop.structure import Structure
+from reliab.shipped import shipped
+from reliab.stated_value import StatedValue
+from reliab.validation.assessment import assess, read_recording
+from reliab.validation.assessment.default_criterion import default_criterion
+from reliab.validation.assessment.placement import carried_limits
+from reliab.vocabulary import Side
+
+QUESTIONS = [
+    (1.0, 0.02, 0.05, 0.95, "rms", None),
+    (0.83, 0.037, 0.034, 0.9, "mte", None),
+    (1.6, 0.055, 0.07, 0.975, "rms", 23.7),
+    (2.0, 0.1, 0.1, 0.5, "rms", 40.0),
+    (3.0, 0.015, 0.01, 0.99, "mte", 90.0),
+    (1.0, 0.02, 0.05, 0.995, "rms", None),
+]
+
+
+def asked(f, xi, threshold, confidence, metric, duration):
+    return {
+        "frequency": f,
+        "dampingRatio": xi,
+        "threshold": threshold,
+        "confidence": confidence,
+        "metric": metric,
+        "duration": duration,
+    }
+
+
+def by_python(question, side, **options):
+    f, xi, threshold, confidence, metric, duration = question
+    criterion = default_criterion(f, xi, threshold, confidence, metric=metric, duration=duration, **options)
+    return carried_limits(criterion, Structure(frequency=f, damping_ratio=xi), Side(side))[:2]
+
+
+def test_special_functions(by_javascript):
+    places = np.linspace(-8.0, 8.0, 33).tolist()
+    pairs = [[h, a] for h in (-3.0, 0.0, 0.4, 2.0, 6.0) for a in (-9.0, -0.5, 0.0, 0.3, 1.0, 2.5)]
+    degrees = [[x, n] for x in (-20.0, -2.5, -0.1, 0.0, 1.0, 7.0) for n in (1.0, 2.7, 18.4, 99.0)]
+    shares = np.geomspace(1e-12, 0.999, 25).tolist()
+    answers = by_javascript(
+        ("special", {"name": "normalCumulative", "values": [[x] for x in places]}),
+        ("special", {"name": "normalQuantile", "values": [[p] for p in shares]}),
+        ("special", {"name": "owensT", "values": pairs}),
+        ("special", {"name": "studentCumulative", "values": degrees}),
+    )
+    expected = (
+        ndtr(places),
+        ndtri(shares),
+        owens_t(*np.transpose(pairs)),
+        student.cdf(*np.transpose(degrees)),
+    )
+    for answer, values in zip(answers, expected, strict=True):
+        np.testing.assert_allclose(answer, values, rtol=1e-10, atol=1e-15)
+
+
+@pytest.mark.parametrize("size", [64, 97, 250])
+def test_transform_and_spline(by_javascript, size):
+    values = np.random.default_rng(size).normal(size=size)
+    places = np.linspace(0.0, size - 1.0, 200)
+    (real, imaginary), interpolated = by_javascript(
+        ("transform", {"values": values.tolist()}),
+        ("spline", {"values": values.tolist(), "places": places.tolist()}),
+    )
+    np.testing.assert_allclose(np.array(real) + 1j * np.array(imaginary), np.fft.rfft(values), atol=1e-11)
+    np.testing.assert_allclose(interpolated, CubicSpline(np.arange(size), values)(places), atol=1e-11)
+
+
+def test_limits_are_those_of_python(by_javascript):
+    sides = ("lag", "lead")
+    answers = by_javascript(
+        *[("limits", {**asked(*question), "side": side}) for question in QUESTIONS for side in sides]
+    )
+    expected = [by_python(question, side) for question in QUESTIONS for side in sides]
+    np.testing.assert_allclose(answers, expected, rtol=1e-6)
+    assert answers[-1] == [0.0, 0.0]  # 19 earthquakes do not carry 99.5 %
+
+
+def test_a_threshold_that_an_actuator_at_rest_keeps_accepts_nothing(by_javascript):
+    questions = [(f, xi, 0.2, 0.9, "rms", None) for f in (0.25, 0.6, 1.0, 2.0) for xi in (0.02, 0.05, 0.1)]
+    answers = by_javascript(*[("limits", {**asked(*question), "side": "lag"}) for question in questions])
+    refused = 0
+    for question, answer in zip(questions, answers, strict=True):
+        try:
+            assert answer == pytest.approx(by_python(question, "lag"), rel=1e-6)
+        except InputError:
+            assert answer == [0.0, 0.0]
+            refused += 1
+    assert 0 < refused < len(questions)
+
+
+def test_band_is_the_criterion_without_one_earthquake_after_the_other(by_javascript, shipped_ellipses):
+    (answer,) = by_javascript(("band", {**asked(*QUESTIONS[0]), "side": "lag"}))
+    events = np.unique(shipped_ellipses["record"]["event"].values)
+    without = np.array([by_python(QUESTIONS[0], "lag", without=str(event)) for event in events])
+    np.testing.assert_allclose(answer, np.transpose([without.min(axis=0), without.max(axis=0)]), rtol=1e-6)
+
+
+def test_printed_law_and_index(by_javascript):
+    printed = published_criterion("guo_2017_18")
+    limits, outside, index = by_javascript(
+        ("printed", asked(1.3, 0.04, 0.05, 0.95, "rms", None)),
+        ("printed", asked(1.3, 0.04, 0.04, 0.95, "rms", None)),
+        ("index", {"limits": [0.021 * 0.02, 0.1655], "amplitude": 1.0039, "delay": -0.39e-3}),
+    )
+    assert limits == pytest.approx([float(limit) for limit in printed.limits(1.3, 0.04)], rel=1e-12)
+    assert outside is None
+    assert index == pytest.approx(0.0039**2 / 0.00042 + 0.39**2 / 0.1655, rel=1e-12)
+
+
+def written(command, measured, step):
+    rows = zip(np.arange(command.size) * step, command, measured, strict=True)
+    return "time_s,command_m,measured_m\n" + "\n".join(f"{t:.9g},{x:.10g},{y:.10g}" for t, x, y in rows)
+
+
+def history(count, step, frequency):
+    """A motion that grows and decays, at two frequencies, after a short rest."""
+    time = np.maximum(np.arange(count) * step - 1.0, 0.0)
+    shape = time**2 * np.exp(-time / 4.0)
+    return 0.01 * shape * (np.sin(2.0 * np.pi * frequency * time) + 0.3 * np.sin(7.1 * frequency * time))
+
+
+def late(command, gain, delay, step):
+    places = np.arange(command.size) * step
+    return gain * CubicSpline(places, command)(np.clip(places - delay, 0.0, None))
+
+
+def made_tests():
+    noise = np.random.default_rng(4).normal(size=5000)
+    command = history(5000, 0.005, 1.2)
+    yield "clean", written(command, late(command, 1.004, -0.0011, 0.005), 0.005), (1.2, 0.03, 1.0)
+    noisy = late(command, 0.99, 0.003, 0.005) + 2e-4 * noise
+    yield "noisy", written(command, noisy, 0.005), (1.25, 0.05, 0.6)
+    yield "offset", written(command, noisy + 1.5e-3, 0.005), (1.2, 0.03, 0.8)
+    moving = command[400:4001]
+    yield "in motion", written(moving, late(moving, 0.998, 0.002, 0.005), 0.005), (1.2, 0.03, 1.0)
+    spiked = noisy.copy()
+    spiked[2000:2002] += 0.05
+    yield "spike", written(command, spiked, 0.005), (1.2, 0.03, 1.0)
+    drifting = noisy + np.linspace(-2e-3, 2e-3, 5000)
+    yield "drift", written(command, drifting, 0.005), (1.2, 0.03, 1.0)
+    sample = shipped("datasets", "sample_test/test.csv").read_text(encoding="utf-8")
+    yield "sample", sample, (1.0, 0.02, 1.0)
+
+
+MADE = list(made_tests())
+
+
+@pytest.mark.parametrize(("text", "structure"), [case[1:] for case in MADE], ids=[case[0] for case in MADE])
+def test_a_test_is_judged_as_by_assess(by_javascript, tmp_path, text, structure):
+    path = tmp_path / "test.csv"
+    path.write_text(text, encoding="utf-8")
+    f, xi, alpha = structure
+    stated = {"f": StatedValue(f, 0.01 * f)}
+    python = assess(
+        read_recording(path),
+        Structure(frequency=f, damping_ratio=xi, experimental_fraction=alpha),
+        stated=stated,
+    )
+    question = {"frequency": f, "dampingRatio": xi, "share": alpha}
+    (page,) = by_javascript(
+        (
+            "test",
+            {
+                "text": text,
+                "structure": question,
+                "threshold": 0.05,
+                "metric": "rms",
+                "deviations": {"frequency": 0.01},
+            },
+        )
+    )
+    rebuilt = python.error.rebuilt
+    assert page["amplitude"] == pytest.approx(python.tracking.amplitude, rel=1e-6)
+    assert page["delay"] == pytest.approx(python.tracking.delay, rel=1e-6, abs=1e-9)
+    assert page["start"]["offset"] == pytest.approx(rebuilt.start.offset, rel=1e-6, abs=1e-12)
+    peak = np.abs(rebuilt.reference).max()
+    np.testing.assert_allclose(page["reference"], rebuilt.reference, atol=1e-6 * peak)
+    np.testing.assert_allclose(page["error"], rebuilt.smooth_error, atol=1e-6 * peak)
+    for name, estimate in (
+        ("rms", rebuilt.rms),
+        ("mte", rebuilt.mte),
+    ):  # intervals are drawn by other numbers
+        width = estimate.high - estimate.low
+        for end in ("value", "low", "high"):
+            assert page[name][end] == pytest.approx(getattr(estimate, end), rel=1e-3, abs=0.25 * width)
+    assert page["probability"] == pytest.approx(python.error.probability, abs=0.1)
+    assert [tuple(fault) for fault in page["faults"]] == [
+        (effect.fault.kind, effect.fault.in_loop)
+        for effect in python.faults
+        if effect.fault.kind in ("offset", "drift")
+    ]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "time,command [mm],measured [mm]\n{rows}",
+        "# a comment\n\nt;xc_mm;xm_mm\n{rows;}",
+        "Time (s)\tCommand\tMeasured\ns\tmm\tmm\n{rows\t}",
+    ],
+)
+def test_files_are_read_as_by_python(by_javascript, tmp_path, text):
+    command = 50.0 * history(400, 0.01, 1.0)
+    columns = (np.arange(400) * 0.01, command, 0.99 * command)
+    for mark in (",", ";", "\t"):
+        rows = "\n".join(mark.join(f"{value:.8g}" for value in row) for row in zip(*columns, strict=True))
+        text = text.replace("{rows}" if mark == "," else f"{{rows{mark}}}", rows)
+    path = tmp_path / "test.csv"
+    path.write_text(text, encoding="utf-8")
+    recording = read_recording(path)
+    (page,) = by_javascript(("read", {"text": text}))
+    assert page["step"] == pytest.approx(recording.time_step, rel=1e-9)
+    np.testing.assert_allclose(page["command"], recording.command, rtol=1e-12)
+    np.testing.assert_allclose(page["measured"], recording.measured, rtol=1e-12)
+
+
+def table(rows):
+    return "time,command,measured\n" + "\n".join(",".join(map(str, row)) for row in rows)
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("", "at least two numbers"),
+        ("<script>alert(1)</script>", "at least two numbers"),
+        (table([(0, 1, 2), (1, 2)]), "columns"),
+        (table([(0, 1, 2), (1, 2, 3)]), "64 samples"),
+        (table([(0, k % 7, k % 7) for k in range(80)]), "increase"),
+        (table([(k + (k > 40), k % 7, k % 7) for k in range(300)]), "equal steps"),
+        (table([(k, k % 7, "nan") for k in range(90)]), "finite"),
+        (table([(k, k % 7, "1e999") for k in range(90)]), "finite"),
+        (table([(k, k % 7, 1) for k in range(90)]).replace("measured", "force"), "measured"),
+        (table([(k / 50, k % 7, 1) for k in range(900)]), "must move"),
+        (table([(k / 50, k % 7, -(k % 7)) for k in range(900)]), "sign"),
+        (table([(k / 50, k % 7, 1000 * (k % 7)) for k in range(900)]), "one unit"),
+        (table([(k, k % 7, k % 7) for k in range(90)]), "ten samples"),
+    ],
+)
+def test_what_cannot_be_judged_is_refused_with_a_reason(by_javascript, text, reason):
+    question = {
+        "text": text,
+        "structure": {"frequency": 1.0, "dampingRatio": 0.02, "share": 1.0},
+        "threshold": 0.05,
+        "metric": "rms",
+    }
+    (page,) = by_javascript(("test", question))
+    assert reason in page["refused"]

@@ -1,0 +1,89 @@
+"""The page is one file that holds everything, allows nothing else, and refuses what it cannot show."""
+
+import base64
+import re
+import zlib
+
+import numpy as np
+import pytest
+
+from reliab.cli import run
+from reliab.errors import InputError
+from reliab.explore.packing import pack
+from reliab.explore.page import Settings, bundled_script, render, write_page
+
+MOST_BYTES = 5_000_000
+
+
+@pytest.fixture(scope="module")
+def small(shipped_ellipses):
+    return {"record": shipped_ellipses["record"].isel(f=[3], xi=[0], threshold=[3])}
+
+
+def test_page_is_one_small_file_that_asks_for_nothing(packed, shipped_ellipses, tmp_path):
+    write_page(tmp_path / "page.html", shipped_ellipses, source="a test")
+    page = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert len(page.encode("utf-8")) < MOST_BYTES
+    assert packed["codes"] in page
+    assert not re.search(r'(src|href)\s*=|url\((?!#)|@import|https?:(?!//www\.w3\.org/2000/svg")', page)
+    policy = re.search(r'Content-Security-Policy" content="([^"]*)"', page)[1]
+    assert policy.startswith("default-src 'none'; script-src 'sha256-")
+    assert "unsafe" not in policy
+
+
+def test_no_placeholder_is_left_and_scripts_are_in_order():
+    script = bundled_script()
+    assert not re.search(r"^(import|export) ", script, flags=re.MULTILINE)
+    names = re.findall(r"^const module_(\w+) =", script, flags=re.MULTILINE)
+    for used in re.finditer(r"= module_(\w+);", script):
+        assert script.index(f"const module_{used[1]} =") < used.start()
+    assert len(names) == len(set(names))
+
+
+def test_codes_hold_the_shipped_ellipses_exactly(small):
+    """Decoded by the definition of a float32, not by the page."""
+    packed = pack(small)
+    planes = np.frombuffer(zlib.decompress(base64.b64decode(packed["codes"])), np.uint8).reshape(2, -1)
+    codes = planes[0].astype(np.uint32) + 256 * planes[1].astype(np.uint32)
+    for half, offset, name in zip(codes.reshape(2, -1), packed["offsets"], ("a", "b"), strict=True):
+        decoded = ((half + np.uint32(offset)) << np.uint32(12)).view(np.float32)
+        table = small["record"].sel(curve="inscribed")[name]
+        expected = table.transpose("threshold", "metric", "side", "f", "xi", "motion").values.ravel()
+        np.testing.assert_array_equal(decoded, expected)
+
+
+def test_names_in_the_data_cannot_end_the_script(small):
+    hostile = "</script><script>alert(1)</script>"
+    renamed = small["record"].assign_coords(motion=[f"{hostile}{k}" for k in range(100)])
+    page = render(pack({"record": renamed}), Settings(), source=hostile)
+    assert page.count("<script") == 2
+    assert page.count("</script>") == 2
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        Settings(frequency=3.0),
+        Settings(damping_ratio=0.5),
+        Settings(threshold=0.5),
+        Settings(confidence=0.0),
+        Settings(experimental_fraction=2.0),
+        Settings(metric="peak"),
+    ],
+)
+def test_settings_that_the_ellipses_do_not_hold_are_refused(small, settings):
+    with pytest.raises(InputError):
+        render(pack(small), settings, source="a test")
+
+
+def test_page_opens_at_a_structure_of_its_ellipses(small):
+    moved = small["record"].assign_coords(f=[0.4], xi=[0.07])
+    page = render(pack({"record": moved}), Settings(), source="a test")
+    assert '"frequency": 0.4, "dampingRatio": 0.07, "threshold": 0.05' in page
+
+
+def test_command_writes_the_page_and_says_where(tmp_path, capsys):
+    assert run(["explore", "--out", str(tmp_path / "page.html"), "--f", "0.8", "--alpha", "0.5"]) == 0
+    assert "page.html" in capsys.readouterr().out.replace("\n", "")
+    assert run(["explore", "--out", str(tmp_path / "missing" / "page.html")]) == 2
+    assert run(["explore", "--ellipses", str(tmp_path / "none.nc"), "--out", str(tmp_path / "p.html")]) == 2
