@@ -60,7 +60,7 @@ def wrong_answers(cases, blind):
 
 
 def test_two_of_twenty_blind_campaigns(blind):
-    wrong = wrong_answers(REPRESENTATIVE[::10], blind)
+    wrong = wrong_answers(REPRESENTATIVE[10:12], blind)  # a wrong calibration, and nothing wrong
     assert not wrong
 
 
