@@ -24,9 +24,7 @@ from reliab.sweep import (
     Grid,
     ScaledGrid,
     SweepRequest,
-    open_results,
     predict_ellipses,
-    run_sweep,
     trace_ellipses,
 )
 from reliab.vocabulary import Metric, Side
@@ -118,6 +116,8 @@ def simulate(
         engine=_one_of(engine, {choice.value: choice for choice in Engine}, "engine"),
         model=test,
     )
+    from reliab.sweep import open_results, run_sweep
+
     path = run_sweep(
         motions, request, out, resume=resume, workers=workers, scheduler=scheduler, progress=progress
     )

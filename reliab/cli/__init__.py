@@ -1,13 +1,13 @@
 """The command line `reliab`: one command per file.
 
-Only Typer and Rich are imported here and at the top of the commands; numerics are imported when a
-command runs, so that `reliab --help` answers at once.
+Only Typer is imported here and at the top of the commands; numerics, and Rich for tables and bars,
+are imported when a command needs them, so that `reliab --help` answers at once.
 """
 
 import sys
 import warnings
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 
@@ -27,6 +27,7 @@ from reliab.cli import run as run_command
 from reliab.cli.output import write_what_can_be_written
 from reliab.errors import IncompleteError, InputError
 from reliab.stated_value import StatedValue
+from reliab.version import __version__
 
 _BAD_INPUT = 2
 _INCOMPLETE = 3
@@ -35,7 +36,6 @@ app = typer.Typer(
     name="reliab",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
-    help="Can I trust this real-time hybrid simulation?",
 )
 app.add_typer(motions.app, name="motions")
 app.command("simulate")(simulate.simulate)
@@ -48,6 +48,23 @@ app.command("validate")(validate.validate)
 app.command("diagnose")(diagnose.diagnose)
 app.command("run")(run_command.run)
 app.command("report")(report.report)
+
+
+def _show_version(wanted: bool) -> None:  # noqa: FBT001 - Typer's callback
+    if wanted:
+        typer.echo(__version__)
+        raise typer.Exit
+
+
+@app.callback(help="Can I trust this real-time hybrid simulation?")
+def options(
+    version: Annotated[  # noqa: FBT002 - an option of the command line
+        bool,
+        typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version and leave."),
+    ] = False,
+) -> None:
+    """Answer whether a real-time hybrid simulation can be trusted."""
+    del version  # the callback has printed it
 
 
 def main() -> None:

@@ -5,9 +5,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich import box
-from rich.table import Table
-from rich.text import Text
 
 from reliab.cli.options import JsonTarget, Sets
 from reliab.cli.output import console, write_json
@@ -43,6 +40,14 @@ def list_motions(
     rows = _describe(load_motions(*sources, sets=sets, time_step=time_step, units=units))
     if write_json({"motions": rows}, json_target):
         return
+    _show_motions(rows)
+
+
+def _show_motions(rows: list[dict[str, Any]]) -> None:
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
     events = {row["event"] for row in rows}
     table = Table(
         title=f"{len(rows)} motions from {len(events)} events", box=box.SIMPLE, padding=(0, 1, 0, 0)
@@ -158,6 +163,9 @@ def _show_faults(faults: "list[Fault]", records: int, sources: list[str]) -> Non
     if not faults:
         console().print(f"{records} records, no faults.")
         return
+    from rich.table import Table
+    from rich.text import Text
+
     files = len({fault.file for fault in faults})
     table = Table(title=f"{len(faults)} faults in {files} files", show_lines=True)
     for heading in ("file", "line", "rule", "found", "remedy"):

@@ -8,22 +8,23 @@ import unicodedata
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Final, TextIO
+from typing import TYPE_CHECKING, Any, Final, TextIO
 
 import typer
-from rich import box
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-from rich.table import Table
-from rich.text import Text
 
 from reliab.errors import InputError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
 
 _WIDTH_OF_PIPES = 160
 
 
-def console() -> Console:
+def console() -> "Console":
     """Console for results: as wide as the terminal, or wide enough to be searched in a pipe."""
+    from rich.console import Console
+
     terminal = Console()
     return terminal if terminal.is_terminal else Console(width=_WIDTH_OF_PIPES)
 
@@ -90,7 +91,7 @@ _IN_ASCII: Final = {
 }
 
 
-def table(title: str, headings: Mapping[str, str]) -> Table:
+def table(title: str, headings: Mapping[str, str]) -> "Table":
     """Make a table with headings and their justification, "left" or "right".
 
     Parameters
@@ -105,6 +106,10 @@ def table(title: str, headings: Mapping[str, str]) -> Table:
     rich.table.Table
         The empty table.
     """
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
     rich_table = Table(title=title, box=box.SIMPLE, padding=(0, 1, 0, 0), title_justify="left")
     for heading, justify in headings.items():
         rich_table.add_column(Text(heading), justify=justify, no_wrap=True)  # type: ignore[arg-type]
@@ -161,6 +166,9 @@ def progress_bar(what: str) -> Iterator[Callable[[int, int], None]]:
     callable
         To be called with pieces done and their total.
     """
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),

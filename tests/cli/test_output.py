@@ -9,6 +9,7 @@ import sys
 import pytest
 
 from reliab.cli import main
+from reliab.version import __version__
 
 STRUCTURE = ["--f", "1", "--xi", "0.02"]
 CRITERION = ["criterion", "--law", "guo_2017_18", *STRUCTURE]
@@ -70,3 +71,13 @@ def test_a_message_that_cannot_be_encoded_ends_with_its_sentence(run_with):
     assert code == 2
     assert b"Error" in message
     assert b"Traceback" not in message
+
+
+def test_version_is_printed_without_numerics():
+    program = (
+        "import sys; from reliab.cli import run; run(['--version']); "
+        "print(sorted({'numpy', 'rich', 'numba'} & set(sys.modules)))"
+    )
+    command = [sys.executable, "-c", program]
+    result = subprocess.run(command, capture_output=True, text=True, check=True)  # noqa: S603
+    assert result.stdout.split("\n")[:2] == [__version__, "[]"]
