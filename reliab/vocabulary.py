@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from enum import IntEnum, StrEnum
 from typing import Final
 
+from reliab.errors import InputError
+
 STANDARD_GRAVITY: Final = 9.80665
 """Standard gravity [m/s²], by definition."""
 
@@ -49,6 +51,24 @@ class Metric(StrEnum):
 
     RMS = "rms"
     MTE = "mte"
+
+    @classmethod
+    def parse(cls, name: str) -> "Metric":
+        """Return the error of a name.
+
+        Raises
+        ------
+        InputError
+            If it is neither "rms" nor "mte".
+
+        Examples
+        --------
+        >>> Metric.parse("mte").name
+        'MTE'
+        """
+        if name not in list(cls):
+            raise InputError("The metric is rms or mte", value=name, remedy="Choose one of these")
+        return cls(name)
 
 
 class Side(StrEnum):

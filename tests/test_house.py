@@ -16,18 +16,15 @@ VAGUE = frozenset({"found", "each", "one", "made", "told", "apart", "left", "the
 """Words that name no thing of the field."""
 
 LONG_MODULES = {
-    "cli/validate.py",
     "validation/rebuilt_error_study/study.py",
     "loop/hybrid_test/closed_loop.py",
     "discrepancy/result.py",
     "sweep/store.py",
-    "cli/monitor.py",
     "loop/partition/frame_loop.py",
     "rebuilt_error/monitor.py",
     "discrepancy/fitting/search.py",
     "discrepancy/naming/naming.py",
     "loop/partition/frame_file.py",
-    "criterion/criterion.py",
     "sweep/results.py",
     "validation/cross_validation/judge.py",
     "validation/partitioned_structures.py",
@@ -36,9 +33,6 @@ LONG_MODULES = {
 
 LONG_FUNCTIONS = {
     "report/kinds/validation/rebuilt_error.py:rebuilt_error_section": "to be split",
-    "cli/criterion.py:criterion": "hands its options on",
-    "cli/sources.py:ellipse_dataset": "hands its options on",
-    "cli/validate.py:validate": "hands its options on",
     "loop/hybrid_test/closed_loop.py:_march": "one compiled loop",
     "loop/hybrid_test/compensators/adaptive_time_series.py:_compensate": "one compiled loop",
     "loop/laboratory/march.py:march": "one compiled loop",

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from reliab.cli.ellipse_source import EllipseSource
 from reliab.cli.options import (
     DampingRatios,
     FirstOrder,
@@ -21,7 +22,6 @@ from reliab.cli.options import (
     WindowName,
 )
 from reliab.cli.output import console, table, write_json
-from reliab.cli.sources import ellipse_dataset
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -66,7 +66,7 @@ def ellipses(
     json_target: JsonTarget = None,
 ) -> None:
     """Trace the boundary of equal error of each motion, late and early, and let ellipses stand for it."""
-    dataset = ellipse_dataset(
+    source = EllipseSource(
         motions=motions,
         sets=sets,
         results=results,
@@ -79,6 +79,7 @@ def ellipses(
         model=model,
         first_order=first_order,
     )
+    dataset = source.dataset()
     if out is not None:
         from reliab.sweep import write_ellipses
 

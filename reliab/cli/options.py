@@ -1,7 +1,8 @@
 """Options that several commands share, so that one name means one thing everywhere."""
 
+from dataclasses import fields
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -21,6 +22,14 @@ Results = Annotated[
     Path | None,
     typer.Option(
         "--results", metavar="STORE", help="Results that `reliab simulate` stored, or real_suite, shipped."
+    ),
+]
+Ellipses = Annotated[
+    Path | None,
+    typer.Option(
+        "--ellipses",
+        metavar="FILE.csv|FILE.nc",
+        help="Ellipses: columns a, b and motion or event; or as `reliab ellipses --out` keeps them.",
     ),
 ]
 Frequencies = Annotated[
@@ -93,6 +102,46 @@ JsonTarget = Annotated[
         "--json", metavar="FILE|-", help="Write JSON to a file; - prints only JSON to standard output."
     ),
 ]
+
+
+def given_options(context: typer.Context) -> list[str]:
+    """Name the options that the user gave, as Python spells them.
+
+    Parameters
+    ----------
+    context : typer.Context
+        The call.
+
+    Returns
+    -------
+    list of str
+        Names, without those of options that stand at their defaults.
+    """
+    return [
+        name
+        for name in context.params
+        if (source := context.get_parameter_source(name)) is not None and source.name == "COMMANDLINE"
+    ]
+
+
+def options_of(demand: type, context: typer.Context) -> dict[str, Any]:
+    """Take the options of a call that a demand has fields for.
+
+    Parameters
+    ----------
+    demand : type
+        A dataclass whose fields are named like the options.
+    context : typer.Context
+        The call.
+
+    Returns
+    -------
+    dict
+        Values of the options by the names of the fields; None for one that may be repeated and is not given.
+    """
+    values = {field.name: context.params[field.name] for field in fields(demand)}
+    return {name: None if value == () else value for name, value in values.items()}
+
 
 ONE_HERTZ, TWO_PERCENT, FIVE_PERCENT = 1.0, 0.02, 0.05
 """The paper's structure and threshold, where a command is told nothing else."""

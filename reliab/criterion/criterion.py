@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reliab.criterion.criterion_file import PLAIN, from_text, to_text
-from reliab.criterion.laws import OF_MANY_MOTIONS, Law, known
+from reliab.criterion.laws import Law
 from reliab.criterion.methods.method import checked_share
 from reliab.criterion.population import Population
 from reliab.criterion.provenance import Provenance
@@ -51,6 +51,7 @@ class Criterion:
 
     Examples
     --------
+    >>> from reliab.criterion import published_criterion
     >>> criterion = published_criterion("guo_2017_12")
     >>> round(float(criterion.index(1.004, 0.0005, 1.0, 0.02)), 3)
     0.542
@@ -74,8 +75,7 @@ class Criterion:
             if law is not None:
                 law.validity.require_error(self.threshold, self.metric)
         checked_share(self.confidence, "confidence")
-        if self.metric not in list(Metric):
-            raise InputError("The metric is rms or mte", value=self.metric, remedy="Choose one of these")
+        Metric.parse(self.metric)
         if not 0.0 < self.threshold < np.inf:
             raise InputError(
                 "The error threshold must be positive",
@@ -260,42 +260,4 @@ def _no_leads() -> InputError:
         "A test that leads (d < 0) is judged by limits for leads",
         value="a criterion that was derived from lags alone",
         remedy="Derive it again from records, stored results or ellipses that hold both sides",
-    )
-
-
-def published_criterion(name: str) -> Criterion:
-    """Make the criterion of a published or corrected law.
-
-    Parameters
-    ----------
-    name : str
-        A law that promises a confidence over motions, such as "guo_2017_18".
-
-    Returns
-    -------
-    Criterion
-        At 5 % RMS^R and the 95 % that the paper states.
-
-    Raises
-    ------
-    InputError
-        If there is no such law.
-
-    Examples
-    --------
-    Case 1 of Table 6:
-
-    >>> criterion = published_criterion("guo_2017_18")
-    >>> round(float(criterion.index(1.0039, 0.39e-3, 1.0, 0.02)), 3)
-    0.956
-    """
-    law = known(OF_MANY_MOTIONS, name)
-    return Criterion(
-        law=law,
-        threshold=0.05,
-        metric=str(Metric.RMS),
-        confidence=0.95,
-        method="quantile",
-        joint=False,
-        provenance=Provenance(source=f"Guo and others (2017), {law.equation}", n_motions=100, n_events=19),
     )

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from reliab.cli import run
-from reliab.cli.followed_rows import chunks_of_text, rows_of
+from reliab.cli.monitor.followed_rows import chunks_of_text, rows_of
 from reliab.loop.actuator import Actuator
 from reliab.loop.hybrid_test import HybridTest, run_closed_loop
 from reliab.loop.structure import Structure

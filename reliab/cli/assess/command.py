@@ -157,17 +157,20 @@ def assess(
     json_target: JsonTarget = None,
 ) -> None:
     """Judge a real test by the error that its command and measured displacement reveal."""
-    from reliab.cli.assess_mode import Demand, judge_test
-    from reliab.cli.design_mode import state_tolerances
+    from reliab.cli.assess.demand import Demand
 
     demand = Demand.read(context)
     if design:
+        from reliab.cli.assess.design import state_tolerances
+
         state_tolerances(demand)
         return
     if structure is None:
+        from reliab.cli.assess.measured_test import judge_test
+
         reliable = judge_test(demand)
     else:
-        from reliab.cli.frame_mode import judge_frame_test
+        from reliab.cli.assess.frame import judge_frame_test
 
         reliable = judge_frame_test(demand, structure)
     if check and not reliable:

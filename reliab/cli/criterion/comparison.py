@@ -9,33 +9,27 @@ from reliab.errors import InputError
 if TYPE_CHECKING:
     import xarray as xr
 
+    from reliab.criterion import Criterion
+
 _FIGURES = ("log_score", "gain", "standard_error", "tail_score", "quantile_05")
 
 
 def compare(
-    dataset: "xr.Dataset",
+    dataset: "xr.Dataset | None",
     structures: Sequence[tuple[float, float]],
-    thresholds: Sequence[float],
-    metric: str,
-    confidence: float,
-    curve: str,
+    criteria: "Sequence[Criterion]",
 ) -> dict[str, Any]:
     """Compare distributions of a and b at structures, and laws over all structures of the dataset.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
-        Ellipses of the motions.
+    dataset : xarray.Dataset or None
+        Ellipses of the motions; None where no source of them is given.
     structures : sequence of (float, float)
         Natural frequencies [Hz] and damping ratios [-].
-    thresholds : sequence of float
-        Errors [-].
-    metric : str
-        Which error.
-    confidence : float
-        Share of the motions by which laws are made equal.
-    curve : str
-        Which ellipses, inscribed or fitted.
+    criteria : sequence of Criterion
+        Criteria whose errors are compared, for the metric and the ellipses of the first; laws are made equal
+        by its share of the motions.
 
     Returns
     -------
@@ -46,10 +40,19 @@ def compare(
     Raises
     ------
     InputError
-        If there are motions of one earthquake only.
+        If no source of ellipses is given, or there are motions of one earthquake only.
     """
     import numpy as np
 
+    if dataset is None:
+        raise InputError(
+            "Distributions and laws are compared on ellipses of motions",
+            value="--compare without a source of ellipses",
+            remedy="Give --motions, --results or --ellipses too, real_suite for example",
+        )
+    thresholds = list(dict.fromkeys(criterion.threshold for criterion in criteria))
+    metric, confidence = str(criteria[0].metric), criteria[0].confidence
+    curve = criteria[0].provenance.curve
     if np.unique(dataset["event"]).size < 2:  # noqa: PLR2004 - one is held out
         raise InputError(
             "Earthquakes are held out in turn, so that there must be two at least",

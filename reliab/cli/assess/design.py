@@ -9,7 +9,7 @@ from reliab.errors import InputError
 from reliab.stated_value import StatedValue
 
 if TYPE_CHECKING:
-    from reliab.cli.assess_mode import Demand
+    from reliab.cli.assess.demand import Demand
     from reliab.validation.assessment import Tolerance
 
 _NINETY_FIVE = 0.95

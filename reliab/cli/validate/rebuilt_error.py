@@ -1,17 +1,20 @@
 """`reliab validate --rebuilt-error`: the rebuilt error beside criteria, on the same simulated tests."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from reliab.cli.options import FIVE_PERCENT, ONE_HERTZ, TWO_PERCENT
 from reliab.cli.output import console, progress_bar, table, write_json
 from reliab.errors import InputError
+from reliab.vocabulary import Metric
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from reliab.validation.rebuilt_error_study import Design
 
-TRIALS = 6
+_TRIALS, _NINETY_FIVE = 6, 0.95
 _JUDGES = {
     "judge": "left",
     "tests": "right",
@@ -23,75 +26,88 @@ _JUDGES = {
 }
 
 
-def judge_by_rebuilt_error(
-    motions: list[str] | None,
-    sets: list[str] | None,
-    *,
-    frequencies: list[float],
-    damping_ratios: list[float],
-    experimental_fraction: float,
-    threshold: float,
-    metric: str,
-    confidence: list[float] | None,
-    trials: int,
-    kept: Path | None,
-    json_target: str | None,
-) -> None:
-    """Simulate tests, have them judged, and print how often each judge is right.
+@dataclass(frozen=True, kw_only=True)
+class RebuiltErrors:
+    """Options of a comparison of rebuilt errors with criteria.
 
     Parameters
     ----------
     motions, sets : list of str or None
         Sources of ground motions and sets of their catalogue; the suite that is built in by default.
-    frequencies, damping_ratios : list of float
-        Structures [Hz, -].
-    experimental_fraction : float
-        Share of their stiffness in the laboratory [-].
-    threshold : float
-        Error up to which a test is good [-].
+    f, xi : list of float or None
+        Structures [Hz, -]; the paper's by default.
+    alpha : float or None
+        Share of their stiffness in the laboratory [-]; 1 by default.
+    threshold : float or None
+        Error up to which a test is good [-]; 0.05 by default.
     metric : str
         Which error.
     confidence : list of float or None
-        Share of ground motions that the criterion states; one, 0.95 by default.
-    trials : int
-        Tests of each kind of actuator and specimen, for each structure.
-    kept : pathlib.Path or None
-        CSV of all tests, with which an interrupted run goes on.
+        Share of ground motions that the criterion states; 0.95 by default.
+    trials : int or None
+        Tests of each kind of actuator and specimen, for each structure; 6 by default.
+    tests : pathlib.Path or None
+        CSV of all tests, from which an interrupted run resumes.
     json_target : str or None
         File for JSON, or "-".
     """
-    from reliab.loop.structure import Structure
-    from reliab.motions import load_motions
-    from reliab.validation.rebuilt_error_study import Design, summarised, try_tests
-    from reliab.vocabulary import Metric
 
-    if confidence and len(confidence) > 1:
-        raise InputError(
-            "The criterion beside the rebuilt error states one --confidence",
-            value=", ".join(f"{share:g}" for share in confidence),
-            remedy="Give one",
+    motions: list[str] | None
+    sets: list[str] | None
+    f: list[float] | None
+    xi: list[float] | None
+    alpha: float | None
+    threshold: float | None
+    metric: str
+    confidence: list[float] | None
+    trials: int | None
+    tests: Path | None
+    json_target: str | None
+
+    def run(self) -> None:
+        """Simulate tests, have them judged, and print how often each judge is right.
+
+        Raises
+        ------
+        InputError
+            If an option is wrong.
+        """
+        from reliab.validation.rebuilt_error_study import summarised, try_tests
+
+        design = self._design()
+        with progress_bar("Simulating tests") as progress:
+            tests = try_tests(design, kept=self.tests, progress=progress)
+        content = _answer(design, summarised(tests))
+        if not write_json(content, self.json_target):
+            _show(content)
+
+    def _design(self) -> "Design":
+        """Choose the motions and structures of the tests."""
+        from reliab.loop.structure import Structure
+        from reliab.motions import load_motions
+        from reliab.validation.rebuilt_error_study import Design
+
+        metric, trials = Metric.parse(self.metric), self.trials or _TRIALS
+        if self.confidence and len(self.confidence) > 1:
+            raise InputError(
+                "The criterion beside the rebuilt error states one --confidence",
+                value=", ".join(f"{share:g}" for share in self.confidence),
+                remedy="Give one",
+            )
+        suite = list(load_motions(*(self.motions or ("synthetic",)), sets=self.sets))
+        alpha = 1.0 if self.alpha is None else self.alpha
+        return Design.of(
+            suite[:: max(1, len(suite) // trials)][:trials],
+            [
+                Structure(frequency=f, damping_ratio=xi, experimental_fraction=alpha)
+                for f in self.f or [ONE_HERTZ]
+                for xi in self.xi or [TWO_PERCENT]
+            ],
+            trials=trials,
+            threshold=FIVE_PERCENT if self.threshold is None else self.threshold,
+            metric=metric,
+            confidence=self.confidence[0] if self.confidence else _NINETY_FIVE,
         )
-    if metric not in list(Metric):
-        raise InputError("The metric is rms or mte", value=metric, remedy="Choose one of these")
-    suite = list(load_motions(*(motions or ("synthetic",)), sets=sets))
-    chosen = suite[:: max(1, len(suite) // trials)][:trials]
-    design = Design.of(
-        chosen,
-        [
-            Structure(frequency=f, damping_ratio=xi, experimental_fraction=experimental_fraction)
-            for f in frequencies
-            for xi in damping_ratios
-        ],
-        trials=trials,
-        threshold=threshold,
-        metric=Metric(metric),
-        confidence=confidence[0] if confidence else 0.95,
-    )
-    with progress_bar("Simulating tests") as progress:
-        tests = try_tests(design, kept=kept, progress=progress)
-    content = _answer(design, summarised(tests))
-    if not write_json(content, json_target):
-        _show(content)
 
 
 def _answer(design: "Design", tables: "dict[str, pd.DataFrame]") -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from reliab.cli.assess_mode import Demand, read_recording_of
+from reliab.cli.assess.demand import Demand
 from reliab.cli.options import FIVE_PERCENT
 from reliab.cli.output import console, table, write_json
 from reliab.errors import InputError
@@ -48,15 +48,13 @@ def judge_frame_test(demand: Demand, structure: Path) -> bool:
     from reliab.validation.assessment.frame_test import assess_frame
     from reliab.vocabulary import Metric
 
-    if (demand.metric or "rms") not in list(Metric):
-        raise InputError("The metric is rms or mte", value=demand.metric, remedy="Choose one of these")
     lag = (demand.feedback_lag or StatedValue(0.0)).value
     frame = read_frame(structure)
     assessment = assess_frame(
-        read_recording_of(demand),
+        demand.read_recording(),
         frame,
         threshold=FIVE_PERCENT if demand.threshold is None else demand.threshold,
-        metric=Metric(demand.metric or "rms"),
+        metric=Metric.parse(demand.metric or "rms"),
         feedback_lag=1e-3 * lag,
     )
     content = assessment.to_dict()

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Any
 from reliab.cli.output import console, table
 
 if TYPE_CHECKING:
-    import pandas as pd
     import xarray as xr
     from rich.table import Table
 
@@ -19,16 +18,12 @@ _HEADINGS = {
     "false-safe": "right",
     "good tests accepted": "right",
 }
-_CALIBRATION_HEADINGS = {
-    "stated probability": "right",
-    "good tests (95 % interval)": "right",
-    "tests": "right",
-}
 _CONFUSION = ("good_accepted", "good_rejected", "bad_accepted", "bad_rejected")
-_ELLIPSE_NOTE = (
+ELLIPSE_NOTE = (
     "Note: no simulated errors are at hand, so that the motions' own ellipses decide what is contained "
     "and good; --motions or --results know the errors."
 )
+"""What is said where no simulated errors are known."""
 
 
 def answer(validation: "CrossValidation", ellipses: "xr.Dataset", recognised: int) -> dict[str, Any]:
@@ -148,7 +143,7 @@ def show(content: dict[str, Any]) -> None:
             highlight=False,
         )
     if content["truth"] == "ellipse":
-        terminal.print(_ELLIPSE_NOTE)
+        terminal.print(ELLIPSE_NOTE)
 
 
 def _table(title: str, rows: list[dict[str, Any]]) -> "Table":
@@ -157,46 +152,10 @@ def _table(title: str, rows: list[dict[str, Any]]) -> "Table":
         shown.add_row(
             row["candidate"],
             f"{row['confidence']:.0%}",
-            *(_interval(row["containment"]), _share(row["containment_by_ellipse"]["rate"])),
-            *(_interval(row[name]) for name in ("false_safe", "accepted_share")),
+            *(interval(row["containment"]), _share(row["containment_by_ellipse"]["rate"])),
+            *(interval(row[name]) for name in ("false_safe", "accepted_share")),
         )
     return shown
-
-
-def calibration_answer(bins: "pd.DataFrame", *, scheme: str, truth: str) -> dict[str, Any]:
-    """Put the calibration of probabilities into plain values.
-
-    Parameters
-    ----------
-    bins : pandas.DataFrame
-        As `reliab.validation.probability_calibration.probability_calibration` gives it.
-    scheme, truth : str
-        How earthquakes were divided, and what the errors rest on.
-
-    Returns
-    -------
-    dict
-        The answer, for JSON.
-    """
-    return {"scheme": scheme, "truth": truth, "bins": bins.to_dict(orient="records")}
-
-
-def show_calibration(content: dict[str, Any]) -> None:
-    """Print how many tests are good for which probability.
-
-    Parameters
-    ----------
-    content : dict
-        As :func:`calibration_answer` gives it.
-    """
-    title = f"Probabilities of tests, {content['scheme'].replace('_', ' ')}"
-    shown = table(title, _CALIBRATION_HEADINGS)
-    for row in content["bins"]:
-        rate = {"rate": row["observed"], "low": row["low"], "high": row["high"]}
-        shown.add_row(f"{row['stated']:.1%}", _interval(rate), str(row["tests"]))
-    console().print(shown)
-    if content["truth"] == "ellipse":
-        console().print(_ELLIPSE_NOTE)
 
 
 def _window(label: str) -> str:
@@ -212,7 +171,19 @@ def _share(value: float | None) -> str:
     return "none" if value is None else f"{value:.1%}"
 
 
-def _interval(rate: dict[str, float | None]) -> str:
+def interval(rate: dict[str, float | None]) -> str:
+    """Write a rate with its interval.
+
+    Parameters
+    ----------
+    rate : dict
+        `rate`, `low` and `high` [-]; None where nothing was counted.
+
+    Returns
+    -------
+    str
+        In per cent.
+    """
     if rate["rate"] is None:
         return "none"
     if rate["low"] is None or rate["high"] is None:

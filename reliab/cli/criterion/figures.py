@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 def draw_all(
     folder: Path,
-    dataset: "xr.Dataset",
+    dataset: "xr.Dataset | None",
     criteria: "Sequence[Criterion]",
     structures: Sequence[tuple[float, float]],
     derivations: "Sequence[Derivation]",
@@ -29,8 +29,8 @@ def draw_all(
     ----------
     folder : pathlib.Path
         Where the figures go; made if need be.
-    dataset : xarray.Dataset
-        Ellipses of the motions.
+    dataset : xarray.Dataset or None
+        Ellipses of the motions; None where no source of them is given.
     criteria : sequence of Criterion
         The criteria.
     structures : sequence of (float, float)
@@ -46,10 +46,15 @@ def draw_all(
     Raises
     ------
     InputError
-        If the folder cannot be written to, or motions have ellipses at none of the structures.
+        If no source of ellipses is given, motions have ellipses at none of the structures, or the folder
+        cannot be written to.
     """
-    from reliab.vocabulary import Side
-
+    if dataset is None:
+        raise InputError(
+            "A criterion is drawn over ellipses of motions",
+            value="--figures without a source of ellipses",
+            remedy="Give --motions, --results or --ellipses too, real_suite for example",
+        )
     held = [(f, xi) for f, xi in structures if f in dataset["f"] and xi in dataset["xi"]]
     if not held:
         raise InputError(
@@ -70,6 +75,14 @@ def draw_all(
             drawn = _plane(dataset, alike, f, xi)
             names.append(_write(folder, f"criterion_f{f:g}_xi{xi:g}_{metric}{threshold:g}.svg", drawn))
             progress(done, len(jobs))
+    return names + _write_posteriors(folder, derivations)
+
+
+def _write_posteriors(folder: Path, derivations: "Sequence[Derivation]") -> list[str]:
+    """Draw traces, ranks and pairs of every posterior, and keep its draws."""
+    from reliab.vocabulary import Side
+
+    names = []
     for learned in (part for derivation in derivations for part in derivation.learned):
         if learned.sampled is None:
             continue

@@ -1,0 +1,161 @@
+"""The options of `reliab assess` as they are given together: read, checked, and the files that they name."""
+
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from reliab.cli.options import given_options, options_of
+from reliab.errors import InputError
+from reliab.stated_value import StatedValue
+
+if TYPE_CHECKING:
+    from reliab.criterion import Criterion
+    from reliab.validation.assessment import Recording
+
+_ONLY_FOR_TESTS = (
+    *("test", "alpha", "scale", "feedback_lag", "mass", "motion", "window", "model", "structure"),
+    *("command", "measured", "time", "rate", "units", "time_units", "delimiter", "report", "date", "check"),
+)
+_ONLY_FOR_DESIGN = ("figure",)
+_QUANTITIES = ("f", "xi", "alpha", "scale", "feedback_lag", "mass")
+_NEEDS = {"window": "motion", "date": "report"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Demand:
+    """The options of `reliab assess`, by their names; see `reliab.cli.assess.command`."""
+
+    test: Path | None
+    f: list[StatedValue] | None
+    xi: StatedValue | None
+    alpha: StatedValue | None
+    scale: StatedValue | None
+    feedback_lag: StatedValue | None
+    mass: StatedValue | None
+    motion: Path | None
+    window: str | None
+    criterion: Path | None
+    model: Path | None
+    structure: Path | None
+    threshold: float | None
+    confidence: list[float] | None
+    metric: str | None
+    command: str | None
+    measured: str | None
+    time: str | None
+    rate: float | None
+    units: str | None
+    time_units: str | None
+    delimiter: str | None
+    design: bool
+    figure: Path | None
+    report: Path | None
+    date: datetime | None
+    check: bool
+    json_target: str | None
+
+    @classmethod
+    def read(cls, context: typer.Context) -> "Demand":
+        """Take the options of a call, and refuse those that would not be used.
+
+        Raises
+        ------
+        InputError
+            If an option has no meaning beside the others.
+        """
+        given, values = given_options(context), options_of(cls, context)
+        for name in _QUANTITIES:
+            values[name] = _parsed(values[name], name)
+        demand = cls(**values)
+        design = demand.design
+        for name in given:
+            if name in (_ONLY_FOR_TESTS if design else _ONLY_FOR_DESIGN):
+                raise unused(name, "beside --design" if design else "without --design")
+            if name in _NEEDS and _NEEDS[name] not in given:
+                raise unused(name, f"without --{_NEEDS[name]}")
+            if name in ("threshold", "confidence", "metric") and demand.criterion is not None:
+                raise unused(name, "beside --criterion, which brings its own")
+        if demand.f and len(demand.f) > 1 and not design:
+            raise InputError("A test has one --f", value=len(demand.f), remedy="Give several with --design")
+        if demand.confidence and len(demand.confidence) > 1 and not design:
+            raise InputError(
+                "A test has one --confidence",
+                value=demand.confidence,
+                remedy="Give several with --design only",
+            )
+        return demand
+
+    def read_criterion(self) -> "Criterion | None":
+        """Criterion of one's own, if a file of it is given."""
+        if self.criterion is None:
+            return None
+        from reliab.criterion import Criterion
+
+        try:
+            text = self.criterion.read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError) as error:
+            raise InputError(
+                "The criterion's file must be readable",
+                value=getattr(error, "strerror", None) or "no text",
+                remedy="Write one with `reliab criterion --out`",
+                where=str(self.criterion),
+            ) from error
+        return Criterion.from_json(text)
+
+    def read_recording(self) -> "Recording":
+        """Read the test that the options name.
+
+        Raises
+        ------
+        InputError
+            If none is named, or its file cannot be read.
+        """
+        if self.test is None:
+            raise InputError(
+                "A test's file is needed",
+                value="none",
+                remedy="Name it, or ask what is tolerable with --design",
+            )
+        from reliab.validation.assessment import read_recording
+
+        return read_recording(
+            self.test,
+            command=self.command,
+            measured=self.measured,
+            time=self.time,
+            rate_hz=self.rate,
+            units=self.units,
+            time_units=self.time_units,
+            delimiter=self.delimiter,
+        )
+
+
+def _parsed(text: Any, name: str) -> Any:  # noqa: ANN401 - one text or several
+    """Read what an option states; several where it may be repeated."""
+    if text is None:
+        return None
+    if isinstance(text, str):
+        return StatedValue.parse(text, f"value of --{name.replace('_', '-')}")
+    return [_parsed(item, name) for item in text]
+
+
+def unused(name: str, why: str) -> InputError:
+    """Describe an option that would have no effect.
+
+    Parameters
+    ----------
+    name : str
+        Its name in Python.
+    why : str
+        Beside or without which other option it has no meaning.
+
+    Returns
+    -------
+    InputError
+        To be raised.
+    """
+    spoken = "A test's file" if name == "test" else f"--{name.replace('_', '-')}"
+    return InputError(f"{spoken} has no meaning {why}", remedy="Leave it out")

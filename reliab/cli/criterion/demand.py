@@ -1,0 +1,114 @@
+"""The options of `reliab criterion` as they are given together."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from reliab.cli.ellipse_source import EllipseSource, check_thresholds
+from reliab.cli.options import ONE_HERTZ, TWO_PERCENT
+from reliab.errors import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@dataclass(frozen=True, kw_only=True)
+class Demand:
+    """The options of `reliab criterion`, by their names; see `reliab.cli.criterion.options`."""
+
+    motions: list[str] | None
+    sets: list[str] | None
+    results: Path | None
+    ellipses: Path | None
+    f: list[float] | None
+    xi: list[float] | None
+    threshold: list[float] | None
+    confidence: list[float] | None
+    metric: str
+    window: str | None
+    alpha: float | None
+    model: Path | None
+    structure: Path | None
+    method: str | None
+    assurance: float | None
+    distribution: str | None
+    joint: bool | None
+    law: str
+    steps: int | None
+    chains: Path | None
+    compare: bool
+    figures: Path | None
+    out: Path | None
+    json_target: str | None
+
+    def __post_init__(self) -> None:
+        check_thresholds(self.threshold)
+        if self.figures is not None and self.figures.exists() and not self.figures.is_dir():
+            raise InputError("Figures go into a folder", value=self.figures, remedy="Name another folder")
+
+    @property
+    def has_source(self) -> bool:
+        """Whether a source of ellipses is given."""
+        return any((self.motions, self.results, self.ellipses))
+
+    @property
+    def settings(self) -> dict[str, object]:
+        """Settings of the method by their names, None where they are not given."""
+        return {"assurance": self.assurance, "distribution": self.distribution, "steps": self.steps}
+
+    def dataset(self) -> "xr.Dataset":
+        """Trace or look up the ellipses; of stored ones all, where a law is fitted to them.
+
+        Returns
+        -------
+        xarray.Dataset
+            As :meth:`EllipseSource.dataset` returns it.
+
+        Raises
+        ------
+        InputError
+            If the source is wrong, or a model's effects alone exceed the error under some motions.
+        """
+        chosen = self.law == "table" or bool(self.motions)
+        source = EllipseSource(
+            motions=self.motions,
+            sets=self.sets,
+            results=self.results,
+            ellipses=self.ellipses,
+            f=self.f if chosen else None,
+            xi=self.xi if chosen else None,
+            threshold=self.threshold,
+            metric=self.metric,
+            window=self.window,
+            alpha=self.alpha,
+            model=self.model,
+            structure=self.structure,
+        )
+        dataset = source.dataset()
+        full = (dataset["a"] == 0.0) & (dataset["b"] == 0.0)
+        if full.any():
+            motions = full.any([name for name in full.dims if name != "motion"])
+            raise InputError(
+                "The effects of the model must leave room for errors of the actuator",
+                value=f"none under {int(motions.sum())} of {motions.size} motions, even for a perfect "
+                "actuator",
+                remedy="Remove or compensate the effects, or allow a larger error by --threshold",
+            )
+        return dataset
+
+    def structures(self, dataset: "xr.Dataset | None") -> list[tuple[float, float]]:
+        """Return the structures that are asked for, or all that the ellipses are of.
+
+        Parameters
+        ----------
+        dataset : xarray.Dataset or None
+            The ellipses; None for a printed law, which is then shown at the paper's structure.
+
+        Returns
+        -------
+        list of (float, float)
+            Natural frequencies [Hz] and damping ratios [-].
+        """
+        all_f = [ONE_HERTZ] if dataset is None else dataset["f"].values.tolist()
+        all_xi = [TWO_PERCENT] if dataset is None else dataset["xi"].values.tolist()
+        return [(f, xi) for f in self.f or all_f for xi in self.xi or all_xi]

@@ -1,0 +1,101 @@
+"""Criteria that `reliab criterion` derives from ellipses."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from reliab.cli.criterion.answer import check_one
+from reliab.cli.criterion.demand import Demand
+from reliab.cli.options import FIVE_PERCENT
+from reliab.cli.output import progress_bar
+from reliab.errors import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from reliab.criterion import Criterion
+    from reliab.criterion.derivation import Derivation
+
+_NINETY_FIVE = 0.95
+
+
+@dataclass(frozen=True, kw_only=True)
+class Derived:
+    """Criteria with what they were derived from.
+
+    Parameters
+    ----------
+    criteria : list of Criterion
+        One for each error and share of ground motions.
+    dataset : xarray.Dataset or None
+        The ellipses; None for a printed law without a source of them.
+    derivations : list of Derivation
+        What was learned, one for each error; none for a printed law.
+    """
+
+    criteria: "list[Criterion]"
+    dataset: "xr.Dataset | None"
+    derivations: "list[Derivation]"
+
+    @property
+    def posteriors(self) -> list[Mapping[str, Any]]:
+        """Diagnostics of sampled posteriors, one for each error and side."""
+        return [diagnostics for derivation in self.derivations for diagnostics in derivation.diagnostics]
+
+
+def derived(demand: Demand) -> Derived:
+    """Derive a criterion for each error and share of ground motions.
+
+    What is learned at an error serves all shares.
+
+    Parameters
+    ----------
+    demand : Demand
+        The options.
+
+    Returns
+    -------
+    Derived
+        The criteria.
+
+    Raises
+    ------
+    InputError
+        If an option is wrong or would have no effect.
+    """
+    from reliab.criterion.derivation import Derivation
+    from reliab.criterion.laws import FITTED, known
+    from reliab.criterion.methods import RECOMMENDED, method_of
+
+    law = known(FITTED, demand.law)
+    method = method_of(demand.method or RECOMMENDED, **demand.settings)
+    if demand.chains is not None and not method.samples_chains:
+        raise InputError(
+            "Only the hierarchical methods sample chains",
+            value=f"--chains with {method.name}",
+            remedy="Leave it out, or choose --method hierarchical or hierarchical_robust",
+        )
+    dataset = demand.dataset()
+    errors = demand.threshold or _default_thresholds(dataset)
+    promises = [(error, share) for error in errors for share in demand.confidence or [_NINETY_FIVE]]
+    check_one(len(promises), demand.out)
+    derivations: dict[float, Derivation] = {}
+    for threshold in dict.fromkeys(errors):
+        with progress_bar(f"Learning at {threshold:g}") as progress:
+            derivations[threshold] = Derivation.of(
+                dataset,
+                method=method,
+                law=law,
+                threshold=threshold,
+                metric=demand.metric,
+                chains=demand.chains,
+                progress=progress,
+            )
+    criteria = [derivations[error].criterion(share, joint=demand.joint) for error, share in promises]
+    return Derived(criteria=criteria, dataset=dataset, derivations=list(derivations.values()))
+
+
+def _default_thresholds(dataset: "xr.Dataset") -> list[float]:
+    """Take 5 % where it is there, or all that is."""
+    stored: list[float] = dataset["threshold"].values.tolist()
+    return [FIVE_PERCENT] if FIVE_PERCENT in stored else stored

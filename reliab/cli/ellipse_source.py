@@ -1,0 +1,280 @@
+"""Where ellipses come from: a file of them, stored results, or records that are simulated here and now."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from reliab.cli.options import FIVE_PERCENT
+from reliab.cli.output import progress_bar
+from reliab.errors import InputError
+from reliab.vocabulary import Metric
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_RECORD, _WHOLE = "record", 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class EllipseSource:
+    """Where the ellipses that a command is about come from.
+
+    Parameters
+    ----------
+    motions, sets : list of str or None
+        Sources of ground motions and sets of their catalogue.
+    results : pathlib.Path or None
+        Stored results instead.
+    ellipses : pathlib.Path or None
+        A file of ellipses instead, CSV or NetCDF.
+    f, xi : list of float or None
+        Natural frequencies [Hz] and damping ratios [-]; of stored results and ellipses all that they
+        hold, by default and where one that is asked for is not among them.
+    threshold : list of float or None
+        Errors on the boundary [-].
+    metric : str
+        Error of the whole test.
+    window : str or None
+        Part of the record over which the error is computed; None leaves it to the source, which is the whole
+        record for records.
+    alpha : float or None
+        Experimental fraction [-]; 1 for records unless given. Stored results and files must be of that
+        fraction.
+    model : pathlib.Path or None
+        Model with effects instead of structures, for records.
+    structure : pathlib.Path or None
+        Description of a partitioned frame instead of structures, for records.
+    first_order : bool
+        Whether ellipses are predicted from the spectra of records instead of traced.
+
+    Raises
+    ------
+    InputError
+        If not exactly one source is given, or an option that the source cannot serve.
+    """
+
+    motions: list[str] | None = None
+    sets: list[str] | None = None
+    results: Path | None = None
+    ellipses: Path | None = None
+    f: list[float] | None = None
+    xi: list[float] | None = None
+    threshold: list[float] | None = None
+    metric: str
+    window: str | None = None
+    alpha: float | None = None
+    model: Path | None = None
+    structure: Path | None = None
+    first_order: bool = False
+
+    def __post_init__(self) -> None:
+        given = [source for source in (self.motions, self.results, self.ellipses) if source is not None]
+        if len(given) != 1:
+            raise InputError(
+                "Ellipses come from one source: ground motions, stored results or a file of ellipses",
+                value=f"{len(given)} of them",
+                remedy="Give --motions (records or 'synthetic'), --results or --ellipses",
+            )
+        if self.motions is None:
+            self._refuse_options_of_motions()
+        check_thresholds(self.threshold)
+        Metric.parse(self.metric)
+
+    def _refuse_options_of_motions(self) -> None:
+        """Refuse what only ground motions can serve."""
+        sets = None if self.sets is None else f"--sets {' '.join(self.sets)}"
+        options = (
+            (
+                "--model" if self.model else None,
+                "A model is simulated under ground motions",
+                "Give --motions; a store knows with which model it was simulated",
+            ),
+            (
+                "--first-order" if self.first_order else None,
+                "Only the records themselves have spectra to predict from",
+                "Give --motions, or leave --first-order out",
+            ),
+            (
+                sets,
+                "Sets are those of a catalogue of ground motions",
+                "Give the folder of the catalogue with --motions",
+            ),
+            (
+                "--structure" if self.structure else None,
+                "A frame is simulated under ground motions",
+                "Give --motions",
+            ),
+        )
+        for option, rule, remedy in options:
+            if option is not None:
+                raise InputError(rule, value=f"{option} without --motions", remedy=remedy)
+
+    @property
+    def _thresholds(self) -> tuple[float, ...]:
+        return tuple(self.threshold or (FIVE_PERCENT,))
+
+    def dataset(self) -> "xr.Dataset":
+        """Trace the ellipses, or look them up.
+
+        Returns
+        -------
+        xarray.Dataset
+            `a`, `b`, `sse`, `n` over (motion, f, xi, threshold, metric, curve, side).
+
+        Raises
+        ------
+        InputError
+            If the source cannot be read, or does not hold what is asked for.
+        """
+        if self.ellipses is not None:
+            return _of_fraction(self._read(self.ellipses), self.alpha, self.ellipses)
+        if self.results is not None:
+            return _of_fraction(self._traced_in(self.results), self.alpha, self.results)
+        if self.structure is not None:
+            return self._of_frame(self.structure)
+        from reliab import api
+        from reliab.motions import load_motions
+
+        suite = load_motions(*(self.motions or []), sets=self.sets)
+        with progress_bar("Reading spectra" if self.first_order else "Tracing boundaries") as progress:
+            return api.ellipses(
+                suite,
+                f=self.f,
+                xi=self.xi,
+                threshold=self._thresholds,
+                metric=[self.metric],
+                window=self.window or _RECORD,
+                alpha=_WHOLE if self.alpha is None else self.alpha,
+                model=self.model,
+                first_order=self.first_order,
+                progress=progress,
+            )
+
+    def _read(self, path: Path) -> "xr.Dataset":
+        """Read a file of ellipses."""
+        from reliab.criterion import read_ellipses
+        from reliab.shipped import or_shipped
+        from reliab.sweep import open_ellipses
+
+        path = or_shipped(path, "datasets", "ellipses.nc")
+        if path.suffix == ".nc":
+            return _among(open_ellipses(path, window=self.window), self.f, self.xi)
+        if self.window is not None:
+            raise InputError(
+                "A table of ellipses in CSV does not know over which window its errors were computed",
+                value=f"--window {self.window}",
+                remedy="Leave it out, or give --motions, --results or a file of ellipses in NetCDF",
+            )
+        dataset = read_ellipses(path)
+        _require_column(dataset, "f", self.f, path)
+        _require_column(dataset, "xi", self.xi, path)
+        _require_column(dataset, "threshold", self.threshold, path)
+        _require_column(dataset, "metric", [self.metric], path)
+        return _among(dataset, self.f, self.xi)
+
+    def _traced_in(self, path: Path) -> "xr.Dataset":
+        """Trace the boundaries in stored results."""
+        from reliab.shipped import or_shipped
+        from reliab.sweep import open_results
+
+        stored = open_results(or_shipped(path, "datasets", "results.nc"), window=self.window or _RECORD)
+        chosen = _among(stored, self.f, self.xi)
+        with progress_bar("Tracing boundaries") as progress:
+            traced: xr.Dataset = chosen.reliab.ellipses(
+                self._thresholds, (Metric(self.metric),), progress=progress
+            )
+        return traced
+
+    def _of_frame(self, path: Path) -> "xr.Dataset":
+        """Trace the boundaries of a frame under records."""
+        from reliab.indices.window import Window
+        from reliab.loop.partition.frame_file import read_frame
+        from reliab.motions import load_motions
+        from reliab.sweep.frame_table import FrameRequest, trace_frame_ellipses
+
+        excluded = {"--f": self.f, "--xi": self.xi, "--alpha": self.alpha, "--model": self.model}
+        given = [name for name, value in excluded.items() if value is not None]
+        if given:
+            raise InputError(
+                "A description of a frame says its frequencies, damping ratios and shares itself",
+                value=f"--structure with {', '.join(given)}",
+                remedy="Leave them out",
+            )
+        request = FrameRequest(
+            frame=read_frame(path),
+            thresholds=self._thresholds,
+            metrics=(Metric(self.metric),),
+            window=Window.parse(self.window or _RECORD),
+        )
+        suite = load_motions(*(self.motions or []), sets=self.sets)
+        with progress_bar("Tracing boundaries") as progress:
+            return trace_frame_ellipses(suite, request, progress=progress)
+
+
+def check_thresholds(threshold: list[float] | None) -> None:
+    """Refuse errors that are not positive and finite.
+
+    Parameters
+    ----------
+    threshold : list of float or None
+        Errors on the boundary [-].
+
+    Raises
+    ------
+    InputError
+        If one is zero, negative or not finite.
+    """
+    for error in threshold or []:
+        if not 0.0 < error < math.inf:
+            raise InputError(
+                "The error threshold must be positive and finite",
+                value=f"--threshold {error:g}",
+                remedy="Give a fraction, 0.05 for 5 %",
+            )
+
+
+def _require_column(
+    dataset: "xr.Dataset", name: str, wanted: "list[float] | list[str] | None", path: Path
+) -> None:
+    """Refuse to relabel a table that is of one structure and error."""
+    import numpy as np
+
+    held = dataset[name].values
+    numeric = held.dtype.kind == "f"
+    for value in wanted or []:
+        known = np.isclose(held, value, rtol=1e-9).any() if numeric else value in held.tolist()
+        if not known and held.size == 1:
+            raise InputError(
+                f"A table of ellipses answers for the {name} for which they were traced, and for no other",
+                value=f"{value} for {path.name}, whose {name} is {held[0]}",
+                remedy=(
+                    f"Leave --{name} out, or add the column {name} to the table if its "
+                    f"ellipses are of another"
+                ),
+                where=str(path),
+            )
+
+
+def _of_fraction(dataset: "xr.Dataset", alpha: float | None, path: Path) -> "xr.Dataset":
+    """Refuse another experimental fraction than that of the stored boundaries."""
+    stored = float(dataset.attrs.get("experimental_fraction", _WHOLE))
+    if alpha is not None and not math.isclose(alpha, stored, rel_tol=1e-9):
+        raise InputError(
+            "The experimental fraction is that with which the boundaries were computed",
+            value=f"--alpha {alpha:g}, where it is {stored:g}",
+            remedy="Leave --alpha out, or give --motions, whose boundaries are computed for any fraction",
+            where=str(path),
+        )
+    return dataset
+
+
+def _among(dataset: "xr.Dataset", f: list[float] | None, xi: list[float] | None) -> "xr.Dataset":
+    """Keep the structures that are asked for, or all where one of them lies between those that are there."""
+    import numpy as np
+
+    for name, wanted in (("f", f), ("xi", xi)):
+        held = dataset[name].values
+        if wanted and all(np.isclose(held, value, rtol=1e-9).any() for value in wanted):
+            dataset = dataset.sel({name: wanted}, method="nearest")
+    return dataset

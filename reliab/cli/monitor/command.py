@@ -1,0 +1,93 @@
+"""`reliab monitor`: the error of a test while it runs."""
+
+from contextlib import AbstractContextManager, nullcontext
+from pathlib import Path
+from typing import TextIO
+
+import typer
+
+from reliab.cli.monitor.options import (
+    Alpha,
+    Column,
+    DampingRatio,
+    Every,
+    FeedbackLag,
+    Frequency,
+    JsonTarget,
+    Rate,
+    Scale,
+    Source,
+    Threshold,
+    Units,
+    Wait,
+)
+from reliab.cli.options import FIVE_PERCENT, MetricName
+from reliab.errors import InputError
+
+_ALARM = 1
+
+
+def monitor(
+    source: Source,
+    *,
+    f: Frequency = None,
+    xi: DampingRatio = None,
+    alpha: Alpha = "1",
+    scale: Scale = "1",
+    feedback_lag: FeedbackLag = "0",
+    threshold: Threshold = FIVE_PERCENT,
+    metric: MetricName = "rms",
+    command: Column = None,
+    measured: Column = None,
+    time: Column = None,
+    rate: Rate = None,
+    units: Units = None,
+    every: Every = 0.5,
+    wait: Wait = 10.0,
+    json_target: JsonTarget = None,
+) -> None:
+    """Follow the error of a test while it runs; exit with code 1 when an alarm was raised."""
+    from reliab.cli.monitor.followed_rows import chunks_of_text, rows_of
+    from reliab.cli.monitor.stated_test import StatedTest
+    from reliab.cli.monitor.watch import Watch
+    from reliab.validation.assessment.recognition import Part
+    from reliab.vocabulary import Metric
+
+    if f is None:
+        raise InputError("A test needs --f, the structure's natural frequency", remedy="Give it in hertz")
+    if xi is None:
+        raise InputError(
+            "A test needs --xi, the structure's damping ratio", remedy="Give 0.02 for 2 %, or 0.02±0.002"
+        )
+    for option, number in (("--threshold", threshold), ("--every", every), ("--wait", wait)):
+        if not 0.0 < number < float("inf"):
+            raise InputError(f"{option} must be positive", value=number)
+    if rate is not None and not 0.0 < rate < float("inf"):
+        raise InputError("--rate must be positive", value=rate)
+    stated = StatedTest.parse(f=f, xi=xi, alpha=alpha, scale=scale, feedback_lag=feedback_lag)
+    columns = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
+    declared = {part: name for part, name in columns.items() if name is not None}
+    rows = rows_of(
+        chunks_of_text(source, wait),
+        name="standard input" if source == "-" else Path(source).name,
+        declared=declared,
+        units=units,
+    )
+    with _opened(json_target) as lines:
+        watch = Watch(stated, threshold, Metric.parse(metric), every, lines, quiet=json_target == "-")
+        watch.follow(rows, rate)
+    if watch.alarms:
+        raise typer.Exit(_ALARM)
+
+
+def _opened(target: str | None) -> AbstractContextManager[TextIO | None]:
+    if target is None:
+        return nullcontext()
+    if target == "-":
+        return nullcontext(typer.get_text_stream("stdout"))
+    try:
+        return Path(target).open("w", encoding="utf-8")
+    except OSError as error:
+        raise InputError(
+            "The JSON file must be writable", value=error.strerror, remedy="Name another", where=target
+        ) from error
