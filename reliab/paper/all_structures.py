@@ -30,12 +30,13 @@ _LATE_STEPS, _RATE = 4.0, 1024.0
 
 def equation_18() -> Iterator[Item]:
     """How (18) follows from (11), (15) and (17), and what it says at 2 %."""
-    (a_11, b_11), (a_15, k1, k2), (k3, k4), (factor_a, factor_b) = (
-        EQUATION_11,
-        EQUATION_15,
-        EQUATION_16,
-        EQUATION_18,
-    )
+    yield from _factors_of_18()
+    yield from _limits_of_18()
+
+
+def _factors_of_18() -> Iterator[Item]:
+    (a_11, b_11), (a_15, k1, _), (k3, k4) = EQUATION_11, EQUATION_15, EQUATION_16
+    factor_a, factor_b = EQUATION_18
     yield Item(
         item="Equation (18)", quantity="factor of ξ in a", printed=factor_a, from_tables=a_15 * k3 / a_11
     )
@@ -47,21 +48,16 @@ def equation_18() -> Iterator[Item]:
         unit="ms2",
         remark="6080 is 121.6 · 100/2.0, with the b that (17) gives at ξ = 0.02 in place of 2.3",
     )
+
+
+def _limits_of_18() -> Iterator[Item]:
+    """Compare the limits at 2 % and 1 Hz with those of equation (15)."""
+    (a_15, k1, k2), (factor_a, factor_b) = EQUATION_15, EQUATION_18
+    a, decay = factor_a * TWO_PERCENT, np.exp(-k2 * ONE_HERTZ)
+    linear = f"{a / a_15:.1f} times equation (15), since (16a) takes a as linear in ξ"
     for parameter, value, followed, unit, remark in (
-        (
-            "a",
-            factor_a * TWO_PERCENT,
-            a_15,
-            "1",
-            f"{factor_a * TWO_PERCENT / a_15:.1f} times equation (15), since (16a) takes a as linear in ξ",
-        ),
-        (
-            "b at 1 Hz",
-            factor_b * TWO_PERCENT * np.exp(-k2 * ONE_HERTZ),
-            k1 * np.exp(-k2 * ONE_HERTZ),
-            "ms2",
-            "",
-        ),
+        ("a", a, a_15, "1", linear),
+        ("b at 1 Hz", factor_b * TWO_PERCENT * decay, k1 * decay, "ms2", ""),
     ):
         yield Item(
             item="Equation (18)",

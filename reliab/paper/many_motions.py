@@ -88,8 +88,8 @@ def _explanation(ratio_a: float, ratio_b: float) -> str:
     return "the row does not come back from the record of that name"
 
 
-def figures_11_12(printed: PrintedTables, records: Records) -> Iterator[Item]:
-    """Correlation, ranges and lognormality over the rows of Table 2."""
+def figure_11(printed: PrintedTables, records: Records) -> Iterator[Item]:
+    """Correlation and straight line of a and b over the rows of Table 2."""
     a, b = (printed.table2[name].to_numpy(dtype=np.float64) for name in "ab")
     of_a, of_b = (records.of_motions(name, ONE_HERTZ) for name in "ab")
     known = of_a.size > 1
@@ -108,7 +108,12 @@ def figures_11_12(printed: PrintedTables, records: Records) -> Iterator[Item]:
         from_records=float(np.polyfit(of_a, of_b, 1)[0]) if known else MISSING,
         unit="ms2",
     )
-    for name, values, of_records in (("a", a, of_a), ("b", b, of_b)):
+
+
+def ranges_of_table_2(printed: PrintedTables, records: Records) -> Iterator[Item]:
+    """Least and greatest a and b, which the text quotes from Table 2."""
+    for name in "ab":
+        values, of_records = printed.table2[name].to_numpy(), records.of_motions(name, ONE_HERTZ)
         for extreme, number, pick in zip(
             ("least", "greatest"), RANGES_OF_TEXT[name], (np.min, np.max), strict=True
         ):
@@ -117,16 +122,22 @@ def figures_11_12(printed: PrintedTables, records: Records) -> Iterator[Item]:
                 quantity=f"{extreme} {name}",
                 printed=number,
                 from_tables=float(pick(values)),
-                from_records=float(pick(of_records)) if known else MISSING,
+                from_records=float(pick(of_records)) if of_records.size > 1 else MISSING,
                 unit=_UNITS[name],
                 remark="the range quoted is not the table's",
             )
+
+
+def figure_12(printed: PrintedTables, records: Records) -> Iterator[Item]:
+    """Lognormality over the rows of Table 2."""
+    for name in "ab":
+        values, of_records = printed.table2[name].to_numpy(), records.of_motions(name, ONE_HERTZ)
         p_value = float(shapiro(np.log(values)).pvalue)
         yield Item(
             item="Figure 12",
             quantity=f"Shapiro-Wilk p of ln {name} (none printed)",
             from_tables=p_value,
-            from_records=float(shapiro(np.log(of_records)).pvalue) if known else MISSING,
+            from_records=float(shapiro(np.log(of_records)).pvalue) if of_records.size > 1 else MISSING,
             remark="lognormality, which the paper assumes, is rejected by its own table"
             if p_value < SIGNIFICANCE
             else "",
@@ -190,17 +201,19 @@ def table_3(printed: PrintedTables, records: Records) -> Iterator[Item]:
 
 def equation_15(printed: PrintedTables, records: Records) -> Iterator[Item]:
     """Recompute the mean a and the exponential b of Table 3, and show where the exponential fails."""
-    table = printed.table3
-    a, k1, k2 = EQUATION_15
-    of_a, of_b = (records.guaranteed(name) for name in "ab")
-    known = bool(of_b.size and np.isfinite(of_b).all())
-    slopes = exponential(records.frequencies, of_b)
-    of_table = exponential(table["f_hz"], table["b"])
+    yield from _mean_amplitude_limit(printed, records)
+    yield from _exponential_delay_limit(printed, records)
+    yield from _delay_limits_of_15(printed, records)
+
+
+def _mean_amplitude_limit(printed: PrintedTables, records: Records) -> Iterator[Item]:
+    a, of_a = EQUATION_15[0], records.guaranteed("a")
+    known = bool(of_a.size and np.isfinite(of_a).all())
     yield Item(
         item="Equation (15)",
         quantity="a",
         printed=a,
-        from_tables=float(gmean(table["a"])),
+        from_tables=float(gmean(printed.table3["a"])),
         from_records=float(gmean(of_a)) if known else MISSING,
         remark="comes back as the geometric mean over Table 3",
     )
@@ -211,19 +224,28 @@ def equation_15(printed: PrintedTables, records: Records) -> Iterator[Item]:
         from_records=records.pooled("a"),
         remark="the other reading of the text: 5 % quantile of all values at once",
     )
-    for quantity, value, tables, recomputed, unit in (
-        ("k1", k1, of_table[0], slopes[0], "ms2"),
-        ("k2", k2, of_table[1], slopes[1], "s"),
-    ):
+
+
+def _exponential_delay_limit(printed: PrintedTables, records: Records) -> Iterator[Item]:
+    _, k1, k2 = EQUATION_15
+    table = printed.table3
+    of_records = exponential(records.frequencies, records.guaranteed("b"))
+    of_table = exponential(table["f_hz"], table["b"])
+    for place, (quantity, value, unit) in enumerate((("k1", k1, "ms2"), ("k2", k2, "s"))):
         yield Item(
             item="Equation (15)",
             quantity=quantity,
             printed=value,
-            from_tables=tables,
-            from_records=recomputed,
+            from_tables=of_table[place],
+            from_records=of_records[place],
             unit=unit,
         )
-    for at, of_table_3 in zip(table["f_hz"].tolist(), table["b"], strict=True):
+
+
+def _delay_limits_of_15(printed: PrintedTables, records: Records) -> Iterator[Item]:
+    """Hold the exponential against Table 3, at each of its frequencies."""
+    _, k1, k2 = EQUATION_15
+    for at, of_table_3 in zip(printed.table3["f_hz"].tolist(), printed.table3["b"], strict=True):
         law = float(k1 * np.exp(-k2 * at))
         yield Item(
             item="Equation (15)",

@@ -22,6 +22,12 @@ SLIPS: Final[tuple[tuple[str, str], ...]] = (
 
 def numbers_of_text(printed: PrintedTables) -> Iterator[Item]:
     """Numbers of the running text that follow from others."""
+    yield from _around_table_2(printed)
+    yield from _below_equation_15()
+    yield from _above_equation_18()
+
+
+def _around_table_2(printed: PrintedTables) -> Iterator[Item]:
     yield Item(
         item="Text above Table 2",
         quantity="components of 24 far-field and 28 near-field sets",
@@ -45,6 +51,9 @@ def numbers_of_text(printed: PrintedTables) -> Iterator[Item]:
             unit=unit,
             remark=f"√{square:.1e} is {root:.1e}" if wrong else "",
         )
+
+
+def _below_equation_15() -> Iterator[Item]:
     a, k1, k2 = EQUATION_15
     yield Item(
         item="Text below equation (15)",
@@ -65,6 +74,9 @@ def numbers_of_text(printed: PrintedTables) -> Iterator[Item]:
             if abs(limit / value - 1.0) <= CLOSE
             else "0.6 ms is √b of Table 3; equation (15) gives 0.015 ms",
         )
+
+
+def _above_equation_18() -> Iterator[Item]:
     for quantity, value, meant, remark in (
         ("multiple of ξ that is 2.3", 1000.0, EQUATION_16[1], "1000ξ should be 100ξ, as in equation (17)"),
         ("factor of ξ e^(−6.6f)", 46080.0, EQUATION_18[1], "46080 should be 6080, as in equation (18)"),

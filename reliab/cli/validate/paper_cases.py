@@ -1,8 +1,9 @@
 """`reliab validate --case`: the paper's four cases, Tables 5 and 6."""
 
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from reliab.cli.output import console, table, write_json
 from reliab.errors import InputError
@@ -49,48 +50,45 @@ class PaperCases:
         InputError
             If there is no such motion, integrator or compensator.
         """
-        from reliab.criterion import published_criterion
-        from reliab.paper.case_verdicts import case_verdicts
         from reliab.paper.cases import RECORD_SECONDS
-        from reliab.shipped import shipped
-        from reliab.sweep import open_ellipses
-        from reliab.validation.assessment import default_criterion
-        from reliab.validation.earthquakes import earthquakes_among
 
         integrator, compensator = self.integrator or "chen_ricles", self.compensator or "inverse"
         motion = _motion(self.motions, self.sets, self.case)
-        printed = published_criterion("guo_2017_18")
-        learned = open_ellipses(shipped("datasets", "real_suite/ellipses.nc"))
-        (event,) = earthquakes_among([motion.event], [motion.checksum], learned)
-        verdicts = case_verdicts(
-            motion,
-            {
-                "guo_2017_18": lambda f, xi: printed,  # noqa: ARG005 - one law for all structures
-                "recommended": lambda f, xi: default_criterion(f, xi, without=event),
-            },
-            integrator=integrator,
-            compensator=compensator,
-        )
-        rows = verdicts.astype(object).where(verdicts.notna(), None).to_dict(orient="records")
-        window = min(RECORD_SECONDS, motion.duration)
+        event, verdicts = _verdicts(motion, integrator, compensator)
         content = {
             "motion": motion.name,
             "held_out": event,
-            "window": f"{window:g}",
+            "window": f"{min(RECORD_SECONDS, motion.duration):g}",
             "integrator": integrator,
             "compensator": compensator,
-            "cases": rows,
+            "cases": verdicts.astype(object).where(verdicts.notna(), None).to_dict(orient="records"),
         }
-        if write_json(content, self.json_target):
-            return
-        _show_cases(motion.name, verdicts)
-        motions = f"without {event}" if event else "from all shipped motions"
-        console().print(
-            "RMS^R is the RMS of measured minus exact displacement over the peak of the exact one, in the "
-            f"first {window:g} s of the record. Integrator: {integrator}; compensator: {compensator}. "
-            f"The recommended criterion was learned {motions}.",
-            highlight=False,
-        )
+        if not write_json(content, self.json_target):
+            _show_cases(content, verdicts)
+
+
+def _verdicts(motion: "Motion", integrator: str, compensator: str) -> "tuple[str | None, pd.DataFrame]":
+    """Judge the cases by the printed and the recommended criterion; name the held-out earthquake."""
+    from reliab.criterion import published_criterion
+    from reliab.paper.case_verdicts import case_verdicts
+    from reliab.shipped import shipped
+    from reliab.sweep import open_ellipses
+    from reliab.validation.assessment import default_criterion
+    from reliab.validation.earthquakes import earthquakes_among
+
+    printed = published_criterion("guo_2017_18")
+    learned = open_ellipses(shipped("datasets", "real_suite/ellipses.nc"))
+    (event,) = earthquakes_among([motion.event], [motion.checksum], learned)
+    verdicts = case_verdicts(
+        motion,
+        {
+            "guo_2017_18": lambda f, xi: printed,  # noqa: ARG005 - one law for all structures
+            "recommended": lambda f, xi: default_criterion(f, xi, without=event),
+        },
+        integrator=integrator,
+        compensator=compensator,
+    )
+    return event, verdicts
 
 
 def _motion(motions: list[str] | None, sets: list[str] | None, name: str) -> "Motion":
@@ -110,8 +108,8 @@ def _motion(motions: list[str] | None, sets: list[str] | None, name: str) -> "Mo
     return suite.select(names=[name])[0]
 
 
-def _show_cases(motion: str, verdicts: "pd.DataFrame") -> None:
-    shown = table(f"The paper's cases under {motion}", dict.fromkeys(_HEADINGS, "right"))
+def _show_cases(content: Mapping[str, Any], verdicts: "pd.DataFrame") -> None:
+    shown = table(f"The paper's cases under {content['motion']}", dict.fromkeys(_HEADINGS, "right"))
     for row in verdicts.to_dict(orient="records"):
         shown.add_row(
             *(str(row["case"]), f"{row['f']:g}", f"{row['xi']:g}", f"{row['A']:.4f}", f"{row['d_ms']:.3f}"),
@@ -120,3 +118,11 @@ def _show_cases(motion: str, verdicts: "pd.DataFrame") -> None:
             *(f"{100.0 * row['rms']:.2f}", "yes" if row["good"] else "no"),
         )
     console().print(shown)
+    event = content["held_out"]
+    motions = f"without {event}" if event else "from all shipped motions"
+    console().print(
+        "RMS^R is the RMS of measured minus exact displacement over the peak of the exact one, in the first "
+        f"{content['window']} s of the record. Integrator: {content['integrator']}; compensator: "
+        f"{content['compensator']}. The recommended criterion was learned {motions}.",
+        highlight=False,
+    )

@@ -3,7 +3,7 @@
 import pandas as pd
 
 from reliab.criterion.distributions import Lognormal, LogSkewNormal
-from reliab.report.document import Block, Column, Figure, Paragraph, Section, Table
+from reliab.report.document import Column, Figure, Paragraph, Section, Table
 from reliab.report.figures.event_forest import event_forest
 from reliab.report.figures.parameter_correlation import parameter_correlation
 from reliab.report.figures.parameter_distributions import parameter_distributions
@@ -24,27 +24,54 @@ _LONG_TABLE = 160
 
 
 def motions_section(reported: ReportedCriteria) -> Section:
-    """Show the motions behind the criterion and what they leave open."""
-    sample, chosen, (f, xi) = reported.sample, reported.criterion, reported.structure
-    figures: list[Block] = [
-        Figure(
-            drawing=parameter_correlation(sample),
-            caption=prose(
-                "Every motion has its own ellipse. $a$ and $b$ rise together: a motion that forgives "
-                "amplitude errors forgives delays too, since near resonance both are one complex error."
-            ),
-            label="fig:correlation",
+    """Show the motions behind the criterion and what they leave open.
+
+    Parameters
+    ----------
+    reported : ReportedCriteria
+        The criteria with their ellipses.
+
+    Returns
+    -------
+    Section
+        With four figures or five.
+    """
+    sample, (f, xi) = reported.sample, reported.structure
+    opening = Paragraph(
+        text=prose(
+            "{n} motions of {events} earthquakes have an ellipse at {f:g} Hz and $xi = {xi:g}$; their "
+            "parameters are listed in @tab:motions.",
+            n=sample.n_motions,
+            events=sample.n_events,
+            f=f,
+            xi=xi,
+        )
+    )
+    figures = (_correlation(reported), *_distributions(reported), _predictive(reported), *_forest(reported))
+    return Section(title="The motions behind it", blocks=(opening, *figures), label="sec:motions")
+
+
+def _correlation(reported: ReportedCriteria) -> Figure:
+    return Figure(
+        drawing=parameter_correlation(reported.sample),
+        caption=prose(
+            "Every motion has its own ellipse. $a$ and $b$ rise together: a motion that forgives "
+            "amplitude errors forgives delays too, since near resonance both are one complex error."
         ),
+        label="fig:correlation",
+    )
+
+
+def _distributions(reported: ReportedCriteria) -> tuple[Figure, Figure]:
+    sample = reported.sample
+    fitted = {
+        "lognormal": (Lognormal.fit(sample.a), Lognormal.fit(sample.b)),
+        "log-skew-normal": (LogSkewNormal.fit(sample.a), LogSkewNormal.fit(sample.b)),
+    }
+    confidence = reported.criterion.confidence
+    return (
         Figure(
-            drawing=parameter_distributions(
-                sample,
-                {
-                    "lognormal": (Lognormal.fit(sample.a), Lognormal.fit(sample.b)),
-                    "log-skew-normal": (LogSkewNormal.fit(sample.a), LogSkewNormal.fit(sample.b)),
-                },
-                limits=reported.limits,
-                confidence=chosen.confidence,
-            ),
+            drawing=parameter_distributions(sample, fitted, limits=reported.limits, confidence=confidence),
             caption=(
                 "Distribution of the ellipse parameters over the motions; the criterion cuts the lower tail."
             ),
@@ -58,41 +85,39 @@ def motions_section(reported: ReportedCriteria) -> Section:
             ),
             label="fig:quantiles",
         ),
-        Figure(
-            drawing=posterior_and_predictive(sample, limits=reported.limits, confidence=chosen.confidence),
-            caption=prose(
-                "What the motions leave open. Above: how well the quantile is known, if motions were "
-                "independent and lognormal (bar: 95 %). Below: the chance that a further motion lies below "
-                "a value; the criterion stands where the predictive curve meets {share}, or lower where $a$"
-                " and $b$ must hold together.",
-                share=percent(1.0 - chosen.confidence, 2),
-            ),
-            label="fig:predictive",
-        ),
-    ]
-    if 1 < sample.n_events < min(sample.n_motions, _MOST_EVENTS):
-        figures.append(
-            Figure(
-                drawing=event_forest(sample, limits=reported.limits),
-                caption=prose(
-                    "Motions of one earthquake are alike @searle1992; this many motions are therefore worth "
-                    "fewer independent ones, and whole earthquakes are held out when the criterion is put to"
-                    " the test."
-                ),
-                label="fig:forest",
-            )
-        )
-    opening = Paragraph(
-        text=prose(
-            "{n} motions of {events} earthquakes have an ellipse at {f:g} Hz and $xi = {xi:g}$; their "
-            "parameters are listed in @tab:motions.",
-            n=sample.n_motions,
-            events=sample.n_events,
-            f=f,
-            xi=xi,
-        )
     )
-    return Section(title="The motions behind it", blocks=(opening, *figures), label="sec:motions")
+
+
+def _predictive(reported: ReportedCriteria) -> Figure:
+    confidence = reported.criterion.confidence
+    return Figure(
+        drawing=posterior_and_predictive(reported.sample, limits=reported.limits, confidence=confidence),
+        caption=prose(
+            "What the motions leave open. Above: how well the quantile is known, if motions were "
+            "independent and lognormal (bar: 95 %). Below: the chance that a further motion lies below "
+            "a value; the criterion stands where the predictive curve meets {share}, or lower where $a$"
+            " and $b$ must hold together.",
+            share=percent(1.0 - confidence, 2),
+        ),
+        label="fig:predictive",
+    )
+
+
+def _forest(reported: ReportedCriteria) -> tuple[Figure, ...]:
+    """Draw the motions by earthquake, where some earthquakes have several and there are not too many."""
+    sample = reported.sample
+    if not 1 < sample.n_events < min(sample.n_motions, _MOST_EVENTS):
+        return ()
+    figure = Figure(
+        drawing=event_forest(sample, limits=reported.limits),
+        caption=prose(
+            "Motions of one earthquake are alike @searle1992; this many motions are therefore worth "
+            "fewer independent ones, and whole earthquakes are held out when the criterion is put to"
+            " the test."
+        ),
+        label="fig:forest",
+    )
+    return (figure,)
 
 
 def appendix_section(reported: ReportedCriteria) -> Section:

@@ -95,20 +95,11 @@ def _without_promise(reported: ReportedCriteria) -> str:
 
 def _criteria_table(reported: ReportedCriteria) -> Table:
     f, xi = reported.structure
-    rows = []
-    for criterion in reported.criteria:
-        a, b = (float(limit) for limit in criterion.limits(f, xi))
-        row = {
-            "threshold": criterion.threshold,
-            "metric": str(criterion.metric),
-            "confidence": criterion.confidence,
-        }
-        limits = {"amplitude": np.sqrt(a), "delay": np.sqrt(b), "lead": reported.lead(criterion)}
-        rows.append({**row, "a": a, "b": b, **limits})
-    frame = pd.DataFrame(rows)
+    frame = _limits_of_criteria(reported)
     lead = Column(key="lead", heading=prose("early: $-d <=$"), unit="ms", number=Fixed(), group=_ALONE)
     early = (lead,) if frame["lead"].notna().any() else ()
-    frame["metric"] = [ERROR_NAMES[Metric(name)] for name in frame["metric"]]
+    amplitude, delay = prose("$|A - 1| <= sqrt(a)$"), prose("late: $d <= sqrt(b)$")
+    share = Fixed(factor=PERCENT)
     return Table(
         frame=frame,
         columns=(
@@ -117,16 +108,8 @@ def _criteria_table(reported: ReportedCriteria) -> Table:
             Column(key="confidence", heading="Confidence", unit="%", number=Shortest(factor=PERCENT)),
             Column(key="a", heading=prose("$a$"), unit="-", number=Scientific()),
             Column(key="b", heading=prose("$b$"), unit="ms²", number=Significant()),
-            Column(
-                key="amplitude",
-                heading=prose("$|A - 1| <= sqrt(a)$"),
-                unit="%",
-                number=Fixed(factor=PERCENT),
-                group=_ALONE,
-            ),
-            Column(
-                key="delay", heading=prose("late: $d <= sqrt(b)$"), unit="ms", number=Fixed(), group=_ALONE
-            ),
+            Column(key="amplitude", heading=amplitude, unit="%", number=share, group=_ALONE),
+            Column(key="delay", heading=delay, unit="ms", number=Fixed(), group=_ALONE),
             *early,
         ),
         caption=prose(
@@ -137,6 +120,26 @@ def _criteria_table(reported: ReportedCriteria) -> Table:
         ),
         label="tab:criteria",
     )
+
+
+def _limits_of_criteria(reported: ReportedCriteria) -> pd.DataFrame:
+    """One row for each criterion: what it promises, and its limits at the structure."""
+    rows = []
+    for criterion in reported.criteria:
+        a, b = (float(limit) for limit in criterion.limits(*reported.structure))
+        rows.append(
+            {
+                "metric": ERROR_NAMES[Metric(criterion.metric)],
+                "threshold": criterion.threshold,
+                "confidence": criterion.confidence,
+                "a": a,
+                "b": b,
+                "amplitude": np.sqrt(a),
+                "delay": np.sqrt(b),
+                "lead": reported.lead(criterion),
+            }
+        )
+    return pd.DataFrame(rows)
 
 
 def _named_limits(reported: ReportedCriteria) -> dict[str, tuple[float, float]]:
@@ -158,12 +161,14 @@ def _over_structures(reported: ReportedCriteria) -> Iterator[Block]:
     a, b = reported.over_grid(reported.criterion)
     several_f, several_xi = a.shape[0] > 1, a.shape[1] > 1
     if several_f and several_xi:
-        yield from _over_both(reported, PERCENT * np.sqrt(a), np.sqrt(b))
+        yield from _over_both_properties(reported, PERCENT * np.sqrt(a), np.sqrt(b))
     elif several_f or several_xi:
-        yield _over_one(reported, along_f=several_f)
+        yield _over_frequency_or_damping(reported, along_f=several_f)
 
 
-def _over_both(reported: ReportedCriteria, amplitude: np.ndarray, delay: np.ndarray) -> Iterator[Block]:
+def _over_both_properties(
+    reported: ReportedCriteria, amplitude: np.ndarray, delay: np.ndarray
+) -> Iterator[Block]:
     yield Figure(
         drawing=_surfaces(reported),
         caption=prose(
@@ -216,7 +221,7 @@ def _chosen(count: int, most: int) -> list[int]:
     return sorted({int(k) for k in np.linspace(0, count - 1, min(count, most)).round()})
 
 
-def _over_one(reported: ReportedCriteria, *, along_f: bool) -> Figure:
+def _over_frequency_or_damping(reported: ReportedCriteria, *, along_f: bool) -> Figure:
     nodes = reported.frequencies if along_f else reported.damping_ratios
     series = []
     for criterion in reported.criteria:

@@ -37,7 +37,7 @@ from reliab.report.figures.parameters_over_structure import (
     parameters_over_frequency,
 )
 from reliab.report.prose import prose
-from reliab.report.wording import PERCENT
+from reliab.report.sections.case_histories import case_histories
 from reliab.vocabulary import Metric
 
 _METRICS = (Metric.MTE, Metric.RMS)
@@ -48,34 +48,40 @@ Values = NDArray[np.float64]
 
 def loop_section(example: xr.Dataset) -> Section:
     """Figures 1 to 7: the loop, one ground motion, errors of delay and of amplitude."""
+    caption = "Figure 1 of the paper: the loop. All stiffness stands in the laboratory, the worst case."
+    loop = Figure(drawing=block_diagram(), caption=caption, label="fig:paper-1")
+    return Section(
+        title="One ground motion: errors of delay and of amplitude",
+        blocks=(loop, _histories(example), *_error_curves(example)),
+    )
+
+
+def _histories(example: xr.Dataset) -> Figure:
+    """Figures 2, 3, 5 and 7."""
     tests = ("exact response (Figure 2)", "delay of 5 ms (Figure 3)", "amplitude of 0.99 (Figure 5)")
     titles = (*tests, "amplitude of 1.02, delay of 2 ms (Figure 7)")
-    histories = example["displacement"].values
-    times = example["time"].values
+    histories, times = example["displacement"].values, example["time"].values
     panels = [
         HistoryPanel(title=title, times=times, ideal=histories[0], measured=None if k == 0 else histories[k])
         for k, title in enumerate(titles)
     ]
+    return Figure(
+        drawing=displacement_histories(panels),
+        caption=prose(
+            "Figures 2, 3, 5 and 7 of the paper ({motion}, 1 Hz, $xi = 0.02$): a delay of 5 ms, stable "
+            "though it is, leaves the structure ringing at the end; an amplitude error of 1 % can "
+            "hardly be seen.",
+            motion=example.attrs["motion"],
+        ),
+        label="fig:paper-2",
+    )
+
+
+def _error_curves(example: xr.Dataset) -> tuple[Figure, Figure]:
+    """Figures 4 and 6."""
     by_delay = {metric: example["error_of_delay"].sel(metric=str(metric)).values for metric in _METRICS}
     by_gain = {metric: example["error_of_gain"].sel(metric=str(metric)).values for metric in _METRICS}
-    blocks: tuple[Block, ...] = (
-        Figure(
-            drawing=block_diagram(),
-            caption=(
-                "Figure 1 of the paper: the loop. All stiffness stands in the laboratory, the worst case."
-            ),
-            label="fig:paper-1",
-        ),
-        Figure(
-            drawing=displacement_histories(panels),
-            caption=prose(
-                "Figures 2, 3, 5 and 7 of the paper ({motion}, 1 Hz, $xi = 0.02$): a delay of 5 ms, stable "
-                "though it is, leaves the structure ringing at the end; an amplitude error of 1 % can "
-                "hardly be seen.",
-                motion=example.attrs["motion"],
-            ),
-            label="fig:paper-2",
-        ),
+    return (
         Figure(
             drawing=error_against_delay(
                 example["long_delay"].values,
@@ -95,7 +101,6 @@ def loop_section(example: xr.Dataset) -> Section:
             label="fig:paper-6",
         ),
     )
-    return Section(title="One ground motion: errors of delay and of amplitude", blocks=blocks)
 
 
 def boundary_section(records: Records, example: xr.Dataset) -> Section:
@@ -206,18 +211,8 @@ def structures_section(records: Records, printed: PrintedTables) -> Section:
 
 def cases_section(cases: xr.Dataset) -> Section:
     """Figures 16 and 17: the application."""
-    times = cases["time"].values
-    panels = [
-        HistoryPanel(
-            title=f"case {number}",
-            times=times,
-            ideal=cases["ideal"].sel(case=number).values,
-            measured=cases["measured"].sel(case=number).values,
-            note=f"RMS error {PERCENT * float(cases['rms'].sel(case=number)):.2f} %",
-        )
-        for number in cases["case"].values.tolist()
-    ]
-    blocks: tuple[Block, ...] = (
+    caption = "Figure 17 of the paper: exact response and measured displacement of the four cases."
+    blocks = (
         Figure(
             drawing=frame(),
             caption=(
@@ -226,11 +221,7 @@ def cases_section(cases: xr.Dataset) -> Section:
             ),
             label="fig:paper-16",
         ),
-        Figure(
-            drawing=displacement_histories(panels),
-            caption="Figure 17 of the paper: exact response and measured displacement of the four cases.",
-            label="fig:paper-17",
-        ),
+        case_histories(cases, caption=caption, label="fig:paper-17", errors=True),
     )
     return Section(title="Application", blocks=blocks)
 

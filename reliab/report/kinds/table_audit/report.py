@@ -82,13 +82,6 @@ def table_audit_report(
 
 
 def _disagreeing(rows: pd.DataFrame, disagreeing: pd.DataFrame) -> Section:
-    ratios = disagreeing.assign(
-        a_ratio=disagreeing["a"] / disagreeing["a_printed"],
-        b_ratio=disagreeing["b"] / disagreeing["b_printed"],
-        a_closed=disagreeing["a_after"] / disagreeing["a_printed"],
-        b_closed=disagreeing["b_after"] / disagreeing["b_printed"],
-    ).sort_values("gap_before", ascending=False)
-    before, after = prose("simulated over printed"), prose("with the difference")
     return Section(
         title="Rows that disagree",
         blocks=(
@@ -109,28 +102,39 @@ def _disagreeing(rows: pd.DataFrame, disagreeing: pd.DataFrame) -> Section:
                 ),
                 label="fig:rows",
             ),
-            Table(
-                frame=ratios,
-                columns=(
-                    Column(key="record", heading="Record"),
-                    Column(key="a_ratio", heading=prose("$a$"), number=Fixed(), group=before),
-                    Column(key="b_ratio", heading=prose("$b$"), number=Fixed(), group=before),
-                    Column(key="difference", heading="Difference"),
-                    Column(key="detail", heading="Detail", wide=True),
-                    Column(key="a_closed", heading=prose("$a$"), number=Fixed(), group=after),
-                    Column(key="b_closed", heading=prose("$b$"), number=Fixed(), group=after),
-                    Column(
-                        key="chance", heading="Chance", unit="%", number=Fixed(decimals=1, factor=PERCENT)
-                    ),
-                ),
-                caption=(
-                    "Rows that disagree by more than 10 %, the worst first; “chance” is the share of other "
-                    "earthquakes' printed pairs that the row's candidates explain as well."
-                ),
-                label="tab:disagreeing",
-            ),
+            _ratios(disagreeing),
         ),
         label="sec:disagreeing",
+    )
+
+
+def _ratios(disagreeing: pd.DataFrame) -> Table:
+    """Tabulate rows that disagree before and after their hidden difference, the worst first."""
+    ratios = disagreeing.assign(
+        a_ratio=disagreeing["a"] / disagreeing["a_printed"],
+        b_ratio=disagreeing["b"] / disagreeing["b_printed"],
+        a_closed=disagreeing["a_after"] / disagreeing["a_printed"],
+        b_closed=disagreeing["b_after"] / disagreeing["b_printed"],
+    ).sort_values("gap_before", ascending=False)
+    before, after = prose("simulated over printed"), prose("with the difference")
+    chance = Fixed(decimals=1, factor=PERCENT)
+    return Table(
+        frame=ratios,
+        columns=(
+            Column(key="record", heading="Record"),
+            Column(key="a_ratio", heading=prose("$a$"), number=Fixed(), group=before),
+            Column(key="b_ratio", heading=prose("$b$"), number=Fixed(), group=before),
+            Column(key="difference", heading="Difference"),
+            Column(key="detail", heading="Detail", wide=True),
+            Column(key="a_closed", heading=prose("$a$"), number=Fixed(), group=after),
+            Column(key="b_closed", heading=prose("$b$"), number=Fixed(), group=after),
+            Column(key="chance", heading="Chance", unit="%", number=chance),
+        ),
+        caption=(
+            "Rows that disagree by more than 10 %, the worst first; “chance” is the share of other "
+            "earthquakes' printed pairs that the row's candidates explain as well."
+        ),
+        label="tab:disagreeing",
     )
 
 

@@ -1,5 +1,7 @@
 """Section on the rebuilt error beside criteria, on the same simulated tests."""
 
+from collections.abc import Mapping
+
 import pandas as pd
 
 from reliab.report.document import Column, Figure, Paragraph, Section, Table
@@ -37,86 +39,90 @@ def rebuilt_error_section(tests: pd.DataFrame, threshold: float) -> Section:
     """
     named = tests.assign(judge=tests["judge"].replace(_NAMES))
     tables = summarised(named)
-    plain = named[
-        (named["specimen"] == LINEAR) & (named["sensor"] == PLAIN.sensor) & (named["stated"] == RIGHT)
-    ]
-    conditions = tables["conditions"].assign(
-        condition=[
-            sensor if stated == RIGHT else f"{sensor}, {stated}"
-            for sensor, stated in zip(
-                tables["conditions"]["sensor"], tables["conditions"]["stated"], strict=True
-            )
-        ]
-    )
-    specimens, looks = tables["specimens"], tables["looks"].set_index("specimen")["looks_nonlinear"]
-    false_flags = tables["looks"].set_index(["specimen", "sensor"])["looks_nonlinear"]
     return Section(
         title="The error of the test itself",
-        blocks=(
-            Paragraph(
-                text=prose(
-                    "The same simulated tests, judged by the error that is rebuilt from command and measured "
-                    "displacement, and by $A$ and $d$ with criteria and with the own boundary of the motion. "
-                    "A test is good up to {threshold} of true error, which is that of the true piston "
-                    "against the same loop with a perfect actuator. A criterion that says nothing of leads "
-                    "accepts none. A verdict is “reliable” as `reliab assess` gives it: the error stays "
-                    "below the threshold with 95 % probability, and the specimen does not look nonlinear. "
-                    "A motion is contained when none of its bad tests is accepted, and an error in the "
-                    "interval when the stated 90 % interval holds it. "
-                    "The rebuilt error takes the structure as linear and stated; the specimens that are not "
-                    "linear look so in {nonlinear} of their tests, the linear ones in {linear} at 40 dB.",
-                    threshold=percent(threshold),
-                    nonlinear=percent(float(looks.drop(LINEAR).mean()))
-                    if len(looks.drop(LINEAR))
-                    else "none",
-                    linear=percent(float(false_flags[LINEAR, PLAIN.sensor])),
-                )
-            ),
-            Figure(
-                drawing=stated_errors(plain, (REBUILT, OWN_BOUNDARY)),
-                caption=(
-                    "Error that is stated over the true one, sensor of 40 dB: the rebuilt error needs no "
-                    "ground motion and no premise on the actuator; the own boundary takes the actuator for a "
-                    "gain and a delay."
-                ),
-                label="fig:rebuilt-stated",
-            ),
-            Figure(
-                drawing=accepted_tests(tables["judges"]),
-                caption="Bad and good tests that each judge accepts, sensor of 40 dB.",
-                label="fig:rebuilt-accepted",
-            ),
-            _table(
-                tables["judges"], "judge", "Judge", "Judges on linear specimens, sensor of 40 dB.", "judges"
-            ),
-            _table(
-                conditions[conditions["judge"] == REBUILT],
-                "condition",
-                "Sensor, and what is stated wrongly",
-                "The rebuilt error by sensor and by what is stated wrongly, the tolerance being as large.",
-                "conditions",
-            ),
-            _table(
-                tables["rigs"][tables["rigs"]["judge"] == REBUILT],
-                "rig",
-                "Actuator",
-                "The rebuilt error by actuator, sensor of 40 dB.",
-                "rigs",
-            ),
-            _table(
-                specimens[specimens["judge"].isin([REBUILT, WITH_MODEL])].assign(
-                    named=lambda rows: (
-                        rows["specimen"]
-                        + rows["judge"].map({REBUILT: ", taken as linear", WITH_MODEL: ", with a model"})
-                    )
-                ),
-                "named",
-                "Specimen",
-                "Nonlinear specimens without a model, and with one whose parameters are off by about 1 %.",
-                "specimens",
-            ),
-        ),
+        blocks=(_opening(tables["looks"], threshold), *_figures(named, tables["judges"]), *_tables(tables)),
         label="sec:rebuilt",
+    )
+
+
+def _opening(looks: pd.DataFrame, threshold: float) -> Paragraph:
+    """Say how tests were judged, and how often specimens look nonlinear."""
+    nonlinear = looks.set_index("specimen")["looks_nonlinear"].drop(LINEAR)
+    linear = looks.set_index(["specimen", "sensor"])["looks_nonlinear"][LINEAR, PLAIN.sensor]
+    return Paragraph(
+        text=prose(
+            "The same simulated tests, judged by the error that is rebuilt from command and measured "
+            "displacement, and by $A$ and $d$ with criteria and with the own boundary of the motion. "
+            "A test is good up to {threshold} of true error, which is that of the true piston "
+            "against the same loop with a perfect actuator. A criterion that says nothing of leads "
+            "accepts none. A verdict is “reliable” as `reliab assess` gives it: the error stays "
+            "below the threshold with 95 % probability, and the specimen does not look nonlinear. "
+            "A motion is contained when none of its bad tests is accepted, and an error in the "
+            "interval when the stated 90 % interval holds it. "
+            "The rebuilt error takes the structure as linear and stated; the specimens that are not "
+            "linear look so in {nonlinear} of their tests, the linear ones in {linear} at 40 dB.",
+            threshold=percent(threshold),
+            nonlinear=percent(float(nonlinear.mean())) if len(nonlinear) else "none",
+            linear=percent(float(linear)),
+        )
+    )
+
+
+def _figures(tests: pd.DataFrame, judges: pd.DataFrame) -> tuple[Figure, Figure]:
+    """Draw stated over true errors, and the tests that each judge accepts."""
+    linear, as_stated = tests["specimen"] == LINEAR, tests["stated"] == RIGHT
+    plain = tests[linear & (tests["sensor"] == PLAIN.sensor) & as_stated]
+    return (
+        Figure(
+            drawing=stated_errors(plain, (REBUILT, OWN_BOUNDARY)),
+            caption=(
+                "Error that is stated over the true one, sensor of 40 dB: the rebuilt error needs no "
+                "ground motion and no premise on the actuator; the own boundary takes the actuator for a "
+                "gain and a delay."
+            ),
+            label="fig:rebuilt-stated",
+        ),
+        Figure(
+            drawing=accepted_tests(judges),
+            caption="Bad and good tests that each judge accepts, sensor of 40 dB.",
+            label="fig:rebuilt-accepted",
+        ),
+    )
+
+
+def _tables(tables: Mapping[str, pd.DataFrame]) -> tuple[Table, ...]:
+    """Tabulate verdicts by judge, by sensor and statement, by actuator and by specimen."""
+    conditions, rigs, specimens = (
+        tables[name][tables[name]["judge"].isin(judges)]
+        for name, judges in (
+            ("conditions", [REBUILT]),
+            ("rigs", [REBUILT]),
+            ("specimens", [REBUILT, WITH_MODEL]),
+        )
+    )
+    condition = [
+        sensor if stated == RIGHT else f"{sensor}, {stated}"
+        for sensor, stated in zip(conditions["sensor"], conditions["stated"], strict=True)
+    ]
+    with_judge = specimens["judge"].map({REBUILT: ", taken as linear", WITH_MODEL: ", with a model"})
+    return (
+        _table(tables["judges"], "judge", "Judge", "Judges on linear specimens, sensor of 40 dB.", "judges"),
+        _table(
+            conditions.assign(condition=condition),
+            "condition",
+            "Sensor, and what is stated wrongly",
+            "The rebuilt error by sensor and by what is stated wrongly, the tolerance being as large.",
+            "conditions",
+        ),
+        _table(rigs, "rig", "Actuator", "The rebuilt error by actuator, sensor of 40 dB.", "rigs"),
+        _table(
+            specimens.assign(named=specimens["specimen"] + with_judge),
+            "named",
+            "Specimen",
+            "Nonlinear specimens without a model, and with one whose parameters are off by about 1 %.",
+            "specimens",
+        ),
     )
 
 

@@ -1,0 +1,51 @@
+"""Verdicts of criteria on simulated tests."""
+
+import numpy as np
+import pandas as pd
+
+from reliab.report.document import Column, Section, Table
+from reliab.report.numbers import Whole
+from reliab.report.prose import prose
+from reliab.report.wording import law_in_words, percent
+
+
+def verdicts_section(verdicts: pd.DataFrame, confidence: float) -> Section:
+    """Count good and bad tests that criteria accept and refuse.
+
+    Parameters
+    ----------
+    verdicts : pandas.DataFrame
+        Columns `candidate`, `confidence`, `good_accepted`, `good_rejected`, `bad_accepted`, `bad_rejected`.
+    confidence : float
+        Share of ground motions that the criteria state [-].
+
+    Returns
+    -------
+    Section
+        A table.
+    """
+    chosen = verdicts[np.isclose(verdicts["confidence"], confidence)]
+    chosen = chosen.assign(candidate=[law_in_words(str(name)) for name in chosen["candidate"]])
+    good, bad = prose("good tests"), prose("bad tests")
+    return Section(
+        title="Verdicts on simulated tests",
+        blocks=(
+            Table(
+                frame=chosen,
+                columns=(
+                    Column(key="candidate", heading="Criterion"),
+                    Column(key="good_accepted", heading="accepted", number=Whole(), group=good),
+                    Column(key="good_rejected", heading="refused", number=Whole(), group=good),
+                    Column(key="bad_accepted", heading="accepted", number=Whole(), group=bad),
+                    Column(key="bad_rejected", heading="refused", number=Whole(), group=bad),
+                ),
+                caption=prose(
+                    "Verdicts of the criteria that state {share} on tests whose amplitude errors and delays "
+                    "lie evenly around the boundaries, each under a motion of a held-out earthquake; a test "
+                    "is good when its simulated error stays below the threshold.",
+                    share=percent(confidence),
+                ),
+                label="tab:confusion",
+            ),
+        ),
+    )
