@@ -1,9 +1,9 @@
 """Where ellipses come from: a file of them, stored results, or records that are simulated here and now."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from reliab.cli.options import FIVE_PERCENT
 from reliab.cli.output import progress_bar
@@ -14,6 +14,42 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _RECORD, _WHOLE = "record", 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class SourceOptions:
+    """Options of several commands that say where ellipses come from; see :class:`EllipseSource`."""
+
+    motions: list[str] | None
+    sets: list[str] | None
+    results: Path | None
+    ellipses: Path | None
+    f: list[float] | None
+    xi: list[float] | None
+    metric: str
+    window: str | None
+    alpha: float | None
+
+    def ellipse_source(self, **options: Any) -> "EllipseSource":  # noqa: ANN401 - as EllipseSource takes them
+        """Say where the ellipses come from.
+
+        Parameters
+        ----------
+        **options
+            Options that the command has besides, or takes otherwise; see :class:`EllipseSource`.
+
+        Returns
+        -------
+        EllipseSource
+            The source.
+
+        Raises
+        ------
+        InputError
+            If not exactly one source is given, or an option that the source cannot serve.
+        """
+        shared = {field.name: getattr(self, field.name) for field in fields(SourceOptions)}
+        return EllipseSource(**(shared | options))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from reliab.cli.ellipse_source import EllipseSource, check_thresholds
+from reliab.cli.ellipse_source import SourceOptions, check_thresholds
 from reliab.cli.options import ONE_HERTZ, TWO_PERCENT
 from reliab.errors import InputError
 
@@ -13,20 +13,11 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Demand:
+class Demand(SourceOptions):
     """The options of `reliab criterion`, by their names; see `reliab.cli.criterion.options`."""
 
-    motions: list[str] | None
-    sets: list[str] | None
-    results: Path | None
-    ellipses: Path | None
-    f: list[float] | None
-    xi: list[float] | None
     threshold: list[float] | None
     confidence: list[float] | None
-    metric: str
-    window: str | None
-    alpha: float | None
     model: Path | None
     structure: Path | None
     method: str | None
@@ -70,17 +61,10 @@ class Demand:
             If the source is wrong, or a model's effects alone exceed the error under some motions.
         """
         chosen = self.law == "table" or bool(self.motions)
-        source = EllipseSource(
-            motions=self.motions,
-            sets=self.sets,
-            results=self.results,
-            ellipses=self.ellipses,
+        source = self.ellipse_source(
             f=self.f if chosen else None,
             xi=self.xi if chosen else None,
             threshold=self.threshold,
-            metric=self.metric,
-            window=self.window,
-            alpha=self.alpha,
             model=self.model,
             structure=self.structure,
         )

@@ -2,10 +2,9 @@
 
 import math
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from reliab.cli.ellipse_source import EllipseSource
+from reliab.cli.ellipse_source import EllipseSource, SourceOptions
 from reliab.cli.options import FIVE_PERCENT
 from reliab.errors import InputError
 
@@ -24,19 +23,10 @@ _TRIALS = 512
 
 
 @dataclass(frozen=True, kw_only=True)
-class JudgedMotions:
+class JudgedMotions(SourceOptions):
     """The options of motions, structures and errors; see `reliab.cli.validate.options`."""
 
-    motions: list[str] | None
-    sets: list[str] | None
-    results: Path | None
-    ellipses: Path | None
-    f: list[float] | None
-    xi: list[float] | None
     threshold: float | None
-    metric: str
-    window: str | None
-    alpha: float | None
     scheme: str | None
     trials: int | None
     json_target: str | None
@@ -54,18 +44,7 @@ class JudgedMotions:
     @property
     def source(self) -> EllipseSource:
         """Where the ellipses of the motions come from."""
-        return EllipseSource(
-            motions=self.motions,
-            sets=self.sets,
-            results=self.results,
-            ellipses=self.ellipses,
-            f=self.f,
-            xi=self.xi,
-            threshold=[self.error],
-            metric=self.metric,
-            window=self.window,
-            alpha=self.alpha,
-        )
+        return self.ellipse_source(threshold=[self.error])
 
     def dataset(self) -> "xr.Dataset":
         """Trace or look up the ellipses of the motions.

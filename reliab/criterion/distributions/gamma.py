@@ -1,17 +1,17 @@
 """Gamma distribution."""
 
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.stats import gamma
 
-from reliab.criterion.distributions.distribution import Distribution
+from reliab.criterion.distributions.scipy_family import OfQuantity
 
 
 @dataclass(frozen=True, kw_only=True)
-class Gamma(Distribution):
+class Gamma(OfQuantity):
     """Gamma distribution of the quantity itself, from zero.
 
     Parameters
@@ -26,6 +26,7 @@ class Gamma(Distribution):
     """
 
     name: ClassVar[str] = "gamma"
+    family: ClassVar[Any] = gamma
 
     shape: float
     scale: float
@@ -36,14 +37,7 @@ class Gamma(Distribution):
         shape, _, scale = gamma.fit(values / unit, floc=0.0)
         return cls(shape=float(shape), scale=float(scale) * unit)
 
-    def log_density(self, values: ArrayLike) -> NDArray[np.float64]:
-        """Natural logarithm of the density."""
-        return np.asarray(gamma.logpdf(values, self.shape, scale=self.scale))
-
-    def cumulative(self, values: ArrayLike) -> NDArray[np.float64]:
-        """Probability of being at most each value."""
-        return np.asarray(gamma.cdf(values, self.shape, scale=self.scale))
-
-    def quantile(self, probability: ArrayLike) -> NDArray[np.float64]:
-        """Value that is not exceeded with the given probability."""
-        return np.asarray(gamma.ppf(probability, self.shape, scale=self.scale))
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """Parameters in scipy's order."""
+        return self.shape, 0.0, self.scale

@@ -1,17 +1,17 @@
 """Lognormal distribution, the paper's choice for a and b."""
 
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.stats import norm
 
-from reliab.criterion.distributions.distribution import Distribution
+from reliab.criterion.distributions.scipy_family import OfLogarithm
 
 
 @dataclass(frozen=True, kw_only=True)
-class Lognormal(Distribution):
+class Lognormal(OfLogarithm):
     """Normal distribution of the logarithm.
 
     Parameters
@@ -27,6 +27,7 @@ class Lognormal(Distribution):
     """
 
     name: ClassVar[str] = "lognormal"
+    family: ClassVar[Any] = norm
 
     mu: float
     sigma: float
@@ -36,15 +37,7 @@ class Lognormal(Distribution):
         logarithms = np.log(values)
         return cls(mu=float(logarithms.mean()), sigma=float(logarithms.std()))
 
-    def log_density(self, values: ArrayLike) -> NDArray[np.float64]:
-        """Natural logarithm of the density."""
-        logarithms = np.log(values)
-        return np.asarray(norm.logpdf(logarithms, self.mu, self.sigma) - logarithms)
-
-    def cumulative(self, values: ArrayLike) -> NDArray[np.float64]:
-        """Probability of being at most each value."""
-        return np.asarray(norm.cdf(np.log(values), self.mu, self.sigma))
-
-    def quantile(self, probability: ArrayLike) -> NDArray[np.float64]:
-        """Value that is not exceeded with the given probability."""
-        return np.asarray(np.exp(self.mu + self.sigma * norm.ppf(probability)))
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """Parameters in scipy's order."""
+        return self.mu, self.sigma

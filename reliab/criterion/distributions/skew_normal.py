@@ -1,19 +1,20 @@
 """Skew-normal distribution of the logarithm: one tail lighter than the other (Azzalini 1985)."""
 
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.stats import skew, skewnorm
 
-from reliab.criterion.distributions.distribution import Distribution, maximise_likelihood
+from reliab.criterion.distributions.distribution import maximise_likelihood
+from reliab.criterion.distributions.scipy_family import OfLogarithm
 
 _STEEPEST = 20.0  # beyond, the distribution is a half-normal to within a sample's resolution
 
 
 @dataclass(frozen=True, kw_only=True)
-class LogSkewNormal(Distribution):
+class LogSkewNormal(OfLogarithm):
     """Skew-normal distribution of the logarithm, density 2/ω φ(z) Φ(αz), z = (ln x − ξ)/ω.
 
     Parameters
@@ -36,6 +37,7 @@ class LogSkewNormal(Distribution):
     """
 
     name: ClassVar[str] = "skew_normal"
+    family: ClassVar[Any] = skewnorm
 
     location: float
     scale: float
@@ -62,15 +64,7 @@ class LogSkewNormal(Distribution):
             shape=float(shape),
         )
 
-    def log_density(self, values: ArrayLike) -> NDArray[np.float64]:
-        """Natural logarithm of the density."""
-        logarithms = np.log(values)
-        return np.asarray(skewnorm.logpdf(logarithms, self.shape, self.location, self.scale) - logarithms)
-
-    def cumulative(self, values: ArrayLike) -> NDArray[np.float64]:
-        """Probability of being at most each value."""
-        return np.asarray(skewnorm.cdf(np.log(values), self.shape, self.location, self.scale))
-
-    def quantile(self, probability: ArrayLike) -> NDArray[np.float64]:
-        """Value that is not exceeded with the given probability."""
-        return np.asarray(np.exp(skewnorm.ppf(probability, self.shape, self.location, self.scale)))
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """Parameters in scipy's order."""
+        return self.shape, self.location, self.scale

@@ -1,19 +1,20 @@
 """Student's t distribution of the logarithm: heavier tails than the lognormal."""
 
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.stats import t
 
-from reliab.criterion.distributions.distribution import Distribution, maximise_likelihood
+from reliab.criterion.distributions.distribution import maximise_likelihood
+from reliab.criterion.distributions.scipy_family import OfLogarithm
 
 _DEGREES = (1.0, 500.0)  # Cauchy to all but normal
 
 
 @dataclass(frozen=True, kw_only=True)
-class LogStudentT(Distribution):
+class LogStudentT(OfLogarithm):
     """Student's t distribution of the logarithm.
 
     Parameters
@@ -31,6 +32,7 @@ class LogStudentT(Distribution):
     """
 
     name: ClassVar[str] = "student_t"
+    family: ClassVar[Any] = t
 
     mu: float
     sigma: float
@@ -55,15 +57,7 @@ class LogStudentT(Distribution):
             degrees_of_freedom=float(np.exp(log_degrees)),
         )
 
-    def log_density(self, values: ArrayLike) -> NDArray[np.float64]:
-        """Natural logarithm of the density."""
-        logarithms = np.log(values)
-        return np.asarray(t.logpdf(logarithms, self.degrees_of_freedom, self.mu, self.sigma) - logarithms)
-
-    def cumulative(self, values: ArrayLike) -> NDArray[np.float64]:
-        """Probability of being at most each value."""
-        return np.asarray(t.cdf(np.log(values), self.degrees_of_freedom, self.mu, self.sigma))
-
-    def quantile(self, probability: ArrayLike) -> NDArray[np.float64]:
-        """Value that is not exceeded with the given probability."""
-        return np.asarray(np.exp(t.ppf(probability, self.degrees_of_freedom, self.mu, self.sigma)))
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """Parameters in scipy's order."""
+        return self.degrees_of_freedom, self.mu, self.sigma

@@ -1,21 +1,21 @@
 """Weibull distribution."""
 
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import logsumexp, softmax
 from scipy.stats import weibull_min
 
-from reliab.criterion.distributions.distribution import Distribution
+from reliab.criterion.distributions.scipy_family import OfQuantity
 
 _REACH = 1e3
 
 
 @dataclass(frozen=True, kw_only=True)
-class Weibull(Distribution):
+class Weibull(OfQuantity):
     """Weibull distribution of the quantity itself, from zero.
 
     Parameters
@@ -30,6 +30,7 @@ class Weibull(Distribution):
     """
 
     name: ClassVar[str] = "weibull"
+    family: ClassVar[Any] = weibull_min
 
     shape: float
     scale: float
@@ -48,14 +49,7 @@ class Weibull(Distribution):
         log_scale = (logsumexp(shape * logarithms) - np.log(values.size)) / shape
         return cls(shape=float(shape), scale=float(np.exp(log_scale)))
 
-    def log_density(self, values: ArrayLike) -> NDArray[np.float64]:
-        """Natural logarithm of the density."""
-        return np.asarray(weibull_min.logpdf(values, self.shape, scale=self.scale))
-
-    def cumulative(self, values: ArrayLike) -> NDArray[np.float64]:
-        """Probability of being at most each value."""
-        return np.asarray(weibull_min.cdf(values, self.shape, scale=self.scale))
-
-    def quantile(self, probability: ArrayLike) -> NDArray[np.float64]:
-        """Value that is not exceeded with the given probability."""
-        return np.asarray(weibull_min.ppf(probability, self.shape, scale=self.scale))
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """Parameters in scipy's order."""
+        return self.shape, 0.0, self.scale

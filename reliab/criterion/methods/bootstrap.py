@@ -7,12 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm
 
-from reliab.criterion.methods.bound import BoundMethod
-from reliab.criterion.methods.method import checked_share
+from reliab.criterion.methods.bound import AssuredBound
 
 
 @dataclass(frozen=True, kw_only=True)
-class Bootstrap(BoundMethod):
+class Bootstrap(AssuredBound):
     """Lower bootstrap bound of the plug-in quantile, earthquakes drawn with all their motions.
 
     Definition: the lognormal (1 − confidence) quantile is computed for many suites made of
@@ -42,12 +41,8 @@ class Bootstrap(BoundMethod):
     meaning: ClassVar[str] = "a bound from resampling whole earthquakes"
     exchangeable: ClassVar[str] = "earthquakes, each with all its motions; lognormal"
 
-    assurance: float = 0.95
     resamples: int = 4000
     seed: int = 2017
-
-    def __post_init__(self) -> None:
-        checked_share(self.assurance, "assurance")
 
     @property
     def assumes_lognormality(self) -> bool:

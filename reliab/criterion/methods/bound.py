@@ -64,6 +64,22 @@ class BoundMethod(Method):
         return _Bounds(method=self, grid=grid)
 
 
+@dataclass(frozen=True, kw_only=True)
+class AssuredBound(BoundMethod):
+    """A lower bound that keeps its promise with a stated assurance.
+
+    Parameters
+    ----------
+    assurance : float, optional
+        How sure the promise is, in (0, 1); each method says of what this is the share or probability.
+    """
+
+    assurance: float = 0.95
+
+    def __post_init__(self) -> None:
+        checked_share(self.assurance, "assurance")
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Bounds(Learned):
     method: BoundMethod

@@ -7,12 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import binom
 
-from reliab.criterion.methods.bound import BoundMethod
-from reliab.criterion.methods.method import checked_share
+from reliab.criterion.methods.bound import AssuredBound
 
 
 @dataclass(frozen=True, kw_only=True)
-class OrderStatistic(BoundMethod):
+class OrderStatistic(AssuredBound):
     """Distribution-free tolerance bound.
 
     Definition: in at least a share `assurance` of all suites, at least the stated share of the motions
@@ -42,11 +41,6 @@ class OrderStatistic(BoundMethod):
     meaning: ClassVar[str] = "a bound by order statistics, free of any distribution"
     exchangeable: ClassVar[str] = "motions, each counted as independent, of any distribution"
     distribution_free: ClassVar[bool] = True
-
-    assurance: float = 0.95
-
-    def __post_init__(self) -> None:
-        checked_share(self.assurance, "assurance")
 
     def carried_confidence(self, n_motions: int, n_events: int) -> float:
         """Share that the smallest of n motions promises with the assurance, (1 − assurance)^(1/n)."""

@@ -6,13 +6,12 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.criterion.methods.bound import BoundMethod
-from reliab.criterion.methods.method import checked_share
+from reliab.criterion.methods.bound import AssuredBound
 from reliab.sampling.normal_inverse_chi_squared import NormalInverseChiSquared
 
 
 @dataclass(frozen=True, kw_only=True)
-class Posterior(BoundMethod):
+class Posterior(AssuredBound):
     """Lower credible bound of the (1 − confidence) quantile of a lognormal distribution.
 
     Definition: given these motions, the probability is `assurance` that at least the stated share of
@@ -36,11 +35,6 @@ class Posterior(BoundMethod):
         "a credible bound of the population's quantile, if motions are independent and lognormal"
     )
     exchangeable: ClassVar[str] = "motions, each counted as independent and lognormal"
-
-    assurance: float = 0.95
-
-    def __post_init__(self) -> None:
-        checked_share(self.assurance, "assurance")
 
     @property
     def assumes_lognormality(self) -> bool:

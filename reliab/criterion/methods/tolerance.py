@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import nct, norm
 
-from reliab.criterion.methods.bound import BoundMethod
-from reliab.criterion.methods.method import checked_share
+from reliab.criterion.methods.bound import AssuredBound
 
 
 def tolerance_factor(n: int, proportion: float, assurance: float) -> float:
@@ -45,7 +44,7 @@ def tolerance_factor(n: int, proportion: float, assurance: float) -> float:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Tolerance(BoundMethod):
+class Tolerance(AssuredBound):
     """One-sided tolerance bound of a lognormal distribution.
 
     Definition: in a share `assurance` of all suites that could have been drawn, at least the stated
@@ -71,11 +70,6 @@ class Tolerance(BoundMethod):
         "are independent and lognormal"
     )
     exchangeable: ClassVar[str] = "motions, each counted as independent and lognormal"
-
-    assurance: float = 0.95
-
-    def __post_init__(self) -> None:
-        checked_share(self.assurance, "assurance")
 
     @property
     def assumes_lognormality(self) -> bool:

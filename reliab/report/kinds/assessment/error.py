@@ -1,10 +1,11 @@
 """The error of a test and where it comes from, for its report."""
 
 import numpy as np
-import pandas as pd
 
-from reliab.report.document import Column, Figure, Table
+from reliab.rebuilt_error import Estimate
+from reliab.report.document import Figure, Table
 from reliab.report.figures.measured_test import error_over_time
+from reliab.report.kinds.assessment.quantities import quantities_table
 from reliab.report.prose import Prose
 from reliab.report.wording import PERCENT, percent
 from reliab.validation.assessment.assessment import Assessment
@@ -28,41 +29,25 @@ def errors_table(assessment: Assessment) -> Table:
     Table
         RMS^R and MTE^R, and RMS^R of each part.
     """
-    rows = []
-    for name, metric in (("RMSᴿ", Metric.RMS), ("MTEᴿ", Metric.MTE)):
-        size = assessment.error.of(metric)
-        rows.append(
-            (
-                name,
-                f"{PERCENT * size.value:.2f}",
-                f"{PERCENT * size.low:.2f} to {PERCENT * size.high:.2f}",
-                "",
-            )
-        )
+    sizes = {"RMSᴿ": Metric.RMS, "MTEᴿ": Metric.MTE}
+    rows = [(name, *_with_interval(assessment.error.of(metric)), "") for name, metric in sizes.items()]
     for name, part in assessment.error.parts.by_name.items():
-        rows.append(
-            (
-                f"RMSᴿ from {PART_NAMES[name]} alone",
-                f"{PERCENT * part.rms:.2f}",
-                "",
-                f"{PERCENT * part.remaining_rms:.2f}",
-            )
-        )
-    frame = pd.DataFrame(rows, columns=["quantity", "value", "interval", "remaining"])
-    headings = ("Error, over the peak of the exact displacement", "Found [%]", "90 % interval", "Without it")
-    return Table(
-        frame=frame,
-        columns=tuple(
-            Column(key=key, heading=heading, wide=key == "quantity")
-            for key, heading in zip(frame.columns, headings, strict=True)
-        ),
+        remaining = f"{PERCENT * part.remaining_rms:.2f}"
+        rows.append((f"RMSᴿ from {PART_NAMES[name]} alone", f"{PERCENT * part.rms:.2f}", "", remaining))
+    return quantities_table(
+        rows,
+        ("Error, over the peak of the exact displacement", "Found [%]", "90 % interval", "Without it"),
         caption=(
-            f"Error over the test's own {assessment.recording.duration:.4g} s: root mean square and "
-            "largest value "
-            "of measured minus exact displacement. The last column is what would remain without the part."
+            f"Error over the test's own {assessment.recording.duration:.4g} s: root mean square and largest "
+            "value of measured minus exact displacement. The last column is what would remain without the "
+            "part."
         ),
         label="tab:errors",
     )
+
+
+def _with_interval(size: Estimate) -> tuple[str, str]:
+    return f"{PERCENT * size.value:.2f}", f"{PERCENT * size.low:.2f} to {PERCENT * size.high:.2f}"
 
 
 def histories_figure(assessment: Assessment) -> Figure:

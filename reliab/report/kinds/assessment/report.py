@@ -4,11 +4,11 @@ from collections.abc import Mapping, Sequence
 from typing import Literal
 
 import numpy as np
-import pandas as pd
 
-from reliab.report.document import Column, Document, Figure, Paragraph, Points, Section, Table
+from reliab.report.document import Document, Figure, Paragraph, Points, Section, Table
 from reliab.report.figures.measured_test import tracking_overview
 from reliab.report.kinds.assessment.error import advice, errors_table, histories_figure
+from reliab.report.kinds.assessment.quantities import quantities_table
 from reliab.report.numbers import MISSING, Fixed
 from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
@@ -149,14 +149,9 @@ def _numbers(assessment: Assessment) -> Table:
         ),
         ("Noise in the measured displacement [%]", f"{PERCENT * tracking.noise_share:.2f}", "", ""),
     ]
-    frame = pd.DataFrame(rows, columns=["quantity", "value", "interval", "limit"])
-    headings = ("Quantity", "Found", f"{LEVEL:.0%} interval".replace("%", " %"), "Limit")
-    return Table(
-        frame=frame,
-        columns=tuple(
-            Column(key=key, heading=heading, wide=key == "quantity")
-            for key, heading in zip(frame.columns, headings, strict=True)
-        ),
+    return quantities_table(
+        rows,
+        ("Quantity", "Found", f"{LEVEL:.0%} interval".replace("%", " %"), "Limit"),
         caption=prose(
             "Indices of the test. The limit of $A$ is that of a test without delay, the limit of $d$ that of"
             " a test without amplitude error."

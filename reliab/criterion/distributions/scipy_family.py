@@ -1,0 +1,55 @@
+"""Distributions whose functions are those of a family of scipy, of the quantity or of its logarithm."""
+
+from abc import abstractmethod
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from reliab.criterion.distributions.distribution import Distribution
+
+
+class OfQuantity(Distribution):
+    """A family of scipy for the quantity itself.
+
+    Attributes
+    ----------
+    family : scipy.stats.rv_continuous
+        The family.
+    """
+
+    family: ClassVar[Any]
+
+    @property
+    @abstractmethod
+    def parameters(self) -> tuple[float, ...]:
+        """Parameters in scipy's order: shapes, location, scale."""
+
+    def log_density(self, values: ArrayLike) -> NDArray[np.float64]:
+        """Natural logarithm of the density."""
+        return np.asarray(self.family.logpdf(values, *self.parameters))
+
+    def cumulative(self, values: ArrayLike) -> NDArray[np.float64]:
+        """Probability of being at most each value."""
+        return np.asarray(self.family.cdf(values, *self.parameters))
+
+    def quantile(self, probability: ArrayLike) -> NDArray[np.float64]:
+        """Value that is not exceeded with the given probability."""
+        return np.asarray(self.family.ppf(probability, *self.parameters))
+
+
+class OfLogarithm(OfQuantity):
+    """A family of scipy for the natural logarithm of the quantity."""
+
+    def log_density(self, values: ArrayLike) -> NDArray[np.float64]:
+        """Natural logarithm of the density of the quantity itself."""
+        logarithms = np.log(values)
+        return super().log_density(logarithms) - logarithms
+
+    def cumulative(self, values: ArrayLike) -> NDArray[np.float64]:
+        """Probability of being at most each value."""
+        return super().cumulative(np.log(values))
+
+    def quantile(self, probability: ArrayLike) -> NDArray[np.float64]:
+        """Value that is not exceeded with the given probability."""
+        return np.exp(super().quantile(probability))
