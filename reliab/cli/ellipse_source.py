@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from reliab.cli.options import FIVE_PERCENT
 from reliab.cli.output import progress_bar
+from reliab.cli.stored_ellipses import among, of_fraction, require_column
 from reliab.errors import InputError
 from reliab.vocabulary import Metric
 
@@ -164,9 +165,9 @@ class EllipseSource:
             If the source cannot be read, or does not hold what is asked for.
         """
         if self.ellipses is not None:
-            return _of_fraction(self._read(self.ellipses), self.alpha, self.ellipses)
+            return of_fraction(self._read(self.ellipses), self.alpha, self.ellipses)
         if self.results is not None:
-            return _of_fraction(self._traced_in(self.results), self.alpha, self.results)
+            return of_fraction(self._traced_in(self.results), self.alpha, self.results)
         if self.structure is not None:
             return self._of_frame(self.structure)
         from reliab import api
@@ -195,7 +196,7 @@ class EllipseSource:
 
         path = or_shipped(path, "datasets", "ellipses.nc")
         if path.suffix == ".nc":
-            return _among(open_ellipses(path, window=self.window), self.f, self.xi)
+            return among(open_ellipses(path, window=self.window), self.f, self.xi)
         if self.window is not None:
             raise InputError(
                 "A table of ellipses in CSV does not know over which window its errors were computed",
@@ -203,11 +204,11 @@ class EllipseSource:
                 remedy="Leave it out, or give --motions, --results or a file of ellipses in NetCDF",
             )
         dataset = read_ellipses(path)
-        _require_column(dataset, "f", self.f, path)
-        _require_column(dataset, "xi", self.xi, path)
-        _require_column(dataset, "threshold", self.threshold, path)
-        _require_column(dataset, "metric", [self.metric], path)
-        return _among(dataset, self.f, self.xi)
+        require_column(dataset, "f", self.f, path)
+        require_column(dataset, "xi", self.xi, path)
+        require_column(dataset, "threshold", self.threshold, path)
+        require_column(dataset, "metric", [self.metric], path)
+        return among(dataset, self.f, self.xi)
 
     def _traced_in(self, path: Path) -> "xr.Dataset":
         """Trace the boundaries in stored results."""
@@ -215,7 +216,7 @@ class EllipseSource:
         from reliab.sweep import open_results
 
         stored = open_results(or_shipped(path, "datasets", "results.nc"), window=self.window or _RECORD)
-        chosen = _among(stored, self.f, self.xi)
+        chosen = among(stored, self.f, self.xi)
         with progress_bar("Tracing boundaries") as progress:
             traced: xr.Dataset = chosen.reliab.ellipses(
                 self._thresholds, (Metric(self.metric),), progress=progress
@@ -268,49 +269,3 @@ def check_thresholds(threshold: list[float] | None) -> None:
                 value=f"--threshold {error:g}",
                 remedy="Give a fraction, 0.05 for 5 %",
             )
-
-
-def _require_column(
-    dataset: "xr.Dataset", name: str, wanted: "list[float] | list[str] | None", path: Path
-) -> None:
-    """Refuse to relabel a table that is of one structure and error."""
-    import numpy as np
-
-    held = dataset[name].values
-    numeric = held.dtype.kind == "f"
-    for value in wanted or []:
-        known = np.isclose(held, value, rtol=1e-9).any() if numeric else value in held.tolist()
-        if not known and held.size == 1:
-            raise InputError(
-                f"A table of ellipses answers for the {name} for which they were traced, and for no other",
-                value=f"{value} for {path.name}, whose {name} is {held[0]}",
-                remedy=(
-                    f"Leave --{name} out, or add the column {name} to the table if its "
-                    f"ellipses are of another"
-                ),
-                where=str(path),
-            )
-
-
-def _of_fraction(dataset: "xr.Dataset", alpha: float | None, path: Path) -> "xr.Dataset":
-    """Refuse another experimental fraction than that of the stored boundaries."""
-    stored = float(dataset.attrs.get("experimental_fraction", _WHOLE))
-    if alpha is not None and not math.isclose(alpha, stored, rel_tol=1e-9):
-        raise InputError(
-            "The experimental fraction is that with which the boundaries were computed",
-            value=f"--alpha {alpha:g}, where it is {stored:g}",
-            remedy="Leave --alpha out, or give --motions, whose boundaries are computed for any fraction",
-            where=str(path),
-        )
-    return dataset
-
-
-def _among(dataset: "xr.Dataset", f: list[float] | None, xi: list[float] | None) -> "xr.Dataset":
-    """Keep the structures that are asked for, or all where one of them lies between those that are there."""
-    import numpy as np
-
-    for name, wanted in (("f", f), ("xi", xi)):
-        held = dataset[name].values
-        if wanted and all(np.isclose(held, value, rtol=1e-9).any() for value in wanted):
-            dataset = dataset.sel({name: wanted}, method="nearest")
-    return dataset
