@@ -1,4 +1,4 @@
-"""The names of dimensions, variables, metrics, blocks and effects, with their units.
+"""The names of dimensions, variables, metrics and blocks, with their units.
 
 Every other module takes them from here; nothing else in the package spells one out.
 """
@@ -158,36 +158,3 @@ class Block(StrEnum):
     SPECIMEN = "specimen"
     EXCITATION = "excitation"
     NUMERICAL = "numerical"
-
-
-class EffectName(StrEnum):
-    """Effects that the workbench knows; the first two are calibration, not missing effects."""
-
-    GAIN_ERROR = "gain_error"
-    DELAY_ERROR = "delay_error"
-    FIRST_ORDER_LAG = "first_order_lag"
-    SECOND_ORDER_DYNAMICS = "second_order_dynamics"
-    DELAY_DRIFT = "delay_drift"
-    RATE_LIMIT = "rate_limit"
-    STROKE_SATURATION = "stroke_saturation"
-    COMMAND_SATURATION = "command_saturation"
-    BACKLASH = "backlash"
-    SENSOR_BIAS = "sensor_bias"
-    SENSOR_DRIFT = "sensor_drift"
-    RECTIFIED_SENSOR = "rectified_sensor"
-    FORCE_BIAS = "force_bias"
-    CUBIC_STIFFNESS = "cubic_stiffness"
-    QUADRATIC_STIFFNESS = "quadratic_stiffness"
-    COULOMB_FRICTION = "coulomb_friction"
-    DIRECTIONAL_FRICTION = "directional_friction"
-    VISCOUS_DAMPING = "viscous_damping"
-    QUADRATIC_DAMPING = "quadratic_damping"
-    POWER_LAW_DAMPING = "power_law_damping"
-    HYSTERESIS = "hysteresis"
-    DEGRADING_HYSTERESIS = "degrading_hysteresis"
-    ADDED_MASS = "added_mass"
-    GAP = "gap"
-    SERIES_PLAY = "series_play"
-    EXCITATION_SCALE = "excitation_scale"
-    TIME_STEP_ERROR = "time_step_error"
-    INTEGRATION_ERROR = "integration_error"

@@ -6,6 +6,8 @@ from typing import Annotated, Any
 
 import typer
 
+from reliab.errors import InputError
+
 Motions = Annotated[
     list[str] | None,
     typer.Option("--motions", metavar="SOURCE...", help="Records, folders or a built-in suite (synthetic)."),
@@ -141,6 +143,29 @@ def options_of(demand: type, context: typer.Context) -> dict[str, Any]:
     """
     values = {field.name: context.params[field.name] for field in fields(demand)}
     return {name: None if value == () else value for name, value in values.items()}
+
+
+def refuse_others(context: typer.Context, option: str) -> None:
+    """Refuse options beside one that is used alone.
+
+    Parameters
+    ----------
+    context : typer.Context
+        The call.
+    option : str
+        Name in Python of the option that is used alone.
+
+    Raises
+    ------
+    InputError
+        If another is given.
+    """
+    others = [name for name in given_options(context) if name != option]
+    if others:
+        raise InputError(
+            f"--{others[0].replace('_', '-')} has no effect beside --{option.partition('_')[0]}",
+            remedy="Leave it out",
+        )
 
 
 ONE_HERTZ, TWO_PERCENT, FIVE_PERCENT = 1.0, 0.02, 0.05

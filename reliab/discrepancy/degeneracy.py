@@ -1,25 +1,23 @@
 """What campaigns cannot tell apart, and the test that would."""
 
-from reliab.vocabulary import EffectName
-
 _TELLS = {
-    frozenset({EffectName.FIRST_ORDER_LAG, EffectName.SECOND_ORDER_DYNAMICS}):
+    frozenset({"first_order_lag", "second_order_dynamics"}):
         "A sweep to twice the servo's bandwidth shows whether the amplitude peaks or only falls",
-    frozenset({EffectName.FIRST_ORDER_LAG, EffectName.DELAY_DRIFT}):
+    frozenset({"first_order_lag", "delay_drift"}):
         "A steady sine, or a sweep run downwards, separates time from frequency",
-    frozenset({EffectName.SECOND_ORDER_DYNAMICS, EffectName.DELAY_DRIFT}):
+    frozenset({"second_order_dynamics", "delay_drift"}):
         "A steady sine, or a sweep run downwards, separates time from frequency",
-    frozenset({EffectName.SENSOR_BIAS, EffectName.FORCE_BIAS}):
+    frozenset({"sensor_bias", "force_bias"}):
         "Record both channels with the specimen disconnected",
-    frozenset({EffectName.COULOMB_FRICTION, EffectName.HYSTERESIS}):
+    frozenset({"coulomb_friction", "hysteresis"}):
         "Slow cycles of growing amplitude show whether the force jumps or bends at each reversal",
-    frozenset({EffectName.COULOMB_FRICTION, EffectName.VISCOUS_DAMPING}):
+    frozenset({"coulomb_friction", "viscous_damping"}):
         "Cycles of one amplitude at two speeds show whether the dissipated energy depends on the speed",
-    frozenset({EffectName.VISCOUS_DAMPING, EffectName.QUADRATIC_DAMPING}):
+    frozenset({"viscous_damping", "quadratic_damping"}):
         "Cycles at two speeds show whether the damping force grows with the speed or with its square",
-    frozenset({EffectName.GAP, EffectName.BACKLASH}):
+    frozenset({"gap", "backlash"}):
         "Record command and force as well: slack in the actuator shows between command and displacement",
-    frozenset({EffectName.ADDED_MASS, EffectName.CUBIC_STIFFNESS}):
+    frozenset({"added_mass", "cubic_stiffness"}):
         "Slow cycles of the same amplitude leave the inertia out",
 }  # fmt: skip
 

@@ -15,6 +15,7 @@ from reliab.cli.criterion.options import (
     Figures,
     Joint,
     LawName,
+    List,
     MethodName,
     Out,
     Steps,
@@ -34,6 +35,7 @@ from reliab.cli.options import (
     Thresholds,
     WindowIfGiven,
     options_of,
+    refuse_others,
 )
 from reliab.errors import IncompleteError
 
@@ -68,9 +70,16 @@ def criterion(
     compare: Compare = False,
     figures: Figures = None,
     out: Out = None,
+    list_all: List = False,
     json_target: JsonTarget = None,
 ) -> None:
     """Derive how much amplitude error and delay a test may have."""
+    if list_all:
+        from reliab.cli.criterion.choices import show_choices
+
+        refuse_others(context, "list_all")
+        show_choices()
+        return
     from reliab.cli.criterion.answer import row, show, write
     from reliab.cli.criterion.comparison import show_comparison
     from reliab.cli.criterion.demand import Demand

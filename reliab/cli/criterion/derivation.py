@@ -73,7 +73,7 @@ def derived(demand: Demand) -> Derived:
         raise InputError(
             "Only the hierarchical methods sample chains",
             value=f"--chains with {method.name}",
-            remedy="Leave it out, or choose --method hierarchical or hierarchical_robust",
+            remedy="Leave it out, or choose a hierarchical --method",
         )
     dataset = demand.dataset()
     errors = demand.threshold or _default_thresholds(dataset)

@@ -13,10 +13,8 @@ MethodName = Annotated[
     typer.Option(
         "--method",
         metavar="NAME",
-        help="What the confidence means: dirichlet (recommended, the default), tolerance, posterior, "
-        "predictive, order_statistic, conformal, bootstrap, each structure for itself; hierarchical, "
-        "hierarchical_robust, all structures at once by MCMC; quantile is the paper's, with fitted "
-        "ellipses and a and b each for itself.",
+        help="What the confidence means: dirichlet (recommended, the default), quantile (the paper's), or "
+        "another; --list names all.",
     ),
 ]
 Assurance = Annotated[
@@ -24,8 +22,8 @@ Assurance = Annotated[
     typer.Option(
         "--assurance",
         metavar="SHARE",
-        help="Share of suites that keep the promise (tolerance, posterior, order_statistic, bootstrap), "
-        "or its posterior probability (hierarchical).",
+        help="How sure the promise is, for methods that state it (see --list): the share of suites that keep "
+        "it, or its posterior probability.",
     ),
 ]
 Steps = Annotated[
@@ -69,10 +67,13 @@ LawName = Annotated[
     typer.Option(
         "--law",
         metavar="NAME",
-        help="table, dimensionless, power or exponential, fitted to the structures; or printed: "
-        "guo_2017_12, guo_2017_15, guo_2017_18, and with _corrected.",
+        help="How the limits depend on f and ξ: table (of the simulated structures, the default), or another "
+        "law, fitted or printed; --list names all.",
     ),
 ]
 Out = Annotated[
     Path | None, typer.Option("--out", metavar="FILE.json", help="Write the criterion for later use.")
+]
+List = Annotated[
+    bool, typer.Option("--list", help="Name all methods, laws and distributions, with what each means.")
 ]

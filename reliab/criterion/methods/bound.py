@@ -59,7 +59,7 @@ class BoundMethod(Method):
             raise InputError(
                 "Only the hierarchical methods sample chains",
                 value=f"chains for {self.name}",
-                remedy="Leave them out, or choose hierarchical or hierarchical_robust",
+                remedy="Leave them out, or choose a hierarchical method",
             )
         return _Bounds(method=self, grid=grid)
 

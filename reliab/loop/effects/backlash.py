@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from reliab.loop.effects.effect import Role, SteppedEffect
 from reliab.loop.effects.kernel import Kernel, Numbers
 from reliab.loop.effects.parameter import Parameter
-from reliab.vocabulary import Block, EffectName
+from reliab.vocabulary import Block
 
 
 def _move(motion: Numbers, _time: float, _step: float, coefficients: Numbers, state: Numbers) -> float:
@@ -29,7 +29,7 @@ class Backlash(SteppedEffect):
         Whole play w [m]; the piston rests while it is within ±w/2 of the drive.
     """
 
-    name = EffectName.BACKLASH
+    name = "backlash"
     block = Block.ACTUATOR
     role = Role.PISTON
     description = "there is play between the actuator and the specimen"

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from reliab.loop.effects.effect import Role, SteppedEffect
 from reliab.loop.effects.kernel import Kernel, Numbers
 from reliab.loop.effects.parameter import Parameter
-from reliab.vocabulary import Block, EffectName
+from reliab.vocabulary import Block
 
 
 def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _state: Numbers) -> float:
@@ -26,7 +26,7 @@ class CoulombFriction(SteppedEffect):
         2 % of the peak velocity only: what bends over more is :class:`PowerLawDamping`, no dry friction.
     """
 
-    name = EffectName.COULOMB_FRICTION
+    name = "coulomb_friction"
     block = Block.SPECIMEN
     role = Role.FORCE
     description = "there is dry friction in the specimen"

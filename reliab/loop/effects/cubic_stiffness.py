@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from reliab.loop.effects.effect import Role, SteppedEffect
 from reliab.loop.effects.kernel import Kernel, Numbers
 from reliab.loop.effects.parameter import Parameter
-from reliab.vocabulary import Block, EffectName
+from reliab.vocabulary import Block
 
 
 def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _state: Numbers) -> float:
@@ -22,7 +22,7 @@ class CubicStiffness(SteppedEffect):
         Coefficient k₃ [N/m³], negative for a softening spring.
     """
 
-    name = EffectName.CUBIC_STIFFNESS
+    name = "cubic_stiffness"
     block = Block.SPECIMEN
     role = Role.FORCE
     description = "the specimen's spring hardens or softens with the cube of the displacement"

@@ -7,7 +7,7 @@ from reliab.loop.effects.effect import Role, SteppedEffect
 from reliab.loop.effects.hysteresis import Hysteresis
 from reliab.loop.effects.kernel import Kernel, Numbers
 from reliab.loop.effects.parameter import Parameter
-from reliab.vocabulary import Block, EffectName
+from reliab.vocabulary import Block
 
 _YIELDS = 1e-4  # of the elastic stiffness
 
@@ -59,7 +59,7 @@ class DegradingHysteresis(SteppedEffect):
         ζ [-], share of the stiffness that is missing about z = 0, from 0 to 0.95.
     """
 
-    name = EffectName.DEGRADING_HYSTERESIS
+    name = "degrading_hysteresis"
     block = Block.SPECIMEN
     role = Role.FORCE
     description = "the specimen's hysteresis loses stiffness or strength from cycle to cycle, or is pinched"

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from reliab.loop.effects.effect import Role, SteppedEffect
 from reliab.loop.effects.kernel import Kernel, Numbers
 from reliab.loop.effects.parameter import Parameter
-from reliab.vocabulary import Block, EffectName
+from reliab.vocabulary import Block
 
 
 def _delay(_motion: Numbers, time: float, _step: float, coefficients: Numbers, _state: Numbers) -> float:
@@ -22,7 +22,7 @@ class DelayDrift(SteppedEffect):
         Growth r of the delay [s/s].
     """
 
-    name = EffectName.DELAY_DRIFT
+    name = "delay_drift"
     block = Block.ACTUATOR
     role = Role.DELAY
     description = "the actuator's delay drifts during the test"

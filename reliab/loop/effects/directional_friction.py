@@ -7,7 +7,7 @@ from reliab.loop.effects.coulomb_friction import CoulombFriction
 from reliab.loop.effects.effect import Role, SteppedEffect
 from reliab.loop.effects.kernel import Kernel, Numbers
 from reliab.loop.effects.parameter import Parameter
-from reliab.vocabulary import Block, EffectName
+from reliab.vocabulary import Block
 
 
 def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _state: Numbers) -> float:
@@ -29,7 +29,7 @@ class DirectionalFriction(SteppedEffect):
         a [-], half the difference of both directions over their mean, between −1 and 1.
     """
 
-    name = EffectName.DIRECTIONAL_FRICTION
+    name = "directional_friction"
     block = Block.SPECIMEN
     role = Role.FORCE
     description = "dry friction in the specimen is stronger in one direction than in the other"

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from reliab.loop.effects.effect import RecordEffect, Role
 from reliab.loop.effects.parameter import Parameter
-from reliab.vocabulary import Block, EffectName
+from reliab.vocabulary import Block
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,7 +20,7 @@ class ExcitationScale(RecordEffect):
         Factor s [-].
     """
 
-    name = EffectName.EXCITATION_SCALE
+    name = "excitation_scale"
     block = Block.EXCITATION
     role = Role.RECORD
     description = "the ground motion acted at another scale than recorded"

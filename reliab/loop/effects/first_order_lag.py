@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from reliab.loop.effects.effect import LinearEffect, Role, Setting
 from reliab.loop.effects.kernel import Kernel, Numbers
 from reliab.loop.effects.parameter import Parameter
-from reliab.vocabulary import Block, EffectName
+from reliab.vocabulary import Block
 
 
 def _move(motion: Numbers, _time: float, step: float, coefficients: Numbers, state: Numbers) -> float:
@@ -35,7 +35,7 @@ class FirstOrderLag(LinearEffect):
         Time constant T [s].
     """
 
-    name = EffectName.FIRST_ORDER_LAG
+    name = "first_order_lag"
     block = Block.ACTUATOR
     role = Role.PISTON
     description = "the actuator follows like a first-order low-pass filter"

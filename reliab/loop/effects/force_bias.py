@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from reliab.loop.effects.effect import Role, SteppedEffect
 from reliab.loop.effects.kernel import Kernel, Numbers
 from reliab.loop.effects.parameter import Parameter
-from reliab.vocabulary import Block, EffectName
+from reliab.vocabulary import Block
 
 
 def _reading(_motion: Numbers, _time: float, _step: float, coefficients: Numbers, _state: Numbers) -> float:
@@ -22,7 +22,7 @@ class ForceBias(SteppedEffect):
         Offset b [N].
     """
 
-    name = EffectName.FORCE_BIAS
+    name = "force_bias"
     block = Block.SENSOR
     role = Role.FORCE_READING
     description = "the load cell has a zero offset"

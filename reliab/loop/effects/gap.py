@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from reliab.loop.effects.effect import Role, Setting, SteppedEffect
 from reliab.loop.effects.kernel import Kernel, Numbers
 from reliab.loop.effects.parameter import Parameter
-from reliab.vocabulary import Block, EffectName
+from reliab.vocabulary import Block
 
 
 def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _state: Numbers) -> float:
@@ -26,7 +26,7 @@ class Gap(SteppedEffect):
         Slack g to either side [m].
     """
 
-    name = EffectName.GAP
+    name = "gap"
     block = Block.SPECIMEN
     role = Role.FORCE
     description = "there is slack between the specimen and its spring"

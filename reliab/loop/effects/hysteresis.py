@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from reliab.loop.effects.effect import Role, SteppedEffect
 from reliab.loop.effects.kernel import Kernel, Numbers
 from reliab.loop.effects.parameter import Parameter
-from reliab.vocabulary import Block, EffectName
+from reliab.vocabulary import Block
 
 _YIELDS = 1e-4  # of the elastic stiffness
 
@@ -63,7 +63,7 @@ class Hysteresis(SteppedEffect):
     -1.375
     """
 
-    name = EffectName.HYSTERESIS
+    name = "hysteresis"
     block = Block.SPECIMEN
     role = Role.FORCE
     description = "the specimen yields and dissipates like a Bouc–Wen hysteresis"

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from reliab.loop.effects.effect import Effect, Role
 from reliab.loop.effects.parameter import Parameter
-from reliab.vocabulary import Block, EffectName
+from reliab.vocabulary import Block
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,7 +39,7 @@ class IntegrationError(Effect):
     True
     """
 
-    name = EffectName.INTEGRATION_ERROR
+    name = "integration_error"
     block = Block.NUMERICAL
     role = Role.INTEGRATION
     description = "the numerical substructure is integrated with an error that adds or removes damping"

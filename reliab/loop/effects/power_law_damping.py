@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from reliab.loop.effects.effect import Role, SteppedEffect
 from reliab.loop.effects.kernel import Kernel, Numbers
 from reliab.loop.effects.parameter import Parameter
-from reliab.vocabulary import Block, EffectName
+from reliab.vocabulary import Block
 
 
 def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _state: Numbers) -> float:
@@ -27,7 +27,7 @@ class PowerLawDamping(SteppedEffect):
         p [-], between 0.1 and 0.9.
     """
 
-    name = EffectName.POWER_LAW_DAMPING
+    name = "power_law_damping"
     block = Block.SPECIMEN
     role = Role.FORCE
     description = "the specimen has a damper whose force grows with a power of the velocity below one"

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from reliab.loop.effects.effect import Role, SteppedEffect
 from reliab.loop.effects.kernel import Kernel, Numbers
 from reliab.loop.effects.parameter import Parameter
-from reliab.vocabulary import Block, EffectName
+from reliab.vocabulary import Block
 
 
 def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _state: Numbers) -> float:
@@ -22,7 +22,7 @@ class QuadraticStiffness(SteppedEffect):
         Coefficient k₂ [N/m²].
     """
 
-    name = EffectName.QUADRATIC_STIFFNESS
+    name = "quadratic_stiffness"
     block = Block.SPECIMEN
     role = Role.FORCE
     description = "the specimen's spring is stiffer to one side, with the square of the displacement"

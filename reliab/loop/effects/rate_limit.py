@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from reliab.loop.effects.effect import Role, SteppedEffect
 from reliab.loop.effects.kernel import Kernel, Numbers
 from reliab.loop.effects.parameter import Parameter
-from reliab.vocabulary import Block, EffectName
+from reliab.vocabulary import Block
 
 
 def _move(motion: Numbers, _time: float, step: float, coefficients: Numbers, state: Numbers) -> float:
@@ -29,7 +29,7 @@ class RateLimit(SteppedEffect):
         Largest velocity L [m/s].
     """
 
-    name = EffectName.RATE_LIMIT
+    name = "rate_limit"
     block = Block.ACTUATOR
     role = Role.PISTON
     description = "the actuator cannot move faster than a limit"

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from reliab.loop.effects.effect import Role, SteppedEffect
 from reliab.loop.effects.kernel import Kernel, Numbers
 from reliab.loop.effects.parameter import Parameter
-from reliab.vocabulary import Block, EffectName
+from reliab.vocabulary import Block
 
 
 def _reading(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _state: Numbers) -> float:
@@ -22,7 +22,7 @@ class RectifiedSensor(SteppedEffect):
         r [-], from 0.5 (below it is a scale that depends on the position) to 2.
     """
 
-    name = EffectName.RECTIFIED_SENSOR
+    name = "rectified_sensor"
     block = Block.SENSOR
     role = Role.DISPLACEMENT_READING
     description = "the displacement sensor rectifies: it loses or folds one side of the motion"

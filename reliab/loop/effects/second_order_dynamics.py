@@ -10,7 +10,7 @@ from scipy.linalg import expm
 from reliab.loop.effects.effect import LinearEffect, Role, Setting
 from reliab.loop.effects.kernel import Kernel, Numbers
 from reliab.loop.effects.parameter import Parameter
-from reliab.vocabulary import Block, EffectName
+from reliab.vocabulary import Block
 
 
 def _move(motion: Numbers, _time: float, step: float, coefficients: Numbers, state: Numbers) -> float:
@@ -43,7 +43,7 @@ class SecondOrderDynamics(LinearEffect):
         Damping ratio ζ [-]; a fit goes up to 1.2, beyond which a servo is a first-order lag and some delay.
     """
 
-    name = EffectName.SECOND_ORDER_DYNAMICS
+    name = "second_order_dynamics"
     block = Block.ACTUATOR
     role = Role.PISTON
     description = "the actuator follows like a second-order low-pass filter"

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from reliab.loop.effects.effect import Role, SteppedEffect
 from reliab.loop.effects.kernel import Kernel, Numbers
 from reliab.loop.effects.parameter import Parameter
-from reliab.vocabulary import Block, EffectName
+from reliab.vocabulary import Block
 
 
 def _reading(_motion: Numbers, _time: float, _step: float, coefficients: Numbers, _state: Numbers) -> float:
@@ -22,7 +22,7 @@ class SensorBias(SteppedEffect):
         Offset b [m].
     """
 
-    name = EffectName.SENSOR_BIAS
+    name = "sensor_bias"
     block = Block.SENSOR
     role = Role.DISPLACEMENT_READING
     description = "the displacement sensor has a zero offset"

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from reliab.loop.effects.effect import Role, SteppedEffect
 from reliab.loop.effects.kernel import Kernel, Numbers
 from reliab.loop.effects.parameter import Parameter
-from reliab.vocabulary import Block, EffectName
+from reliab.vocabulary import Block
 
 
 def _reading(_motion: Numbers, time: float, _step: float, coefficients: Numbers, _state: Numbers) -> float:
@@ -22,7 +22,7 @@ class SensorDrift(SteppedEffect):
         Rate of the drift [m/s].
     """
 
-    name = EffectName.SENSOR_DRIFT
+    name = "sensor_drift"
     block = Block.SENSOR
     role = Role.DISPLACEMENT_READING
     description = "the zero of the displacement sensor drifts"

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from reliab.loop.effects.effect import Role, Setting, SteppedEffect
 from reliab.loop.effects.kernel import Kernel, Numbers
 from reliab.loop.effects.parameter import Parameter
-from reliab.vocabulary import Block, EffectName
+from reliab.vocabulary import Block
 
 
 def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, state: Numbers) -> float:
@@ -32,7 +32,7 @@ class SeriesPlay(SteppedEffect):
         Whole play w [m].
     """
 
-    name = EffectName.SERIES_PLAY
+    name = "series_play"
     block = Block.SPECIMEN
     role = Role.FORCE
     description = "there is play between the piston and the specimen, which rests while it is crossed"

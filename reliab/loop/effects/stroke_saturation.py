@@ -6,7 +6,7 @@ from typing import ClassVar
 from reliab.loop.effects.effect import Role, SteppedEffect
 from reliab.loop.effects.kernel import Kernel, Numbers
 from reliab.loop.effects.parameter import Parameter
-from reliab.vocabulary import Block, EffectName
+from reliab.vocabulary import Block
 
 
 def _move(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _state: Numbers) -> float:
@@ -27,7 +27,7 @@ class StrokeSaturation(SteppedEffect):
     """
 
     position: ClassVar[str] = "after the dynamics"
-    name = EffectName.STROKE_SATURATION
+    name = "stroke_saturation"
     block = Block.ACTUATOR
     role = Role.PISTON
     description = "the actuator stops at the end of its stroke"
@@ -60,6 +60,6 @@ class CommandSaturation(StrokeSaturation):
     """
 
     position: ClassVar[str] = "before the dynamics"
-    name = EffectName.COMMAND_SATURATION
-    reported_name = EffectName.STROKE_SATURATION
+    name = "command_saturation"
+    reported_name = "stroke_saturation"
     description = "the drive clips the command before the actuator's dynamics"

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from reliab.loop.effects.effect import RecordEffect, Role
 from reliab.loop.effects.parameter import Parameter
-from reliab.vocabulary import Block, EffectName
+from reliab.vocabulary import Block
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,7 +20,7 @@ class TimeStepError(RecordEffect):
         Ratio q of the time steps [-].
     """
 
-    name = EffectName.TIME_STEP_ERROR
+    name = "time_step_error"
     block = Block.EXCITATION
     role = Role.RECORD
     description = "the ground motion was played with a wrong time step"

@@ -1,19 +1,10 @@
-"""Kinds of studies, one per file."""
+"""Kinds of studies: every file of this folder holds one, its `KIND`; `kind.py` says what that is."""
 
+from importlib import import_module
+from pkgutil import iter_modules
 from typing import Final
 
 from reliab.registry import Registry
-from reliab.study.kinds import (
-    blind_evaluation,
-    criterion,
-    discrepancy,
-    paper,
-    partitioned_structures,
-    rths_benchmark,
-    suites,
-    table_audit,
-    validation,
-)
 from reliab.study.kinds.kind import Kind
 
 KINDS: Final[Registry[Kind]] = Registry(
@@ -21,11 +12,9 @@ KINDS: Final[Registry[Kind]] = Registry(
     base=Kind,
     group="reliab.study_kinds",
     shipped=tuple(
-        module.KIND
-        for module in (
-            *(blind_evaluation, criterion, discrepancy, paper, partitioned_structures),
-            *(rths_benchmark, suites, table_audit, validation),
-        )
+        import_module(f"{__name__}.{file.name}").KIND
+        for file in iter_modules(__path__)
+        if file.name != "kind"
     ),
     name_of=lambda kind: kind.name,
 )

@@ -11,13 +11,19 @@ from reliab.errors import InputError
 from reliab.loop.actuator import Actuator
 from reliab.loop.effects import LinearEffect, Role, Scales, find_effect, library
 from reliab.loop.hybrid_test import HybridTest, Motion3, Specimen, drive, load, read_displacement
-from reliab.vocabulary import EffectName
 
 STEP = 1e-3
 TIME = np.arange(0.0, 8.0, STEP)
 X = 0.8 * np.sin(2.0 * np.pi * TIME) * np.sin(np.pi * TIME / 8.0)
 MOTION = Motion3.through(X, STEP)
-CALIBRATION = {EffectName.GAIN_ERROR, EffectName.DELAY_ERROR}
+NAMES = {
+    *("command_saturation", "first_order_lag", "second_order_dynamics", "delay_drift", "rate_limit"),
+    *("backlash", "stroke_saturation", "sensor_bias", "sensor_drift", "rectified_sensor", "force_bias"),
+    *("cubic_stiffness", "quadratic_stiffness", "coulomb_friction", "directional_friction"),
+    *("viscous_damping", "quadratic_damping", "power_law_damping", "hysteresis", "degrading_hysteresis"),
+    *("added_mass", "gap", "series_play", "excitation_scale", "time_step_error", "integration_error"),
+}
+"""Names that model files and diagnoses of users hold; none of them may change."""
 
 
 def force_of(name, **parameters):
@@ -29,8 +35,8 @@ def moved_by(name, **parameters):
     return drive(HybridTest(effects=(find_effect(name)(**parameters),)), MOTION).values[0]
 
 
-def test_library_holds_every_name_of_the_vocabulary():
-    assert set(library()) == {str(name) for name in EffectName} - {str(name) for name in CALIBRATION}
+def test_effects_keep_the_names_that_files_hold():
+    assert set(library()) >= NAMES
 
 
 @pytest.mark.parametrize("name", list(library()))

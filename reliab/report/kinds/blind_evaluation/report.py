@@ -5,13 +5,13 @@ from typing import Any
 
 import pandas as pd
 
+from reliab.loop.effects import library
 from reliab.report.document import Block, Column, Document, Figure, Paragraph, Points, Section, Table
 from reliab.report.figures.discrepancy_evaluation import discrepancy_confusion, discrepancy_reliability
 from reliab.report.numbers import Fixed, Whole
 from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
 from reliab.report.wording import PERCENT, percent, spelled_out
-from reliab.vocabulary import EffectName
 
 _GROUPS = (
     "One effect that exceeds the noise",
@@ -153,7 +153,7 @@ def _group(truth: str) -> str:
         return faint
     if truth.startswith("one channel "):
         return one_channel
-    return alone if truth in set(EffectName) else outside
+    return alone if truth in library() else outside
 
 
 def _probabilities(run: Mapping[str, Any]) -> Section:

@@ -1,0 +1,244 @@
+"""One new reader, effect, compensator, law, method or kind of study touches two or three files.
+
+Each is added to a copy of the package, as a colleague would add it; a process that uses this copy finds them.
+"""
+
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from textwrap import dedent
+
+import pytest
+
+import reliab
+
+FILES = {
+    "reader": {
+        "motions/readers/pairs.py": """
+            from reliab.motions.readers import text
+
+            headers = text.headers
+
+
+            def recognises(source):
+                return source.path.suffix == ".pairs"
+        """,
+    },
+    "effect": {
+        "loop/effects/thermal.py": """
+            from reliab.loop.effects.sensor_bias import SensorBias
+
+
+            class Thermal(SensorBias):
+                name = "thermal_bias"
+                description = "the sensor warms up"
+        """,
+    },
+    "compensator": {
+        "loop/hybrid_test/compensators/twin.py": """
+            from reliab.loop.hybrid_test.compensators.inverse import InverseCompensation
+
+
+            class Twin(InverseCompensation):
+                name = "twin"
+        """,
+    },
+    "law": {
+        "criterion/laws/constant.py": """
+            from dataclasses import dataclass
+
+            import numpy as np
+
+            from reliab.criterion.laws.log_linear import LogLinearLaw
+
+
+            @dataclass(frozen=True, kw_only=True)
+            class Constant(LogLinearLaw):
+                name = "constant"
+                equation = "a = c, b = c'"
+
+                @staticmethod
+                def _terms(f, xi):
+                    return np.ones_like(f)[..., None], np.ones_like(f)[..., None]
+
+                @staticmethod
+                def _references(f, xi):
+                    return np.ones_like(f), np.ones_like(f)
+        """,
+    },
+    "method": {
+        "criterion/methods/least.py": """
+            from dataclasses import dataclass
+
+            from reliab.criterion.methods.bound import BoundMethod
+
+
+            @dataclass(frozen=True, kw_only=True)
+            class Least(BoundMethod):
+                name = "least"
+                meaning = "the least of the motions at hand"
+                exchangeable = "motions"
+                distribution_free = True
+
+                def _lower_bound(self, logarithms, events, confidence):
+                    return float(logarithms.min())
+        """,
+    },
+    "kind": {
+        "study/kinds/nothing.py": """
+            from reliab.study.description import Study
+            from reliab.study.kinds.kind import Kind
+
+
+            def report(study, folder):
+                from reliab.report.kinds.nothing import nothing_report
+
+                return nothing_report(study.title)
+
+
+            KIND = Kind(name="nothing", tables=Study, stages=lambda study, show: (), report=report)
+        """,
+        "report/kinds/nothing/__init__.py": """
+            from reliab.report.kinds.nothing.report import nothing_report
+
+            __all__ = ["nothing_report"]
+        """,
+        "report/kinds/nothing/report.py": """
+            from reliab.report.document import Document
+
+
+            def nothing_report(title):
+                return Document(kind="Nothing", title=title, verdict="Nothing was asked.", blocks=())
+        """,
+    },
+}
+"""New files of each addition, by their paths in the package."""
+
+REGISTRIES = {
+    "reader": (
+        "motions/readers/registry.py",
+        "from reliab.motions.readers import ",
+        "pairs, ",
+        "_SHIPPED = (",
+        'Format(name="pairs", endings=(".pairs",), recognises=pairs.recognises, headers=pairs.headers),',
+    ),
+    "effect": (
+        "loop/effects/registry.py",
+        "",
+        "from reliab.loop.effects.thermal import Thermal\n",
+        "_SHIPPED: tuple[type[Effect], ...] = (",
+        "Thermal,",
+    ),
+    "compensator": (
+        "loop/hybrid_test/compensators/registry.py",
+        "",
+        "from reliab.loop.hybrid_test.compensators.twin import Twin\n",
+        "_SHIPPED: tuple[type[Compensator], ...] = (",
+        "Twin,",
+    ),
+    "law": (
+        "criterion/laws/registry.py",
+        "",
+        "from reliab.criterion.laws.constant import Constant\n",
+        "shipped=(",
+        "Constant,",
+    ),
+    "method": (
+        "criterion/methods/registry.py",
+        "",
+        "from reliab.criterion.methods.least import Least\n",
+        "shipped=(",
+        "Least,",
+    ),
+}
+"""The registry of an addition: its file, where the import goes and what it is, the same for the name."""
+
+MOST_FILES = {"reader": 2, "effect": 2, "compensator": 2, "law": 2, "method": 2, "kind": 3}
+
+USE = """
+    import json
+    import sys
+    from pathlib import Path
+
+    import numpy as np
+
+    from reliab.criterion.laws import FITTED, law_from_dict, law_to_dict
+    from reliab.criterion.methods import method_of
+    from reliab.loop.effects import find_effect
+    from reliab.loop.hybrid_test.compensators import compensators
+    from reliab.motions import load_motions
+    from reliab.report.wording import meaning_of_confidence
+    from reliab.study.kinds import KINDS
+    from reliab.study.reading import read_study
+
+    folder = Path(sys.argv[1])
+    t = 0.01 * np.arange(600)
+    rows = "\\n".join(f"{x:.2f} {np.sin(x):.6e}" for x in t)
+    (folder / "shake.pairs").write_text(rows + "\\n", encoding="utf-8")
+    (folder / "study.toml").write_text('title = "A study"\\nkind = "nothing"\\n', encoding="utf-8")
+    law = FITTED.find("constant").fit([1.0, 2.0], [0.02, 0.05], np.full((2, 2), 1e-4), np.full((2, 2), 2.0))
+    study = read_study(folder / "study.toml")
+    answer = {
+        "reader": load_motions(folder / "shake.pairs", units="m/s2")[0].acceleration.size,
+        "effect": find_effect("thermal_bias").description,
+        "compensator": compensators().find("twin").__name__,
+        "law": law_from_dict(law_to_dict(law)).limits(1.5, 0.03)[1].round(6).tolist(),
+        "method": method_of("least").lower_bound(np.array([3.0, 1.0]), np.array(["p", "q"]), 0.9),
+        "meaning": meaning_of_confidence("least"),
+        "kind": KINDS[study.kind].report(study, folder).verdict,
+    }
+    print(json.dumps(answer))
+"""
+
+
+def add(thing: str, package: Path) -> set[Path]:
+    """Add a thing to a package, and return the files that were written for it."""
+    touched = set()
+    for path, text in FILES[thing].items():
+        (package / path).parent.mkdir(exist_ok=True)
+        (package / path).write_text(dedent(text).lstrip(), encoding="utf-8")
+        touched.add(package / path)
+    if thing in REGISTRIES:
+        path, before, imported, opening, name = REGISTRIES[thing]
+        text = (package / path).read_text(encoding="utf-8")
+        place = text.index(before) + len(before) if before else text.index("from reliab")
+        text = text[:place] + imported + text[place:]
+        text = text.replace(opening, f"{opening}\n    {name}", 1)
+        (package / path).write_text(text, encoding="utf-8")
+        touched.add(package / path)
+    return touched
+
+
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory):
+    """Return a folder with a copy of the package."""
+    folder = tmp_path_factory.mktemp("checkout")
+    shutil.copytree(
+        Path(reliab.__file__).parent, folder / "reliab", ignore=shutil.ignore_patterns("__pycache__")
+    )
+    return folder
+
+
+def test_additions_touch_few_files_and_are_then_found(copy, tmp_path):
+    touched = {thing: add(thing, copy / "reliab") for thing in FILES}
+    assert {thing: len(files) for thing, files in touched.items()} == MOST_FILES
+    found = subprocess.run(  # noqa: S603
+        [sys.executable, "-c", dedent(USE), str(tmp_path)],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=copy,
+        env={"PYTHONPATH": str(copy), "NUMBA_CACHE_DIR": str(tmp_path)},
+    )
+    assert found.returncode == 0, found.stderr
+    assert json.loads(found.stdout) == {
+        "reader": 600,
+        "effect": "the sensor warms up",
+        "compensator": "Twin",
+        "law": 2.0,
+        "method": 1.0,
+        "meaning": "the least of the motions at hand",
+        "kind": "Nothing was asked.",
+    }
