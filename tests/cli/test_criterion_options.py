@@ -10,6 +10,9 @@ import xarray as xr
 from typer.testing import CliRunner
 
 from reliab.cli.criterion import criterion
+from reliab.criterion.distributions import DISTRIBUTIONS
+from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS
+from reliab.criterion.methods import METHODS
 from reliab.criterion.scaling import scales
 from reliab.errors import InputError
 from reliab.motions import Motion, MotionSuite, load_motions
@@ -188,7 +191,7 @@ def cases(table):
 
 
 def test_the_walk_meets_every_option():
-    options = set(inspect.signature(criterion).parameters) - {"context"}
+    options = set(inspect.signature(criterion).parameters) - {"context", "list_all"}
     assert set(CHANGES) == set(REFUSED) == options
     tested_elsewhere = {"model", "steps", "chains", "compare", "figures", "out", "json_target"}
     assert all(CHANGES[name] or name in tested_elsewhere for name in options)
@@ -242,3 +245,11 @@ def test_a_model_goes_to_the_simulation(sources, monkeypatch):
     monkeypatch.setattr(api, "ellipses", ellipses)
     answer("--motions", sources / "motions", "--model", sources / "model.toml")
     assert (asked["motions"], asked["model"]) == (6, sources / "model.toml")
+
+
+def test_a_list_names_every_method_law_and_distribution_and_takes_no_other_option():
+    shown = CliRunner().invoke(app, ["--list"]).stdout
+    for name in (*METHODS, *FITTED, *OF_MANY_MOTIONS, *DISTRIBUTIONS):
+        assert f"  {name}: " in shown
+    assert "guo_2017_18: (A − 1)²/(0.021ξ)" in shown
+    assert answer("--list", "--f", 1) == "refused"
