@@ -3,7 +3,7 @@
 from dataclasses import fields
 from typing import Any
 
-from reliab.cli.output import console, table
+from reliab.cli.output import console
 from reliab.criterion.distributions import DISTRIBUTIONS
 from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS
 from reliab.criterion.methods import METHODS
@@ -27,7 +27,7 @@ def _first_sentence(family: type) -> str:
 
 
 def _show(option: str, meanings: dict[str, str]) -> None:
-    shown = table("", {option: "left", "meaning": "left"})
+    terminal = console()
+    terminal.print(f"{option}:", style="bold")
     for name, meaning in meanings.items():
-        shown.add_row(name, meaning)
-    console().print(shown, markup=False)
+        terminal.print(f"  {name}: {meaning}", markup=False, highlight=False, soft_wrap=True)

@@ -130,7 +130,7 @@ def open_records(path: Path, report: Report, *, whole: bool = True) -> tuple[Sou
         report.add(
             "The format must be known",
             line=1,
-            value="neither PEER AT2, K-NET, COSMOS, CSMIP nor columns of numbers",
+            value=f"none of {', '.join(FORMATS)}",
             remedy="Export the record as text",
         )
         return None
