@@ -2,8 +2,9 @@
 
 The functions here mirror the command line: `load_motions`, `simulate`, `ellipses`, `derive_criterion`,
 `assess`, `cross_validate`, `diagnose` and `write_report`; beside them stand what reads their input
-(`open_results`, `read_ellipses`, `read_recording`, `read_campaign`, `open_study`), `published_criterion`
-and `run_study`. Each is imported when it is first asked for.
+(`open_results`, `read_ellipses`, `read_recording`, `read_campaign`, `open_study`), `published_criterion`,
+`run_study`, a `Structure` and the `InputError` that bad input raises. Each is imported when it is first asked
+for.
 """
 
 from importlib import import_module
@@ -15,10 +16,13 @@ if TYPE_CHECKING:
     from reliab.api import ellipses, simulate
     from reliab.criterion import derive_criterion, published_criterion, read_ellipses
     from reliab.discrepancy import diagnose, read_campaign
+    from reliab.errors import InputError
+    from reliab.loop.structure import Structure
     from reliab.motions import load_motions
     from reliab.study import open_study, run_study, write_report
     from reliab.sweep import open_results
-    from reliab.validation.assessment import assess, read_recording
+    from reliab.validation.assessment import read_recording
+    from reliab.validation.assessment.plain import assess
     from reliab.validation.cross_validation import cross_validate
 
 _HOMES = {
@@ -31,15 +35,19 @@ _HOMES = {
     "published_criterion": "reliab.criterion",
     "cross_validate": "reliab.validation.cross_validation",
     "read_recording": "reliab.validation.assessment",
-    "assess": "reliab.validation.assessment",
+    "assess": "reliab.validation.assessment.plain",
     "read_campaign": "reliab.discrepancy",
     "diagnose": "reliab.discrepancy",
     "open_study": "reliab.study",
     "run_study": "reliab.study",
     "write_report": "reliab.study",
+    "Structure": "reliab.loop.structure",
+    "InputError": "reliab.errors",
 }
 
 __all__ = [
+    "InputError",
+    "Structure",
     "__version__",
     "assess",
     "cross_validate",

@@ -52,10 +52,11 @@ def explore(
     """Write a page that shows what a test may afford and judges a test that is dropped on it, offline."""
     from reliab.explore import Settings, write_page
     from reliab.shipped import or_shipped
-    from reliab.sweep import ellipse_windows, open_ellipses
+    from reliab.sweep import open_windows
 
     path = or_shipped(ellipses, "datasets", "ellipses.nc")
-    windows = [label for label in ellipse_windows(path) if label != "arias"] or list(ellipse_windows(path))
+    windows = open_windows(path)
+    lengths = {label: table for label, table in windows.items() if label != "arias"}
     settings = Settings(
         frequency=f,
         damping_ratio=xi,
@@ -64,7 +65,6 @@ def explore(
         confidence=confidence,
         metric=metric,
     )
-    tables = {window: open_ellipses(path, window=window) for window in windows}
-    write_page(out, tables, settings, source=f"the ellipses of {ellipses.name}")
+    write_page(out, lengths or windows, settings, source=f"the ellipses of {ellipses.name}")
     size = out.stat().st_size / _MEGABYTE
     console().print(f"{out}: {size:.1f} MB, open it in any browser.", highlight=False)

@@ -75,7 +75,7 @@ def pack(ellipses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
         "share": float(first.attrs.get("experimental_fraction", 1.0)),
         "meaningless": [_meaningless(table) for table in tables],
         "offsets": offsets,
-        "codes": base64.b64encode(zlib.compress(planes.tobytes(), 9)).decode("ascii"),
+        "codes": base64.b64encode(zlib.compress(planes.tobytes())).decode("ascii"),
     }
 
 

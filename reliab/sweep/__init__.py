@@ -7,7 +7,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from reliab.sweep.ellipse_dataset import CURVES, share_at_rest
-from reliab.sweep.ellipse_file import ellipse_windows, open_ellipses, write_ellipses
+from reliab.sweep.ellipse_file import ellipse_windows, open_ellipses, open_windows, write_ellipses
 from reliab.sweep.ellipse_table import EllipseRequest, trace_ellipses
 from reliab.sweep.first_order_table import predict_ellipses
 from reliab.sweep.grid import ExplicitGrid, Grid, ScaledGrid
@@ -34,6 +34,7 @@ __all__ = [
     "ellipse_windows",
     "open_ellipses",
     "open_results",
+    "open_windows",
     "predict_ellipses",
     "run_sweep",
     "share_at_rest",

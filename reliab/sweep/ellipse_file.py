@@ -61,15 +61,41 @@ def open_ellipses(path: str | Path, *, window: str | None = None) -> xr.Dataset:
     InputError
         If it is no such file, or holds no such window.
     """
+    return _in_window(_read(path), window, path)
+
+
+def open_windows(path: str | Path) -> dict[str, xr.Dataset]:
+    """Read a dataset of ellipses in each of its windows.
+
+    Parameters
+    ----------
+    path : str or pathlib.Path
+        A file that `write_ellipses` wrote.
+
+    Returns
+    -------
+    dict of str to xarray.Dataset
+        By window, "record", "arias" or seconds, what `open_ellipses` returns.
+
+    Raises
+    ------
+    InputError
+        If it is no such file.
+    """
+    dataset = _read(path)
+    return {window: _in_window(dataset, window, path) for window in ellipse_windows(path)}
+
+
+def _read(path: str | Path) -> xr.Dataset:
     try:
         with xr.open_dataset(path, engine="h5netcdf") as file:
             dataset: xr.Dataset = file.load()
-    except (OSError, ValueError):
-        dataset = xr.Dataset()
+    except (OSError, ValueError) as error:
+        raise _no_ellipses(path) from error
     needed = set(ELLIPSE_DIMENSIONS) - {Dimension.CURVE, Dimension.SIDE}
     if not needed <= set(dataset.dims) or not {"a", "b"} <= set(dataset):
         raise _no_ellipses(path)
-    return _in_window(with_sides(dataset), window, path)
+    return with_sides(dataset)
 
 
 def ellipse_windows(path: str | Path) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ import reliab
 from reliab.explore.packing import pack
 from reliab.explore.page import words
 from reliab.shipped import shipped
-from reliab.sweep import open_ellipses
+from reliab.sweep import open_windows
 
 WINDOWS = ("record", "20", "30", "40")
 WEB = Path(reliab.__file__).parent / "explore" / "web"
@@ -17,8 +17,8 @@ WEB = Path(reliab.__file__).parent / "explore" / "web"
 
 @pytest.fixture(scope="session")
 def shipped_ellipses():
-    path = shipped("datasets", "real_suite/ellipses.nc")
-    return {window: open_ellipses(path, window=window) for window in WINDOWS}
+    tables = open_windows(shipped("datasets", "real_suite/ellipses.nc"))
+    return {window: tables[window] for window in WINDOWS}
 
 
 @pytest.fixture(scope="session")

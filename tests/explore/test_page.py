@@ -11,6 +11,7 @@ from reliab.cli import run
 from reliab.errors import InputError
 from reliab.explore.packing import pack
 from reliab.explore.page import Settings, bundled_script, render, write_page
+from reliab.sweep import write_ellipses
 
 MOST_BYTES = 5_000_000
 
@@ -82,8 +83,12 @@ def test_page_opens_at_a_structure_of_its_ellipses(small):
     assert '"frequency": 0.4, "dampingRatio": 0.07, "threshold": 0.05' in page
 
 
-def test_command_writes_the_page_and_says_where(tmp_path, capsys):
-    assert run(["explore", "--out", str(tmp_path / "page.html"), "--f", "0.8", "--alpha", "0.5"]) == 0
+def test_command_writes_the_page_and_says_where(small, tmp_path, capsys):
+    write_ellipses(small["record"], tmp_path / "small.nc")
+    explore = ["explore", "--ellipses", str(tmp_path / "small.nc"), "--alpha", "0.5", "--out"]
+    assert run([*explore, str(tmp_path / "page.html")]) == 0
     assert "page.html" in capsys.readouterr().out.replace("\n", "")
-    assert run(["explore", "--out", str(tmp_path / "missing" / "page.html")]) == 2
+    assert '"share": 0.5' in (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert run([*explore, str(tmp_path / "missing" / "page.html")]) == 2
+    assert run([*explore, str(tmp_path / "page.html"), "--f", "5"]) == 2
     assert run(["explore", "--ellipses", str(tmp_path / "none.nc"), "--out", str(tmp_path / "p.html")]) == 2

@@ -1,0 +1,135 @@
+"""Judge a test from plain arguments: a file or a name, and numbers, as on the command line."""
+
+from pathlib import Path
+from typing import Any
+
+from reliab.criterion import Criterion
+from reliab.errors import InputError
+from reliab.loop.hybrid_test.model_file import UpdatedModel, read_model
+from reliab.loop.structure import Structure
+from reliab.motions import Motion, read_motion
+from reliab.shipped import or_shipped
+from reliab.stated_value import StatedValue
+from reliab.validation.assessment.assess import assess as assess_recording
+from reliab.validation.assessment.assessment import Assessment
+from reliab.validation.assessment.reading import read_recording
+from reliab.validation.assessment.recording import Recording
+
+Quantity = float | str | StatedValue
+"""A number, a number with its standard deviation as text ("1±0.01"), or such a value."""
+
+
+def assess(
+    test: str | Path | Recording,
+    structure: Structure | None = None,
+    *,
+    f: Quantity | None = None,
+    xi: Quantity | None = None,
+    alpha: Quantity | None = None,
+    motion: str | Path | Motion | None = None,
+    criterion: str | Path | Criterion | None = None,
+    model: str | Path | UpdatedModel | None = None,
+    **options: Any,  # noqa: ANN401 - handed on as they are
+) -> Assessment:
+    """Judge a test by the error that its command and measured displacement reveal.
+
+    Parameters
+    ----------
+    test : str, pathlib.Path or Recording
+        The test, its file, or the name of one that ships ("sample_test").
+    structure : Structure, optional
+        The structure under test, in place of `f`, `xi` and `alpha`.
+    f, xi, alpha : float, str or StatedValue, optional
+        Natural frequency [Hz], damping ratio [-] and share of the stiffness in the laboratory [-], with a
+        standard deviation where they are not certain: "1±0.01". By default what the file's header states;
+        a share of 1 where it states none.
+    motion : str, pathlib.Path or Motion, optional
+        The test's ground motion, or its file.
+    criterion : str, pathlib.Path or Criterion, optional
+        The criterion, or its file as `reliab criterion --out` writes it; by default the one that ships.
+    model : str, pathlib.Path or UpdatedModel, optional
+        Model of a nonlinear specimen, or its file as `reliab diagnose` writes it.
+    **options
+        `threshold`, `confidence`, `metric`, `stated`, `error_window`, `taper` and `seed` of
+        :func:`reliab.validation.assessment.assess.assess`.
+
+    Returns
+    -------
+    Assessment
+        Error of the test with its interval, verdict, index and what to improve first.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or judged, or the structure is stated twice or not at all.
+
+    Examples
+    --------
+    >>> verdict = assess("sample_test", f=1, xi=0.02)
+    >>> verdict.reliable, round(verdict.error.rebuilt.rms.value, 3)
+    (True, 0.023)
+    """
+    recording = test if isinstance(test, Recording) else _read(test)
+    stated = _stated(recording, structure, {"f": f, "xi": xi, "alpha": alpha})
+    return assess_recording(
+        recording,
+        structure
+        or Structure(
+            frequency=stated["f"].value,
+            damping_ratio=stated["xi"].value,
+            experimental_fraction=stated["alpha"].value,
+        ),
+        stated={**stated, **options.pop("stated", {})},
+        motion=read_motion(motion) if isinstance(motion, str | Path) else motion,
+        criterion=_read_criterion(criterion) if isinstance(criterion, str | Path) else criterion,
+        model=read_model(model) if isinstance(model, str | Path) else model,
+        **options,
+    )
+
+
+def _read(path: str | Path) -> Recording:
+    return read_recording(or_shipped(Path(path), "datasets", "test.csv"))
+
+
+def _read_criterion(path: str | Path) -> Criterion:
+    try:
+        return Criterion.from_json(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(
+            "A criterion's file must be readable",
+            value=error.strerror,
+            remedy="Check the path",
+            where=str(path),
+        ) from error
+
+
+def _stated(
+    recording: Recording, structure: Structure | None, given: dict[str, Quantity | None]
+) -> dict[str, StatedValue]:
+    """Return what is stated of the structure, with standard deviations; nothing where it is given whole."""
+    numbers = {name: value for name, value in given.items() if value is not None}
+    if structure is not None:
+        if numbers:
+            raise InputError(
+                "The structure is given once",
+                value=f"a structure and {', '.join(numbers)}",
+                remedy="Leave either out",
+            )
+        return {}
+    stated = {"alpha": StatedValue(1.0), **recording.stated}
+    stated |= {name: _value(value, name) for name, value in numbers.items()}
+    for name, quantity in (("f", "natural frequency [Hz]"), ("xi", "damping ratio")):
+        if name not in stated:
+            raise InputError(
+                f"The {quantity} of the structure must be stated",
+                value=f"no {name}",
+                remedy=f"Give {name}, or a structure; the verdict rests on it",
+                where=recording.name,
+            )
+    return stated
+
+
+def _value(quantity: Quantity, name: str) -> StatedValue:
+    if isinstance(quantity, StatedValue):
+        return quantity
+    return StatedValue.parse(quantity, name) if isinstance(quantity, str) else StatedValue(float(quantity))
