@@ -1,0 +1,80 @@
+"""What the documentation site tells its readers to type works."""
+
+import re
+import shlex
+
+import matplotlib as mpl
+import pytest
+import typer
+from pages import PAGES, SITE, code, commands, name_of
+
+from reliab.cli import app, run, spread
+
+LONG_CODE = ("notebooks/campaign", "paper", "gallery")
+LINES = [line for page in PAGES for block in commands(page) for line in block if line.startswith("reliab ")]
+
+
+def pages_with(what, long):
+    return [
+        pytest.param(page, id=name_of(page), marks=pytest.mark.slow if long(page) else ())
+        for page in PAGES
+        if what(page)
+    ]
+
+
+@pytest.mark.parametrize("line", sorted(set(LINES)))
+def test_every_command_is_understood(line):
+    """Each option exists and takes its value."""
+    command = typer.main.get_command(app)
+    name, *arguments = spread(shlex.split(line)[1:], command)
+    command = command.commands[name]
+    while hasattr(command, "commands"):
+        name, *arguments = arguments
+        command = command.commands[name]
+    command.make_context(name, arguments)
+
+
+@pytest.mark.usefixtures("checkout")
+@pytest.mark.slow
+@pytest.mark.parametrize("page", pages_with(commands, lambda page: False))  # noqa: ARG005
+def test_commands_of_a_page_run_one_after_the_other(page):
+    for block in commands(page):
+        if any("--scheduler" in line for line in block):
+            continue  # tests/test_readme.py starts a scheduler and workers for the same recipe
+        for line in block:
+            assert run(shlex.split(line)[1:]) == 0, line
+
+
+@pytest.mark.parametrize("page", pages_with(code, lambda page: name_of(page) in LONG_CODE))
+def test_code_of_a_page_runs(page, monkeypatch):
+    monkeypatch.setattr(mpl, "use", mpl.use)
+    mpl.use("Agg")
+    import matplotlib.pyplot as plt
+
+    try:
+        exec("\n".join(code(page)), {"__name__": "page"})  # noqa: S102 - our own site
+    finally:
+        plt.close("all")
+
+
+def test_every_link_between_pages_leads_somewhere():
+    for page in PAGES:
+        for target in re.findall(r"\]\(([^)#]+?)(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):
+            assert ":" in target or (page.parent / target).exists(), f"{name_of(page)}: {target}"
+
+
+def test_every_page_is_in_the_table_of_contents():
+    contents = (SITE / "index.md").read_text(encoding="utf-8")
+    listed = set(re.findall(r"^([\w/]+)$", contents, flags=re.MULTILINE))
+    assert {name_of(page) for page in PAGES} - {"index"} == listed
+
+
+@pytest.mark.slow
+def test_site_is_built_without_a_warning(tmp_path):
+    pytest.importorskip(
+        "myst_nb", reason="the site is built by sphinx and myst-nb, which are not installed here"
+    )
+    pytest.importorskip("furo", reason="the theme furo is not installed here")
+    from sphinx.cmd.build import build_main
+
+    assert build_main(["-W", "--keep-going", "-q", "-b", "html", str(SITE), str(tmp_path / "site")]) == 0
