@@ -4,6 +4,7 @@ Only Typer is imported here and at the top of the commands; numerics, and Rich f
 are imported when a command needs them, so that `reliab --help` answers at once.
 """
 
+import os
 import sys
 import warnings
 from collections.abc import Iterator, Sequence
@@ -17,6 +18,7 @@ from reliab.cli import (
     diagnose,
     ellipses,
     explore,
+    info,
     monitor,
     motions,
     report,
@@ -24,6 +26,7 @@ from reliab.cli import (
     validate,
 )
 from reliab.cli import run as run_command
+from reliab.cli.examples import example_of
 from reliab.cli.output import write_what_can_be_written
 from reliab.errors import IncompleteError, InputError
 from reliab.stated_value import StatedValue
@@ -38,16 +41,17 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.add_typer(motions.app, name="motions")
-app.command("simulate")(simulate.simulate)
-app.command("ellipses")(ellipses.ellipses)
-app.command("criterion")(criterion.criterion)
-app.command("assess")(assess.assess)
-app.command("monitor")(monitor.monitor)
-app.command("explore")(explore.explore)
-app.command("validate")(validate.validate)
-app.command("diagnose")(diagnose.diagnose)
-app.command("run")(run_command.run)
-app.command("report")(report.report)
+app.command("simulate", epilog=example_of("simulate"))(simulate.simulate)
+app.command("ellipses", epilog=example_of("ellipses"))(ellipses.ellipses)
+app.command("criterion", epilog=example_of("criterion"))(criterion.criterion)
+app.command("assess", epilog=example_of("assess"))(assess.assess)
+app.command("monitor", epilog=example_of("monitor"))(monitor.monitor)
+app.command("explore", epilog=example_of("explore"))(explore.explore)
+app.command("validate", epilog=example_of("validate"))(validate.validate)
+app.command("diagnose", epilog=example_of("diagnose"))(diagnose.diagnose)
+app.command("run", epilog=example_of("run"))(run_command.run)
+app.command("info", epilog=example_of("info"))(info.info)
+app.command("report", epilog=example_of("report"))(report.report)
 
 
 def _show_version(wanted: bool) -> None:  # noqa: FBT001 - Typer's callback
@@ -85,7 +89,8 @@ def run(arguments: Sequence[str]) -> int:
     Returns
     -------
     int
-        Exit code: 0 done, 1 the answer is "not reliable", 2 bad input, 3 unfinished but safe.
+        Exit code: 0 done, 1 the answer is "not reliable", 2 bad input, 3 unfinished but safe, 130 interrupted
+        by Ctrl-C.
     """
     command = typer.main.get_command(app)
     try:
@@ -144,9 +149,14 @@ def _is_number(text: str) -> bool:
 
 def _show_warning(message: Warning | str, *_details: object, **_more: object) -> None:
     """Show a warning as a line without the place in the code that gave it."""
-    typer.secho(f"Warning: {message}", err=True, fg=typer.colors.YELLOW)
+    typer.secho(f"Warning: {message}", err=True, fg=typer.colors.YELLOW, color=_colour())
 
 
 def _fail(message: str, code: int) -> int:
-    typer.secho(f"Error: {message}", err=True, fg=typer.colors.RED)
+    typer.secho(f"Error: {message}", err=True, fg=typer.colors.RED, color=_colour())
     return code
+
+
+def _colour() -> bool | None:
+    """No colour where the environment variable NO_COLOR is set; else as the stream allows."""
+    return False if os.environ.get("NO_COLOR") else None

@@ -1,0 +1,68 @@
+"""`reliab info`: what a report of a fault should say of the installation."""
+
+import platform
+import sys
+from importlib import metadata
+from typing import Any
+
+import typer
+
+from reliab.cli.options import JsonTarget
+from reliab.cli.output import write_json
+from reliab.shipped import KINDS, shipped
+from reliab.version import __version__
+
+_PACKAGES = (
+    *("numpy", "scipy", "pandas", "xarray", "numba", "matplotlib", "seaborn", "emcee", "arviz", "zarr"),
+    *("h5netcdf", "h5py", "typst", "typer", "rich", "pydantic", "dask", "distributed"),
+)
+_MEGABYTE = 1e6
+
+
+def info(*, json_target: JsonTarget = None) -> None:
+    """Print versions, what ships and where compiled code is kept, for a report of a fault."""
+    content = describe()
+    if write_json(content, json_target):
+        return
+    for name, value in content.items():
+        if isinstance(value, dict):
+            typer.echo(f"{name}:")
+            for key, text in value.items():
+                typer.echo(f"  {key}: {text}")
+        else:
+            typer.echo(f"{name}: {value}")
+
+
+def describe() -> dict[str, Any]:
+    """Describe the installation.
+
+    Returns
+    -------
+    dict
+        Versions of reliab, Python and the packages that it uses, the platform, the folder and size [MB] of
+        the shipped datasets and studies, and the folder of compiled code; ready for JSON.
+    """
+    from numba import config
+
+    return {
+        "reliab": __version__,
+        "python": platform.python_version(),
+        "platform": platform.platform(),
+        "executable": sys.executable,
+        "packages": {name: _version(name) for name in _PACKAGES},
+        "shipped": {kind: _folder(kind) for kind in KINDS},
+        "compiled code": config.CACHE_DIR or "__pycache__ beside each module",
+    }
+
+
+def _version(name: str) -> str:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return "not installed"
+
+
+def _folder(kind: str) -> str:
+    folder = shipped(kind, "")
+    size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
+    return f"{folder}, {size / _MEGABYTE:.1f} MB"

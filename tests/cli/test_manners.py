@@ -1,0 +1,67 @@
+"""How the command line behaves whatever the command: examples, versions, interruption, colour."""
+
+import io
+import json
+import shlex
+import sys
+
+import pytest
+import typer
+
+import reliab
+from reliab.cli import app, run, spread
+from reliab.cli.examples import EXAMPLES
+
+COMMANDS = typer.main.get_command(app).commands
+
+
+def test_every_command_has_an_example_except_groups():
+    assert set(EXAMPLES) == {name for name, command in COMMANDS.items() if not hasattr(command, "commands")}
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_example_is_printed_by_the_help_and_understood(name, capsys):
+    assert run([name, "--help"]) == 0
+    assert EXAMPLES[name].split(" --")[0] in " ".join(capsys.readouterr().out.replace("│", " ").split())
+    first, *arguments = spread(shlex.split(EXAMPLES[name])[1:], typer.main.get_command(app))
+    assert first == name
+    assert COMMANDS[name].make_context(name, arguments).params
+
+
+def test_info_names_versions_and_what_ships(capsys):
+    assert run(["info"]) == 0
+    printed = capsys.readouterr().out
+    assert f"reliab: {reliab.__version__}" in printed
+    assert run(["info", "--json", "-"]) == 0
+    content = json.loads(capsys.readouterr().out)
+    assert content["packages"]["numpy"][0].isdigit()
+    assert "real_suite" not in content
+    assert content["shipped"]["datasets"].endswith("MB")
+
+
+def test_an_interrupted_command_ends_with_130(monkeypatch):
+    def interrupted(*_arguments, **_options):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("reliab.cli.info.describe", interrupted)
+    assert run(["info"]) == 130
+
+
+@pytest.mark.parametrize("columns", ["40", "79"])
+def test_help_fits_narrow_terminals(monkeypatch, capsys, columns):
+    monkeypatch.setenv("COLUMNS", columns)
+    assert run(["assess", "--help"]) == 0
+    assert max(map(len, capsys.readouterr().out.splitlines())) <= int(columns)
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+@pytest.mark.parametrize(("variable", "coloured"), [("", True), ("1", False)])
+def test_errors_are_coloured_unless_no_color_is_set(monkeypatch, variable, coloured):
+    monkeypatch.setenv("NO_COLOR", variable)
+    monkeypatch.setattr("sys.stderr", Terminal())
+    assert run(["assess", "missing.csv", "--f", "1"]) == 2
+    assert ("\x1b[31m" in sys.stderr.getvalue()) == coloured
