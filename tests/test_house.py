@@ -18,7 +18,6 @@ VAGUE = frozenset({"found", "each", "one", "made", "told", "apart", "left", "the
 LONG_MODULES = {
     "validation/rebuilt_error_study/study.py",
     "loop/hybrid_test/closed_loop.py",
-    "discrepancy/result.py",
     "sweep/store.py",
     "loop/partition/frame_loop.py",
     "rebuilt_error/monitor.py",

@@ -4,7 +4,10 @@ from reliab.discrepancy.adding.adding import Addition, add
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.diagnose import diagnose
-from reliab.discrepancy.result import BlockDiagnosis, Diagnosis, Gap, MissingEffect, Verdict
+from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Verdict
+from reliab.discrepancy.result.diagnosis import Diagnosis
+from reliab.discrepancy.result.gap import Gap
+from reliab.discrepancy.result.missing_effect import MissingEffect
 
 __all__ = [
     "Addition",

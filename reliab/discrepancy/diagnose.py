@@ -15,7 +15,8 @@ from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.locating.noise_test import is_model_error
 from reliab.discrepancy.naming.naming import diagnose_block
-from reliab.discrepancy.result import BlockDiagnosis, Diagnosis
+from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
+from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.discrepancy.spectra.scales import motions_of, scales_of
 from reliab.discrepancy.spectra.segment import cut_segments
 from reliab.discrepancy.spectra.starting import settled

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
-from reliab.discrepancy.result import Gap
+from reliab.discrepancy.result.gap import Gap
 from reliab.discrepancy.spectra.floor import floors
 from reliab.discrepancy.spectra.segment import Segment
 from reliab.loop.effects import Effect

@@ -5,7 +5,7 @@ import pytest
 from scipy import signal
 
 from reliab.discrepancy.campaign.campaign import Channel, MeasuredTest
-from reliab.discrepancy.result import Gap
+from reliab.discrepancy.result.gap import Gap
 from reliab.discrepancy.spectra.floor import Source, floors
 
 RATE = 512.0

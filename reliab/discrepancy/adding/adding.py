@@ -9,7 +9,9 @@ from threadpoolctl import threadpool_limits
 from reliab.discrepancy.adding.criterion_shift import criterion_shift, shaking_of
 from reliab.discrepancy.adding.posterior import Posterior, sample_posterior
 from reliab.discrepancy.adding.update import updated_model
-from reliab.discrepancy.result import BlockDiagnosis, Diagnosis, MissingEffect
+from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
+from reliab.discrepancy.result.diagnosis import Diagnosis
+from reliab.discrepancy.result.missing_effect import MissingEffect
 from reliab.errors import InputError
 from reliab.loop.hybrid_test.model_file import MODEL_FILE, UpdatedModel, write_model
 from reliab.progress import Progress, silent

@@ -3,7 +3,8 @@
 from dataclasses import replace
 
 from reliab.discrepancy.fitting.fit import Fit
-from reliab.discrepancy.result import BlockDiagnosis, Diagnosis
+from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
+from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.loop.effects import library
 from reliab.loop.effects.excitation_scale import ExcitationScale
 from reliab.loop.hybrid_test import HybridTest

@@ -4,7 +4,7 @@ import numpy as np
 from scipy import stats
 
 from reliab.discrepancy.fitting.left_out import LeftOut
-from reliab.discrepancy.result import FurtherError
+from reliab.discrepancy.result.gap import FurtherError
 
 _FEWEST = 3
 _TAILS = 0.05

@@ -16,7 +16,9 @@ from reliab.discrepancy.locating.noise_test import is_noise, structured_share
 from reliab.discrepancy.locating.standstill import standstill
 from reliab.discrepancy.naming.further_test import expected_error
 from reliab.discrepancy.proof import gap, held_out_nrmse, residuals
-from reliab.discrepancy.result import BlockDiagnosis, Estimate, Gap, MissingEffect, Ranked, Rival, Unknown
+from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Ranked
+from reliab.discrepancy.result.gap import Gap
+from reliab.discrepancy.result.missing_effect import Estimate, MissingEffect, Rival, Unknown
 from reliab.discrepancy.terms import OutsideTerm, is_outside
 from reliab.discrepancy.terms.periodic import Disturbance
 from reliab.loop.effects import Effect

@@ -1,0 +1,120 @@
+"""What one observed block says."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.discrepancy.blocks.observed import ObservedBlock
+from reliab.discrepancy.fitting.fit import Fit
+from reliab.discrepancy.fitting.problem import Problem
+from reliab.discrepancy.locating.finding import Finding
+from reliab.discrepancy.result.gap import FurtherError, Gap
+from reliab.discrepancy.result.missing_effect import Estimate, MissingEffect, Unknown
+
+Array = NDArray[np.float64]
+
+
+class Verdict(StrEnum):
+    """What a campaign says as a whole."""
+
+    NAMED = "named"
+    NO_MISSING_EFFECT = "no_missing_effect"
+    UNKNOWN_EFFECT = "unknown_effect"
+    NOT_IDENTIFIABLE = "not_identifiable"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Ranked:
+    """A fitted model with its probability among all that were fitted."""
+
+    fit: Fit
+    probability: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BlockDiagnosis:
+    """All that was found in one observed block.
+
+    Attributes
+    ----------
+    block : ObservedBlock
+        The block.
+    problem, proof : Problem
+        It on the tests that are not held out, and on those that are.
+    calibrated : Fit
+        Calibration and offsets alone.
+    best : Fit
+        The model with the effects that are believed.
+    ranked : tuple of Ranked
+        All fitted models, the most probable first.
+    effects : tuple of MissingEffect
+        Effects of the library that are named, offsets among them.
+    doubtful : tuple of MissingEffect
+        Effects one of which acts, though the data do not tell which.
+    unknown : Unknown or None
+        What is none of the library.
+    findings : tuple of Finding
+        Where the calibrated model fails.
+    residuals_before, residuals_after : dict of str to numpy.ndarray
+        Measured minus predicted channel of the held-out tests by file, shape (n,) each.
+    gap : Gap
+        The same in numbers.
+    structured_share : float
+        Share of what the best model leaves of the tests it was fitted to that is concentrated as no noise is.
+    leaves_noise : bool
+        Whether that passes for noise, or for the error of a converter.
+    calibration : tuple of Estimate
+        Gain, delay, stiffness or scale as calibrated in the best model.
+    further : FurtherError or None
+        Error to expect on a further test, None from too few tests.
+    converged : bool, optional
+        Whether the posterior of the parameters has converged, where it was sampled. Where it has not,
+        standard deviations are those of a normal approximation.
+    """
+
+    block: ObservedBlock
+    problem: Problem
+    proof: Problem
+    calibrated: Fit
+    best: Fit
+    ranked: tuple[Ranked, ...]
+    effects: tuple[MissingEffect, ...]
+    doubtful: tuple[MissingEffect, ...]
+    unknown: Unknown | None
+    findings: tuple[Finding, ...]
+    residuals_before: dict[str, Array]
+    residuals_after: dict[str, Array]
+    gap: Gap
+    structured_share: float
+    leaves_noise: bool
+    calibration: tuple[Estimate, ...]
+    further: FurtherError | None
+    converged: bool | None = None
+
+    @property
+    def verdict(self) -> Verdict:
+        """The answer for this block in one word."""
+        if self.unknown is not None:
+            return Verdict.UNKNOWN_EFFECT
+        if self.doubtful:
+            return Verdict.NOT_IDENTIFIABLE
+        return Verdict.NAMED if self.effects else Verdict.NO_MISSING_EFFECT
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the entry of `blocks`."""
+        return {
+            "block": str(self.block.block),
+            "verdict": str(self.verdict),
+            "effects": [effect.name for effect in (*self.effects, *self.doubtful)],
+            "unknown": None if self.unknown is None else self.unknown.as_dict(),
+            "gap": self.gap.as_dict(),
+            "unexplained_share": self.gap.unexplained_share,
+            "residual_is_noise": self.leaves_noise,
+            "structured_share": self.structured_share,
+            "calibration": {estimate.name: estimate.as_dict() for estimate in self.calibration},
+            "further_test": None if self.further is None else self.further.as_dict(),
+            "posterior_converged": self.converged,
+        }

@@ -1,0 +1,119 @@
+"""What a campaign says as a whole."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from reliab.discrepancy.campaign.campaign import Campaign
+from reliab.discrepancy.locating.finding import Finding
+from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Verdict
+from reliab.discrepancy.result.gap import Gap
+from reliab.discrepancy.result.missing_effect import MissingEffect, Unknown
+
+SHORT_RECORD = 256
+"""Samples of a test below which a remark says that it is short."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Diagnosis:
+    """What a campaign says.
+
+    Attributes
+    ----------
+    campaign : Campaign
+        The campaign.
+    blocks : tuple of BlockDiagnosis
+        Every observed block.
+    criterion_shift : dict, optional
+        Ratios of the criterion's parameters with and without the effects, where they were computed.
+    """
+
+    campaign: Campaign
+    blocks: tuple[BlockDiagnosis, ...]
+    criterion_shift: dict[str, float] | None = None
+
+    @property
+    def effects(self) -> tuple[MissingEffect, ...]:
+        """Effects that are named in any block."""
+        return tuple(effect for diagnosed in self.blocks for effect in diagnosed.effects)
+
+    @property
+    def doubtful(self) -> tuple[MissingEffect, ...]:
+        """Effects that the data cannot tell from others."""
+        return tuple(effect for diagnosed in self.blocks for effect in diagnosed.doubtful)
+
+    @property
+    def unknown(self) -> Unknown | None:
+        """What is none of the library, in the first block that has it."""
+        return next((diagnosed.unknown for diagnosed in self.blocks if diagnosed.unknown is not None), None)
+
+    @property
+    def verdict(self) -> Verdict:
+        """The answer in one word."""
+        if self.unknown is not None:
+            return Verdict.UNKNOWN_EFFECT
+        if self.doubtful:
+            return Verdict.NOT_IDENTIFIABLE
+        return Verdict.NAMED if self.effects else Verdict.NO_MISSING_EFFECT
+
+    @property
+    def gap(self) -> Gap:
+        """The gap in the block where it was widest over what is left of it."""
+        return max(
+            (diagnosed.gap for diagnosed in self.blocks), key=lambda gap: gap.before / max(gap.after, 1e-300)
+        )
+
+    @property
+    def where(self) -> tuple[Finding, ...]:
+        """All findings, the least probable under noise first."""
+        findings = [finding for diagnosed in self.blocks for finding in diagnosed.findings]
+        return tuple(sorted(findings, key=lambda finding: (finding.p_value, -finding.share_of_residual)))
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Sentences on what limits the answer: doubts, bounds, convergence, model error, short records."""
+        remarks = [effect.remark for effect in self.doubtful]
+        for block in self.blocks:
+            remarks += _limits_of(block)
+        remarks += [
+            f"{test.file} has {test.size} samples only: what it says of an effect is little."
+            for test in self.campaign.tests
+            if test.size < SHORT_RECORD
+        ]
+        return tuple(dict.fromkeys(remarks))
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return what `reliab diagnose --json` writes."""
+        unknown = self.unknown
+        return {
+            "campaign": self.campaign.name,
+            "verdict": str(self.verdict),
+            "where": [finding.as_dict() for finding in self.where],
+            "effects": [effect.as_dict() for effect in (*self.effects, *self.doubtful)],
+            "unknown": None if unknown is None else unknown.as_dict(),
+            "gap": self.gap.as_dict(),
+            "blocks": [diagnosed.as_dict() for diagnosed in self.blocks],
+            "criterion_shift": self.criterion_shift,
+            "remarks": list(self.remarks),
+        }
+
+
+def _limits_of(block: BlockDiagnosis) -> list[str]:
+    """Sentences on what limits the answer for a block."""
+    name, gap = str(block.block.block), block.gap
+    remarks = [
+        f"{parameter} of {effect.name} lies on a bound of its range: its value and deviation mean little."
+        for effect in (*block.effects, *block.doubtful)
+        for parameter in effect.on_bounds
+    ]
+    if block.converged is False:
+        remarks.append(
+            f"The posterior of the {name} has not converged: its deviations are a normal approximation."
+        )
+    if not block.leaves_noise:
+        floor = "unknown" if gap.floor is None else f"{gap.floor:.3g} by the {gap.source}"
+        remarks.append(
+            f"What the model of the {name} leaves is no noise but an error of the model:"
+            f" {gap.model_error:.3g} of the signal's RMS on held-out tests; its noise floor is {floor}."
+            " No probability is stated above 0.99."
+        )
+    return remarks

@@ -1,0 +1,104 @@
+"""The proof in numbers: the gap between model and measurement, and the error to expect on a further test."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+
+@dataclass(frozen=True, kw_only=True)
+class Gap:
+    """Difference between model and measurement on held-out tests, before and after the effects are added.
+
+    Attributes
+    ----------
+    held_out : tuple of str
+        Files.
+    channel : str
+        Column.
+    before, after : float
+        RMS of the difference over RMS of the signal, calibrated model and model with the effects.
+    floors : mapping of str to float
+        The same of what the recordings do not repeat, by where it was taken from, the most telling first;
+        empty where the recordings do not tell.
+    tests_before, tests_after : mapping of str to float
+        `before` and `after` of each held-out test, by file.
+    """
+
+    held_out: tuple[str, ...]
+    channel: str
+    before: float
+    after: float
+    floors: Mapping[str, float]
+    tests_before: Mapping[str, float]
+    tests_after: Mapping[str, float]
+
+    @property
+    def source(self) -> str | None:
+        """What the floor was taken from, None where it is not known."""
+        return next(iter(self.floors), None)
+
+    @property
+    def floor(self) -> float | None:
+        """RMS of what no model could explain over that of the signal, None where it is not known."""
+        return next(iter(self.floors.values()), None)
+
+    @property
+    def model_error(self) -> float:
+        """What remains above the floor, RMS over that of the signal; all of it where no floor is known."""
+        return float(np.sqrt(max(self.after**2 - (self.floor or 0.0) ** 2, 0.0)))
+
+    @property
+    def closed_fraction(self) -> float | None:
+        """(before² − after²)/(before² − floor²) in [0, 1], None without a floor or a gap above it."""
+        if self.floor is None or not self.before**2 > self.floor**2:
+            return None
+        share = (self.before**2 - self.after**2) / (self.before**2 - self.floor**2)
+        return min(max(share, 0.0), 1.0)
+
+    @property
+    def unexplained_share(self) -> float:
+        """Energy that remains above the floor over the energy that the effects took away."""
+        closed = max(self.before**2 - self.after**2, 0.0)
+        return self.model_error**2 / max(closed, 1e-12 * self.before**2, 1e-300)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the entry `gap`."""
+        return {
+            "held_out": list(self.held_out),
+            "channel": self.channel,
+            "nrmse_before": self.before,
+            "nrmse_after": self.after,
+            "noise_floor": self.floor,
+            "noise_floor_source": self.source,
+            "noise_floors": dict(self.floors),
+            "model_error": self.model_error,
+            "closed_fraction": self.closed_fraction,
+            "tests": {
+                file: {"nrmse_before": self.tests_before[file], "nrmse_after": self.tests_after[file]}
+                for file in self.tests_after
+            },
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class FurtherError:
+    """Error to expect on a further test: RMS over that of the signal at the judged frequencies.
+
+    Attributes
+    ----------
+    value, low, high : float
+        Median and ends of the 90 % prediction interval.
+    tests : int
+        Number of left-out tests that it rests on.
+    """
+
+    value: float
+    low: float
+    high: float
+    tests: int
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the entry `further_test`."""
+        return {"value": self.value, "low": self.low, "high": self.high, "tests": self.tests}

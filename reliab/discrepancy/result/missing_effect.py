@@ -1,0 +1,126 @@
+"""What a block lacks: an effect of the library with its parameters and rivals, or a term of none."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from reliab.discrepancy.degeneracy import remark
+from reliab.loop.effects import Effect
+
+
+@dataclass(frozen=True, kw_only=True)
+class Estimate:
+    """A parameter: name, most probable value, standard deviation, units, central 90 % interval if sampled."""
+
+    name: str
+    value: float
+    sd: float
+    units: str
+    interval: tuple[float, float] | None = None
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the entry of `parameters`."""
+        sampled = {} if self.interval is None else {"interval_90": list(self.interval)}
+        return {"value": self.value, "sd": self.sd, "units": self.units, **sampled}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rival:
+    """Another effect in the place of a named one, with its probability and its error on held-out tests."""
+
+    name: str
+    probability: float
+    held_out_nrmse: float
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the entry of `rivals`."""
+        return {
+            "name": self.name,
+            "held_out_nrmse": self.held_out_nrmse,
+            "probability": self.probability,
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class MissingEffect:
+    """An effect that the nominal model lacks.
+
+    Attributes
+    ----------
+    effect : type of Effect
+        Which.
+    probability : float
+        Sum of the probabilities of all fitted models that contain it.
+    estimates : tuple of Estimate
+        Its parameters.
+    rivals : tuple of Rival
+        What else was tried in its place, the most probable first.
+    error_with, error_without : float
+        Error on held-out tests of the model with it, and of the same model refitted without it: RMS over
+        that of the signal.
+    on_bounds : tuple of str
+        Parameters that lie on a bound of their range, so that their values and deviations mean little.
+    """
+
+    effect: type[Effect]
+    probability: float
+    estimates: tuple[Estimate, ...]
+    rivals: tuple[Rival, ...]
+    error_with: float
+    error_without: float
+    on_bounds: tuple[str, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """Name of the effect."""
+        return self.effect.label()
+
+    @property
+    def remark(self) -> str:
+        """What it cannot be told from, in a sentence, and the test that would tell."""
+        rival = self.rivals[0] if self.rivals else None
+        return remark(self.name, self.probability, None if rival is None else (rival.name, rival.probability))
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the entry of `effects`."""
+        return {
+            "name": self.name,
+            "block": str(self.effect.block),
+            "probability": self.probability,
+            "parameters": {estimate.name: estimate.as_dict() for estimate in self.estimates},
+            "rivals": [rival.as_dict() for rival in self.rivals],
+            "held_out_nrmse_with": self.error_with,
+            "held_out_nrmse_without": self.error_without,
+            "parameters_on_bounds": list(self.on_bounds),
+            **({"position": self.effect.position} if self.effect.position else {}),
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Unknown:
+    """What is missing and is none of the known effects.
+
+    Attributes
+    ----------
+    block : str
+        Where it acts.
+    expression : str
+        Terms with their coefficients in SI units; empty where no term that was tried explains it.
+    description : str
+        The same in words.
+    held_out_nrmse : float
+        What the model with the expression leaves on held-out tests.
+    """
+
+    block: str
+    expression: str
+    description: str
+    held_out_nrmse: float
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the entry `unknown`."""
+        return {
+            "block": self.block,
+            "expression": self.expression,
+            "description": self.description,
+            "held_out_nrmse": self.held_out_nrmse,
+        }
