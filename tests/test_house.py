@@ -22,7 +22,6 @@ LONG_MODULES = {
     "loop/partition/frame_loop.py",
     "rebuilt_error/monitor.py",
     "discrepancy/fitting/search.py",
-    "discrepancy/naming/naming.py",
     "loop/partition/frame_file.py",
     "sweep/results.py",
     "validation/cross_validation/judge.py",

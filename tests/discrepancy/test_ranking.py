@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from reliab.discrepancy.fitting.left_out import LeftOut
-from reliab.discrepancy.naming.naming import ranking
+from reliab.discrepancy.naming.ranking import ranking
 from reliab.loop.effects import find_effect
 
 AFTER, BEFORE = find_effect("stroke_saturation"), find_effect("command_saturation")

@@ -1,0 +1,89 @@
+"""What acts in a block and is no member of the library."""
+
+from collections.abc import Sequence
+
+from reliab.discrepancy.fitting.fit import Fit
+from reliab.discrepancy.fitting.problem import Problem
+from reliab.discrepancy.locating.line_above import line_above
+from reliab.discrepancy.locating.standstill import standstill
+from reliab.discrepancy.naming.estimates import estimates
+from reliab.discrepancy.result.gap import Gap
+from reliab.discrepancy.result.missing_effect import Unknown
+from reliab.discrepancy.terms import OutsideTerm
+from reliab.discrepancy.terms.periodic import Disturbance
+
+LARGEST_REMAINDER = 0.25
+"""Energy that may remain unexplained, over the energy that the effects took away, where they are `named`.
+
+The remainder is then less than half of what was found, in RMS. Beyond it the verdict is `unknown_effect`."""
+
+SMALLEST_GAP = 0.1
+"""RMS of a remainder over that of the signal from which it is called an effect where no effect was found."""
+
+
+def unexplained(judged: tuple[Problem, Fit], best: Fit, proved: Gap, *, noise: bool) -> Unknown | None:
+    """Return what acts and is none of the library, or a remainder that is too large beside what was found."""
+    problem = judged[0]
+    outside = [kind for kind in best.space.effects if issubclass(kind, OutsideTerm)]
+    interrupted = _interrupted(problem, judged[1], proved.after)
+    if interrupted is not None:
+        return interrupted
+    if outside:
+        return _unknown(outside, best, proved.after)
+    disturbance = _disturbance(problem, judged[1], proved.after)
+    if disturbance is not None:
+        return disturbance
+    return None if noise else _remainder(problem, best, proved)
+
+
+def _remainder(problem: Problem, best: Fit, proved: Gap) -> Unknown | None:
+    """Return an error of the model that is large beside what was found, or beside the signal."""
+    large = proved.unexplained_share > LARGEST_REMAINDER if best.space.effects else True
+    if not (large and proved.model_error > SMALLEST_GAP):
+        return None
+    return Unknown(
+        block=str(problem.block.block),
+        expression="",
+        description="what remains follows the motion, and no effect or term that was tried explains it",
+        held_out_nrmse=proved.after,
+    )
+
+
+def _unknown(outside: Sequence[type[OutsideTerm]], best: Fit, error: float) -> Unknown:
+    terms = []
+    for effect in outside:
+        values = ", ".join(f"{e.name} = {e.value:.4g} {e.units}" for e in estimates(effect, best))
+        terms.append(f"{effect.expression} ({values})")
+    description = "; ".join(effect.description for effect in outside)
+    return Unknown(
+        block=str(outside[0].block),
+        expression=" + ".join(terms),
+        description=description,
+        held_out_nrmse=error,
+    )
+
+
+def _interrupted(problem: Problem, best: Fit, error: float) -> Unknown | None:
+    """Return what is seen of a reading that stands still now and then."""
+    seen = standstill(problem, best)
+    if seen is None:
+        return None
+    return Unknown(
+        block=str(problem.block.block),
+        expression=f"{problem.block.channel} held {seen.events} times, for {seen.seconds:.3g} s as a rule",
+        description="the reading stands still now and then while the model moves on: the sensor drops out",
+        held_out_nrmse=error,
+    )
+
+
+def _disturbance(problem: Problem, best: Fit, error: float) -> Unknown | None:
+    """Return what is seen of a disturbance at frequencies that are too high to judge models."""
+    line = line_above(problem, best)
+    if line is None:
+        return None
+    return Unknown(
+        block=str(problem.block.block),
+        expression=f"{line.amplitude:.4g} N sin(2π {line.frequency:.4g} Hz t + phase)",
+        description=Disturbance.description,
+        held_out_nrmse=error,
+    )
