@@ -21,7 +21,6 @@ LONG_MODULES = {
     "sweep/store.py",
     "loop/partition/frame_loop.py",
     "rebuilt_error/monitor.py",
-    "discrepancy/fitting/search.py",
     "loop/partition/frame_file.py",
     "sweep/results.py",
     "validation/cross_validation/judge.py",

@@ -129,6 +129,7 @@ def _examined(block: ObservedBlock, campaign: Campaign) -> BlockDiagnosis:
     searched = search.again()
     if is_model_error(searched.problem, searched.best):
         searched = searched.tempered()
+    searched.settle()
     searched.refine()
     searched.settle()
     searched.sharpen()

@@ -44,9 +44,14 @@ class LeftOut:
     units: Array
 
     @property
+    def relative(self) -> Array:
+        """Energy of the residuals over that which counts as one, shape (tests,)."""
+        return np.asarray(self.energies / self.units)
+
+    @property
     def energy(self) -> float:
         """Relative energy of the residuals, summed over the tests, which count alike."""
-        return float((self.energies / self.units).sum())
+        return float(self.relative.sum())
 
     @property
     def nrmse(self) -> float:

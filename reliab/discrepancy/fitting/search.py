@@ -1,52 +1,17 @@
 """Searching for what a block hides: forward by screening, backward by removal, judged by evidence."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
-from weakref import WeakKeyDictionary
 
 import numpy as np
-from numpy.typing import NDArray
 
 from reliab.discrepancy.fitting.fit import Fit, fit, refined, reweighted, sharpened, transferred
-from reliab.discrepancy.fitting.left_out import LeftOut, left_out
+from reliab.discrepancy.fitting.fitted_models import COST, OUTSIDE_COST, FittedModels
 from reliab.discrepancy.fitting.line_terms import line_terms
 from reliab.discrepancy.fitting.observations import observations
-from reliab.discrepancy.fitting.problem import Problem
+from reliab.discrepancy.fitting.screening import Screened, screened
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.spectra.noise import NoiseModel
-from reliab.discrepancy.terms import is_outside
 from reliab.loop.effects import Effect, library
-
-Array = NDArray[np.float64]
-Kinds = tuple[type[Effect], ...]
-
-COST = 4.0
-"""Logarithm of the prior odds against one more effect."""
-
-OUTSIDE_COST = 7.0
-"""The same for an effect outside the library."""
-
-LEAST_SHARE = 0.01
-"""Share of the gap's energy that an effect must close to be named beside others.
-
-No model of a machine is exact: long records make errors of a tenth of the largest effect significant."""
-
-AUDIBLE = 0.02
-"""Share of the noise's energy that an effect outside the library must have.
-
-Every recording has traces far below its noise that no library holds."""
-
-MATERIAL = 0.19
-"""Share of the error's energy on left-out tests, a tenth of its RMS, that an effect must take away where what
-is left is no noise.
-
-An error of the model follows the motion, so that nearly anything explains some of it; by evidence alone,
-which takes it for noise, a trifle of it decides with certainty."""
-
-_LEAST_BESIDE, _LEAST_OUTSIDE = 0.03, 0.05
-# shares of the whole gap's energy that an effect beside others, and a term outside the library, must close
-_NO_WORSE = 0.02  # growth of the error on left-out tests that noise brings about
 
 MOST_EFFECTS = 3
 _WORKERS = 2
@@ -59,157 +24,20 @@ _CLOSE = 100.0  # nats
 _POSSIBLE = 7.0  # nats
 
 
-def cost(kinds: Iterable[type[Effect]]) -> float:
-    """Prior odds against a set of effects, as a logarithm; a special form of an effect counts twice."""
-    return sum(OUTSIDE_COST if is_outside(kind) else COST * (1 + bool(kind.refines)) for kind in kinds)
+class Search(FittedModels):
+    """Fit models with ever more effects, and keep what the data support."""
 
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Screened:
-    """How much an effect promises to explain beside a fitted model.
-
-    Attributes
-    ----------
-    kind : type
-        The effect.
-    gain : float
-        Gain of log-likelihood, to first order.
-    start : numpy.ndarray
-        Coordinates from which to fit.
-    others : tuple of numpy.ndarray, optional
-        Coordinates that promised less.
-    """
-
-    kind: type[Effect]
-    gain: float
-    start: Array
-    others: tuple[Array, ...] = ()
-
-
-class Search:
-    """All models of a block that were fitted, by the names of their effects.
-
-    Parameters
-    ----------
-    problem : Problem
-        The block and its data.
-    """
-
-    def __init__(self, problem: Problem) -> None:
-        self.fitted: dict[frozenset[str], Fit] = {}
-        self.rejected: set[frozenset[str]] = set()
-        self._errors: WeakKeyDictionary[Fit, LeftOut] = WeakKeyDictionary()
-        block = problem.block
-        space = ModelSpace(block, ())
-        spread = np.mean([block.measured(s.test)[s.begin : s.end].var() for s in problem.segments])
-        start = NoiseModel.white(block.rate, 1e-3 * float(spread))
-        null = refined(problem, fit(problem, space, [np.zeros(space.size)], start))
-        self.problem = problem if problem.conversion else problem.corrected(space, null.coordinates)
-        self.null = self._keep(null if self.problem is problem else refined(self.problem, null))
-
-    def _keep(self, candidate: Fit) -> Fit:
-        key = frozenset(candidate.space.names)
-        if key in self.rejected:
-            return candidate
-        if key not in self.fitted or self.score(candidate) > self.score(self.fitted[key]):
-            self.fitted[key] = candidate
-        return self.fitted[key]
-
-    def _reject(self, candidate: Fit) -> None:
-        """Take a model out of the search for good: something in it does not matter."""
-        key = frozenset(candidate.space.names)
-        self.rejected.add(key)
-        self.fitted.pop(key, None)
-
-    def score(self, candidate: Fit) -> float:
-        """Logarithm of how credible a fitted model is, up to a constant.
-
-        Evidence and prior odds where noise judges; else the predictive likelihood of tests that are left out
-        one at a time, of normal errors of unknown size, which has paid for the model's parameters already.
-        """
-        if not self.problem.flat:
-            return candidate.log_evidence - cost(candidate.space.effects)
-        error = self.error(candidate)
-        count = sum(
-            share * (2 * segment.bins - 1)
-            for share, segment in zip(self.problem.tempering, self.problem.segments, strict=True)
-        )
-        return -0.5 * count * float(np.log(max(error.energy, 1e-300))) - cost(candidate.space.effects)
-
-    def error(self, candidate: Fit) -> LeftOut:
-        """Error of a model on each test when it is fitted to the others."""
-        if candidate not in self._errors:
-            self._errors[candidate] = left_out(self.problem, candidate)
-        return self._errors[candidate]
-
-    def plain(self) -> Fit:
-        """Calibrate by least squares, as a laboratory would that knows nothing of noise."""
-        variance = float(
-            np.mean(self.null.noise.density(np.linspace(0.0, 0.5 * self.problem.block.rate, 99)))
-        )
-        white = NoiseModel.white(self.null.noise.rate, variance)
-        return fit(self.problem, self.null.space, [self.null.coordinates], white)
-
-    @property
-    def best(self) -> Fit:
-        """The most credible of all fitted models."""
-        return max(self.fitted.values(), key=self.score)
-
-    def screen(self, parent: Fit, kinds: Sequence[type[Effect]]) -> list[Screened]:
-        """Rank effects by what they promise to explain beside a model."""
-        fresh = [kind for kind in kinds if kind not in parent.space.effects]
-        basis = np.linalg.qr(parent.jacobian[:, parent.free])[0]
-        sketched = self.problem.sketch.whitened(parent.space, parent.coordinates, parent.noise)
-        with ThreadPoolExecutor(_WORKERS) as pool:
-            screened = pool.map(lambda kind: self._screen_one(parent, sketched, basis, kind), fresh)
-            ranked = sorted(screened, key=lambda candidate: -candidate.gain)
-        if not self.problem.flat:
-            return ranked
-        whole = 0.5 * float(parent.residual @ parent.residual)
-        return [
-            replace(candidate, gain=-whole * np.log1p(-min(candidate.gain / whole, 0.99)))
-            for candidate in ranked
-        ]
-
-    def _screen_one(self, parent: Fit, sketched: Array, basis: Array, kind: type[Effect]) -> Screened:
-        space = ModelSpace(parent.space.block, (*parent.space.effects, kind))
-        best = Screened(kind=kind, gain=0.0, start=np.zeros(0))
-        for begin in space.starts(parent.space, parent.coordinates):
-            start = begin
-            change = self.problem.sketch.whitened(space, start, parent.noise) - sketched
-            change -= basis @ (basis.T @ change)
-            size = float(change @ change)
-            along = -float(parent.residual @ change)
-            if size <= 0.0 or (along < 0.0 and not kind.parameters[0].signed):
-                continue
-            gain = 0.5 * along**2 / size
-            start = space.scaled(start, kind, along / size)
-            if gain > best.gain or best.start.size == 0:
-                best = Screened(kind=kind, gain=gain, start=start, others=(*best.others, start))
-            else:
-                best = replace(best, others=(*best.others, start))
-        return self._uncalibrated(parent, sketched, space, best) if parent is self.null else best
-
-    def _uncalibrated(self, parent: Fit, sketched: Array, space: ModelSpace, best: Screened) -> Screened:
-        """Start from the nominal rig where that promises more.
-
-        A calibration that has made up for an actuator at its limits has moved the model away from them.
-        """
-        for start in space.starts(parent.space, np.zeros(parent.space.size)):
-            residual = self.problem.sketch.whitened(space, start, parent.noise)
-            gain = 0.5 * float(sketched @ sketched - residual @ residual)
-            if gain > best.gain:
-                best = replace(best, gain=gain, start=start)
-        return best
+    def _screened(self, parent: Fit, kinds: Sequence[type[Effect]]) -> list[Screened]:
+        return screened(self.problem, parent, kinds, self.null)
 
     def _untried(self, names: set[str]) -> bool:
         return frozenset(names) not in self.fitted and frozenset(names) not in self.rejected
 
-    def extend(self, parent: Fit, screened: Sequence[Screened]) -> list[Fit]:
+    def extend(self, parent: Fit, promising: Sequence[Screened]) -> list[Fit]:
         """Fit a model with each of some effects added."""
         fresh = [
             candidate
-            for candidate in screened
+            for candidate in promising
             if candidate.start.size and self._untried({*parent.space.names, str(candidate.kind.name)})
         ]
 
@@ -245,34 +73,6 @@ class Search:
         first = max(candidate.log_evidence for candidate in rough)
         return min(0.5 * (first + parent.log_evidence), first - _CLOSE)
 
-    def _matters(self, candidate: Fit, smaller: Fit) -> bool:
-        """Whether what an effect adds is not negligible, by what models leave and on left-out tests."""
-        rows = candidate.residual
-        remaining = float(rows @ rows)
-        gained = self._energy(smaller, candidate.noise) - remaining
-        unknown = any(is_outside(kind) for kind in set(candidate.space.effects) - set(smaller.space.effects))
-        if unknown and gained < AUDIBLE * remaining:
-            return False
-        if self.problem.flat:
-            least = _LEAST_OUTSIDE if unknown else _LEAST_BESIDE
-            large = gained > max(
-                MATERIAL * (remaining + gained), least * self._energy(self.null, candidate.noise)
-            )
-            return large and self._predicts(candidate, smaller, 1.0 - MATERIAL)
-        if smaller is self.null:
-            return True
-        closed = self._energy(self.null, candidate.noise) - remaining
-        return gained > LEAST_SHARE * closed and self._predicts(candidate, smaller, 1.0 + _NO_WORSE)
-
-    def _predicts(self, candidate: Fit, smaller: Fit, most: float) -> bool:
-        """Whether a model's error on left-out tests is at most a multiple of that of a smaller model."""
-        return self.error(candidate).energy <= most * self.error(smaller).energy
-
-    def _energy(self, candidate: Fit, noise: NoiseModel) -> float:
-        """Energy that a model leaves, whitened by a given noise."""
-        rows = self.problem.whitened(candidate.space, candidate.coordinates, noise)
-        return float(rows @ rows)
-
     @property
     def _least_promise(self) -> float:
         """Gain to first order below which an effect is not fitted.
@@ -287,7 +87,7 @@ class Search:
         for _ in range(deepest):
             children: list[Fit] = []
             for parent in beam:
-                promising = self.screen(parent, kinds)
+                promising = self._screened(parent, kinds)
                 floor = max(self._least_promise, 0.02 * promising[0].gain) if promising else 0.0
                 children += self.extend(
                     parent, [candidate for candidate in promising[:_TRIED] if candidate.gain > floor]
@@ -308,7 +108,7 @@ class Search:
         block = self.problem.block
         inside = self.forward(begin or self.null, block.candidates)
         outside = (*block.outside, *line_terms(self.problem, inside)) if block.outside else ()
-        remaining = self.screen(inside, outside)
+        remaining = self._screened(inside, outside)
         if not remaining or remaining[0].gain < self.noticeable(inside):
             return inside
         every = (*block.candidates, *outside)
@@ -359,7 +159,7 @@ class Search:
                     parent,
                     [
                         candidate
-                        for candidate in self.screen(parent, candidates)[:_TRIED]
+                        for candidate in self._screened(parent, candidates)[:_TRIED]
                         if candidate.gain > self._least_promise
                     ],
                 )
@@ -385,7 +185,7 @@ class Search:
             self._keep(refined_fit)
 
     def settle(self) -> None:
-        """Reject what does not matter against one of its sub-models, of all models that may be named."""
+        """Reject every model that may be named and holds what does not matter."""
         checked: set[frozenset[str]] = set()
         while True:
             best = self.score(self.best)
@@ -399,10 +199,7 @@ class Search:
             for key in near:
                 checked.add(key)
                 candidate = self.fitted[key]
-                if any(
-                    not self._matters(candidate, self.without(candidate, kind))
-                    for kind in candidate.space.effects
-                ):
+                if not self.supported(candidate):
                     self._reject(candidate)
 
     def sharpen(self) -> None:
@@ -432,13 +229,3 @@ class Search:
                 break
             best = challenger
         return best
-
-    def without(self, candidate: Fit, kind: type[Effect]) -> Fit:
-        """Return a model without one of its effects, refitted."""
-        remaining = tuple(effect for effect in candidate.space.effects if effect is not kind)
-        space = ModelSpace(candidate.space.block, remaining)
-        key = frozenset(space.names)
-        if key in self.fitted:
-            return self.fitted[key]
-        start = space.inherited(candidate.space, candidate.coordinates)
-        return self._keep(refined(self.problem, fit(self.problem, space, [start], candidate.noise)))

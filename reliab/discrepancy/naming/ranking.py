@@ -3,26 +3,59 @@
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reliab.discrepancy.fitting.fit import Fit
+from reliab.discrepancy.fitting.fitted_models import cost
 from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.result.block_diagnosis import Ranked
 from reliab.loop.effects import Effect
 
+Array = NDArray[np.float64]
+
 SURE = 0.9
 """Probability from which an effect is named."""
 
+_DRAWS, _SEED = 1000, 20
 _NEGLIGIBLE = 0.05  # probability of no effect below which something is missing for sure
 
 
 def ranking(search: Search) -> tuple[Ranked, ...]:
     """Fitted models with their probabilities, the most probable first."""
-    ordered = sorted(search.fitted.values(), key=search.score, reverse=True)
-    weights = np.exp(np.array([search.score(fit) for fit in ordered]) - search.score(ordered[0]))
-    shares = (weights / weights.sum()).tolist()
+    models = list(search.fitted.values())
+    shares = _shares_of_tests(search, models) if search.problem.flat else _shares_of_scores(search, models)
+    order = np.argsort(-shares, kind="stable")
+    ordered = [models[k] for k in order]
     if search.problem.flat:
         _place(search, ordered)
-    return tuple(Ranked(fit=fit, probability=share) for fit, share in zip(ordered, shares, strict=True))
+    return tuple(
+        Ranked(fit=fit, probability=share) for fit, share in zip(ordered, shares[order].tolist(), strict=True)
+    )
+
+
+def _shares_of_scores(search: Search, models: Sequence[Fit]) -> Array:
+    """Probability of each model by its score, shape (models,)."""
+    return _softmax(np.array([search.score(fit) for fit in models]))
+
+
+def _shares_of_tests(search: Search, models: Sequence[Fit]) -> Array:
+    """Probability of each model by its errors on left-out tests, shape (models,).
+
+    The tests of a campaign are a few of all that could have been run. Their weights are drawn anew from the
+    flat Dirichlet distribution (the Bayesian bootstrap), and probabilities are averaged over the draws, so
+    that a model that wins by a single test is not certain (pseudo-BMA+ of Yao and others, 2018,
+    doi:10.1214/17-BA1091).
+    """
+    errors = np.stack([search.error(fit).relative for fit in models])
+    weights = np.random.default_rng(_SEED).dirichlet(np.ones(errors.shape[1]), _DRAWS) * errors.shape[1]
+    likelihoods = search.observations * -0.5 * np.log(np.maximum(weights @ errors.T, 1e-300))
+    costs = np.array([cost(fit.space.effects) for fit in models])
+    return np.asarray(_softmax(likelihoods - costs).mean(axis=0))
+
+
+def _softmax(scores: Array) -> Array:
+    weights = np.exp(scores - scores.max(axis=-1, keepdims=True))
+    return np.asarray(weights / weights.sum(axis=-1, keepdims=True))
 
 
 def _place(search: Search, ordered: list[Fit]) -> None:
@@ -55,7 +88,7 @@ def believed(ranked: Sequence[Ranked], null: Fit) -> tuple[Fit, set[type[Effect]
     named = {effect for effect in effects if probability(ranked, effect) >= SURE}
     rest = set(effects) - named
     fewer = sum(r.probability for r in ranked if len(r.fit.space.effects) < len(effects))
-    doubtful = rest if not named and fewer < _NEGLIGIBLE else set()
+    doubtful = rest if fewer < _NEGLIGIBLE else set()
     return _fit_with(ranked, named | doubtful) or null, named, doubtful
 
 

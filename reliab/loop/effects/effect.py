@@ -78,6 +78,8 @@ class Effect(ABC):
     refines : type, optional
         Simpler effect, with its parameters first, of which this one is a special form; it is tried only in
         the place of that one.
+    limiting_cases : tuple of type, optional
+        Simpler effects that this one resembles at an end of its parameters' ranges.
     """
 
     name: ClassVar[str]
@@ -88,6 +90,7 @@ class Effect(ABC):
     reported_name: ClassVar[str] = ""
     position: ClassVar[str] = ""
     refines: ClassVar["type[Effect] | None"] = None
+    limiting_cases: ClassVar["tuple[type[Effect], ...]"] = ()
 
     def __post_init__(self) -> None:
         for parameter in self.parameters:

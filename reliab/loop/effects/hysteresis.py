@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from reliab.loop.effects.coulomb_friction import CoulombFriction
 from reliab.loop.effects.effect import Role, SteppedEffect
 from reliab.loop.effects.kernel import Kernel, Numbers
 from reliab.loop.effects.parameter import Parameter
@@ -67,6 +68,7 @@ class Hysteresis(SteppedEffect):
     block = Block.SPECIMEN
     role = Role.FORCE
     description = "the specimen yields and dissipates like a Bouc–Wen hysteresis"
+    limiting_cases = (CoulombFriction,)
     parameters = (
         Parameter(
             name="force_n",

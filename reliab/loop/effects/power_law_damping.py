@@ -3,9 +3,11 @@
 import math
 from dataclasses import dataclass
 
+from reliab.loop.effects.coulomb_friction import CoulombFriction
 from reliab.loop.effects.effect import Role, SteppedEffect
 from reliab.loop.effects.kernel import Kernel, Numbers
 from reliab.loop.effects.parameter import Parameter
+from reliab.loop.effects.viscous_damping import ViscousDamping
 from reliab.vocabulary import Block
 
 
@@ -31,6 +33,7 @@ class PowerLawDamping(SteppedEffect):
     block = Block.SPECIMEN
     role = Role.FORCE
     description = "the specimen has a damper whose force grows with a power of the velocity below one"
+    limiting_cases = (CoulombFriction, ViscousDamping)
     parameters = (
         Parameter(
             name="coefficient",

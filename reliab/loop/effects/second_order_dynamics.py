@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from reliab.loop.effects.effect import LinearEffect, Role, Setting
+from reliab.loop.effects.first_order_lag import FirstOrderLag
 from reliab.loop.effects.kernel import Kernel, Numbers
 from reliab.loop.effects.parameter import Parameter
 from reliab.vocabulary import Block
@@ -47,6 +48,7 @@ class SecondOrderDynamics(LinearEffect):
     block = Block.ACTUATOR
     role = Role.PISTON
     description = "the actuator follows like a second-order low-pass filter"
+    limiting_cases = (FirstOrderLag,)
     parameters = (
         Parameter(
             name="natural_frequency_hz",

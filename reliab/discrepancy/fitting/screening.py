@@ -1,0 +1,109 @@
+"""How much an effect promises to explain beside a fitted model, to first order."""
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.discrepancy.fitting.fit import Fit
+from reliab.discrepancy.fitting.problem import Problem
+from reliab.discrepancy.fitting.space import ModelSpace
+from reliab.loop.effects import Effect
+
+Array = NDArray[np.float64]
+
+_WORKERS = 2
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Screened:
+    """How much an effect promises to explain beside a fitted model.
+
+    Attributes
+    ----------
+    kind : type
+        The effect.
+    gain : float
+        Gain of log-likelihood, to first order.
+    start : numpy.ndarray
+        Coordinates from which to fit.
+    others : tuple of numpy.ndarray, optional
+        Coordinates that promised less.
+    """
+
+    kind: type[Effect]
+    gain: float
+    start: Array
+    others: tuple[Array, ...] = ()
+
+
+def screened(problem: Problem, parent: Fit, kinds: Sequence[type[Effect]], null: Fit) -> list[Screened]:
+    """Rank effects by what they promise to explain beside a model.
+
+    Parameters
+    ----------
+    problem : Problem
+        The block and its data.
+    parent : Fit
+        The model beside which they would act.
+    kinds : sequence of type
+        The effects; those that the model holds are left out.
+    null : Fit
+        The calibrated model without effects.
+
+    Returns
+    -------
+    list of Screened
+        The most promising first.
+    """
+    fresh = [kind for kind in kinds if kind not in parent.space.effects]
+    basis = np.linalg.qr(parent.jacobian[:, parent.free])[0]
+    sketched = problem.sketch.whitened(parent.space, parent.coordinates, parent.noise)
+    with ThreadPoolExecutor(_WORKERS) as pool:
+        promises = pool.map(lambda kind: _screened(problem, parent, sketched, basis, kind, null), fresh)
+        ranked = sorted(promises, key=lambda candidate: -candidate.gain)
+    if not problem.flat:
+        return ranked
+    whole = 0.5 * float(parent.residual @ parent.residual)
+    return [
+        replace(candidate, gain=-whole * np.log1p(-min(candidate.gain / whole, 0.99))) for candidate in ranked
+    ]
+
+
+def _screened(
+    problem: Problem, parent: Fit, sketched: Array, basis: Array, kind: type[Effect], null: Fit
+) -> Screened:
+    space = ModelSpace(parent.space.block, (*parent.space.effects, kind))
+    best = Screened(kind=kind, gain=0.0, start=np.zeros(0))
+    for begin in space.starts(parent.space, parent.coordinates):
+        start = begin
+        change = problem.sketch.whitened(space, start, parent.noise) - sketched
+        change -= basis @ (basis.T @ change)
+        size = float(change @ change)
+        along = -float(parent.residual @ change)
+        if size <= 0.0 or (along < 0.0 and not kind.parameters[0].signed):
+            continue
+        gain = 0.5 * along**2 / size
+        start = space.scaled(start, kind, along / size)
+        if gain > best.gain or best.start.size == 0:
+            best = Screened(kind=kind, gain=gain, start=start, others=(*best.others, start))
+        else:
+            best = replace(best, others=(*best.others, start))
+    return _uncalibrated(problem, parent, sketched, space, best) if parent is null else best
+
+
+def _uncalibrated(
+    problem: Problem, parent: Fit, sketched: Array, space: ModelSpace, best: Screened
+) -> Screened:
+    """Start from the nominal rig where that promises more.
+
+    A calibration that has made up for an actuator at its limits has moved the model away from them.
+    """
+    for start in space.starts(parent.space, np.zeros(parent.space.size)):
+        residual = problem.sketch.whitened(space, start, parent.noise)
+        gain = 0.5 * float(sketched @ sketched - residual @ residual)
+        if gain > best.gain:
+            best = replace(best, gain=gain, start=start)
+    return best
