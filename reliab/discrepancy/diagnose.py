@@ -1,7 +1,8 @@
 """The whole workflow: observe the blocks of a campaign, search each for what is missing, prove it."""
 
+import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from threadpoolctl import threadpool_limits
 
@@ -29,6 +30,7 @@ _ACTUATOR = frozenset({Channel.COMMAND, Channel.MEASURED})
 _SPECIMEN = frozenset({Channel.MEASURED, Channel.FORCE})
 _BALANCE = frozenset({Channel.GROUND, Channel.COMMAND, Channel.FORCE})
 _LOOP = frozenset({Channel.GROUND, Channel.MEASURED})
+_STEPS = 6  # of the search of a block
 
 
 def diagnose(campaign: Campaign, *, progress: Progress = silent) -> Diagnosis:
@@ -39,7 +41,7 @@ def diagnose(campaign: Campaign, *, progress: Progress = silent) -> Diagnosis:
     campaign : Campaign
         Measured tests and the nominal model.
     progress : Progress, optional
-        Called after each block.
+        Called after each step of the search of each block.
 
     Returns
     -------
@@ -57,11 +59,12 @@ def diagnose(campaign: Campaign, *, progress: Progress = silent) -> Diagnosis:
     diagnoses: list[BlockDiagnosis] = []
     # Products are small and fits run side by side: threads of their own would only wait for each other.
     with threadpool_limits(limits=1, user_api="blas"):
-        for done, kind in enumerate(kinds):
-            progress(done, len(kinds))
+        whole = _STEPS * len(kinds)
+        steps = itertools.count(1)
+        progress(0, whole)
+        for kind in kinds:
             block = _block(kind, campaign, scales, motions, diagnoses)
-            diagnoses.append(_examined(block, campaign))
-    progress(len(kinds), len(kinds))
+            diagnoses.append(_examined(block, campaign, lambda: progress(next(steps), whole)))
     return Diagnosis(campaign=campaign, blocks=tuple(diagnoses))
 
 
@@ -115,7 +118,8 @@ def _pistons(actuator: BlockDiagnosis) -> list[Motion3]:
     return [block.piston(model, test) for test in range(len(block.tests))]
 
 
-def _examined(block: ObservedBlock, campaign: Campaign) -> BlockDiagnosis:
+def _examined(block: ObservedBlock, campaign: Campaign, advance: Callable[[], None]) -> BlockDiagnosis:
+    """Search a block in `_STEPS` steps; `advance` is called after each."""
     every = math.lcm(block.every, block.sketch.every)
     training, proof = (
         Problem(
@@ -125,12 +129,19 @@ def _examined(block: ObservedBlock, campaign: Campaign) -> BlockDiagnosis:
         for stretches in (campaign.training, campaign.proof)
     )
     search = Search(training)
+    advance()
     search.whole()
+    advance()
     searched = search.again()
+    advance()
     if is_model_error(searched.problem, searched.best):
         searched = searched.tempered()
+    advance()
     searched.settle()
     searched.refine()
     searched.settle()
+    advance()
     searched.sharpen()
-    return diagnose_block(searched, proof)
+    diagnosed = diagnose_block(searched, proof)
+    advance()
+    return diagnosed

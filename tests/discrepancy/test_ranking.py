@@ -31,6 +31,7 @@ def first_of(*models, flat=True):
     search = SimpleNamespace(
         fitted=fits,
         problem=SimpleNamespace(flat=flat),
+        observations=20.0,
         error=lambda fit: left[id(fit)],
         score=lambda fit: -10.0 * np.log(left[id(fit)].energy),
     )

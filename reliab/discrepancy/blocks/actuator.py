@@ -20,7 +20,8 @@ Array = NDArray[np.float64]
 
 _ON_THE_WAY = (Role.DELAY, Role.PISTON)
 _SKETCHED_RATE = 500.0  # Hz
-_FINEST_RATE = 2000.0  # Hz, so that an input that is taken as linear within a step is
+_FINEST_RATE = 2000.0  # Hz
+_LARGEST_ERROR = 2e-5  # of an input that is taken as linear within a step, RMS over that of the input
 
 
 class ActuatorBlock(ObservedBlock):
@@ -51,7 +52,7 @@ class ActuatorBlock(ObservedBlock):
             e for e in known if e.role in roles and e is not SensorBias and e.refines is None
         )
         self.outside = outside_terms(self.block)
-        parts = max(1, int(np.ceil(_FINEST_RATE / campaign.rate - 0.05)))
+        parts = _parts(campaign)
         commands = [
             Motion3.through(test.channels[Channel.COMMAND], campaign.step, parts=parts) for test in self.tests
         ]
@@ -85,3 +86,17 @@ class ActuatorBlock(ObservedBlock):
     def predict(self, model: HybridTest, test: int) -> Array:
         """Displacement that the sensor reads [m], shape (n,)."""
         return read_displacement(model, self.piston(model, test))
+
+
+def _parts(campaign: Campaign) -> int:
+    """Return the steps of a simulation to each sample, fine enough for the frequencies in the commands.
+
+    Between the ends of a step h a command u(t) differs from a straight line by h²u''/12 on the average.
+    """
+    slowest = np.inf
+    for test in campaign.tests:
+        command = Motion3.through(test.channels[Channel.COMMAND], campaign.step).values
+        size, curvature = (float(np.std(command[k])) for k in (0, 2))
+        slowest = min(slowest, np.sqrt(12.0 * _LARGEST_ERROR * size / max(curvature, 1e-300)))
+    needed = min(1.0 / max(slowest, 1e-300), _FINEST_RATE)
+    return max(1, int(np.ceil(needed / campaign.rate - 0.05)))

@@ -98,8 +98,11 @@ class FittedModels:
         """
         if not self.problem.flat:
             return candidate.log_evidence - cost(candidate.space.effects)
-        energy = max(self.error(candidate).energy, 1e-300)
-        return -0.5 * self.observations * float(np.log(energy)) - cost(candidate.space.effects)
+        return self.likelihood(self.error(candidate)) - cost(candidate.space.effects)
+
+    def likelihood(self, error: LeftOut) -> float:
+        """Logarithm of the predictive likelihood of left-out tests, where errors judge."""
+        return -0.5 * self.observations * float(np.log(max(error.energy, 1e-300)))
 
     @property
     def observations(self) -> float:

@@ -14,8 +14,9 @@ from reliab.discrepancy.locating.locate import locate
 from reliab.discrepancy.locating.noise_test import is_noise, structured_share
 from reliab.discrepancy.naming.estimates import calibration, estimates
 from reliab.discrepancy.naming.further_test import expected_error
+from reliab.discrepancy.naming.offset_rival import OffsetRival, offset_rival
 from reliab.discrepancy.naming.offsets import offset_odds, offsets
-from reliab.discrepancy.naming.ranking import believed, probability, ranking
+from reliab.discrepancy.naming.ranking import SURE, believed, probability, ranking
 from reliab.discrepancy.naming.unexplained import unexplained
 from reliab.discrepancy.proof import gap, held_out_nrmse, residuals
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Ranked
@@ -52,13 +53,14 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     judged = _judged_by_noise(problem, best)
     noise = is_noise(*judged)
     most = 1.0 if noise else MOST_SURE
-    biases = offsets(search, best)
-    before = residuals(proof, search.plain(), without=biases)
+    biases = {kind: offset_rival(search, best, kind) for kind in offsets(search, best)}
+    before = residuals(proof, search.plain(), without=tuple(biases))
     after = residuals(proof, best)
     proved = gap(proof, before, after)
     bounds = best.space.on_bounds(best.coordinates)
     naming = _Naming(search=search, ranked=ranked, best=best, proof=proof, most=most, bounds=bounds)
     inside = [kind for kind in best.space.effects if not is_outside(kind)]
+    shifts = [naming.offset(kind, rival) for kind, rival in biases.items()]
     return BlockDiagnosis(
         block=problem.block,
         problem=problem,
@@ -68,9 +70,12 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         ranked=ranked,
         effects=(
             *(naming.missing(kind) for kind in inside if kind in named),
-            *(naming.offset(kind) for kind in biases),
+            *(shift for shift in shifts if shift.probability >= SURE),
         ),
-        doubtful=tuple(naming.missing(kind) for kind in inside if kind in doubtful),
+        doubtful=(
+            *(naming.missing(kind) for kind in inside if kind in doubtful),
+            *(shift for shift in shifts if shift.probability < SURE),
+        ),
         unknown=unexplained(judged, best, proved, noise=noise),
         findings=locate(judged[0], _as_judged(problem, calibrated, *judged), judged[1].noise),
         residuals_before=_by_file(proof, before),
@@ -114,16 +119,21 @@ class _Naming:
         smaller = self.search.without(self.best, effect)
         return self._stated(effect, probability(self.ranked, effect), smaller, self._rivals(effect))
 
-    def offset(self, effect: type[Effect]) -> MissingEffect:
-        """State an offset; its rivals are models in which it is zero."""
+    def offset(self, effect: type[Effect], rival: OffsetRival | None) -> MissingEffect:
+        """State an offset against models in which it is zero, with the best other effect in its place."""
         odds = offset_odds(self.best, effect)
-        sure = 1.0 / (1.0 + float(np.exp(-min(odds, 700.0))))
+        relative = np.exp(np.minimum([0.0, -odds, -np.inf if rival is None else rival.odds], 700.0))
+        shares = (relative / relative.sum()).tolist()
         problem = self.search.problem
         neutral = self.best.space.neutralised(self.best.coordinates, [effect])
         place = self.best.space.places(effect).start
         moved = refitted(self.best, np.zeros(problem.rows, dtype=bool), (place,))
         smaller = min((replace(self.best, coordinates=x) for x in (neutral, moved)), key=self._error)
-        return self._stated(effect, sure, smaller, ())
+        rivals = () if rival is None else (self._rival(rival.effect.label(), shares[2], rival.fit),)
+        return self._stated(effect, shares[0], smaller, rivals)
+
+    def _rival(self, name: str, sure: float, fitted: Fit) -> Rival:
+        return Rival(name=name, probability=sure, held_out_nrmse=self._error(fitted))
 
     def _stated(
         self, effect: type[Effect], sure: float, smaller: Fit, rivals: tuple[Rival, ...]
@@ -143,17 +153,20 @@ class _Naming:
         return held_out_nrmse(self.proof, residuals(self.proof, fitted))
 
     def _rivals(self, effect: type[Effect]) -> tuple[Rival, ...]:
-        """Models that hold one other effect in the place of this one."""
+        """Models that hold one other effect in the place of this one.
+
+        The same effect at another place along the block is none of them: left-out tests or the likelihood
+        decide where it acts, and no probability is stated of that.
+        """
         kept = set(self.best.space.effects) - {effect}
         rivals: list[Rival] = []
         for ranked in self.ranked:
             effects = set(ranked.fit.space.effects)
             added = effects - kept
-            if kept <= effects and len(added) == 1 and effect not in effects:
-                name = next(iter(added)).label()
-                rivals.append(
-                    Rival(name=name, probability=ranked.probability, held_out_nrmse=self._error(ranked.fit))
-                )
+            names = {rival.label() for rival in added}
+            if kept <= effects and len(added) == 1 and names != {effect.label()}:
+                (name,) = names
+                rivals.append(self._rival(name, ranked.probability, ranked.fit))
             if len(rivals) == _RIVALS:
                 break
         return tuple(rivals)

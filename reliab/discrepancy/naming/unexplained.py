@@ -12,10 +12,11 @@ from reliab.discrepancy.result.missing_effect import Unknown
 from reliab.discrepancy.terms import OutsideTerm
 from reliab.discrepancy.terms.periodic import Disturbance
 
-LARGEST_REMAINDER = 0.25
-"""Energy that may remain unexplained, over the energy that the effects took away, where they are `named`.
+LARGEST_REMAINDER = 0.2
+"""Share of the gap's energy that may remain unexplained where the effects are `named`.
 
-The remainder is then less than half of what was found, in RMS. Beyond it the verdict is `unknown_effect`."""
+What remains is then at most half of what the effects explain, in RMS. Beyond it the verdict is
+`unknown_effect`."""
 
 SMALLEST_GAP = 0.1
 """RMS of a remainder over that of the signal from which it is called an effect where no effect was found."""

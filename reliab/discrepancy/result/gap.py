@@ -59,9 +59,13 @@ class Gap:
 
     @property
     def unexplained_share(self) -> float:
-        """Energy that remains above the floor over the energy that the effects took away."""
+        """Share of the gap's energy above the floor that remains with the effects, in [0, 1].
+
+        Zero where nothing remains above the floor; one where the effects took nothing away.
+        """
+        remaining = self.model_error**2
         closed = max(self.before**2 - self.after**2, 0.0)
-        return self.model_error**2 / max(closed, 1e-12 * self.before**2, 1e-300)
+        return remaining / (remaining + closed) if remaining > 0.0 else 0.0
 
     def as_dict(self) -> dict[str, Any]:
         """Return the entry `gap`."""

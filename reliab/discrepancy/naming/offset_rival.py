@@ -1,0 +1,66 @@
+"""What else could pass for an offset of a sensor: the best effect in its place."""
+
+from copy import copy
+from dataclasses import dataclass, replace
+
+from reliab.discrepancy.fitting.fit import Fit, fit, reweighted
+from reliab.discrepancy.fitting.fitted_models import FittedModels
+from reliab.discrepancy.fitting.left_out import left_out
+from reliab.discrepancy.fitting.screening import screened
+from reliab.discrepancy.fitting.space import ModelSpace
+from reliab.loop.effects import Effect
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class OffsetRival:
+    """A model that holds an effect in the place of an offset.
+
+    Attributes
+    ----------
+    effect : type
+        The effect.
+    fit : Fit
+        The model, in which the offset is zero.
+    odds : float
+        Logarithm of how much more credible it is than the model with the offset, by the judge of the search.
+    """
+
+    effect: type[Effect]
+    fit: Fit
+    odds: float
+
+
+def offset_rival(search: FittedModels, best: Fit, offset: type[Effect]) -> OffsetRival | None:
+    """Find the effect that explains most in the place of an offset.
+
+    Parameters
+    ----------
+    search : FittedModels
+        The fitted models of the block.
+    best : Fit
+        The model that is believed, with the offset.
+    offset : type
+        The offset.
+
+    Returns
+    -------
+    OffsetRival or None
+        None where no effect promises to explain anything.
+    """
+    block = copy(search.problem.block)
+    block.offsets = tuple(kind for kind in block.offsets if kind is not offset)
+    problem = replace(search.problem, block=block)
+    space = ModelSpace(block, best.space.effects)
+    start = space.inherited(best.space, best.coordinates)
+    without = reweighted(problem, fit(problem, space, [start], best.noise))
+    promising = screened(problem, without, block.candidates, without)
+    if not promising or not promising[0].gain > 0.0:
+        return None
+    first = promising[0]
+    larger = ModelSpace(block, (*best.space.effects, first.kind))
+    rival = reweighted(problem, fit(problem, larger, [first.start], without.noise))
+    if not problem.flat:
+        odds = rival.log_evidence - best.log_evidence
+    else:
+        odds = search.likelihood(left_out(problem, rival)) - search.likelihood(search.error(best))
+    return OffsetRival(effect=first.kind, fit=rival, odds=odds)

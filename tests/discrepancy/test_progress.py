@@ -1,0 +1,11 @@
+"""A diagnosis reports that it moves within a block, and ends at its announced total."""
+
+from reliab.discrepancy import diagnose, read_campaign
+
+
+def test_progress_grows_by_one_step_up_to_the_total(small_campaign):
+    calls = []
+    diagnose(read_campaign(small_campaign), progress=lambda done, total: calls.append((done, total)))
+    total = calls[0][1]
+    assert total > 1  # a single block
+    assert calls == [(done, total) for done in range(total + 1)]
