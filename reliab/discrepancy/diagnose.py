@@ -124,7 +124,9 @@ def _examined(block: ObservedBlock, campaign: Campaign, advance: Callable[[], No
     training, proof = (
         Problem(
             block=block,
-            segments=cut_segments(settled(stretches, block.motions), campaign.rate, block.highest_of, every),
+            segments=cut_segments(
+                settled(stretches, block.motions, block.memory), campaign.rate, block.highest_of, every
+            ),
         )
         for stretches in (campaign.training, campaign.proof)
     )

@@ -70,6 +70,9 @@ def test_closed_fraction_stays_within_its_bounds(floor, after):
     )  # fmt: skip
     assert gap.closed_fraction is None or 0.0 <= gap.closed_fraction <= 1.0
     assert gap.model_error == pytest.approx(np.sqrt(max(after**2 - floor**2, 0.0)))
+    assert 0.0 <= gap.unexplained_share <= 1.0
+    if gap.closed_fraction is not None:
+        assert gap.unexplained_share == pytest.approx(1.0 - gap.closed_fraction)
 
 
 def test_without_a_floor_nothing_is_said_of_the_closed_fraction():

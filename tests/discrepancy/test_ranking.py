@@ -54,3 +54,22 @@ def test_all_tests_tell_the_place_where_left_out_ones_do_not():
 )
 def test_the_first_model_stays_first_otherwise(other, energies, evidence, flat):
     assert first_of((model(AFTER, 68.0), STEADY), (model(other, evidence), energies), flat=flat) is AFTER
+
+
+def test_a_model_that_wins_by_a_single_test_is_less_probable_than_one_that_wins_by_all():
+    """Their summed errors are the same; a flat Dirichlet distribution weighs the tests anew."""
+
+    def sure_of(energies):
+        fits = {"rival": model(BACKLASH, 0.0), "first": model(AFTER, 0.0)}
+        left = {id(fits["rival"]): errors(np.ones(4)), id(fits["first"]): errors(energies)}
+        search = SimpleNamespace(
+            fitted=fits,
+            problem=SimpleNamespace(flat=True),
+            observations=72.0,
+            error=lambda fit: left[id(fit)],
+        )
+        return next(r.probability for r in ranking(search) if r.fit is fits["first"])
+
+    by_all, by_one = sure_of([0.9, 0.9, 0.9, 0.9]), sure_of([0.3, 1.1, 1.1, 1.1])
+    assert by_all == pytest.approx(1.0 / (1.0 + 0.9**36), rel=1e-6)  # of (energy)^(-observations / 2)
+    assert by_one < 0.8

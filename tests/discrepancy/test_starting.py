@@ -32,3 +32,12 @@ def test_a_slow_start_takes_at_most_a_fifth():
 def test_a_stretch_within_a_record_keeps_its_begin():
     inner = Stretch(test=0, begin=700, end=TIME.size)
     assert settled([inner], [Motion3.through(np.sin(TIME), STEP)]) == (inner,)
+
+
+def test_a_free_vibration_that_started_before_is_waited_for():
+    whole = Stretch(test=0, begin=0, end=TIME.size)
+    moving = [Motion3.through(np.cos(2.0 * np.pi * TIME + 1.0), STEP)]
+    assert settled([whole], moving, 3.0)[0].begin * STEP == pytest.approx(3.0, abs=STEP)
+    assert settled([whole], moving, 60.0)[0].begin * STEP == pytest.approx(4.0, abs=STEP)  # a fifth
+    resting = [Motion3.through(np.sin(2.0 * np.pi * TIME) * np.sin(np.pi * TIME / 20.0) ** 2, STEP)]
+    assert settled([whole], resting, 3.0)[0].begin == 0

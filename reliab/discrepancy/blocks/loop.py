@@ -28,6 +28,7 @@ _COARSEST_RATE = 500.0  # Hz; at half of this the error of the integration passe
 _FEWEST_STEPS = 60.0  # of the integration in a natural period; what they miss is 70 dB below the signal
 _ROUNDING = 0.05
 _SPRINGS = 9
+_DIED_AWAY = 100.0  # ratio of a free vibration's amplitudes
 _SKETCHED = 0.5  # of the rate of integration, for derivatives
 _OF_THE_RIG = (Role.DELAY, Role.PISTON, Role.INTEGRATION)
 
@@ -83,6 +84,14 @@ class LoopBlock(ObservedBlock):
             _resampled(test.channels[Channel.GROUND], self.parts, self.every) for test in self.tests
         ]
         self._moved = lru_cache(maxsize=2 * len(self.tests))(self._move)
+
+    @property
+    def memory(self) -> float:
+        """Time [s] in which a free vibration of the nominal structure decays to a hundredth."""
+        structure = self.nominal.structure
+        if structure is None or not structure.damping_ratio > 0.0:
+            return 0.0
+        return math.log(_DIED_AWAY) / (structure.damping_ratio * structure.circular_frequency)
 
     @cached_property
     def sketch(self) -> ObservedBlock:

@@ -83,6 +83,11 @@ class ObservedBlock(ABC):
         return self.highest
 
     @property
+    def memory(self) -> float:
+        """Time [s] for which a free vibration from before a record goes on; zero where nothing vibrates."""
+        return 0.0
+
+    @property
     def sketch(self) -> "ObservedBlock":
         """The same block predicted at fewer instants, for derivatives; itself where it is fast anyway."""
         return self

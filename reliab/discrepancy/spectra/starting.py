@@ -14,11 +14,14 @@ _REVERSALS = 3  # after which the motion has gone through a whole swing
 _LARGEST_SHARE = 0.2  # of a record
 
 
-def settled(stretches: Sequence[Stretch], motions: Sequence[Motion3]) -> tuple[Stretch, ...]:
-    """Leave out the first swing of records that start while the piston moves.
+def settled(
+    stretches: Sequence[Stretch], motions: Sequence[Motion3], memory: float = 0.0
+) -> tuple[Stretch, ...]:
+    """Leave out the begin of records that start while the piston moves.
 
     What happened before the record has left a state in the rig, in a lag or in a hysteresis, that the record
-    does not tell. A simulation that starts without it has forgotten the difference after a swing.
+    does not tell. A simulation that starts without it has forgotten the difference after a swing, that of an
+    oscillator after its free vibration has died away.
 
     Parameters
     ----------
@@ -26,6 +29,8 @@ def settled(stretches: Sequence[Stretch], motions: Sequence[Motion3]) -> tuple[S
         Parts of tests.
     motions : sequence of Motion3
         Motion of the piston in every test.
+    memory : float, optional
+        Time after which a free vibration has died away [s].
 
     Returns
     -------
@@ -33,12 +38,14 @@ def settled(stretches: Sequence[Stretch], motions: Sequence[Motion3]) -> tuple[S
         The same parts, which begin later where a test begins in motion.
     """
     return tuple(
-        replace(stretch, begin=_begin(motions[stretch.test], stretch.end)) if stretch.begin == 0 else stretch
+        replace(stretch, begin=_begin(motions[stretch.test], stretch.end, memory))
+        if stretch.begin == 0
+        else stretch
         for stretch in stretches
     )
 
 
-def _begin(motion: Motion3, end: int) -> int:
+def _begin(motion: Motion3, end: int, memory: float) -> int:
     velocity = motion.values[1][:end]
     usual = float(np.sqrt(np.mean(velocity**2)))
     if float(np.abs(velocity[:_FIRST]).mean()) < _AT_REST * usual:
@@ -47,4 +54,5 @@ def _begin(motion: Motion3, end: int) -> int:
     signs = np.sign(velocity[moving])
     reversals = moving[1:][np.diff(signs) != 0.0]
     most = int(_LARGEST_SHARE * end)
-    return min(int(reversals[_REVERSALS - 1]), most) if reversals.size >= _REVERSALS else most
+    swing = int(reversals[_REVERSALS - 1]) if reversals.size >= _REVERSALS else most
+    return min(max(swing, int(memory / motion.step)), most)

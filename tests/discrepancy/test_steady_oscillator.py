@@ -1,0 +1,75 @@
+"""The Bouc–Wen benchmark of Noël & Schoukens (2016) in its steady state: records that begin in motion."""
+
+import numpy as np
+import pytest
+from scipy import fft
+
+from reliab.discrepancy import diagnose, read_campaign
+
+RATE, SAMPLES, FINER, TESTS = 750.0, 4096, 6, 4
+MASS, DAMPING, STIFFNESS = 2.0, 10.0, 5e4
+ALPHA, BETA, GAMMA, DELTA = 5e4, 1e3, 0.8, -1.1
+FORCE = 50.0  # RMS of the multisines [N]
+SAY = """
+name = "benchmark"
+[structure]
+frequency_hz = 35.2
+damping_ratio = 0.0112
+mass_kg = 2.0
+[sampling]
+rate_hz = 750
+"""
+
+
+def multisines(rng):
+    """Periodic forces between 5 and 150 Hz at the fine rate, shape (tests, n)."""
+    n = SAMPLES * FINER
+    spectrum = np.zeros((TESTS, n // 2 + 1), dtype=complex)
+    band = fft.rfftfreq(n, 1.0 / (RATE * FINER))
+    inside = (band > 5.0) & (band < 150.0)
+    spectrum[:, inside] = np.exp(2j * np.pi * rng.random((TESTS, int(inside.sum()))))
+    forces = fft.irfft(spectrum, n)
+    return FORCE * forces / forces.std(axis=1, keepdims=True)
+
+
+def steady_displacement(forces):
+    """Displacements in the second period, by the classical Runge–Kutta method, shape (tests, samples)."""
+    step, n = 1.0 / (RATE * FINER), forces.shape[1]
+
+    def rates(state, force):
+        y, v, z = state
+        bent = BETA * (GAMMA * np.abs(v) * z + DELTA * v * np.abs(z))
+        return np.stack([v, (force - STIFFNESS * y - DAMPING * v - z) / MASS, ALPHA * v - bent])
+
+    state, kept = np.zeros((3, TESTS)), []
+    for i in range(2 * n):
+        if i >= n and i % FINER == 0:
+            kept.append(state[0])
+        now, then = forces[:, i % n], forces[:, (i + 1) % n]
+        a = rates(state, now)
+        b = rates(state + 0.5 * step * a, 0.5 * (now + then))
+        c = rates(state + 0.5 * step * b, 0.5 * (now + then))
+        d = rates(state + step * c, then)
+        state = state + step / 6.0 * (a + 2.0 * b + 2.0 * c + d)
+    return np.stack(kept, axis=1)
+
+
+@pytest.mark.slow
+def test_hysteresis_alone_predicts_a_test_that_begins_in_motion(tmp_path):
+    forces = multisines(np.random.default_rng(3))
+    moved = steady_displacement(forces)
+    moved += 1e-4 * moved.std() * np.random.default_rng(4).standard_normal(moved.shape)
+    say = SAY
+    for k in range(TESTS):
+        columns = np.column_stack([np.arange(SAMPLES) / RATE, -forces[k, ::FINER] / MASS, moved[k]])
+        header = "time_s,ground_acceleration_mps2,measured_m"
+        np.savetxt(tmp_path / f"{k}.csv", columns, delimiter=",", header=header, comments="")
+        say += f'[[tests]]\nfile = "{k}.csv"\nmotion = "multisine {k}"\n'
+    (tmp_path / "campaign.toml").write_text(say)
+    found = diagnose(read_campaign(tmp_path))
+    assert [effect.name for effect in found.effects] == ["hysteresis"]
+    assert found.gap.after < 0.003
+    shape = {estimate.name: estimate.value for estimate in found.effects[0].estimates}
+    assert shape["exponent"] == pytest.approx(1.0, rel=0.02)
+    beta = 1.0 - shape["gamma"] - 2.0 * min(shape["gamma"], 0.0) ** 2
+    assert shape["gamma"] / beta == pytest.approx(DELTA / GAMMA, rel=0.02)
