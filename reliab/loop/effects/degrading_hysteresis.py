@@ -1,43 +1,12 @@
 """Bouc–Wen hysteresis that loses stiffness and strength and slips (Baber & Wen 1981, Baber & Noori 1985)."""
 
-import math
 from dataclasses import dataclass
 
+from reliab.loop.effects.bouc_wen import BOUC_WEN
 from reliab.loop.effects.effect import Role, SteppedEffect
 from reliab.loop.effects.hysteresis import Hysteresis
-from reliab.loop.effects.kernel import Kernel, Numbers
 from reliab.loop.effects.parameter import Parameter
 from reliab.vocabulary import Block
-
-_YIELDS = 1e-4  # of the elastic stiffness
-
-
-def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, state: Numbers) -> float:
-    # State: started, displacement, z, dissipated energy over f·d.
-    force, displacement = coefficients[0], coefficients[1]
-    gamma, exponent = coefficients[2], coefficients[3]
-    beta = 1.0 - gamma - 2.0 * min(gamma, 0.0) ** 2
-    travel = (motion[0] - state[1]) / displacement if state[0] != 0.0 else 0.0
-    sign = 1.0 if travel >= 0.0 else -1.0
-    parts = min(int(abs(travel) / 0.1) + 1, 50)
-    part = travel / parts
-    z, energy = state[2], state[3]
-    for place in range(parts):
-        softer = 1.0 + coefficients[5] * energy
-        weaker = 1.0 + coefficients[6] * energy
-        slip = 1.0 - coefficients[7] * math.exp(-((z / 0.2) ** 2))
-        direction = beta if sign * z >= 0.0 else -beta
-        rise = slip * part / softer * (1.0 - weaker * abs(z) ** exponent * (direction + gamma))
-        middle = min(max(z + 0.5 * rise, -100.0), 100.0)
-        direction = beta if sign * middle >= 0.0 else -beta
-        rise = slip * part / softer * (1.0 - weaker * abs(middle) ** exponent * (direction + gamma))
-        energy = max(energy + middle * (part - rise), 0.0)
-        z = min(max(z + rise, -100.0), 100.0)
-        if abs(rise) < _YIELDS * abs(part):  # it yields, and goes on yielding to the end of the step
-            energy = max(energy + (parts - 1 - place) * part * z, 0.0)
-            break
-    state[0], state[1], state[2], state[3] = 1.0, motion[0], z, energy
-    return force * (z - coefficients[4] * motion[0] / displacement)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,7 +66,7 @@ class DegradingHysteresis(SteppedEffect):
             starts=(0.05,),
         ),
     )
-    kernel = Kernel(function=_force, states=4)
+    kernel = BOUC_WEN
 
     force_n: float
     displacement_m: float

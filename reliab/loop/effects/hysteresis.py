@@ -2,35 +2,14 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.loop.effects.bouc_wen import BOUC_WEN
 from reliab.loop.effects.coulomb_friction import CoulombFriction
-from reliab.loop.effects.effect import Role, SteppedEffect
-from reliab.loop.effects.kernel import Kernel, Numbers
+from reliab.loop.effects.effect import Role, Setting, SteppedEffect
 from reliab.loop.effects.parameter import Parameter
 from reliab.vocabulary import Block
-
-_YIELDS = 1e-4  # of the elastic stiffness
-
-
-def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, state: Numbers) -> float:
-    # State: started, displacement, z. The path of the displacement decides, not its speed.
-    force, displacement = coefficients[0], coefficients[1]
-    gamma, exponent = coefficients[2], coefficients[3]
-    beta = 1.0 - gamma - 2.0 * min(gamma, 0.0) ** 2
-    travel = (motion[0] - state[1]) / displacement if state[0] != 0.0 else 0.0
-    sign = 1.0 if travel >= 0.0 else -1.0
-    parts = min(int(abs(travel) / 0.1) + 1, 50)
-    part = travel / parts
-    z = state[2]
-    for _ in range(parts):
-        direction = beta if sign * z >= 0.0 else -beta
-        middle = z + 0.5 * part * (1.0 - abs(z) ** exponent * (direction + gamma))
-        direction = beta if sign * middle >= 0.0 else -beta
-        slope = 1.0 - abs(middle) ** exponent * (direction + gamma)
-        z = min(max(z + part * slope, -100.0), 100.0)
-        if abs(slope) < _YIELDS:  # it yields, and goes on yielding to the end of the step
-            break
-    state[0], state[1], state[2] = 1.0, motion[0], z
-    return force * (z - coefficients[4] * motion[0] / displacement)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -124,7 +103,7 @@ class Hysteresis(SteppedEffect):
             starts=(0.5, 0.5, 0.5, 0.5, 0.5, 0.5),
         ),
     )
-    kernel = Kernel(function=_force, states=3)
+    kernel = BOUC_WEN
 
     force_n: float
     displacement_m: float
@@ -136,3 +115,8 @@ class Hysteresis(SteppedEffect):
     def shape_ratio(self) -> float:
         """The ratio g = γ/β [-] of the form z' = (v/d)·(1 − |z|ⁿ(sgn(vz) + g))."""
         return self.gamma / (1.0 - self.gamma - 2.0 * min(self.gamma, 0.0) ** 2)
+
+    def coefficients(self, setting: Setting) -> NDArray[np.float64]:
+        """Return the parameters and three zeros, for no loss and no slip."""
+        del setting
+        return np.concatenate([self.values, np.zeros(3)])
