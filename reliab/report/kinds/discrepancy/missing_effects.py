@@ -8,7 +8,7 @@ import pandas as pd
 
 from reliab.discrepancy import Diagnosis, MissingEffect
 from reliab.discrepancy.adding.posterior import Posterior
-from reliab.discrepancy.result import Unknown
+from reliab.discrepancy.result.missing_effect import Unknown
 from reliab.report.document import Block, Column, Paragraph, Section, Table
 from reliab.report.kinds.discrepancy.figures import drawn, posterior_figure
 from reliab.report.numbers import Fixed, Significant

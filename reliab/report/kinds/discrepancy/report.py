@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from reliab.discrepancy import Diagnosis, Verdict
 from reliab.discrepancy.adding.posterior import Posterior
 from reliab.discrepancy.fitting.observations import MOST_OF_A_TEST
-from reliab.discrepancy.naming.naming import LARGEST_REMAINDER
+from reliab.discrepancy.naming.unexplained import LARGEST_REMAINDER
 from reliab.report.document import Block, Document, Paragraph, Points, Section
 from reliab.report.kinds.discrepancy.location import location_section
 from reliab.report.kinds.discrepancy.missing_effects import missing_effects_section
@@ -132,9 +132,9 @@ def _method(remarks: Sequence[Prose]) -> Section:
         "passes for noise, candidates are compared by their evidence, and each effect pays for being added. "
         "Where it follows the motion, it is an error of the model instead: candidates are then compared by "
         "their error on tests that are left out one at a time, in the channel's own unit, a test counts as "
-        "no more than {most:.0f} observations, and an effect beside others must take a tenth off that error. "
-        "Held-out tests take no part in the choice. The verdict is named where at most {share} of the energy "
-        "that the effects took away remains."
+        "no more than {most:.0f} observations, and an effect beside others must explain more of what they "
+        "leave than remains. Held-out tests take no part in the choice. The verdict is named where at most "
+        "{share} of the gap's energy remains."
     )
     described = prose(text, most=MOST_OF_A_TEST, share=percent(LARGEST_REMAINDER))
     blocks: list[Block] = [Paragraph(text=described)]
