@@ -3,8 +3,9 @@
 `python tests/benchmarks/imperfect_worlds.py FOLDER --seed S --count N` draws the worlds of the seeds from S
 on (`tests/imperfect_worlds`), diagnoses each, predicts a further test with the model that it names, keeps an
 answer for each seed in FOLDER, and prints: how often the dominant effect is named, how often a false name
-stands beside it, how often stated probabilities are true, and how often the stated 90 % interval of the error
-holds the error on the further test. What is there already is not done again.
+stands beside it, how often stated probabilities are true, and how often the stated 90 % interval of the
+error holds the error on the further test. Probabilities are those of named effects, of effects in doubt and
+of their rivals; FOLDER/reliability.png draws them. What is there already is not done again.
 """
 
 import argparse
@@ -18,6 +19,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests"))
@@ -25,16 +27,17 @@ sys.path.insert(0, str(ROOT / "tests"))
 from blind_campaigns.scoring import wilson_interval  # noqa: E402
 from imperfect_worlds.world import FURTHER, RATE, write_world  # noqa: E402
 
-from reliab.discrepancy import BlockDiagnosis, MeasuredTest, diagnose, read_campaign  # noqa: E402
+from reliab.discrepancy import BlockDiagnosis, Diagnosis, MeasuredTest, diagnose, read_campaign  # noqa: E402
 from reliab.discrepancy.blocks.actuator import ActuatorBlock  # noqa: E402
 from reliab.discrepancy.blocks.specimen import SpecimenBlock  # noqa: E402
 from reliab.discrepancy.campaign.campaign import Campaign, Stretch  # noqa: E402
 from reliab.discrepancy.campaign.table import read_table  # noqa: E402
 from reliab.discrepancy.spectra.scales import motions_of  # noqa: E402
 from reliab.discrepancy.spectra.segment import cut_segments  # noqa: E402
+from reliab.report.figures.discrepancy_evaluation import discrepancy_reliability  # noqa: E402
 
 OFFSETS = {"sensor_bias", "force_bias"}
-BINS = (0.0, 0.5, 0.9, 0.95, 0.98, 0.991, 1.001)
+BINS = (0.0, 0.05, 0.2, 0.5, 0.8, 0.9, 0.985, 1.001)
 
 
 def evaluate(seed: int, folder: Path) -> None:
@@ -54,6 +57,8 @@ def evaluate(seed: int, folder: Path) -> None:
         "world": asdict(world),
         "verdict": str(diagnosis.verdict),
         "effects": [{"name": e.name, "probability": e.probability} for e in diagnosis.effects],
+        "doubtful": [e.name for e in diagnosis.doubtful],
+        "stated": stated_probabilities(diagnosis),
         "unknown": None if diagnosis.unknown is None else diagnosis.unknown.expression,
         "gap": diagnosis.gap.as_dict(),
         "expected": None if block.further is None else block.further.as_dict(),
@@ -83,6 +88,37 @@ def error_on(found: BlockDiagnosis, campaign: Campaign) -> float:
     return float(np.linalg.norm(missed) / np.linalg.norm(segment.spectrum(measured)))
 
 
+def stated_probabilities(diagnosis: Diagnosis) -> dict[str, float]:
+    """Largest stated probability by name, of effects and of their rivals; offsets are left out."""
+    stated: dict[str, float] = {}
+    for effect in (*diagnosis.effects, *diagnosis.doubtful):
+        for item in (effect, *effect.rivals):
+            if not {effect.name, item.name} & OFFSETS:
+                stated[item.name] = max(stated.get(item.name, 0.0), item.probability)
+    return stated
+
+
+def draw(stated: list[tuple[float, bool]], path: Path) -> None:
+    """Draw how often what was stated with a probability was true."""
+    rows = []
+    for low, high in pairwise(BINS):
+        inside = [(p, true) for p, true in stated if low <= p < high]
+        if inside:
+            count = sum(true for _, true in inside)
+            ends = wilson_interval(count, len(inside))
+            rows.append(
+                {
+                    "mean_stated": float(np.mean([p for p, _ in inside])),
+                    "share": count / len(inside),
+                    "low": ends[0],
+                    "high": ends[1],
+                    "of": len(inside),
+                }
+            )
+    if rows:
+        discrepancy_reliability(pd.DataFrame(rows)).savefig(path, dpi=200)
+
+
 def share(answers: list[bool]) -> str:
     """Count, share and its 95 % interval as text."""
     low, high = wilson_interval(sum(answers), len(answers))
@@ -107,10 +143,9 @@ def show(folder: Path) -> None:
     print(f"a false name: {share(false)}; a false offset: {share(offsets)}")
     print("verdicts:", dict(Counter(one["verdict"] for one in results)))
     stated = [
-        (e["probability"], e["name"] in a)
-        for one, a in zip(results, accepted, strict=True)
-        for e in one["effects"]
+        (p, name in a) for one, a in zip(results, accepted, strict=True) for name, p in one["stated"].items()
     ]
+    draw(stated, folder / "reliability.png")
     for low, high in pairwise(BINS):
         inside = [true for p, true in stated if low <= p < high]
         if inside:
