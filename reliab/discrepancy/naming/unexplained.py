@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from reliab.discrepancy.campaign.campaign import Channel
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.locating.line_above import line_above
@@ -11,6 +12,7 @@ from reliab.discrepancy.result.gap import Gap
 from reliab.discrepancy.result.missing_effect import Unknown
 from reliab.discrepancy.terms import OutsideTerm
 from reliab.discrepancy.terms.periodic import Disturbance
+from reliab.vocabulary import Block
 
 LARGEST_REMAINDER = 0.2
 """Share of the gap's energy that may remain unexplained where the effects are `named`.
@@ -65,8 +67,13 @@ def _unknown(outside: Sequence[type[OutsideTerm]], best: Fit, error: float) -> U
 
 
 def _interrupted(problem: Problem, best: Fit, error: float) -> Unknown | None:
-    """Return what is seen of a reading that stands still now and then."""
-    seen = standstill(problem, best)
+    """Return what is seen of a reading that stands still now and then.
+
+    The force that the numerical substructure would balance is no prediction of the load cell: it is computed
+    back from the command, which a controller with steps of its own holds, too.
+    """
+    balanced = problem.block.block is Block.NUMERICAL and problem.block.channel is Channel.FORCE
+    seen = None if balanced else standstill(problem, best)
     if seen is None:
         return None
     return Unknown(
