@@ -1,7 +1,8 @@
 """Measure `diagnose` on blind campaigns that nobody has seen, restartable.
 
-`python tests/benchmarks/blind_evaluation.py FOLDER [--seed 2000000] [--count 400] [--without-rivals]` draws
-the campaigns of the seeds from `--seed` on, diagnoses each, keeps labels and results in FOLDER, and writes
+`python tests/benchmarks/blind_evaluation.py FOLDER [--seed 2000000] [--count 400] [--without-rivals]
+[--variant NAME]` draws the campaigns of the seeds from `--seed` on, makes them harder as the variant says,
+diagnoses each, keeps labels and results in FOLDER, and writes
 FOLDER/figures.json, the table of `tests/blind_campaigns/score.py` and how long it took. What is there
 already is not done again; several runs may share the work, each with its own range of seeds.
 """
@@ -17,6 +18,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests"))
 
+from benchmarks.campaign_variants import NOISY_DB, VARIANTS  # noqa: E402
 from blind_campaigns.campaign import Options, generate  # noqa: E402
 from blind_campaigns.labels import write_label  # noqa: E402
 from blind_campaigns.scoring import main as score  # noqa: E402
@@ -27,16 +29,19 @@ LIMIT = 10.0
 """Seconds that a campaign of five tests should take at most."""
 
 
-def evaluate(seed: int, folder: Path, *, with_rivals: bool) -> None:
+def evaluate(seed: int, folder: Path, *, with_rivals: bool, variant: str | None = None) -> None:
     """Draw, diagnose and record the campaign of one seed; the measured data are thrown away."""
     name = f"campaign_{seed}"
     with tempfile.TemporaryDirectory() as scratch:
         campaign = Path(scratch) / name
         try:
-            label = generate(seed, campaign, options=Options(with_rivals=with_rivals))
+            snr_db = NOISY_DB if variant == "noisy" else None
+            label = generate(seed, campaign, options=Options(with_rivals=with_rivals, snr_db=snr_db))
         except RuntimeError as error:
             print(f"{name} cannot be drawn: {error}")
             return
+        if variant is not None:
+            VARIANTS[variant](campaign)
         begin, worked = time.perf_counter(), time.process_time()
         found = diagnose(read_campaign(campaign))
         result = found.as_dict()
@@ -74,12 +79,13 @@ def main() -> None:
         action="store_true",
         help="Do not find out which other effects could pass for the hidden one: the same campaigns, faster.",
     )
+    parser.add_argument("--variant", choices=sorted(VARIANTS), help="Make every campaign harder in this way.")
     given = parser.parse_args()
     for part in ("labels", "results"):
         (given.folder / part).mkdir(parents=True, exist_ok=True)
     for seed in range(given.seed, given.seed + given.count):
         if not (given.folder / "labels" / f"campaign_{seed}.json").exists():
-            evaluate(seed, given.folder, with_rivals=not given.without_rivals)
+            evaluate(seed, given.folder, with_rivals=not given.without_rivals, variant=given.variant)
     score(
         [
             *(str(given.folder / part) for part in ("labels", "results")),
