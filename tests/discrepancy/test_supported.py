@@ -1,0 +1,71 @@
+"""Where errors judge, an effect is named if it explains more of what others leave than remains."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from reliab.discrepancy.fitting.fitted_models import FittedModels
+from reliab.discrepancy.fitting.left_out import LeftOut
+from reliab.discrepancy.terms import outside_terms
+from reliab.loop.effects import find_effect
+from reliab.vocabulary import Block
+
+CUBIC, VISCOUS = find_effect("cubic_stiffness"), find_effect("viscous_damping")
+LAG, SECOND_ORDER = find_effect("first_order_lag"), find_effect("second_order_dynamics")
+TERM = outside_terms(Block.SPECIMEN)[0]
+WHOLE = 1.0  # energy that the calibrated model leaves
+
+
+class Known(FittedModels):
+    """Models that leave given energies, in training as on left-out tests."""
+
+    def __init__(self, energies):
+        self.rejected = set()
+        self.fitted = {}
+        for effects, energy in {(): WHOLE, **energies}.items():
+            names = [str(effect.name) for effect in effects]
+            space = SimpleNamespace(effects=effects, names=names, block=None, energy=energy)
+            residual = np.array([np.sqrt(energy)])
+            self.fitted[frozenset(names)] = SimpleNamespace(
+                space=space, residual=residual, noise=None, coordinates=None
+            )
+        self.null = self.fitted[frozenset()]
+        self.problem = SimpleNamespace(
+            flat=True,
+            tempering=(1.0,),
+            segments=(SimpleNamespace(bins=30),),
+            whitened=lambda space, *_: np.array([np.sqrt(space.energy)]),
+        )
+
+    def error(self, candidate):
+        one = np.ones(1)
+        return LeftOut(energies=candidate.space.energy * one, signals=one, units=one)
+
+    def supports(self, *effects):
+        return self.supported(self.fitted[frozenset(str(effect.name) for effect in effects)])
+
+
+@pytest.mark.parametrize(("remaining", "supported"), [(0.04, True), (0.055, False)])
+def test_a_second_effect_explains_more_of_the_first_one_s_error_than_it_leaves(remaining, supported):
+    models = Known({(CUBIC,): 0.1, (VISCOUS,): 0.9, (CUBIC, VISCOUS): remaining})
+    assert models.supports(CUBIC, VISCOUS) is supported
+    assert models.supports(CUBIC)
+
+
+@pytest.mark.parametrize(("remaining", "supported"), [(0.04, True), (0.055, False)])
+def test_a_term_outside_the_library_explains_more_of_what_the_library_leaves_than_remains(
+    remaining, supported
+):
+    assert Known({(CUBIC,): 0.1, (TERM,): remaining}).supports(TERM) is supported
+
+
+def test_a_term_outside_the_library_stands_where_no_member_explains_anything():
+    assert Known({(TERM,): 0.6}).supports(TERM)
+
+
+@pytest.mark.parametrize(("remaining", "supported"), [(0.07, True), (0.095, False)])
+def test_an_effect_predicts_better_than_its_limiting_case(remaining, supported):
+    models = Known({(LAG,): 0.1, (SECOND_ORDER,): remaining})
+    assert models.supports(SECOND_ORDER) is supported
+    assert models.supports(LAG)
