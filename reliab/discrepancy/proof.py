@@ -93,6 +93,6 @@ def _energy(proof: Problem, residual: dict[int, Array]) -> float:
 
 
 def _signal_energy(proof: Problem) -> float:
-    """Energy of the channel about the mean of its tests."""
+    """Energy of the channel over all held-out stretches."""
     parts = [_cut(segment, proof.block.measured(segment.test)) for segment in proof.segments]
     return max(sum(float((part**2).sum()) for part in parts), 1e-300)

@@ -1,5 +1,7 @@
 """The updated model holds what a diagnosis found."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -73,4 +75,13 @@ def test_the_effect_is_added(updated):
 
 def test_it_survives_its_file(updated, tmp_path):
     write_model(tmp_path / "model.toml", updated)
+    assert read_model(tmp_path / "model.toml") == updated
+
+
+def test_what_limits_the_model_stands_in_its_file(updated, tmp_path):
+    limited = replace(updated, limits=("width_m of backlash\nlies on a bound",))
+    write_model(tmp_path / "model.toml", limited)
+    assert "\n# width_m of backlash lies on a bound\n" in (tmp_path / "model.toml").read_text(
+        encoding="utf-8"
+    )
     assert read_model(tmp_path / "model.toml") == updated

@@ -48,7 +48,7 @@ def add(diagnosis: Diagnosis, *, out: Path | None = None, progress: Progress = s
     diagnosis : Diagnosis
         What was found.
     out : pathlib.Path, optional
-        Folder for the chains, from which a run that was cut short goes on, and for the updated model.
+        Folder for the updated model and for the chains, from which an interrupted run resumes.
     progress : callable, optional
         Called after each block.
 

@@ -78,8 +78,8 @@ class Posterior:
         return (
             f"{verdict}: {diagnostics.ensembles} independent ensembles, R-hat at most "
             f"{diagnostics.r_hat.max():.3f}, "
-            f"effective sample size at least {smallest:.0f}; simulations at {_CHECKED} draws leave "
-            f"{self.agreement:.0%} of them in effect."
+            f"effective sample size at least {smallest:.0f}; simulations at {_CHECKED} draws "
+            f"confirm the surface that was sampled to {self.agreement:.0%}."
         )
 
     def of(self, effect: str) -> dict[str, dict[str, Any]]:
@@ -120,13 +120,13 @@ def sample_posterior(
     fitted : Fit
         The model.
     out : pathlib.Path, optional
-        HDF5 file that keeps the chains; a run that was cut short goes on from there.
+        HDF5 file that keeps the chains, from which an interrupted run resumes.
     steps : int, optional
         Steps of every walker, a multiple of 16; the first half is left out.
     seed : int, optional
         Seed of the walkers.
     progress : callable, optional
-        Called with finished and all steps.
+        Called with the number of finished steps and of all steps.
 
     Returns
     -------

@@ -33,7 +33,9 @@ def updated_model(diagnosis: Diagnosis) -> UpdatedModel:
     for diagnosed in diagnosis.blocks:
         test = _joined(test, diagnosed)
         deviations.update(_deviations(diagnosed))
-    return UpdatedModel(name=diagnosis.campaign.name, test=test, deviations=deviations)
+    return UpdatedModel(
+        name=diagnosis.campaign.name, test=test, deviations=deviations, limits=diagnosis.remarks
+    )
 
 
 def _joined(test: HybridTest, diagnosed: BlockDiagnosis) -> HybridTest:
@@ -66,7 +68,7 @@ def _deviations(diagnosed: BlockDiagnosis) -> dict[str, float]:
         if calibration.parameter.name in sizes
     }
     named = {
-        f"{effect.name}.{estimate.name}": estimate.sd
+        f"{effect.effect.name}.{estimate.name}": estimate.sd
         for effect in (*diagnosed.effects, *diagnosed.doubtful)
         for estimate in effect.estimates
     }

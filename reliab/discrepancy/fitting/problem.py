@@ -58,7 +58,7 @@ class Problem:
 
     @property
     def least_noise(self) -> float:
-        """Variance of the noise below which a corrected conversion leaves it never."""
+        """Smallest variance of the noise after a converter's known error was taken off."""
         squares = [self.steps[test] ** 2 for test in self.conversion]
         return _LEAST_OF_CONVERSION * float(np.mean(squares)) / 12.0 if squares else 0.0
 

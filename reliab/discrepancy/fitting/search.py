@@ -168,7 +168,7 @@ class Search(FittedModels):
             best = self.best
 
     def refine(self) -> None:
-        """Try the special forms of the effects that the best model holds, each in the place of its own."""
+        """Try, in the place of every effect of the best model, its special forms."""
         for kind in self.best.space.effects:
             for special in library().values():
                 if special.refines is kind:

@@ -131,7 +131,7 @@ class ModelSpace:
             yield np.clip(self._as_late(filled, added), lower + 1e-9, upper - 1e-9)
 
     def _as_late(self, coordinates: Array, added: Sequence[type[Effect]]) -> Array:
-        """Take the delay that added linear dynamics bring along off the actuator's, as far as it reaches."""
+        """Subtract the delay of added linear dynamics from the actuator's, which stays positive."""
         place = self._keys.index("delay_s") if "delay_s" in self._keys else None
         linear = [effect for effect in added if issubclass(effect, LinearEffect)]
         if place is None or not linear:

@@ -1,9 +1,9 @@
 """A line in a force at frequencies at which the motion is not known well enough to judge models.
 
 Where only a noisy displacement was recorded, models of the specimen are judged up to the frequency at which
-that displacement is mostly signal. A disturbance of one frequency may act above it. It stands out of what a
-model leaves by its sharpness, in all stretches together; it is no response of the spring, of which the
-displacement would show as much; and it is no pickup, which lies at multiples of the mains' frequency.
+that displacement is mostly signal. A disturbance of one frequency may act above it. Its sharp line must stand
+out of the residual in all stretches together; it must exceed the spring's response to a line of the
+displacement; and it must not lie at a multiple of the mains' frequency, where it would be pickup.
 """
 
 from dataclasses import dataclass

@@ -8,6 +8,9 @@ from reliab.discrepancy.locating.finding import Finding
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Verdict
 from reliab.discrepancy.result.gap import Gap
 from reliab.discrepancy.result.missing_effect import MissingEffect, Unknown
+from reliab.vocabulary import Block
+
+_NAMES = {Block.NUMERICAL: "numerical substructure"}
 
 SHORT_RECORD = 256
 """Samples of a test below which a remark says that it is short."""
@@ -75,7 +78,7 @@ class Diagnosis:
         for block in self.blocks:
             remarks += _limits_of(block)
         remarks += [
-            f"{test.file} has {test.size} samples only: what it says of an effect is little."
+            f"{test.file} has only {test.size} samples: it says little about any effect."
             for test in self.campaign.tests
             if test.size < SHORT_RECORD
         ]
@@ -99,21 +102,23 @@ class Diagnosis:
 
 def _limits_of(block: BlockDiagnosis) -> list[str]:
     """Sentences on what limits the answer for a block."""
-    name, gap = str(block.block.block), block.gap
+    name, gap = _NAMES.get(block.block.block, str(block.block.block)), block.gap
     remarks = [
-        f"{parameter} of {effect.name} lies on a bound of its range: its value and deviation mean little."
+        f"{parameter} of {effect.name} lies on a bound of its range: its value and its standard deviation"
+        " mean little."
         for effect in (*block.effects, *block.doubtful)
         for parameter in effect.on_bounds
     ]
     if block.converged is False:
         remarks.append(
-            f"The posterior of the {name} has not converged: its deviations are a normal approximation."
+            f"The posterior of the {name} has not converged: standard deviations are those of a normal"
+            " approximation."
         )
     if not block.leaves_noise:
         floor = "unknown" if gap.floor is None else f"{gap.floor:.3g} by the {gap.source}"
         remarks.append(
-            f"What the model of the {name} leaves is no noise but an error of the model:"
-            f" {gap.model_error:.3g} of the signal's RMS on held-out tests; its noise floor is {floor}."
-            " No probability is stated above 0.99."
+            f"The difference that remains between measurement and model of the {name} is not noise but an"
+            f" error of the model: {gap.model_error:.3g} of the signal's RMS on held-out tests, where the"
+            f" noise floor is {floor}. No probability above 0.99 is stated."
         )
     return remarks

@@ -25,7 +25,7 @@ class AddedMass(SteppedEffect):
     name = "added_mass"
     block = Block.SPECIMEN
     role = Role.FORCE
-    description = "the load cell feels the inertia of a moving mass"
+    description = "the load cell also measures the inertia of a moving mass"
     parameters = (
         Parameter(
             name="mass_kg",

@@ -45,6 +45,8 @@ class UpdatedModel:
     deviations : mapping of str to float, optional
         Standard deviations, SI units, of "gain", "delay_s", "stiffness_n_per_m" and of effects' parameters by
         "effect.parameter"; what is not there was not fitted.
+    limits : tuple of str, optional
+        Sentences on what limits these values, written as comments.
 
     Raises
     ------
@@ -55,6 +57,7 @@ class UpdatedModel:
     name: str
     test: HybridTest
     deviations: Mapping[str, float] = field(default_factory=dict)
+    limits: tuple[str, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
         for parameter, value in self.deviations.items():
@@ -243,7 +246,8 @@ def _deviations(described: _ModelFile) -> dict[str, float]:
 
 def _text(model: UpdatedModel, file: str) -> str:
     test, sd = model.test, model.deviations
-    lines = [_HEAD.format(file=file), f"format = {_FORMAT}", f"name = {_quoted(model.name)}"]
+    lines = [_HEAD.format(file=file), *(f"# {' '.join(limit.split())}" for limit in model.limits)]
+    lines += [f"format = {_FORMAT}", f"name = {_quoted(model.name)}"]
     if test.structure is not None:
         lines += _table(
             "[structure]",
