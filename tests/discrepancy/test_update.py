@@ -81,7 +81,6 @@ def test_it_survives_its_file(updated, tmp_path):
 def test_what_limits_the_model_stands_in_its_file(updated, tmp_path):
     limited = replace(updated, limits=("width_m of backlash\nlies on a bound",))
     write_model(tmp_path / "model.toml", limited)
-    assert "\n# width_m of backlash lies on a bound\n" in (tmp_path / "model.toml").read_text(
-        encoding="utf-8"
-    )
+    text = (tmp_path / "model.toml").read_text(encoding="utf-8")
+    assert "\n# width_m of backlash lies on a bound\n" in text
     assert read_model(tmp_path / "model.toml") == updated

@@ -53,14 +53,14 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     judged = _judged_by_noise(problem, best)
     noise = is_noise(*judged)
     most = 1.0 if noise else MOST_SURE
-    biases = {kind: offset_rival(search, best, kind) for kind in offsets(search, best)}
-    before = residuals(proof, search.plain(), without=tuple(biases))
-    after = residuals(proof, best)
-    proved = gap(proof, before, after)
     bounds = best.space.on_bounds(best.coordinates)
     naming = _Naming(search=search, ranked=ranked, best=best, proof=proof, most=most, bounds=bounds)
+    shifts = [naming.offset(kind, offset_rival(search, best, kind)) for kind in offsets(search, best)]
+    biases = [shift for shift in shifts if shift.probability >= SURE]
+    before = residuals(proof, search.plain(), without=[bias.effect for bias in biases])
+    after = residuals(proof, best)
+    proved = gap(proof, before, after)
     inside = [kind for kind in best.space.effects if not is_outside(kind)]
-    shifts = [naming.offset(kind, rival) for kind, rival in biases.items()]
     return BlockDiagnosis(
         block=problem.block,
         problem=problem,
@@ -70,12 +70,10 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         ranked=ranked,
         effects=(
             *(naming.missing(kind) for kind in inside if kind in named),
-            *(shift for shift in shifts if shift.probability >= SURE),
+            *biases,
         ),
-        doubtful=(
-            *(naming.missing(kind) for kind in inside if kind in doubtful),
-            *(shift for shift in shifts if shift.probability < SURE),
-        ),
+        doubtful=tuple(naming.missing(kind) for kind in inside if kind in doubtful),
+        uncertain_offsets=tuple(shift for shift in shifts if shift not in biases),
         unknown=unexplained(judged, best, proved, noise=noise),
         findings=locate(judged[0], _as_judged(problem, calibrated, *judged), judged[1].noise),
         residuals_before=_by_file(proof, before),

@@ -54,6 +54,8 @@ class BlockDiagnosis:
         Effects of the library that are named, offsets among them.
     doubtful : tuple of MissingEffect
         Effects one of which acts, though the data do not tell which.
+    uncertain_offsets : tuple of MissingEffect
+        Offsets that are calibrated and not named, because another effect could stand in their place.
     unknown : Unknown or None
         What is none of the library.
     findings : tuple of Finding
@@ -83,6 +85,7 @@ class BlockDiagnosis:
     ranked: tuple[Ranked, ...]
     effects: tuple[MissingEffect, ...]
     doubtful: tuple[MissingEffect, ...]
+    uncertain_offsets: tuple[MissingEffect, ...]
     unknown: Unknown | None
     findings: tuple[Finding, ...]
     residuals_before: dict[str, Array]

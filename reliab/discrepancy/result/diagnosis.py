@@ -109,6 +109,7 @@ def _limits_of(block: BlockDiagnosis) -> list[str]:
         for effect in (*block.effects, *block.doubtful)
         for parameter in effect.on_bounds
     ]
+    remarks += [offset.remark for offset in block.uncertain_offsets]
     if block.converged is False:
         remarks.append(
             f"The posterior of the {name} has not converged: standard deviations are those of a normal"
