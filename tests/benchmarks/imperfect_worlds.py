@@ -37,7 +37,7 @@ from reliab.discrepancy.spectra.segment import cut_segments  # noqa: E402
 from reliab.report.figures.discrepancy_evaluation import discrepancy_reliability  # noqa: E402
 
 OFFSETS = {"sensor_bias", "force_bias"}
-BINS = (0.0, 0.05, 0.2, 0.5, 0.8, 0.9, 0.985, 1.001)
+BINS = (0.0, 0.05, 0.2, 0.5, 0.8, 0.95, 1.001)
 
 
 def evaluate(seed: int, folder: Path) -> None:
@@ -98,6 +98,13 @@ def stated_probabilities(diagnosis: Diagnosis) -> dict[str, float]:
     return stated
 
 
+def judged(stated: dict[str, float], accepted: set[str]) -> list[tuple[float, bool]]:
+    """Stated probabilities, and whether they are true; of several accepted names the most probable counts."""
+    first = max((p for name, p in stated.items() if name in accepted), default=None)
+    wrong = [(p, False) for name, p in stated.items() if name not in accepted]
+    return wrong if first is None else [*wrong, (first, True)]
+
+
 def draw(stated: list[tuple[float, bool]], path: Path) -> None:
     """Draw how often what was stated with a probability was true."""
     rows = []
@@ -142,9 +149,7 @@ def show(folder: Path) -> None:
     print(f"dominant effect named: {share(dominant)}")
     print(f"a false name: {share(false)}; a false offset: {share(offsets)}")
     print("verdicts:", dict(Counter(one["verdict"] for one in results)))
-    stated = [
-        (p, name in a) for one, a in zip(results, accepted, strict=True) for name, p in one["stated"].items()
-    ]
+    stated = [pair for one, a in zip(results, accepted, strict=True) for pair in judged(one["stated"], a)]
     draw(stated, folder / "reliability.png")
     for low, high in pairwise(BINS):
         inside = [true for p, true in stated if low <= p < high]
