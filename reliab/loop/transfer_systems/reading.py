@@ -1,5 +1,6 @@
 """Identified models from elsewhere: objects of SciPy and python-control, and MATLAB files."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -109,30 +110,7 @@ def read_matlab(path: str | Path, variable: str | None = None, delay: float = 0.
     InputError
         If the file cannot be read or holds none of these; the message lists what it holds.
     """
-    try:
-        content = loadmat(str(path), squeeze_me=True, struct_as_record=False)
-    except (OSError, ValueError, NotImplementedError, MatReadError) as error:
-        raise InputError(
-            "A MATLAB file must be readable",
-            value=str(error).strip().splitlines()[0],
-            remedy="Save it in MATLAB with the option -v7",
-            where=str(path),
-        ) from None
-    names = [name for name in content if not name.startswith("__")]
-    if variable is not None and variable not in content:
-        raise InputError(
-            f"The file holds {', '.join(names) or 'nothing'}",
-            value=f"no {variable}",
-            remedy="Name one of these",
-            where=str(path),
-        )
-    held = (
-        content
-        if variable is None
-        else vars(content[variable])
-        if hasattr(content[variable], "_fieldnames")
-        else {}
-    )
+    held = _variables(path, variable)
     for numerator, denominator in _FORMS:
         if numerator in held and denominator in held:
             return TransferFunction(
@@ -145,17 +123,44 @@ def read_matlab(path: str | Path, variable: str | None = None, delay: float = 0.
             np.atleast_1d(held["z"]), np.atleast_1d(held["p"]), float(held["k"]), delay=delay
         )
     if {"A", "B", "C", "D"} <= set(held):
-        order = np.atleast_2d(held["A"]).shape[0]
-        matrices = (
-            np.asarray(held["A"], dtype=float).reshape(order, order),
-            np.asarray(held["B"], dtype=float).reshape(order, -1),
-            np.asarray(held["C"], dtype=float).reshape(-1, order),
-        )
-        direct = np.asarray(held["D"], dtype=float).reshape(matrices[2].shape[0], matrices[1].shape[1])
-        return transfer_function_of(signal.StateSpace(*matrices, direct), delay)
+        return transfer_function_of(_state_space(held), delay)
     raise InputError(
         "A MATLAB file must hold num and den, or z, p and k, or A, B, C and D",
         value=", ".join(name for name in held if not name.startswith("_")) or "none of them",
         remedy="Objects of toolboxes cannot be read: save [num, den] = tfdata(model, 'v') instead",
         where=str(path),
     )
+
+
+def _variables(path: str | Path, variable: str | None) -> Mapping[str, Any]:
+    """Variables of a MATLAB file, or the fields of one of them that is a structure."""
+    try:
+        content = loadmat(str(path), squeeze_me=True, struct_as_record=False)
+    except (OSError, ValueError, NotImplementedError, MatReadError) as error:
+        raise InputError(
+            "A MATLAB file must be readable",
+            value=str(error).strip().splitlines()[0],
+            remedy="Save it in MATLAB with the option -v7",
+            where=str(path),
+        ) from None
+    if variable is None:
+        return dict(content)
+    if variable not in content:
+        names = [name for name in content if not name.startswith("__")]
+        raise InputError(
+            f"The file holds {', '.join(names) or 'nothing'}",
+            value=f"no {variable}",
+            remedy="Name one of these",
+            where=str(path),
+        )
+    structure = content[variable]
+    return vars(structure) if hasattr(structure, "_fieldnames") else {}
+
+
+def _state_space(held: Mapping[str, Any]) -> signal.StateSpace:
+    """State-space model of matrices that MATLAB has squeezed."""
+    order = np.atleast_2d(held["A"]).shape[0]
+    a = np.asarray(held["A"], dtype=float).reshape(order, order)
+    b = np.asarray(held["B"], dtype=float).reshape(order, -1)
+    c = np.asarray(held["C"], dtype=float).reshape(-1, order)
+    return signal.StateSpace(a, b, c, np.asarray(held["D"], dtype=float).reshape(c.shape[0], b.shape[1]))

@@ -10,7 +10,7 @@ from reliab.report.style import INK, letters, line, panels, styled
 
 _HEIGHT = 122.0
 _DIRECTIONS = {"late": "delay alone", "large": "gain above 1 alone", "small": "gain below 1 alone"}
-_APART = 0.22  # of the distance between levels
+_SPACING = 0.22  # of the distance between levels
 _LEVELS = {
     "bilinear": "Linear peak over yield displacement $R$ [-]",
     "bouc_wen": "Linear peak over yield displacement $R$ [-]",
@@ -62,7 +62,7 @@ def _draw(place: Axes, levels: pd.DataFrame) -> None:
     place.axhline(1.0, color=INK, linewidth=0.9)
     for rank, (direction, name) in enumerate(_DIRECTIONS.items()):
         chosen = levels[levels["direction"] == direction].set_index("level").loc[present]
-        at = np.arange(len(present)) + _APART * (rank - 1)
+        at = np.arange(len(present)) + _SPACING * (rank - 1)
         look = line(rank, marker=True) | {"linestyle": "none"}
         place.vlines(at, chosen["q05"], chosen["q95"], color=look["color"], linewidth=0.8)
         place.vlines(at, chosen["q25"], chosen["q75"], color=look["color"], linewidth=2.6)

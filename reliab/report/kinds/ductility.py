@@ -96,9 +96,27 @@ def _method(limits: pd.DataFrame) -> Section:
 
 def _levels(levels: pd.DataFrame, narrowest: pd.DataFrame) -> Section:
     overall = levels[levels["f"].isna()]
-    medians = overall.pivot(index=["specimen", "level"], columns="direction", values="q50").reset_index()
+    medians = overall.pivot_table(
+        index=["specimen", "level"], columns="direction", values="q50"
+    ).reset_index()
     frame = narrowest.merge(medians, on=["specimen", "level"], sort=False)
     frame["name"] = [_NAMES.get(kind, kind) for kind in frame["specimen"]]
+    return Section(
+        title="Tolerance over the level of the specimen",
+        blocks=(
+            Points(items=tuple(_by_kind(frame))),
+            _table_of_levels(frame),
+            Figure(
+                drawing=tolerance_over_level(levels),
+                caption="Tolerance over that of the linear test: median, middle half and 90 % of the tests "
+                "over all structures. Below 1 the nonlinear test is the more demanding one.",
+                label="fig:levels",
+            ),
+        ),
+    )
+
+
+def _table_of_levels(frame: pd.DataFrame) -> Table:
     share = Fixed(decimals=1, factor=PERCENT)
     columns = (
         Column(key="name", heading="Specimen", wide=True),
@@ -116,24 +134,12 @@ def _levels(levels: pd.DataFrame, narrowest: pd.DataFrame) -> Section:
         Column(key="high", heading="To", unit="%", number=share, group="Narrowest direction"),
     )
     caption = (
-        "Tolerance over that of the linear test. Ductility is the median peak of the exact response over the "
-        "yield displacement. For the direction in which a test has lost most: the 5 % quantile, and the share "
-        "of tests that tolerate less than the linear one with its 95 % interval over earthquakes. Lost tests, "
-        "whose exact response runs away, are not counted."
+        "Tolerance over that of the linear test. Ductility is the median peak of the exact response over "
+        "the yield displacement. For the direction in which a test has lost most: the 5 % quantile, and the "
+        "share of tests that tolerate less than the linear one with its 95 % interval over earthquakes. Lost "
+        "tests, whose exact response runs away, are not counted."
     )
-    return Section(
-        title="Tolerance over the level of the specimen",
-        blocks=(
-            Points(items=tuple(_by_kind(frame))),
-            Table(frame=frame, columns=columns, caption=caption, label="tab:levels"),
-            Figure(
-                drawing=tolerance_over_level(levels),
-                caption="Tolerance over that of the linear test: median, middle half and 90 % of the tests "
-                "over all structures. Below 1 the nonlinear test is the more demanding one.",
-                label="fig:levels",
-            ),
-        ),
-    )
+    return Table(frame=frame, columns=columns, caption=caption, label="tab:levels")
 
 
 def _by_kind(frame: pd.DataFrame) -> list[Prose]:

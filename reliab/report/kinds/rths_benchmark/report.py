@@ -61,12 +61,7 @@ def rths_benchmark_report(
     return Document(
         kind="Virtual hybrid-simulation benchmark",
         title=title,
-        verdict=prose(
-            "{tests} tests were run; {lost} were lost, because the piston moved more than ten times "
-            "as far as the reference.",
-            tests=len(rows),
-            lost=lost,
-        ),
+        verdict=prose("{tests} tests were run; {lost}.", tests=len(rows), lost=_lost(lost)),
         facts={
             "Motions": ", ".join(dict.fromkeys(str(row["motion"]) for row in rows)),
             "Cases": ", ".join(str(case) for case in dict.fromkeys(row["case"] for row in rows)),
@@ -74,6 +69,14 @@ def rths_benchmark_report(
         blocks=tuple(blocks),
         provenance=provenance_of(provenance),
     )
+
+
+def _lost(count: int) -> str:
+    """Say how many tests were lost, and what that means."""
+    meaning = "a piston that moved more than ten times as far as the reference"
+    if count == 0:
+        return f"none was lost to {meaning}"
+    return f"{count} {'was' if count == 1 else 'were'} lost to {meaning}"
 
 
 def _worded(name: str) -> str:
@@ -143,11 +146,10 @@ def _compensators(table: pd.DataFrame, rows: Sequence[Mapping[str, Any]]) -> Sec
         "Means over cases, motions and plants of the tests that were not lost. J2 is the RMS of tracking, "
         "J4 of the measured first floor and J6 of the second floor against the undivided structure."
     )
-    alive = pd.DataFrame([row for row in rows if not row["lost"]])
-    alive["name"] = [_worded(str(name)) for name in alive["compensator"]]
+    kept = [{**row, "name": _worded(str(row["compensator"]))} for row in rows if not row["lost"]]
     blocks: list[Block] = [Table(frame=frame, columns=columns, caption=caption, label="tab:compensators")]
-    if len(alive):
-        drawing = benchmark_spread(alive)
+    if kept:
+        drawing = benchmark_spread(pd.DataFrame(kept))
         text = "First floor against the undivided structure (J4), by compensator and case, for all plants."
         blocks.append(Figure(drawing=drawing, caption=text, label="fig:spread"))
     return Section(title="Compensators", blocks=tuple(blocks))

@@ -1,0 +1,22 @@
+"""What predicts the error of a partitioned test: laws, tracking over frequency, or the test itself.
+
+Tests are run in the digital laboratory: structures that differ in what of them stands there, under servos
+that are drawn at random, compensated well, too little or too much. Each prediction is held against the
+simulated error.
+"""
+
+from reliab.validation.partitioned_structures.drawing import PartitionedTest, draw_tests
+from reliab.validation.partitioned_structures.predictions import PREDICTIONS, mean_law
+from reliab.validation.partitioned_structures.running import ratios, run_tests
+from reliab.validation.partitioned_structures.structures import partitioned_structures, shares_of_structures
+
+__all__ = [
+    "PREDICTIONS",
+    "PartitionedTest",
+    "draw_tests",
+    "mean_law",
+    "partitioned_structures",
+    "ratios",
+    "run_tests",
+    "shares_of_structures",
+]

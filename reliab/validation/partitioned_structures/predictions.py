@@ -1,0 +1,169 @@
+"""Predictions of a partitioned test's error: by laws, by tracking over frequency, from the test itself."""
+
+import math
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import csd, welch
+
+from reliab.criterion.laws import Dimensionless
+from reliab.criterion.laws.guo_2017 import Equation18
+from reliab.errors import InputError
+from reliab.loop.excitation import Excitation
+from reliab.loop.laboratory.laboratory import Run
+from reliab.loop.partition.partition import Partition
+from reliab.loop.spectral import respond
+from reliab.loop.structure import Structure
+from reliab.motions import Motion
+from reliab.rebuilt_error import rebuild
+from reliab.shipped import shipped
+from reliab.sweep import open_ellipses
+from reliab.validation.assessment.frame_test import whole_structure
+from reliab.validation.partitioned_structures.drawing import RATE
+
+PREDICTIONS: Final = ("law_18", "law_with_share", "resolved", "rebuilt")
+"""Columns of the predictions, from the coarsest to the finest."""
+
+_THRESHOLD: Final = 0.05
+
+_HIGHEST: Final = 2.0  # Hz, of the structures from which the law with the share is learned
+
+_FORCE_LAG: Final = 1.5 / RATE
+
+_THINNED: Final = 16
+
+_DRAWS: Final = 16  # of the rebuilt error, whose value alone counts here
+
+_SEGMENT: Final = 8.0  # s, in which gain and delay over frequency are estimated
+
+_COHERENT: Final = 0.98
+
+_LEAST_POWER: Final = 1e-5  # of the command's strongest frequency, below which the window leaks
+
+
+def mean_law() -> Dimensionless:
+    """Dimensionless law through the geometric means of the ellipses that ship, at 5 % RMS^R."""
+    ellipses = open_ellipses(shipped("datasets", "real_suite/ellipses.nc"))
+    chosen = ellipses.sel(threshold=_THRESHOLD, metric="rms", curve="ellipse")
+    if "side" in chosen.dims:
+        chosen = chosen.sel(side="lag")
+    order = ("motion", "f", "xi")
+    a, b = (np.exp(np.log(chosen[name].transpose(*order).values).mean(axis=0)) for name in ("a", "b"))
+    return Dimensionless.fit(chosen["f"].values, chosen["xi"].values, a, b)
+
+
+def _by_index(a: float, b: float, amplitude: float, delay: float) -> float:
+    """Error that an ellipse at 5 % gives to A [-] and d [ms], taking the error as proportional."""
+    return _THRESHOLD * math.sqrt((amplitude - 1.0) ** 2 / a + delay**2 / b)
+
+
+def by_law_18(mode: Structure, amplitude: float, delay: float) -> float:
+    """Predict RMS^R by equation (18).
+
+    Parameters
+    ----------
+    mode : Structure
+        The governing mode, as if all of its stiffness stood in the laboratory.
+    amplitude, delay : float
+        A [-] and d [ms].
+
+    Returns
+    -------
+    float
+        RMS^R [-]; NaN where the equation is not valid.
+    """
+    try:
+        a, b = Equation18().limits(mode.frequency, mode.damping_ratio)
+    except InputError:
+        return math.nan
+    return _by_index(float(a), float(b), amplitude, delay)
+
+
+def by_law_with_share(law: Dimensionless, mode: Structure, amplitude: float, delay: float) -> float:
+    """Predict RMS^R by the mean law with a(α) = a(1)/α² and b(α) = b(1)/α².
+
+    Parameters
+    ----------
+    law : Dimensionless
+        The law of wholly experimental structures; above 2 Hz that of 2 Hz is taken, with b in proportion to
+        1/f².
+    mode : Structure
+        The governing mode with the specimen's share α.
+    amplitude, delay : float
+        A [-] and d [ms].
+
+    Returns
+    -------
+    float
+        RMS^R [-].
+    """
+    frequency = min(mode.frequency, _HIGHEST)
+    a, b = law.limits(frequency, mode.damping_ratio)
+    share = mode.experimental_fraction**2
+    slower = (frequency / mode.frequency) ** 2
+    return _by_index(float(a) / share, float(b) * slower / share, amplitude, delay)
+
+
+def resolved(run: Run, partition: Partition, motion: Motion) -> float:
+    """Predict the RMS error from A and d over frequency, with the lag of the force.
+
+    Gain and phase of the measured over the command displacement are estimated where the two are coherent, and
+    kept beyond; the loop is then solved anew under the ground motion.
+
+    Parameters
+    ----------
+    run : Run
+        The test.
+    partition : Partition
+        Its structure.
+    motion : Motion
+        Its ground motion.
+
+    Returns
+    -------
+    float
+        RMS of the measured minus the exact displacement [m].
+    """
+    points = int(_SEGMENT / run.step)
+    frequency, cross = csd(run.command, run.measured, fs=1.0 / run.step, nperseg=points)
+    _, into = welch(run.command, fs=1.0 / run.step, nperseg=points)
+    _, out = welch(run.measured, fs=1.0 / run.step, nperseg=points)
+    coherent = (np.abs(cross) ** 2 > _COHERENT * into * out) & (into > _LEAST_POWER * into.max())
+    coherent[0] = False
+    known = frequency[coherent]
+    ratio = cross[coherent] / into[coherent]
+    gain, phase = np.abs(ratio), np.unwrap(np.angle(ratio))
+    delay = -phase / (2.0 * np.pi * known)
+
+    def actuator(s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        at = np.abs(s.imag) / (2.0 * np.pi)
+        return np.asarray(np.interp(at, known, gain) * np.exp(-s * np.interp(at, known, delay)))
+
+    def measured(s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        # The force is that of the measured displacement, late by the laboratory's own lag.
+        tracked = actuator(s)
+        late = tracked * np.exp(-s * _FORCE_LAG)
+        command = partition.responses(s, late, np.array(partition.interface))
+        return np.asarray(tracked * command)
+
+    def ideal(s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        return partition.responses(s, np.ones_like(s))
+
+    excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step)
+    strayed = respond(excitation, measured)[0] - respond(excitation, ideal)[0]
+    return float(np.sqrt(np.mean(strayed**2)))
+
+
+def rebuilt(run: Run, partition: Partition) -> float:
+    """Rebuild RMS^R [-] from the displacements of a test, at a sixteenth of its sampling rate."""
+    thinned = slice(None, None, _THINNED)
+    error = rebuild(
+        run.command[thinned].copy(),
+        run.measured[thinned].copy(),
+        _THINNED * run.step,
+        whole_structure(partition),
+        feedback_lag=_FORCE_LAG,
+        draws=_DRAWS,
+    )
+    return error.rms.value
