@@ -6,10 +6,10 @@ import pandas as pd
 
 from reliab.report.document import Column, Document, Figure, Paragraph, Points, Section, Table
 from reliab.report.figures.tolerance_over_level import tolerance_over_level
-from reliab.report.kinds.provenance import provenance_of
-from reliab.report.kinds.wording import PERCENT, percent, values
 from reliab.report.numbers import Fixed, Shortest, Whole
 from reliab.report.prose import Prose, prose
+from reliab.report.provenance import provenance_of
+from reliab.report.wording import PERCENT, percent, values
 from reliab.validation.ductility import FARTHEST
 
 _NAMES = {
