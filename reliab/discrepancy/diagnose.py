@@ -8,6 +8,7 @@ from threadpoolctl import threadpool_limits
 
 from reliab.discrepancy.blocks.actuator import ActuatorBlock
 from reliab.discrepancy.blocks.balance import BalanceBlock
+from reliab.discrepancy.blocks.frame_balance import FrameBalanceBlock
 from reliab.discrepancy.blocks.loop import LoopBlock
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
@@ -78,12 +79,15 @@ def _observed(campaign: Campaign) -> list[type[ObservedBlock]]:
         seen.append(SpecimenBlock)
     if channels >= _BALANCE and campaign.structure is not None:
         seen.append(BalanceBlock)
+    if channels >= _BALANCE and campaign.partition is not None:
+        seen.append(FrameBalanceBlock)
     if channels >= _LOOP and campaign.structure is not None and not seen:
         seen.append(LoopBlock)
     if not seen:
         raise InputError(
             "The columns and tables of a campaign must show at least one block: command_m and measured_m, or"
-            " measured_m and force_n, or ground_acceleration_mps2 and measured_m with a [structure] table",
+            " measured_m and force_n, or ground_acceleration_mps2 and measured_m with a [structure] table of"
+            " one degree of freedom",
             value=", ".join(sorted(channels)) or "no channel that all tests have",
             remedy="Add the columns that were recorded, in every test, or the table",
             where="campaign.toml",
@@ -102,6 +106,8 @@ def _block(
         return ActuatorBlock(campaign, scales)
     if kind is BalanceBlock:
         return BalanceBlock(campaign, scales)
+    if kind is FrameBalanceBlock:
+        return FrameBalanceBlock(campaign, scales)
     if kind is LoopBlock:
         return LoopBlock(campaign, scales, motions)
     if diagnoses:

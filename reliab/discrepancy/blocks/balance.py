@@ -51,7 +51,7 @@ class BalanceBlock(ObservedBlock):
         nominal = self.nominal
         self._circular_frequency = nominal.structure.circular_frequency if nominal.structure else 0.0
         self._spring = nominal.specimen.stiffness / nominal.mass if nominal.specimen else 0.0
-        self.motions = tuple(_motion(test, campaign.step) for test in campaign.tests)
+        self.motions = tuple(motion_of_command(test, campaign.step) for test in campaign.tests)
 
     def predict(self, model: HybridTest, test: int) -> Array:
         """Force that balances ground motion and command [N], shape (n,)."""
@@ -80,7 +80,7 @@ class BalanceBlock(ObservedBlock):
         return np.asarray(fft.irfft(expected, length)[:size])
 
 
-def _motion(test: MeasuredTest, step: float) -> Motion3:
+def motion_of_command(test: MeasuredTest, step: float) -> Motion3:
     """Motion of the command, whose acceleration is as straight between samples as the ground's only in part.
 
     The spline takes all of it for straight, which makes the smooth rest s = x'' + a_g larger by −h²s''/12.

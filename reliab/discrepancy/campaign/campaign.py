@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from reliab.errors import InputError
 from reliab.loop.actuator import Actuator
 from reliab.loop.hybrid_test import HybridTest, Specimen
+from reliab.loop.partition.partition import Partition
 from reliab.loop.structure import Structure
 
 
@@ -67,7 +68,8 @@ class Campaign:
     name : str
         Free text.
     structure : Structure or None
-        Nominal structure; None when there is no numerical substructure.
+        Nominal structure of one degree of freedom; None when there is no numerical substructure, or when it
+        is a frame.
     mass : float
         Its mass [kg]; 1 when forces are per unit mass.
     actuator : Actuator or None
@@ -78,6 +80,8 @@ class Campaign:
         Sampling rate [Hz].
     tests : tuple of MeasuredTest
         The tests, of which at least one is not held out. Of a single test the last third is held out.
+    partition : Partition, optional
+        Nominal frame with its specimen and interface, in the place of a structure of one degree of freedom.
     """
 
     name: str
@@ -87,6 +91,7 @@ class Campaign:
     specimen: Specimen | None
     rate: float
     tests: tuple[MeasuredTest, ...]
+    partition: Partition | None = None
 
     def __post_init__(self) -> None:
         if all(test.held_out for test in self.tests):
@@ -108,7 +113,7 @@ class Campaign:
             structure=self.structure,
             mass=self.mass,
             actuator=self.actuator or Actuator(),
-            specimen=self.specimen,
+            specimen=self.specimen if self.partition is None else self.partition.specimen,
         )
 
     @property

@@ -1,17 +1,41 @@
-"""Reading a campaign folder: campaign.toml and one CSV file per test."""
+"""Reading a campaign folder: campaign.toml and one CSV file per test.
+
+The numerical substructure is a structure of one degree of freedom::
+
+    [structure]
+    frequency_hz = 1.0                       # nominal values: what the operator believes
+    damping_ratio = 0.02
+    mass_kg = 1000.0                         # scales force; absent: force per unit mass
+    experimental_fraction = 1.0
+
+or a frame, described by the tables of `frame.toml` (:mod:`reliab.loop.partition.frame_file`)::
+
+    [structure.frame]
+    mass_matrix_kg = [[1000.0, 0.0], [0.0, 1000.0]]
+    stiffness_matrix_n_per_m = [[4e5, -2e5], [-2e5, 2e5]]
+    [structure.damping]
+    ratio = 0.02
+    [structure.specimen]
+    degree_of_freedom = 1
+    stiffness_n_per_m = 1e5
+
+The command is then the displacement of the frame at the interface, the force that of the specimen.
+"""
 
 import re
 import tomllib
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError
 
 from reliab.discrepancy.campaign.campaign import Campaign, MeasuredTest
 from reliab.discrepancy.campaign.table import read_table
 from reliab.errors import InputError
 from reliab.loop.actuator import Actuator
 from reliab.loop.hybrid_test import Specimen
+from reliab.loop.partition.frame_file import frame_of_tables
+from reliab.loop.partition.partition import Partition
 from reliab.loop.structure import Structure
 
 CAMPAIGN_FILE = "campaign.toml"
@@ -29,6 +53,14 @@ class _Structure(_Table):
     damping_ratio: Annotated[float, Field(gt=0.0, lt=1.0)]
     mass_kg: _Positive | None = None
     experimental_fraction: Annotated[float, Field(gt=0.0, le=1.0)] = 1.0
+
+
+class _Frame(_Table):
+    """`[structure]` of a frame: tables of `frame.toml`, which are checked where they are read."""
+
+    frame: dict[str, Any]
+    damping: dict[str, Any]
+    specimen: dict[str, Any]
 
 
 class _Actuator(_Table):
@@ -52,9 +84,20 @@ class _Test(_Table):
     held_out: bool = False
 
 
+def _kind_of_structure(table: object) -> str:
+    """Tell a frame from a structure of one degree of freedom by its tables."""
+    return "frame" if isinstance(table, dict) and "frame" in table else "one_mode"
+
+
 class _CampaignFile(_Table):
     name: str = ""
-    structure: _Structure | None = None
+    structure: (
+        Annotated[
+            Annotated[_Structure, Tag("one_mode")] | Annotated[_Frame, Tag("frame")],
+            Discriminator(_kind_of_structure),
+        ]
+        | None
+    ) = None
     actuator: _Actuator | None = None
     specimen: _Specimen | None = None
     sampling: _Sampling
@@ -102,15 +145,37 @@ def _held_out(tests: list[_Test]) -> list[bool]:
 
 def _campaign(described: _CampaignFile, tests: tuple[MeasuredTest, ...], folder: Path) -> Campaign:
     structure, actuator, specimen = described.structure, described.actuator, described.specimen
+    one_mode = structure if isinstance(structure, _Structure) else None
     return Campaign(
         name=described.name or folder.name,
-        structure=None if structure is None else _as_structure(structure),
-        mass=(structure.mass_kg if structure else None) or 1.0,
+        structure=None if one_mode is None else _as_structure(one_mode),
+        mass=(one_mode.mass_kg if one_mode else None) or 1.0,
         actuator=None if actuator is None else Actuator(gain=actuator.gain, delay=actuator.delay_s),
         specimen=None if specimen is None else _as_specimen(specimen),
         rate=described.sampling.rate_hz,
         tests=tests,
+        partition=_as_partition(structure, described) if isinstance(structure, _Frame) else None,
     )
+
+
+def _as_partition(table: _Frame, described: _CampaignFile) -> Partition:
+    """Build the frame with its specimen, and refuse what is said twice or has no meaning."""
+    if described.specimen is not None:
+        raise InputError(
+            "The specimen of a frame is described in [structure.specimen]",
+            value="a table [specimen] beside it",
+            remedy="Leave [specimen] out",
+            where=CAMPAIGN_FILE,
+        )
+    partition = frame_of_tables(table.model_dump(), CAMPAIGN_FILE).partition
+    if partition.effects:
+        raise InputError(
+            "The nominal specimen of a campaign is linear; a diagnosis finds what it does beyond that",
+            value=", ".join(effect.name for effect in partition.effects),
+            remedy="Leave [[structure.specimen.effects]] out",
+            where=CAMPAIGN_FILE,
+        )
+    return partition
 
 
 def _as_structure(table: _Structure) -> Structure:
@@ -159,7 +224,7 @@ def _explained(error: ValidationError, text: str, path: Path) -> InputError:
     return InputError(
         rule,
         value=value,
-        remedy="See the format of campaign folders in the documentation",
+        remedy="Compare with the format in datasets/campaigns/README.md",
         where=f"{path.name}, line {line}" if line else path.name,
     )
 

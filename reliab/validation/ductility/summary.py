@@ -52,7 +52,7 @@ def compare_levels(tests: pd.DataFrame) -> pd.DataFrame:
 def _row(part: pd.DataFrame, direction: str) -> dict[str, Any]:
     """Statistics of one specimen in one direction."""
     sound = part[part[direction].notna()]
-    below = (sound[direction] < 1.0).to_numpy(dtype=np.float64)
+    below = np.asarray(sound[direction] < 1.0, dtype=np.float64)
     low, high = event_bootstrap(below, np.ones(below.size), sound["event"].to_numpy(dtype=np.str_))
     return {
         "direction": direction,

@@ -110,6 +110,13 @@ def _facts(diagnosis: Diagnosis) -> dict[str, Prose]:
             xi=campaign.structure.damping_ratio,
             alpha=campaign.structure.experimental_fraction,
         )
+    if campaign.partition is not None:
+        frequencies = campaign.partition.frame.modes.frequency
+        facts["Structure"] = prose(
+            "frame of {size} degrees of freedom, $f_1 = {lowest:.3g}$ Hz",
+            size=campaign.partition.frame.size,
+            lowest=float(frequencies[0]),
+        )
     return facts
 
 

@@ -68,8 +68,8 @@ def ductility_report(
         facts={
             "Motions": str(int(overall["motions"].max())),
             "Earthquakes": str(int(overall["events"].max())),
-            "Structures": f"{values(structures['f'].unique(), 'Hz')} with "
-            f"{values(PERCENT * structures['xi'].unique(), '%')} damping",
+            "Structures": f"{values(sorted(set(structures['f'])), 'Hz')} with "
+            f"{values(sorted(set(PERCENT * structures['xi'])), '%')} damping",
             "Error": f"{percent(threshold)} RMS",
         },
         blocks=(*opening, _method(limits), _levels(levels, overall), _limits(limits)),

@@ -1,0 +1,124 @@
+"""Campaigns of frames: read, balanced, and diagnosed where code that shares nothing hid an effect."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from reliab.discrepancy import diagnose, read_campaign
+from reliab.discrepancy.blocks.balance import motion_of_command
+from reliab.discrepancy.blocks.frame_balance import InnerMotion
+from reliab.discrepancy.campaign.campaign import Channel
+from reliab.errors import InputError
+from reliab.loop.partition.partition import Partition
+from reliab.loop.structure import Structure
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+import frame_laboratory
+
+FRAME = """[structure.frame]
+masses_kg = [1000.0, 1000.0]
+storey_stiffnesses_n_per_m = [4e5, 3e5]
+[structure.damping]
+ratio = 0.02
+[structure.specimen]
+degree_of_freedom = 1
+stiffness_n_per_m = 1e5
+"""
+
+
+def described(folder, structure, extra=""):
+    """Give a small campaign another structure."""
+    text = (folder / "campaign.toml").read_text(encoding="utf-8")
+    rest = text[text.index("[actuator]") :]
+    (folder / "campaign.toml").write_text(f'name = "frame"\n{structure}{extra}{rest}', encoding="utf-8")
+    return read_campaign(folder)
+
+
+def test_a_frame_is_read_with_its_interface_and_specimen(small_campaign):
+    campaign = described(small_campaign, FRAME)
+    assert campaign.structure is None
+    np.testing.assert_array_equal(campaign.partition.interface, [1.0, 0.0])
+    np.testing.assert_array_equal(campaign.partition.frame.stiffness, [[7e5, -3e5], [-3e5, 3e5]])
+    assert campaign.nominal.specimen.stiffness == 1e5
+
+
+@pytest.mark.parametrize(
+    ("structure", "extra", "rule"),
+    [
+        (FRAME, "[specimen]\nstiffness_n_per_m = 1.0\n", "described in .structure.specimen."),
+        (FRAME.replace("degree_of_freedom = 1", "degree_of_freedom = 5"), "", "degree of freedom"),
+        (FRAME.replace("1e5", "9e5"), "", "stiffness matrix that is left to the computer"),
+        (FRAME.replace("ratio = 0.02", "ratio = 0.02\nratios = [0.1, 0.1]"), "", "known keys"),
+        ("[structure]\nfrequency_hz = 1.0\n" + FRAME, "", "no key"),
+        (
+            FRAME + '[[structure.specimen.effects]]\nname = "cubic_stiffness"\ncubic_n_per_m3 = 1.0\n',
+            "",
+            "nominal specimen of a campaign is linear",
+        ),
+    ],
+)
+def test_a_frame_that_is_not_sound_is_refused(small_campaign, structure, extra, rule):
+    with pytest.raises(InputError, match=rule):
+        described(small_campaign, structure, extra)
+
+
+def test_ground_and_reading_alone_show_no_block_of_a_frame(small_campaign):
+    for file in ("a.csv", "b.csv"):
+        text = (small_campaign / file).read_text(encoding="utf-8")
+        (small_campaign / file).write_text(
+            text.replace("command_m", "ground_acceleration_mps2"), encoding="utf-8"
+        )
+    with pytest.raises(InputError, match="one degree of freedom"):
+        diagnose(described(small_campaign, FRAME))
+
+
+def test_one_mass_balances_by_its_equation_of_motion():
+    structure = Structure(frequency=1.3, damping_ratio=0.04, experimental_fraction=0.6)
+    partition = Partition.of(structure, mass=20.0)
+    random = np.random.default_rng(3)
+    ground, motion = random.normal(size=50), random.normal(size=(3, 50))
+    w0 = structure.circular_frequency
+    balance = motion[2] + 2.0 * 0.04 * w0 * motion[1] + 0.4 * w0**2 * motion[0] + ground
+    np.testing.assert_allclose(
+        InnerMotion(partition, 0.01).force(ground, motion), -20.0 * balance, rtol=1e-12
+    )
+
+
+def test_command_and_ground_give_the_force_of_an_independent_simulation(tmp_path):
+    frame_laboratory.write_campaign(tmp_path, 4, "none", tests=2, noise=0.0)
+    campaign = read_campaign(tmp_path)
+    test = campaign.tests[0]
+    motion = motion_of_command(test, campaign.step).values
+    force = InnerMotion(campaign.partition, campaign.step).force(test.channels[Channel.GROUND], motion)
+    np.testing.assert_allclose(
+        force, test.channels[Channel.FORCE], atol=2e-3 * np.abs(test.channels[Channel.FORCE]).max()
+    )
+
+
+BLIND = [
+    ("coulomb_friction", "specimen"),
+    ("cubic_stiffness", "specimen"),
+    ("first_order_lag", "actuator"),
+    ("sensor_bias", "sensor"),
+    ("excitation_scale", "excitation"),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [11, 12])
+@pytest.mark.parametrize(("effect", "block"), BLIND)
+def test_an_effect_hidden_in_a_frame_is_named(tmp_path, effect, block, seed):
+    frame_laboratory.write_campaign(tmp_path, seed, effect)
+    result = diagnose(read_campaign(tmp_path)).as_dict()
+    assert result["verdict"] == "named"
+    assert [(named["name"], named["block"]) for named in result["effects"]] == [(effect, block)]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [13, 14])
+def test_a_frame_without_a_hidden_effect_is_told_to_have_none(tmp_path, seed):
+    frame_laboratory.write_campaign(tmp_path, seed, "none")
+    assert diagnose(read_campaign(tmp_path)).as_dict()["verdict"] == "no_missing_effect"
