@@ -1,21 +1,22 @@
 """`reliab assess TEST --structure FRAME.toml`: the verdict on a test of a partitioned frame."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 from reliab.cli.assess.demand import Demand
 from reliab.cli.options import FIVE_PERCENT
 from reliab.cli.output import console, table, write_json
 from reliab.errors import InputError
-from reliab.stated_value import StatedValue
 
-if TYPE_CHECKING:
-    from reliab.validation.assessment.frame_test import FrameAssessment
-
-_SAID_BY_THE_FILE = (
-    *("f", "xi", "alpha", "scale", "mass", "motion", "window", "criterion", "model", "confidence"),
-    *("report", "date"),
-)
+_SAID_BY_THE_FILE = ("f", "xi", "alpha", "mass")
+_NOT_FOR_FRAMES = {
+    "motion": "The index of a frame's test is that of a criterion of the frame: give it with --criterion",
+    "window": "The error of a frame's test is over its own duration",
+    "model": "The error of a frame's test is rebuilt for a linear specimen",
+    "confidence": "The verdict rests on the test's own error; a criterion brings its confidence with it",
+    "report": "No report is written on the test of a frame; --json FILE keeps the answer",
+    "date": "No report is written on the test of a frame",
+}
 
 
 def judge_frame_test(demand: Demand, structure: Path) -> bool:
@@ -38,44 +39,66 @@ def judge_frame_test(demand: Demand, structure: Path) -> bool:
     InputError
         If an option has no meaning beside a frame.
     """
+    _refuse_unused(demand)
+    from reliab.loop.partition.frame_file import read_frame
+    from reliab.validation.assessment.frame_summary import summarise_frame
+    from reliab.validation.assessment.frame_test import assess_frame
+    from reliab.vocabulary import Metric
+
+    assessment = assess_frame(
+        demand.read_recording(),
+        read_frame(structure),
+        criterion=demand.read_criterion(),
+        threshold=FIVE_PERCENT if demand.threshold is None else demand.threshold,
+        metric=Metric.parse(demand.metric or "rms"),
+        feedback_lag=demand.feedback_lag,
+        scale=demand.scale,
+    )
+    content = summarise_frame(assessment)
+    if not write_json(content, demand.json_target):
+        _show(content)
+    return assessment.reliable
+
+
+def _refuse_unused(demand: Demand) -> None:
+    """Refuse options that would not be used, and say why."""
     for name in _SAID_BY_THE_FILE:
         if getattr(demand, name):
             raise InputError(
                 f"--{name} has no meaning beside --structure",
                 remedy="Leave it out; the description of the frame says what the test is of",
             )
-    from reliab.loop.partition.frame_file import read_frame
-    from reliab.validation.assessment.frame_test import assess_frame
-    from reliab.vocabulary import Metric
-
-    lag = (demand.feedback_lag or StatedValue(0.0)).value
-    frame = read_frame(structure)
-    assessment = assess_frame(
-        demand.read_recording(),
-        frame,
-        threshold=FIVE_PERCENT if demand.threshold is None else demand.threshold,
-        metric=Metric.parse(demand.metric or "rms"),
-        feedback_lag=1e-3 * lag,
-    )
-    content = assessment.to_dict()
-    if not write_json(content, demand.json_target):
-        _show(assessment)
-    return bool(content["reliable"])
+    for name, reason in _NOT_FOR_FRAMES.items():
+        if getattr(demand, name):
+            raise InputError(f"--{name} has no meaning beside --structure. {reason}", remedy="Leave it out")
 
 
-def _show(assessment: "FrameAssessment") -> None:
-    judged = assessment.error.estimate(assessment.metric)
+def _show(content: dict[str, Any]) -> None:
+    metric, threshold = content["metric"], content["threshold"]
+    judged, margin = content["error"][metric], content["stability_margin"]
+    critical = content["critical_delay_ms"]
     rows = {
-        "verdict": assessment.word.shout,
-        f"error, {assessment.metric}": f"{100 * judged.value:.2f} %",
-        "90 % interval": f"{100 * judged.low:.2f} to {100 * judged.high:.2f} %",
-        f"probability below {100 * assessment.threshold:g} %": f"{assessment.probability:.3f}",
-        "A": f"{assessment.tracking.amplitude:.4f}",
-        "d": f"{1e3 * assessment.tracking.equivalent_delay:.3f} ms",
-        "critical delay": f"{1e3 * assessment.critical_delay:.3f} ms",
-        "stability margin": f"{assessment.stability_margin:.3f}",
+        "verdict": content["verdict"].replace("_", " ").upper(),
+        f"error, {metric}": f"{100 * judged['value']:.2f} %",
+        "90 % interval": f"{100 * judged['low']:.2f} to {100 * judged['high']:.2f} %",
+        f"probability below {100 * threshold:g} %": f"{content['probability']:.3f}",
+        "A": f"{content['A']:.4f}",
+        "d": f"{content['d_ms']:.3f} ms",
+        "critical delay": "none" if critical is None else f"{critical:.3f} ms",
+        "stability margin": "none" if margin is None else f"{margin:.3f}",
     }
-    shown = table(f"Test of {assessment.frame.name}", {"": "left", "value": "left"})
+    if content["by_index"] is not None:
+        by_index = content["by_index"]
+        index = "unknown" if by_index["index"] is None else f"{by_index['index']:.3g}"
+        rows["index of the criterion"] = f"{index}: {by_index['verdict'].replace('_', ' ')}"
+    shown = table(f"Test of {content['structure']}", {"": "left", "value": "left"})
     for name, value in rows.items():
         shown.add_row(name, value)
-    console().print(shown)
+    terminal = console()
+    terminal.print(shown)
+    for reason in content["reasons"]:
+        terminal.print(reason, markup=False, highlight=False)
+    for remedy in content["would_decide"]:
+        terminal.print(f"What would decide: {remedy}", markup=False, highlight=False)
+    for warning in content["warnings"]:
+        terminal.print(f"Warning: {warning}", style="yellow", markup=False, highlight=False)

@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from reliab.criterion import Criterion
-from reliab.errors import InputError
 from reliab.indices.window import Window
 from reliab.loop.hybrid_test.model_file import UpdatedModel
 from reliab.loop.structure import Structure
@@ -15,21 +14,20 @@ from reliab.validation.assessment.assessment import Assessment
 from reliab.validation.assessment.default_criterion import default_criterion
 from reliab.validation.assessment.doubts import verdict_of_error
 from reliab.validation.assessment.error_of_test import ErrorOfTest, Question, error_of_test
+from reliab.validation.assessment.fault_effects import error_with_faults
 from reliab.validation.assessment.faults import Fault, find_faults, repaired
 from reliab.validation.assessment.findings import FaultEffect
 from reliab.validation.assessment.moving_windows import track_windows
 from reliab.validation.assessment.own_equation import OwnEquation, examine_equation
 from reliab.validation.assessment.own_motion import place_on_own
 from reliab.validation.assessment.placement import place
-from reliab.validation.assessment.plausibility import require_following
+from reliab.validation.assessment.plausibility import require_following, require_length
 from reliab.validation.assessment.recording import Recording
 from reliab.validation.assessment.spikes import without_spikes
 from reliab.validation.assessment.tracking_index import track
 from reliab.validation.assessment.tracking_measures import measure_tracking
 from reliab.vocabulary import Metric
 
-_FEWEST_PERIODS = 2.0
-_LONGEST_STEP = 0.2  # of a period
 _FEW_DRAWS = 2
 _EXTREME_DAMPING = (0.005, 0.1)  # between them lie the damping ratios of structures in laboratories
 
@@ -96,7 +94,7 @@ def assess(
         If the test is too short, sampled too coarsely, has two units or signs, or the measured
         displacement does not follow the command.
     """
-    _check_length(recording, structure)
+    require_length(recording, structure.frequency)
     require_following(without_spikes(recording)[0])
     chosen = criterion or default_criterion(
         structure.frequency,
@@ -185,22 +183,9 @@ def _faults(recording: Recording, question: Question, taper: str) -> tuple[Fault
 def _errors(
     recording: Recording, faults: tuple[Fault, ...], question: Question
 ) -> tuple[ErrorOfTest, tuple[FaultEffect, ...]]:
-    """Error of the test without what the loop did not feel, and what each fault does to it."""
-    unfelt = [fault for fault in faults if fault.in_loop is False]
-    known = 0.0 if any(fault.kind == "offset" for fault in faults) else None
-    error = error_of_test(repaired(recording, unfelt), question, sensor_offset=known)
-    effects = []
-    for fault in faults:
-        others = (
-            [fault] if fault.in_loop is not False else [effect for effect in unfelt if effect is not fault]
-        )
-        changed = (
-            error_of_test(repaired(recording, others), question, sensor_offset=known)
-            if fault.repairable
-            else None
-        )
-        effects.append(FaultEffect(fault=fault, otherwise=changed))
-    return error, tuple(effects)
+    return error_with_faults(
+        recording, faults, lambda test, offset: error_of_test(test, question, sensor_offset=offset)
+    )
 
 
 def _otherwise_stated(
@@ -224,21 +209,3 @@ def _at_extreme_damping(recording: Recording, question: Question) -> tuple[Error
         )
         for ratio in _EXTREME_DAMPING
     )
-
-
-def _check_length(recording: Recording, structure: Structure) -> None:
-    periods = recording.duration * structure.frequency
-    if periods < _FEWEST_PERIODS:
-        raise InputError(
-            f"A test must last at least {_FEWEST_PERIODS:g} periods of the structure",
-            value=f"{periods:.2g} ({recording.duration:g} s at {structure.frequency:g} Hz)",
-            remedy="Give the whole test; times are in seconds unless --time-units says otherwise",
-            where=recording.name,
-        )
-    if recording.time_step * structure.frequency > _LONGEST_STEP:
-        raise InputError(
-            f"A step must be at most {_LONGEST_STEP:g} of a period of the structure",
-            value=f"{recording.time_step:g} s at {structure.frequency:g} Hz",
-            remedy="Times are in seconds; if they are in milliseconds, give --time-units ms",
-            where=recording.name,
-        )

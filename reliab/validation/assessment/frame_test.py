@@ -1,22 +1,36 @@
-"""The verdict on a test of a partitioned frame: its own error, and its stability margin."""
+"""The verdict on a test of a partitioned frame: its own error, faults of the recording, stability margin."""
 
 import math
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from reliab.criterion import Criterion
 from reliab.errors import InputError
-from reliab.indices.frequency_evaluation import FrequencyEvaluation, frequency_evaluation
 from reliab.loop.partition.critical_delay import critical_delay
 from reliab.loop.partition.frame_file import FrameUnderTest
 from reliab.loop.partition.partition import Partition
-from reliab.rebuilt_error import RebuiltError, WholeStructure, rebuild
+from reliab.loop.structure import Structure
+from reliab.rebuilt_error import Tolerances, WholeStructure, rebuild
+from reliab.stated_value import StatedValue
+from reliab.sweep.frame_table import governing_mode
+from reliab.validation.assessment.doubts import verdict_of_error
+from reliab.validation.assessment.error_of_test import ErrorOfTest
+from reliab.validation.assessment.fault_effects import error_with_faults
+from reliab.validation.assessment.faults import find_faults, repaired
+from reliab.validation.assessment.findings import FaultEffect
+from reliab.validation.assessment.own_equation import OwnEquation
+from reliab.validation.assessment.placement import Placement, place
+from reliab.validation.assessment.plausibility import require_following, require_length
 from reliab.validation.assessment.recording import Recording
-from reliab.validation.assessment.verdict import Word, word_of_probability
+from reliab.validation.assessment.spikes import without_spikes
+from reliab.validation.assessment.tracking_index import TrackingIndex, track
+from reliab.validation.assessment.verdict import Verdict, Word
 from reliab.vocabulary import Metric
 
 _MILLISECONDS = 1e3
+_FEW_DRAWS = 2
+_SAME_SHARE = 1e-3
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -25,78 +39,60 @@ class FrameAssessment:
 
     Attributes
     ----------
+    recording : Recording
+        The test.
     frame : FrameUnderTest
         The frame.
-    tracking : FrequencyEvaluation
-        A, φ, f_eq and d.
-    error : RebuiltError
+    mode : Structure
+        Frequency, damping ratio and specimen's share of the mode that governs the error.
+    tracking : TrackingIndex
+        A and d with their uncertainty, without faults of the recording.
+    error : ErrorOfTest
         The error of the measured interface displacement, from the test alone.
-    metric : Metric
-        Which error is judged.
-    threshold : float
-        Largest error of a reliable test [-].
+    faults : tuple of FaultEffect
+        Faults of the recording and what they do to the error.
+    verdict : Verdict
+        The verdict, by the test's own error.
     critical_delay : float
         Exact critical delay at the measured amplitude [s]; infinite where no delay is critical.
+    criterion : Criterion or None
+        A criterion of this frame, where one is given.
+    population : Placement or None
+        The test against that criterion.
     """
 
+    recording: Recording
     frame: FrameUnderTest
-    tracking: FrequencyEvaluation
-    error: RebuiltError
-    metric: Metric
-    threshold: float
+    mode: Structure
+    tracking: TrackingIndex
+    error: ErrorOfTest
+    faults: tuple[FaultEffect, ...]
+    verdict: Verdict
     critical_delay: float
+    criterion: Criterion | None = None
+    population: Placement | None = None
 
     @property
-    def probability(self) -> float:
-        """Probability that the error is below the threshold."""
-        return self.error.probability(self.threshold, self.metric)
+    def reliable(self) -> bool:
+        """Whether the verdict is "reliable"."""
+        return self.verdict.word is Word.RELIABLE
 
     @property
-    def word(self) -> Word:
-        """Reliable, undecided or not reliable."""
-        return word_of_probability(self.probability)
+    def stability_margin(self) -> float | None:
+        """Share of the critical delay that is free, 1 − d/τ_c [-]; None where no delay leaves it stable."""
+        if math.isinf(self.critical_delay):
+            return 1.0
+        if self.critical_delay <= 0.0:
+            return None
+        return 1.0 - max(self.tracking.delay, 0.0) / self.critical_delay
 
     @property
-    def stability_margin(self) -> float:
-        """Share of the critical delay that is free, 1 − d/τ_c [-]; 1 where the actuator leads."""
-        if not (math.isfinite(self.critical_delay) and self.critical_delay > 0.0):
-            return 1.0 if self.critical_delay else -math.inf
-        return 1.0 - max(self.tracking.equivalent_delay, 0.0) / self.critical_delay
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain content, with the keys of every other assessment where they mean the same."""
-        tracking, error = self.tracking, self.error
-        finite = math.isfinite(self.critical_delay)
-        return {
-            "structure": self.frame.name,
-            "error_of": "the measured interface displacement",
-            "A": tracking.amplitude,
-            "phi": tracking.phase,
-            "f_eq_hz": tracking.equivalent_frequency,
-            "d_ms": _MILLISECONDS * tracking.equivalent_delay,
-            "critical_delay_ms": _MILLISECONDS * self.critical_delay if finite else None,
-            "stability_margin": self.stability_margin,
-            "modes": [
-                {"f_hz": float(f), "xi": float(xi), "alpha": float(alpha)}
-                for f, xi, alpha in zip(
-                    self.frame.partition.frame.modes.frequency,
-                    self.frame.partition.frame.damping_ratios,
-                    self.frame.partition.stiffness_shares,
-                    strict=True,
-                )
-            ],
-            "error": {
-                **{
-                    str(metric): {"value": item.value, "low": item.low, "high": item.high}
-                    for metric, item in ((Metric.RMS, error.rms), (Metric.MTE, error.mte))
-                },
-                "probability": self.probability,
-            },
-            "metric": str(self.metric),
-            "threshold": self.threshold,
-            "verdict": str(self.word),
-            "reliable": self.word is Word.RELIABLE,
-        }
+    def warnings(self) -> tuple[str, ...]:
+        """What to know about the recording and the loop, in sentences."""
+        sentences = [effect.fault.finding for effect in self.faults]
+        if self.stability_margin is None or self.stability_margin <= 0.0:
+            sentences.append("The delay exceeds the critical one: the loop is unstable.")
+        return tuple(sentences)
 
 
 def whole_structure(partition: Partition) -> WholeStructure:
@@ -117,9 +113,11 @@ def assess_frame(
     recording: Recording,
     frame: FrameUnderTest,
     *,
+    criterion: Criterion | None = None,
     threshold: float = 0.05,
     metric: Metric = Metric.RMS,
-    feedback_lag: float = 0.0,
+    feedback_lag: StatedValue | None = None,
+    scale: StatedValue | None = None,
 ) -> FrameAssessment:
     """Judge a test of a partitioned frame by the error that its displacements reveal.
 
@@ -129,24 +127,81 @@ def assess_frame(
         Command and measured displacement at the interface.
     frame : FrameUnderTest
         The frame; its specimen must be linear.
+    criterion : Criterion, optional
+        A criterion that was derived for this frame; it brings its threshold and metric, and the test's index
+        is stated beside the error.
     threshold : float, optional
         Largest error of a reliable test [-].
     metric : Metric, optional
         Which error.
-    feedback_lag : float, optional
-        Time by which the force was fed back late [s].
+    feedback_lag : StatedValue, optional
+        Time by which the force was fed back late [ms]; none by default.
+    scale : StatedValue, optional
+        Scale of the displacement sensor [-]; 1 by default.
 
     Returns
     -------
     FrameAssessment
-        A, d, the stability margin, the error with its interval, and the verdict.
+        A, d, the stability margin, the error with its interval, faults of the recording, and the verdict.
 
     Raises
     ------
     InputError
-        If the specimen is nonlinear, the error asked about is another than that of the interface, or the
-        recording cannot be judged.
+        If the specimen is nonlinear, the error asked about is another than that of the interface, the
+        criterion is of another structure, or the recording cannot be judged.
     """
+    _check_frame(frame)
+    mode = governing_mode(frame)
+    if criterion is not None:
+        _check_criterion(criterion, mode)
+        threshold, metric = criterion.threshold, Metric(criterion.metric)
+    if scale is not None:
+        recording = replace(recording, measured=recording.measured / scale.value)
+    require_length(recording, mode.frequency)
+    bridged, *_ = without_spikes(recording)
+    require_following(bridged)
+    faults = find_faults(
+        recording,
+        track(bridged, draws=_FEW_DRAWS),
+        threshold=threshold,
+        experimental_fraction=_share_at_rest(frame.partition),
+    )
+    structure, tolerances = whole_structure(frame.partition), _tolerances(feedback_lag, scale)
+    lag = 0.0 if feedback_lag is None else feedback_lag.value / _MILLISECONDS
+
+    def rebuilt(test: Recording, offset: float | None) -> ErrorOfTest:
+        error = rebuild(
+            test.command,
+            test.measured,
+            test.time_step,
+            structure,
+            feedback_lag=lag,
+            sensor_offset=offset,
+            tolerances=tolerances,
+        )
+        return ErrorOfTest(
+            rebuilt=error, metric=metric, threshold=threshold, damping_ratio=mode.damping_ratio
+        )
+
+    error, effects = error_with_faults(recording, faults, rebuilt)
+    tracking = track(repaired(recording, faults))
+    return FrameAssessment(
+        recording=recording,
+        frame=frame,
+        mode=mode,
+        tracking=tracking,
+        error=error,
+        faults=effects,
+        verdict=verdict_of_error(error, effects, OwnEquation(), ()),
+        critical_delay=critical_delay(frame.partition, tracking.amplitude)[0],
+        criterion=criterion,
+        population=None
+        if criterion is None
+        else place(criterion, mode, tracking.amplitude, tracking.delay, tracking.draws),
+    )
+
+
+def _check_frame(frame: FrameUnderTest) -> None:
     if frame.partition.effects:
         raise InputError(
             "The error of a frame is rebuilt for a linear specimen",
@@ -159,19 +214,28 @@ def assess_frame(
             value=frame.error_of,
             remedy='Leave [error] out, or give of = "interface"',
         )
-    tracking = frequency_evaluation(recording.command, recording.measured, recording.time_step)
-    error = rebuild(
-        recording.command,
-        recording.measured,
-        recording.time_step,
-        whole_structure(frame.partition),
-        feedback_lag=feedback_lag,
-    )
-    return FrameAssessment(
-        frame=frame,
-        tracking=tracking,
-        error=error,
-        metric=metric,
-        threshold=threshold,
-        critical_delay=critical_delay(frame.partition, tracking.amplitude)[0],
+
+
+def _check_criterion(criterion: Criterion, mode: Structure) -> None:
+    """Refuse a criterion that was derived with another share of the specimen than this frame's."""
+    share = criterion.provenance.experimental_fraction
+    if not math.isclose(share, mode.experimental_fraction, rel_tol=_SAME_SHARE):
+        raise InputError(
+            "The criterion of a frame's test must be that of the frame",
+            value=f"α = {share:.4g} in the criterion, {mode.experimental_fraction:.4g} in the governing mode",
+            remedy="Derive it with `reliab criterion --structure` and the same description of the frame",
+        )
+    criterion.limits(mode.frequency, mode.damping_ratio)
+
+
+def _share_at_rest(partition: Partition) -> float:
+    """Part of a sensor's offset by which a loop that feels it moves its command, k_e γᵀK⁻¹γ [-]."""
+    moved = np.linalg.solve(partition.frame.stiffness, partition.interface)
+    return max(float(partition.specimen.stiffness * (partition.interface @ moved)), 1e-6)
+
+
+def _tolerances(feedback_lag: StatedValue | None, scale: StatedValue | None) -> Tolerances:
+    return Tolerances(
+        sensor_scale=0.0 if scale is None else scale.deviation / scale.value,
+        feedback_lag=0.0 if feedback_lag is None else feedback_lag.deviation / _MILLISECONDS,
     )

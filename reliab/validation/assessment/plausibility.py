@@ -1,4 +1,4 @@
-"""Recordings that cannot be judged: the channels differ in sign or unit, or have nothing in common."""
+"""Recordings that cannot be judged: too short or coarse, of two signs or units, or with nothing in common."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,8 @@ _UNRELATED = 0.2
 """Correlation, at the best lag, below which it does not follow the command; a rig that loses a test follows
 it late, but better."""
 
+_FEWEST_PERIODS = 2.0
+_LONGEST_STEP = 0.2  # of a period
 _LONGEST_LAG = 0.25  # of the test
 _LARGEST_NOISE = 0.5  # in power
 
@@ -29,6 +31,38 @@ _UNIT_FACTORS = {
     12.0: "inches beside feet",
 }
 _UNIT_TOLERANCE = 0.1
+
+
+def require_length(recording: Recording, frequency: float) -> None:
+    """Refuse a test of less than two periods of the structure, or of less than five samples in a period.
+
+    Parameters
+    ----------
+    recording : Recording
+        The test.
+    frequency : float
+        Natural frequency of the structure [Hz].
+
+    Raises
+    ------
+    InputError
+        If the test is too short or sampled too coarsely.
+    """
+    periods = recording.duration * frequency
+    if periods < _FEWEST_PERIODS:
+        raise InputError(
+            f"A test must last at least {_FEWEST_PERIODS:g} periods of the structure",
+            value=f"{periods:.2g} ({recording.duration:g} s at {frequency:g} Hz)",
+            remedy="Give the whole test; times are in seconds unless --time-units says otherwise",
+            where=recording.name,
+        )
+    if recording.time_step * frequency > _LONGEST_STEP:
+        raise InputError(
+            f"A step must be at most {_LONGEST_STEP:g} of a period of the structure",
+            value=f"{recording.time_step:g} s at {frequency:g} Hz",
+            remedy="Times are in seconds; if they are in milliseconds, give --time-units ms",
+            where=recording.name,
+        )
 
 
 def require_following(recording: Recording) -> None:

@@ -1,0 +1,44 @@
+"""What the faults of a recording do to the error of the test."""
+
+from collections.abc import Callable, Sequence
+
+from reliab.validation.assessment.error_of_test import ErrorOfTest
+from reliab.validation.assessment.faults import Fault, repaired
+from reliab.validation.assessment.findings import FaultEffect
+from reliab.validation.assessment.recording import Recording
+
+
+def error_with_faults(
+    recording: Recording,
+    faults: Sequence[Fault],
+    rebuilt: Callable[[Recording, float | None], ErrorOfTest],
+) -> tuple[ErrorOfTest, tuple[FaultEffect, ...]]:
+    """Error of the test without what the loop did not feel, and what each fault does to it.
+
+    Parameters
+    ----------
+    recording : Recording
+        The test as it was recorded.
+    faults : sequence of Fault
+        Its faults.
+    rebuilt : callable
+        Rebuilds the error of a recording, given the offset of its sensor [m] where that is known.
+
+    Returns
+    -------
+    error : ErrorOfTest
+        The error.
+    effects : tuple of FaultEffect
+        For each fault the error without it, or with it where `error` is already without.
+    """
+    unfelt = [fault for fault in faults if fault.in_loop is False]
+    known = 0.0 if any(fault.kind == "offset" for fault in faults) else None
+    error = rebuilt(repaired(recording, unfelt), known)
+    effects = []
+    for fault in faults:
+        others = (
+            [fault] if fault.in_loop is not False else [effect for effect in unfelt if effect is not fault]
+        )
+        changed = rebuilt(repaired(recording, others), known) if fault.repairable else None
+        effects.append(FaultEffect(fault=fault, otherwise=changed))
+    return error, tuple(effects)
