@@ -1,6 +1,7 @@
 """The verdict on a test of a partitioned frame: its own error, faults of the recording, stability margin."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -166,23 +167,7 @@ def assess_frame(
         threshold=threshold,
         experimental_fraction=_share_at_rest(frame.partition),
     )
-    structure, tolerances = whole_structure(frame.partition), _tolerances(feedback_lag, scale)
-    lag = 0.0 if feedback_lag is None else feedback_lag.value / _MILLISECONDS
-
-    def rebuilt(test: Recording, offset: float | None) -> ErrorOfTest:
-        error = rebuild(
-            test.command,
-            test.measured,
-            test.time_step,
-            structure,
-            feedback_lag=lag,
-            sensor_offset=offset,
-            tolerances=tolerances,
-        )
-        return ErrorOfTest(
-            rebuilt=error, metric=metric, threshold=threshold, damping_ratio=mode.damping_ratio
-        )
-
+    rebuilt = _rebuilding(frame, feedback_lag, scale, metric, threshold)
     error, effects = error_with_faults(recording, faults, rebuilt)
     tracking = track(repaired(recording, faults))
     return FrameAssessment(
@@ -199,6 +184,33 @@ def assess_frame(
         if criterion is None
         else place(criterion, mode, tracking.amplitude, tracking.delay, tracking.draws),
     )
+
+
+def _rebuilding(
+    frame: FrameUnderTest,
+    feedback_lag: StatedValue | None,
+    scale: StatedValue | None,
+    metric: Metric,
+    threshold: float,
+) -> Callable[[Recording, float | None], ErrorOfTest]:
+    """Give the function that rebuilds the error of a recording whose sensor has a stated offset [m]."""
+    structure, tolerances = whole_structure(frame.partition), _tolerances(feedback_lag, scale)
+    lag = 0.0 if feedback_lag is None else feedback_lag.value / _MILLISECONDS
+    damping_ratio = governing_mode(frame).damping_ratio
+
+    def rebuilt(test: Recording, offset: float | None) -> ErrorOfTest:
+        error = rebuild(
+            test.command,
+            test.measured,
+            test.time_step,
+            structure,
+            feedback_lag=lag,
+            sensor_offset=offset,
+            tolerances=tolerances,
+        )
+        return ErrorOfTest(rebuilt=error, metric=metric, threshold=threshold, damping_ratio=damping_ratio)
+
+    return rebuilt
 
 
 def _check_frame(frame: FrameUnderTest) -> None:
