@@ -1,5 +1,6 @@
 """`reliab info`: what a report of a fault should say of the installation."""
 
+import os
 import platform
 import sys
 from importlib import metadata
@@ -42,8 +43,6 @@ def describe() -> dict[str, Any]:
         Versions of reliab, Python and the packages that it uses, the platform, the folder and size [MB] of
         the shipped datasets and studies, and the folder of compiled code; ready for JSON.
     """
-    from numba import config
-
     return {
         "reliab": __version__,
         "python": platform.python_version(),
@@ -51,7 +50,7 @@ def describe() -> dict[str, Any]:
         "executable": sys.executable,
         "packages": {name: _version(name) for name in _PACKAGES},
         "shipped": {kind: _folder(kind) for kind in KINDS},
-        "compiled code": config.CACHE_DIR or "__pycache__ beside each module",
+        "compiled code": os.environ.get("NUMBA_CACHE_DIR") or "__pycache__ beside each module",
     }
 
 

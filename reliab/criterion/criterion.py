@@ -1,6 +1,7 @@
 """The criterion: how much amplitude error and delay a test may have."""
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,8 +11,12 @@ from reliab.criterion.laws import Law
 from reliab.criterion.methods.method import checked_share
 from reliab.criterion.population import Population
 from reliab.criterion.provenance import Provenance
+from reliab.criterion.showing import draw_region, table_of_criterion
 from reliab.errors import InputError
 from reliab.vocabulary import Metric, Side
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _MILLISECONDS = 1e3
 
@@ -185,6 +190,20 @@ class Criterion:
                 1.0 + offset[chosen], milliseconds[chosen] / _MILLISECONDS, f[chosen], xi[chosen]
             )
         return probability
+
+    def plot(self, frequency: float, damping_ratio: float, axes: "Axes | None" = None) -> "Axes":
+        """Draw the tolerable region of a structure [Hz, -]; returns its axes."""
+        sides = tuple(Side) if self.knows_leads else (Side.LAG,)
+        pairs = {side: self.limits(frequency, damping_ratio, side) for side in sides}
+        return draw_region({side: (float(a), float(b)) for side, (a, b) in pairs.items()}, axes)
+
+    def _repr_html_(self) -> str:
+        promise = {
+            "error": f"below {self.threshold:.3g} {self.metric.upper()}",
+            "confidence": f"{self.confidence:.3g} of ground motions, by {self.method}",
+            "limits": "a and b together" if self.joint else "a and b, each for itself",
+        }
+        return table_of_criterion(promise, self.law, self.provenance)
 
     @property
     def knows_leads(self) -> bool:

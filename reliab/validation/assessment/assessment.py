@@ -1,11 +1,15 @@
 """What is found about a test, in numbers and in words."""
 
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from reliab.validation.assessment.cautions import cautions
 from reliab.validation.assessment.findings import Findings
+from reliab.validation.assessment.showing import draw_error, table_of_assessment
 from reliab.validation.assessment.summary import summarise
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 class Assessment(Findings):
@@ -19,3 +23,11 @@ class Assessment(Findings):
     def to_dict(self) -> dict[str, Any]:
         """Put everything into plain numbers with stable keys; see `reliab.validation.assessment.summary`."""
         return {**summarise(self), "warnings": list(self.warnings)}
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the error over time; see :func:`reliab.validation.assessment.showing.draw_error`."""
+        return draw_error(self, axes)
+
+    def _repr_html_(self) -> str:
+        """Table for notebooks."""
+        return table_of_assessment(self)

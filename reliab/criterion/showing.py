@@ -1,0 +1,64 @@
+"""How a criterion shows itself: a table for notebooks, and its region in the plane of A and d."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from reliab.criterion.laws import Law
+from reliab.criterion.provenance import Provenance
+from reliab.html_table import html_table
+from reliab.vocabulary import Side
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_PERCENT = 100.0
+
+
+def table_of_criterion(promise: Mapping[str, str], law: Law, origin: Provenance) -> str:
+    """Write what a criterion promises, by name, and where it comes from as a table in HTML."""
+    rows = {
+        **promise,
+        "law": law.name,
+        "natural frequency": _range(law.validity.frequency, "Hz"),
+        "damping ratio": _range(law.validity.damping_ratio, ""),
+        "motions": f"{origin.n_motions} of {origin.n_events} earthquakes",
+        "window": origin.window,
+    }
+    return html_table("Criterion", rows, origin.warnings)
+
+
+def _range(bounds: tuple[float, float], unit: str) -> str:
+    low, high = bounds
+    return f"{low:g} {unit}".strip() if low == high else f"{low:g} to {high:g} {unit}".strip()
+
+
+def draw_region(limits: Mapping[Side, tuple[float, float]], axes: "Axes | None" = None) -> "Axes":
+    """Draw the tolerable region of a structure.
+
+    Parameters
+    ----------
+    limits : mapping of Side to tuple of float
+        Limits a [-] and b [ms²] of each side that is known, lags first.
+    axes : matplotlib.axes.Axes, optional
+        Where to draw; new axes by default.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        With A − 1 [%] across and d [ms] upwards.
+    """
+    from matplotlib import pyplot as plt
+
+    shown = plt.subplots()[1] if axes is None else axes
+    turn = np.linspace(0.0, np.pi, 181)
+    across, up = [], []
+    for side, (a, b) in limits.items():
+        sign = 1.0 if side is Side.LAG else -1.0
+        across.append(sign * _PERCENT * np.sqrt(a) * np.cos(turn))
+        up.append(sign * np.sqrt(b) * np.sin(turn))
+    shown.fill(np.concatenate(across), np.concatenate(up), alpha=0.2)
+    shown.plot(np.concatenate(across), np.concatenate(up))
+    shown.set(xlabel="A − 1 [%]", ylabel="delay d [ms]")
+    return shown

@@ -1,0 +1,66 @@
+"""Results show themselves in a notebook: tables that escape what they hold, and plots that return axes."""
+
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+import reliab
+from reliab.shipped import shipped
+from reliab.validation.assessment import default_criterion, read_recording
+
+mpl.use("Agg")
+
+
+@pytest.fixture(scope="module")
+def verdict():
+    recording = read_recording(shipped("datasets", "sample_test/test.csv"))
+    return reliab.assess(replace(recording, name="<b>mine</b>"), f=1.0, xi=0.02)
+
+
+class Cells(HTMLParser):
+    def __init__(self, text):
+        super().__init__()
+        self.tags, self.rows = [], {}
+        self.feed(text)
+
+    def handle_starttag(self, tag, _attributes):
+        self.tags.append(tag)
+
+    def handle_data(self, text):
+        if self.tags[-1] == "th":
+            self.head = text
+        elif self.tags[-1] == "td":
+            self.rows[self.head] = text
+
+
+def test_a_verdict_is_a_table_in_which_names_are_text(verdict):
+    shown = Cells(verdict._repr_html_())
+    assert "b" not in shown.tags
+    assert shown.rows["verdict"] == "reliable"
+    assert shown.rows["amplitude A"] == f"{verdict.tracking.amplitude:.4f}"
+
+
+def test_a_criterion_is_a_table():
+    shown = Cells(default_criterion(0.8, 0.03)._repr_html_())
+    assert shown.rows["motions"] == "100 of 19 earthquakes"
+    assert shown.rows["natural frequency"] == "0.75 to 1 Hz"
+
+
+def test_region_reaches_as_far_as_the_limits():
+    criterion = default_criterion(1.0, 0.02)
+    axes = criterion.plot(1.0, 0.02)
+    across, up = axes.lines[0].get_data()
+    lag, lead = (criterion.limits(1.0, 0.02, side) for side in ("lag", "lead"))
+    assert up.max() == pytest.approx(float(lag[1]) ** 0.5, rel=1e-6)
+    assert up.min() == pytest.approx(-(float(lead[1]) ** 0.5), rel=1e-6)
+    assert across.max() == pytest.approx(100 * max(float(lag[0]), float(lead[0])) ** 0.5, rel=1e-6)
+
+
+def test_error_is_drawn_over_time(verdict):
+    axes = verdict.plot()
+    time, error = axes.lines[0].get_data()
+    assert time[-1] == pytest.approx(verdict.recording.duration)
+    np.testing.assert_allclose(error, 1e3 * verdict.error.rebuilt.smooth_error)
