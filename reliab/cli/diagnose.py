@@ -19,7 +19,7 @@ _SENTENCES = {
     "named": "The model lacks what is listed below.",
     "no_missing_effect": "Calibration alone explains the tests: nothing is missing.",
     "unknown_effect": "Something is missing that is none of the known effects.",
-    "not_identifiable": "Something is missing, but these tests cannot tell what.",
+    "not_identifiable": "Something is missing, but these tests do not show which effect it is.",
 }
 _WHERE = {
     "block": "left",

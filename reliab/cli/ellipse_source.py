@@ -1,4 +1,4 @@
-"""Where ellipses come from: a file of them, stored results, or records that are simulated here and now."""
+"""Where ellipses come from: a file of them, stored results, or ground motions that are simulated."""
 
 import math
 from dataclasses import dataclass, fields
@@ -125,11 +125,11 @@ class EllipseSource:
             (
                 "--model" if self.model else None,
                 "A model is simulated under ground motions",
-                "Give --motions; a store knows with which model it was simulated",
+                "Give --motions; a results store names the model that it was simulated with",
             ),
             (
                 "--first-order" if self.first_order else None,
-                "Only the records themselves have spectra to predict from",
+                "Ellipses are predicted from the spectra of ground motions",
                 "Give --motions, or leave --first-order out",
             ),
             (
@@ -199,7 +199,7 @@ class EllipseSource:
             return among(open_ellipses(path, window=self.window), self.f, self.xi)
         if self.window is not None:
             raise InputError(
-                "A table of ellipses in CSV does not know over which window its errors were computed",
+                "A CSV table of ellipses does not state over which window its errors were computed",
                 value=f"--window {self.window}",
                 remedy="Leave it out, or give --motions, --results or a file of ellipses in NetCDF",
             )
@@ -234,7 +234,7 @@ class EllipseSource:
         given = [name for name, value in excluded.items() if value is not None]
         if given:
             raise InputError(
-                "A description of a frame says its frequencies, damping ratios and shares itself",
+                "The file of a frame states its frequencies, damping ratios and shares",
                 value=f"--structure with {', '.join(given)}",
                 remedy="Leave them out",
             )

@@ -65,7 +65,7 @@ def ellipses(
     out: Out = None,
     json_target: JsonTarget = None,
 ) -> None:
-    """Trace the boundary of equal error of each motion, late and early, and let ellipses stand for it."""
+    """Trace the boundary of equal error of each motion, for late and early actuators, as ellipses."""
     source = EllipseSource(
         motions=motions,
         sets=sets,

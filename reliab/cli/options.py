@@ -169,4 +169,4 @@ def refuse_others(context: typer.Context, option: str) -> None:
 
 
 ONE_HERTZ, TWO_PERCENT, FIVE_PERCENT = 1.0, 0.02, 0.05
-"""The paper's structure and threshold, where a command is told nothing else."""
+"""The paper's structure and threshold, the defaults of commands."""

@@ -22,7 +22,7 @@ _WIDTH_OF_PIPES = 160
 
 
 def console() -> "Console":
-    """Console for results: as wide as the terminal, or wide enough to be searched in a pipe."""
+    """Return a console for results: as wide as the terminal; in a pipe wide enough that no row is broken."""
     from rich.console import Console
 
     terminal = Console()
@@ -35,7 +35,7 @@ def takes_any_character(stream: TextIO) -> bool:
 
 
 def write_what_can_be_written(stream: TextIO) -> None:
-    """Let a terminal or pipe that lacks characters show others in their place, "xi" for "ξ".
+    """Replace characters that a terminal or pipe cannot show, "ξ" by "xi".
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def table(title: str, headings: Mapping[str, str]) -> "Table":
 
 
 def write_json(content: Mapping[str, Any], target: str | None) -> bool:
-    """Write JSON if asked for; tell whether it is all that may stand on standard output.
+    """Write JSON if it is asked for; return whether nothing else may be printed.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ def write_json(content: Mapping[str, Any], target: str | None) -> bool:
     Returns
     -------
     bool
-        Whether standard output is taken.
+        Whether the JSON went to standard output, so that nothing else may be printed.
 
     Raises
     ------

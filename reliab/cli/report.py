@@ -10,7 +10,7 @@ from reliab.cli.output import console, write_json
 
 
 def report(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Run folder that `reliab run` left.")],
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Run folder that `reliab run` wrote.")],
     *,
     json_target: JsonTarget = None,
 ) -> None:

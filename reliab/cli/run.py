@@ -53,7 +53,7 @@ def run(
 def _refuse_beside_list(
     study: str, out: Path | None, motions: list[str] | None, sets: list[str] | None
 ) -> None:
-    """Refuse what a list of the studies that ship leaves without effect."""
+    """Refuse options that have no effect beside --list."""
     idle = {
         "a study": study != _DEFAULT,
         "--out": out is not None,

@@ -1,4 +1,4 @@
-"""`reliab simulate`: fill a results store, once and for all later questions."""
+"""`reliab simulate`: simulate once and store the results for all later questions."""
 
 from pathlib import Path
 from typing import Annotated

@@ -1,4 +1,4 @@
-"""What stored ellipses and results hold of what is asked for."""
+"""Checks of what is asked of stored ellipses and results."""
 
 import math
 from pathlib import Path
@@ -39,7 +39,7 @@ def require_column(
         known = np.isclose(held, value, rtol=1e-9).any() if numeric else value in held.tolist()
         if not known and held.size == 1:
             raise InputError(
-                f"A table of ellipses answers for the {name} for which they were traced, and for no other",
+                f"A table of ellipses holds only for the {name} with which the ellipses were traced",
                 value=f"{value} for {path.name}, whose {name} is {held[0]}",
                 remedy=(
                     f"Leave --{name} out, or add the column {name} to the table if its "

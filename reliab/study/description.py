@@ -173,7 +173,7 @@ class Study(Table):
 
     @property
     def provenance(self) -> dict[str, object]:
-        """What the study's report is known by."""
+        """Title and digest by which the report names the study."""
         return {"study": self.title, "study, SHA-256": self.digest()}
 
 

@@ -19,7 +19,7 @@ from reliab.sweep import open_results
 from reliab.validation.cross_validation import StoredTruth
 
 Show = Callable[[str], AbstractContextManager[Progress]]
-"""Shows the progress of what it is told the name of."""
+"""Takes the name of a task and shows its progress."""
 
 RESULTS: Final = "results.zarr"
 SYNTHETIC: Final = "synthetic"
@@ -132,7 +132,7 @@ class Material(Records):
         fraction = float(results.attrs["experimental_fraction"])
         if fraction != structures.experimental_fraction:
             raise InputError(
-                "Stored results answer for the experimental fraction with which they were simulated",
+                "Stored results hold only for the experimental fraction with which they were simulated",
                 value=f"{structures.experimental_fraction:g}, stored is {fraction:g}",
                 remedy="Give ground motions instead, or that fraction",
             )
@@ -140,7 +140,7 @@ class Material(Records):
             self._chosen(results)
         except KeyError:
             raise InputError(
-                "Stored results answer for the structures that they hold",
+                "A study of stored results uses structures that they hold",
                 value=f"f = {list(structures.f)}, xi = {list(structures.xi)}",
                 remedy=f"Choose among f = {results['f'].values.tolist()}, "
                 f"xi = {results['xi'].values.tolist()}, or give ground motions",

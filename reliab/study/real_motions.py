@@ -33,7 +33,7 @@ def on_real_motions(study: CriterionStudy, material: Material) -> list[Stage]:
     Returns
     -------
     list of Stage
-        One stage, or none where the shipped results answer for no such structure, error or window.
+        One stage, or none where the shipped results hold no such structure, error or window.
     """
     results = shipped("datasets", f"{REAL}/results.nc")
     alike = study.errors.window == "record" and study.structures.experimental_fraction == 1.0

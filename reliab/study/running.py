@@ -31,7 +31,7 @@ def run_study(
     out : str or pathlib.Path
         Its run folder.
     show : callable, optional
-        Shows the progress of what it is told the name of.
+        Takes the name of a task and shows its progress.
     tell : callable, optional
         Called after each stage with its name and whether there was something to do.
 

@@ -70,7 +70,7 @@ def test_a_threshold_that_is_crossed_raises_the_alarm(good, capsys):
     assert (
         run(["monitor", str(good), "--f", "1", "--xi", "0.05", "--wait", "0.1", "--threshold", "0.002"]) == 1
     )
-    assert "Alarm: the error is above 0.20%" in capsys.readouterr().out
+    assert "Alarm: the error has been above 0.20%" in capsys.readouterr().out
 
 
 def test_a_loop_that_gains_energy_raises_the_alarm(tmp_path, capsys):

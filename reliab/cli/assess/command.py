@@ -53,25 +53,31 @@ Mass = Annotated[
     typer.Option(
         "--mass",
         metavar="KG",
-        help="Mass of the structure, with which a recorded force joins in identifying it.",
+        help="Mass of the structure; with it a recorded force is also used to identify the structure.",
     ),
 ]
 MotionFile = Annotated[
     Path | None,
-    typer.Option("--motion", metavar="FILE", help="The test's ground motion: index by its own boundary."),
+    typer.Option(
+        "--motion",
+        metavar="FILE",
+        help="Ground motion of the test; the index is then judged by the boundary of this motion.",
+    ),
 ]
 WindowName = Annotated[
     str | None,
     typer.Option(
         "--window",
         metavar="record|SECONDS|arias",
-        help="With --motion: part of the record over which the index's error is computed; by default the "
-        "part that the test saw. The test's own error is always over its own length.",
+        help="With --motion: part of the record over which the index's error is computed; by default "
+        "the part during which the test ran. The test's own error is always over its own length.",
     ),
 ]
 CriterionFile = Annotated[
     Path | None,
-    typer.Option("--criterion", metavar="FILE.json", help="As `reliab criterion --out` writes it."),
+    typer.Option(
+        "--criterion", metavar="FILE.json", help="Criterion, as `reliab criterion --out` writes it."
+    ),
 ]
 ModelFile = Annotated[
     Path | None,
@@ -106,9 +112,7 @@ Delimiter = Annotated[
 Design = Annotated[
     bool, typer.Option("--design", help="Print tolerable errors before a test; no test is read.")
 ]
-Check = Annotated[
-    bool, typer.Option("--check", help="Exit with code 1 when the test is not reliable or undecided.")
-]
+Check = Annotated[bool, typer.Option("--check", help="Exit with code 1 unless the test is reliable.")]
 FigureFile = Annotated[
     Path | None,
     typer.Option(
@@ -116,7 +120,8 @@ FigureFile = Annotated[
     ),
 ]
 ReportFile = Annotated[
-    Path | None, typer.Option("--report", metavar="FILE.pdf", help="Two pages to be filed with the test.")
+    Path | None,
+    typer.Option("--report", metavar="FILE.pdf", help="Report of two pages, to be filed with the test."),
 ]
 ReportDate = Annotated[
     datetime | None,

@@ -1,4 +1,4 @@
-"""The options of `reliab assess` as they are given together: read, checked, and the files that they name."""
+"""The options of one call of `reliab assess`: read, checked, and the files that they name."""
 
 from dataclasses import dataclass
 from datetime import datetime
@@ -89,7 +89,7 @@ class Demand:
         return demand
 
     def read_criterion(self) -> "Criterion | None":
-        """Criterion of one's own, if a file of it is given."""
+        """Read the user's criterion, if its file is given."""
         if self.criterion is None:
             return None
         from reliab.criterion import Criterion

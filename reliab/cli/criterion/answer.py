@@ -71,11 +71,10 @@ def _kept_by(criterion: "Criterion", summary: Mapping[str, Any]) -> dict[str, An
     real = open_ellipses(shipped("datasets", "real_suite/ellipses.nc"), window=criterion.provenance.window)
     kept = printed_share(criterion, real, summary["f"], summary["xi"])
     sentence = (
-        f"Of {kept['n_motions']} real motions, {kept['share']:.0%} have a boundary that contains "
-        f"this ellipse at "
-        f"f = {kept['f']:g} Hz and ξ = {kept['xi']:g}, where the paper states "
-        f"{criterion.confidence:.0%}; measured "
-        "on the ellipses of datasets/real_suite, for all structures by `reliab run validation`."
+        f"Of {kept['n_motions']} real motions, {kept['share']:.0%} have a boundary that contains this "
+        f"ellipse at f = {kept['f']:g} Hz and ξ = {kept['xi']:g}, where the paper states "
+        f"{criterion.confidence:.0%}; measured on the ellipses of datasets/real_suite, for all structures "
+        "by `reliab run validation`."
     )
     return {"kept_by": kept, "warnings": [sentence, *summary["warnings"]]}
 
@@ -97,7 +96,7 @@ def check_one(count: int, out: Path | None) -> None:
     """
     if out is not None and count > 1:
         raise InputError(
-            "One criterion fits into a file",
+            "A criterion's file holds one criterion",
             value=f"{count} of them",
             remedy="Give one threshold and one confidence",
             where=str(out),
@@ -144,8 +143,8 @@ def show(rows: Sequence[Mapping[str, Any]], posteriors: Sequence[Mapping[str, An
     """
     first = rows[0]
     shown = table(
-        f"(A − 1)²/a + d²/b ≤ 1 from {first['n_motions']} {first['motions']} of "
-        f"{first['n_events']} earthquakes",
+        f"(A − 1)²/a + d²/b ≤ 1 from {first['n_motions']} {first['motions']} of {first['n_events']} "
+        "earthquakes",
         dict.fromkeys(_HEADINGS, "right"),
     )
     for row in rows:
@@ -167,7 +166,7 @@ def show(rows: Sequence[Mapping[str, Any]], posteriors: Sequence[Mapping[str, An
 
 
 def _definitions(first: Mapping[str, Any]) -> tuple[str, ...]:
-    """Say what the limits and the error mean, in the order in which a reader asks."""
+    """Say what the limits and the error mean."""
     from reliab.vocabulary import LABELS
 
     alone = (
@@ -181,8 +180,8 @@ def _definitions(first: Mapping[str, Any]) -> tuple[str, ...]:
 
 def _show_posterior(posterior: Mapping[str, Any]) -> None:
     shown = table(
-        f"Posterior at {posterior['threshold']:g} of {posterior['metric']}: "
-        f"{posterior['ensembles']} ensembles of {posterior['walkers']} walkers, {posterior['steps']} steps, "
+        f"Posterior at {posterior['threshold']:g} of {posterior['metric']}: {posterior['ensembles']} "
+        f"ensembles of {posterior['walkers']} walkers, {posterior['steps']} steps, "
         f"{posterior['accepted']:.0%} of the moves taken",
         _DIAGNOSTICS,
     )

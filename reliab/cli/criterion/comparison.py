@@ -55,7 +55,7 @@ def compare(
     curve = criteria[0].provenance.curve
     if np.unique(dataset["event"]).size < 2:  # noqa: PLR2004 - one is held out
         raise InputError(
-            "Earthquakes are held out in turn, so that there must be two at least",
+            "Earthquakes are held out in turn, so at least two are needed",
             value=1,
             remedy="Give motions of more earthquakes, or leave --compare out",
         )

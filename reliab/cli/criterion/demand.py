@@ -1,4 +1,4 @@
-"""The options of `reliab criterion` as they are given together."""
+"""The options of one call of `reliab criterion`."""
 
 from dataclasses import dataclass
 from pathlib import Path

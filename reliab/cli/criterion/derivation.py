@@ -96,6 +96,6 @@ def derived(demand: Demand) -> Derived:
 
 
 def _default_thresholds(dataset: "xr.Dataset") -> list[float]:
-    """Take 5 % where it is there, or all that is."""
+    """Return 5 % where the ellipses hold it, else all their thresholds."""
     stored: list[float] = dataset["threshold"].values.tolist()
     return [FIVE_PERCENT] if FIVE_PERCENT in stored else stored

@@ -59,7 +59,8 @@ Joint = Annotated[
     bool | None,
     typer.Option(
         "--joint/--each",
-        help="Whether a and b hold together or each for itself; by default together, with quantile each.",
+        help="Whether the confidence holds for a and b together or for each of them separately; by "
+        "default together, with quantile separately.",
     ),
 ]
 LawName = Annotated[

@@ -50,8 +50,7 @@ def _criterion(demand: Demand) -> "Criterion":
     strange += [f"--{name} {value}" for name, value in settings.items() if value is not None]
     if strange:
         raise InputError(
-            f"A printed law states {criterion.confidence:.0%} by the quantile of each limit, and "
-            f"nothing else",
+            f"A printed law states only {criterion.confidence:.0%}, by the quantile of each limit",
             value=", ".join(strange),
             remedy="Leave these out, or derive a criterion from ellipses",
         )

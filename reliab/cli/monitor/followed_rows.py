@@ -1,8 +1,7 @@
 """Rows of a text that is still being written: a growing file, or standard input.
 
-A line counts once its end of line is there, so that a line that is half written is read when it is whole. A
-file that was rotated (another file stands under its name, or it was cut) is read to its end and then from the
-beginning of the new one, whose header is skipped.
+A line is read only when it is complete. A file that was rotated (replaced by another one of the same name,
+or shortened) is read to its end, and then from the beginning of the new one, whose header is skipped.
 """
 
 import os
@@ -67,7 +66,7 @@ def chunks_of_text(source: str, wait: float) -> Iterator[bytes]:
     Yields
     ------
     bytes
-        What was added; an empty piece tells that a new file begins.
+        What was added; an empty piece marks the beginning of a new file.
 
     Raises
     ------
@@ -110,7 +109,7 @@ def _opened(path: Path) -> BinaryIO:
 
 
 def _rotated(path: Path, stream: BinaryIO) -> bool:
-    """Whether another file stands under the name, or this one was cut."""
+    """Return whether the file was replaced by another one, or shortened."""
     try:
         now = path.stat()
     except OSError:

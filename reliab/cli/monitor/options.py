@@ -5,7 +5,10 @@ from typing import Annotated
 import typer
 
 Source = Annotated[
-    str, typer.Argument(metavar="FILE|-", help="Growing CSV, or - for rows on standard input.")
+    str,
+    typer.Argument(
+        metavar="FILE|-", help="CSV file that is still being written, or - to read rows from standard input."
+    ),
 ]
 Frequency = Annotated[
     str | None,
@@ -47,7 +50,8 @@ Wait = Annotated[
     typer.Option(
         "--wait",
         metavar="SECONDS",
-        help="A file that has not grown for so long is a finished test; longer than any pause of yours.",
+        help="Time without new rows after which the test counts as finished; longer than any pause of "
+        "the test.",
     ),
 ]
 JsonTarget = Annotated[

@@ -1,4 +1,4 @@
-"""What is said of a running test, and when: messages, a table that is kept up to date, alarms."""
+"""Messages about a running test, a table that is kept up to date, and alarms."""
 
 import json
 from collections.abc import Iterator
@@ -21,7 +21,7 @@ _CRITICAL = 0.25  # share of the structure's damping ratio below which a warning
 
 
 class Watch:
-    """What is said of a running test, and when.
+    """Prints messages, the table and the alarms of a running test.
 
     Parameters
     ----------
@@ -113,9 +113,9 @@ class Watch:
         now = monitor.now
         damping = now.damping_ratio
         if damping is not None and damping < 0.0:
-            self._alarm("unstable", f"the loop gains energy since {now.time:.2f} s, and will diverge")
+            self._alarm("unstable", f"the loop has gained energy since {now.time:.2f} s and will diverge")
         if monitor.exceeds(self.threshold, self.metric):
-            self._alarm("error", f"the error is above {self.threshold:.2%} since {now.time:.2f} s")
+            self._alarm("error", f"the error has been above {self.threshold:.2%} since {now.time:.2f} s")
         return {
             "kind": kind,
             "samples": now.samples,
@@ -151,10 +151,9 @@ class Watch:
         error = message["error"][str(self.metric)]
         damping = message["net_damping_ratio"]
         return (
-            f"{message['time_s']:8.2f} s  {self.metric.upper()} {error['value']:.2%} "
-            f"(90 %: {error['low']:.2%} to {error['high']:.2%}), below "
-            f"{_PERCENT * self.threshold:.3g}% with probability "
-            f"{message['error']['probability']:.3f}, net damping "
+            f"{message['time_s']:8.2f} s  {self.metric.upper()} {error['value']:.2%} (90 %: "
+            f"{error['low']:.2%} to {error['high']:.2%}), below {_PERCENT * self.threshold:.3g}% with "
+            f"probability {message['error']['probability']:.3f}, net damping "
             + ("not settled" if damping is None else f"{damping:.2%}")
         )
 

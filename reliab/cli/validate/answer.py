@@ -20,8 +20,8 @@ _HEADINGS = {
 }
 _CONFUSION = ("good_accepted", "good_rejected", "bad_accepted", "bad_rejected")
 ELLIPSE_NOTE = (
-    "Note: no simulated errors are at hand, so that the motions' own ellipses decide what is contained "
-    "and good; --motions or --results know the errors."
+    "Note: without --motions or --results no simulated errors are known; the motions' own ellipses "
+    "decide what is contained and which tests are good."
 )
 """What is said where no simulated errors are known."""
 
@@ -82,7 +82,7 @@ def _rows(validation: "CrossValidation", over: tuple[str, ...], side: str = "lag
 
 
 def _not_carried(validation: "CrossValidation") -> list[dict[str, Any]]:
-    """Criteria that a confidence was asked of which the motions of no fold carry."""
+    """Criteria and confidences for which every fold has too few motions."""
     from reliab.criterion.laws import OF_MANY_MOTIONS
 
     counts = validation.counts
@@ -110,9 +110,9 @@ def show(content: dict[str, Any]) -> None:
     """
     terminal = console()
     title = (
-        f"{content['scheme'].replace('_', ' ')}: {content['n_motions']} motions of "
-        f"{content['n_events']} earthquakes, {content['metric'].upper()} {content['threshold']:g} "
-        f"over {_window(content['window'])}"
+        f"{content['scheme'].replace('_', ' ')}: {content['n_motions']} motions of {content['n_events']} "
+        f"earthquakes, {content['metric'].upper()} {content['threshold']:g} over "
+        f"{_window(content['window'])}"
     )
     terminal.print(_table(title, content["rows"]))
     if content["rows_lead"]:
@@ -132,14 +132,14 @@ def show(content: dict[str, Any]) -> None:
         )
     for missing in content["not_carried"]:
         terminal.print(
-            f"{missing['candidate']} at {missing['confidence']:.0%} is not judged: too few motions or "
-            "earthquakes carry it.",
+            f"{missing['candidate']} at {missing['confidence']:.0%} is not judged: there are too few "
+            f"motions or earthquakes for it.",
             highlight=False,
         )
     if content["unresolved"]:
         terminal.print(
-            "Not judged, because a criterion reaches beyond the stored results: "
-            f"{content['unresolved']} times.",
+            f"Not judged, because a criterion reaches beyond the stored results: {content['unresolved']} "
+            "times.",
             highlight=False,
         )
     if content["truth"] == "ellipse":

@@ -18,7 +18,9 @@ Scheme = Annotated[
 ]
 LeaveOut = Annotated[
     str | None,
-    typer.Option("--leave-out", metavar="f|xi", help="Also leave out each frequency or damping ratio."),
+    typer.Option(
+        "--leave-out", metavar="f|xi", help="Also leave out each frequency or damping ratio in turn."
+    ),
 ]
 Learn = Annotated[
     list[str] | None,
@@ -42,7 +44,8 @@ Joint = Annotated[
     bool | None,
     typer.Option(
         "--joint/--each",
-        help="Whether a and b hold together or each for itself; by default as the method means it.",
+        help="Whether the confidence holds for a and b together or for each of them separately; by "
+        "default as the method defines it.",
     ),
 ]
 Laws = Annotated[
@@ -92,7 +95,8 @@ RebuiltError = Annotated[
     bool,
     typer.Option(
         "--rebuilt-error",
-        help="Judge simulated tests by their rebuilt error, beside criteria and the own boundary.",
+        help="Judge simulated tests by their rebuilt error, by criteria, and by the boundary of the "
+        "test's motion.",
     ),
 ]
 TestsFile = Annotated[
@@ -100,6 +104,6 @@ TestsFile = Annotated[
     typer.Option(
         "--tests",
         metavar="FILE.csv",
-        help="For --rebuilt-error: all tests and verdicts; an interrupted run resumes from it.",
+        help="For --rebuilt-error: file of all tests and verdicts, from which an interrupted run resumes.",
     ),
 ]

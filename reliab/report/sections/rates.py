@@ -75,10 +75,9 @@ def rates_section(rates: pd.DataFrame, *, confidence: float, division: str = "")
     explained = "Whole earthquakes were held out in turn" if not division else f"Division: {division}"
     opening = Paragraph(
         text=prose(
-            "{explained}; the criterion was derived from other earthquakes than those that it was held "
-            "against. A motion contains a criterion when the simulated error under it stays below the "
-            "threshold along the whole edge of the criterion. "
-            "Intervals resample earthquakes @davison1997.",
+            "{explained}; the criterion was derived from other earthquakes than those on which it was "
+            "judged. A motion contains a criterion when the simulated error under it stays below the "
+            "threshold along the whole edge of the criterion. Intervals resample earthquakes @davison1997.",
             explained=explained,
         )
     )
@@ -100,8 +99,8 @@ def _figures(contained: pd.DataFrame, confidence: float, mark: str) -> Iterator[
     yield Figure(
         drawing=calibration_curve(overall[several] if several.any() else overall),
         caption=prose(
-            "A criterion keeps its word where its line follows the diagonal; below it, it promises too much."
-            "{printed}",
+            "A criterion keeps its promise where its line follows the diagonal; below the diagonal it "
+            "promises too much.{printed}",
             printed=" Printed laws state one confidence only and stand in the table."
             if several.any() and not several.all()
             else "",
@@ -117,7 +116,7 @@ def _figures(contained: pd.DataFrame, confidence: float, mark: str) -> Iterator[
             caption=prose(
                 "Containment by natural frequency at a stated {share}: a point below the dotted line is "
                 "unsafe at that frequency, as far as its interval lies below it. Criteria that contain far "
-                "fewer motions than they state have axes of their own.",
+                "fewer motions than they state are drawn in separate axes.",
                 share=percent(nearest),
             ),
             label=f"fig:by-frequency{mark}",

@@ -22,8 +22,8 @@ class Kind:
     tables : type of Study
         The study with exactly the tables and keys that the kind knows.
     stages : callable
-        Takes such a study and what shows progress; gives the stages before the report, in their order. It
-        refuses what can be refused before the first of them is run.
+        Takes such a study and a function that shows progress; returns the stages before the report, in their
+        order. What cannot be run is refused here, before the first stage.
     report : callable
         Takes such a study and its run folder; gives the report, or its content as
         :func:`reliab.report.content.saved_content` reads it. Nothing is simulated any more.

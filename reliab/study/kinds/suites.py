@@ -149,7 +149,7 @@ def _reference(study: SuitesStudy) -> xr.Dataset:
         )
     except KeyError:
         raise InputError(
-            "The real suite answers for the structures that its results hold",
+            "A suite is compared at structures that the results of the real suite hold",
             value=f"f = {list(structures.f)}, xi = {list(structures.xi)}",
             remedy="Choose among 0.25, 0.5, … 2 Hz and 0.02, 0.03, … 0.1",
         ) from None

@@ -54,7 +54,7 @@ class ValidationStudy(CriterionStudy):
 
 
 def stages(study: ValidationStudy, show: Show) -> Sequence[Stage]:
-    """Derive and judge; then leave the model's comfort; then the paper's cases where they can be run."""
+    """Derive and judge criteria; try actuators beyond the model; run the paper's cases if possible."""
     material = Material(study, results=study.motions.results)
     held_out = _held_out(study)
     cases = [] if held_out is None else [paper_cases(study.motions.sources or (), held_out)]

@@ -260,7 +260,7 @@ def _cautions(assessment: Assessment) -> list[Prose]:
         *warnings,
         prose(
             "The error is that of a linear structure with the stated properties, whatever the actuator did; "
-            "$A$ and $d$ hold no friction, backlash or saturation."
+            "$A$ and $d$ do not describe friction, backlash or saturation."
         ),
     ]
 
@@ -270,8 +270,8 @@ def _method(assessment: Assessment) -> Prose:
     meaning = meaning_of_confidence(criterion.method)
     basis = (
         prose(
-            "The error of a test with this gain and delay was simulated under its own ground motion and held"
-            " against the bound."
+            "The error of a test with this gain and delay was simulated under its own ground motion and "
+            "compared with the threshold."
         )
         if assessment.placement
         else prose(
@@ -282,12 +282,12 @@ def _method(assessment: Assessment) -> Prose:
     )
     return (
         *prose(
-            "The error is rebuilt from command and measured displacement: their difference, filtered by the "
-            "structure's own equation of motion, is how far the test strayed from the undisturbed structure. "
-            "$A$ and $d$ are the amplitude and delay of the frequency-domain evaluation index @guo2014 "
-            "between command and measured displacement, freed of the noise of the command and of the effect "
-            "of the record's ends; intervals come from blocks of what they leave unexplained. The index $(A "
-            "- 1)^2 \\/ a + d^2 \\/ b$ is that of @guo2017. "
+            "The error is rebuilt from command and measured displacement: their difference, filtered by "
+            "the structure's own equation of motion, gives the deviation of the test from the undisturbed "
+            "structure. $A$ and $d$ are the amplitude and delay of the frequency-domain evaluation index "
+            "@guo2014 between command and measured displacement, corrected for noise in the command and "
+            "for the ends of the record; intervals come from resampled blocks of the residual. The index "
+            "$(A - 1)^2 \\/ a + d^2 \\/ b$ is that of @guo2017. "
         ),
         *basis,
     )

@@ -66,7 +66,7 @@ def blind_evaluation_report(
         facts={
             "Campaigns": ", ".join(f"{count} {spelled_out(kind)}" for kind, count in last["kinds"].items()),
             "Gap closed on held-out tests": prose(
-                "{middle} in the middle, {low} or more in 95 % of {n} campaigns",
+                "{middle} in the median, {low} or more in 95 % of {n} campaigns",
                 middle=percent(gap["q50"]),
                 low=percent(gap["q5"]),
                 n=gap["n"],
@@ -142,7 +142,7 @@ def _confusion(run: Mapping[str, Any]) -> Section:
         )
         for place, name in enumerate(name for name in _GROUPS if name in groups)
     ]
-    return Section(title="What is taken for what", blocks=tuple(figures))
+    return Section(title="Which effects are confused", blocks=tuple(figures))
 
 
 def _group(truth: str) -> str:
@@ -158,7 +158,7 @@ def _group(truth: str) -> str:
 
 def _probabilities(run: Mapping[str, Any]) -> Section:
     bins = pd.DataFrame(run["reliability"]["bins"])
-    caption = "How often effects were right that were named with a probability; numbers are those of effects."
+    caption = "How often effects were right that were named with a probability; the numbers count effects."
     return Section(
         title="Whether stated probabilities are kept",
         blocks=(Figure(drawing=discrepancy_reliability(bins), caption=caption, label="fig:reliability"),),
@@ -166,7 +166,7 @@ def _probabilities(run: Mapping[str, Any]) -> Section:
 
 
 def _failures(run: Mapping[str, Any]) -> Section:
-    title = "Every campaign that was answered otherwise"
+    title = "Every campaign that was answered wrongly"
     if not run["failures"]:
         return Section(title=title, blocks=(Paragraph(text="There was none."),))
     rows = [

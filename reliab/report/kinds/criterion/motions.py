@@ -24,7 +24,7 @@ _LONG_TABLE = 160
 
 
 def motions_section(reported: ReportedCriteria) -> Section:
-    """Show the motions behind the criterion and what they leave open.
+    """Show the motions behind the criterion and the uncertainty that remains.
 
     Parameters
     ----------
@@ -55,8 +55,8 @@ def _correlation(reported: ReportedCriteria) -> Figure:
     return Figure(
         drawing=parameter_correlation(reported.sample),
         caption=prose(
-            "Every motion has its own ellipse. $a$ and $b$ rise together: a motion that forgives "
-            "amplitude errors forgives delays too, since near resonance both are one complex error."
+            "Every motion has its own ellipse. $a$ and $b$ rise together: a motion that tolerates "
+            "amplitude errors also tolerates delays, since near resonance both are one complex error."
         ),
         label="fig:correlation",
     )
@@ -73,7 +73,8 @@ def _distributions(reported: ReportedCriteria) -> tuple[Figure, Figure]:
         Figure(
             drawing=parameter_distributions(sample, fitted, limits=reported.limits, confidence=confidence),
             caption=(
-                "Distribution of the ellipse parameters over the motions; the criterion cuts the lower tail."
+                "Distribution of the ellipse parameters over the motions; the criterion lies in the "
+                "lower tail."
             ),
             label="fig:distributions",
         ),
@@ -93,10 +94,10 @@ def _predictive(reported: ReportedCriteria) -> Figure:
     return Figure(
         drawing=posterior_and_predictive(reported.sample, limits=reported.limits, confidence=confidence),
         caption=prose(
-            "What the motions leave open. Above: how well the quantile is known, if motions were "
-            "independent and lognormal (bar: 95 %). Below: the chance that a further motion lies below "
-            "a value; the criterion stands where the predictive curve meets {share}, or lower where $a$"
-            " and $b$ must hold together.",
+            "Uncertainty that remains with these motions. Above: how well the quantile is known, if "
+            "motions were independent and lognormal (bar: 95 %). Below: the chance that a further motion "
+            "lies below a value; the criterion stands where the predictive curve meets {share}, or lower "
+            "where $a$ and $b$ must hold together.",
             share=percent(1.0 - confidence, 2),
         ),
         label="fig:predictive",
@@ -132,7 +133,7 @@ def appendix_section(reported: ReportedCriteria) -> Section:
         "duration": Column(key="duration", heading="Duration", unit="s", number=Fixed(decimals=1)),
         "pga": Column(key="pga", heading="Peak", unit="m/s²", number=Fixed()),
     }
-    which = "" if len(shown) == len(frame) else f" The {_LONG_TABLE} least forgiving of {len(frame)} motions."
+    which = "" if len(shown) == len(frame) else f" The {_LONG_TABLE} least tolerant of {len(frame)} motions."
     caption: tuple[Piece, ...] = (
         *prose("Ellipses of the motions at {f:g} Hz and $xi = {xi:g}$ for ", f=f, xi=xi),
         ERRORS[Metric(sample.metric)],

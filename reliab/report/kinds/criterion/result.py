@@ -58,8 +58,8 @@ def result_section(reported: ReportedCriteria, population: str = "ground motions
             caption=prose(
                 "Ellipses {how} the boundaries of all ground motions at {f:g} Hz and $xi = {xi:g}$ (grey; "
                 "late actuators) and the criterion: where the coloured ellipse crosses a grey one, a test on "
-                "its edge would exceed the error under that motion, as far as the ellipse stands for the "
-                "boundary.",
+                "its edge would exceed the error under that motion, as far as the ellipse represents "
+                "the boundary.",
                 how="inscribed in" if reported.inscribed else "fitted by least squares to",
                 f=f,
                 xi=xi,

@@ -180,7 +180,7 @@ def drawn(what: str, draw: Callable[[], Figure | None]) -> tuple[DocumentBlock, 
 def gap_figure(diagnosis: Diagnosis) -> Figure:
     """Draw what is left in every observed channel."""
     caption = (
-        "Residuals on a held-out test before and after what was found is added, and their size over all "
+        "Residuals on a held-out test before and after the effects are added, and their size over all "
         "held-out tests beside that of the noise."
     )
     drawing = discrepancy_gap([_panel(diagnosed) for diagnosed in diagnosis.blocks])

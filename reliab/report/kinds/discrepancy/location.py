@@ -1,4 +1,4 @@
-"""Where the model fails: what the residuals of the calibrated model go along with."""
+"""Where the model fails: what the residuals of the calibrated model vary with."""
 
 from functools import partial
 
@@ -17,7 +17,7 @@ from reliab.report.wording import spelled_out
 
 
 def location_section(diagnosis: Diagnosis) -> Section:
-    """Show the block that fails, and what its residuals go along with.
+    """Show the block that fails, and what its residuals vary with.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def location_section(diagnosis: Diagnosis) -> Section:
         rows = [{**finding.as_dict(), "block": str(finding.block)} for finding in diagnosis.where]
         columns = (
             Column(key="block", heading="Block"),
-            Column(key="kind", heading="Goes with"),
+            Column(key="kind", heading="Varies with"),
             Column(key="test", heading="Most in"),
             Column(
                 key="share_of_residual", heading="Share", unit="%", number=Fixed(decimals=0, factor=100.0)
@@ -43,10 +43,10 @@ def location_section(diagnosis: Diagnosis) -> Section:
             Column(key="p_value", heading="p", number=Significant(digits=2)),
         )
         frame = pd.DataFrame(rows).assign(kind=lambda table: table["kind"].map(spelled_out))
-        caption = "What the residual of the calibrated model goes along with; p is corrected for all trials."
+        caption = "What the residual of the calibrated model varies with; p is corrected for all trials."
         blocks.append(Table(frame=frame, columns=columns, caption=caption, label="tab:where"))
     else:
-        blocks.append(Paragraph(text="The calibrated model leaves nothing that differs from noise."))
+        blocks.append(Paragraph(text="The residual of the calibrated model does not differ from noise."))
     for diagnosed in diagnosis.blocks:
         if diagnosed.findings:
             blocks += drawn("residuals over frequency", partial(time_frequency_figure, diagnosed))

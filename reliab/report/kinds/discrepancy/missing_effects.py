@@ -89,7 +89,8 @@ def _sentence(effect: MissingEffect) -> Prose:
         f"{spelled_out(rival.name)} (probability {rival.probability:.2g}, error {rival.held_out_nrmse:.3g})"
         for rival in effect.rivals
     )
-    others = f"In its place, with errors on held-out tests: {listed}." if listed else "It has no rival."
+    alternatives = f"Alternatives, with their errors on held-out tests: {listed}."
+    others = alternatives if listed else "No alternative remains."
     return prose(
         "*{name}*{position}: {description}. With it {after} of the signal remain on held-out tests, without "
         "it {before}. {others}",
@@ -138,4 +139,8 @@ def _calibration(diagnosis: Diagnosis) -> Table:
         Column(key="sd", heading="± sd", number=Significant(digits=2)),
         Column(key="units", heading="Unit"),
     )
-    return Table(frame=pd.DataFrame(rows), columns=columns, caption="What was calibrated along with them.")
+    return Table(
+        frame=pd.DataFrame(rows),
+        columns=columns,
+        caption="Parameters of the model that were calibrated together with the effects.",
+    )

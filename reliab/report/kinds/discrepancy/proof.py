@@ -56,14 +56,14 @@ def _floor(diagnosed: BlockDiagnosis) -> Prose:
     gap = diagnosed.gap
     if gap.floor is None:
         return prose(
-            "{channel}: the recordings do not tell how much of it is noise (no repeated tests or cycles, no "
-            "rest, no white band above the motion). What remains is {left} of the signal.",
+            "{channel}: the recordings do not show how much of the error is noise (no repeated tests or "
+            "cycles, no rest, no white band above the motion). What remains is {left} of the signal.",
             channel=gap.channel,
             left=percent(gap.after),
         )
     return prose(
-        "{channel}: by the {source} {floor} of the signal cannot be explained by any model. What remains "
-        "above it, {left} of the signal, is an error of the model.",
+        "{channel}: judged by the {source}, {floor} of the signal is noise that no model can explain. What "
+        "remains above it, {left} of the signal, is an error of the model.",
         channel=gap.channel,
         source=gap.source or "",
         floor=percent(gap.floor),

@@ -81,7 +81,10 @@ def _verdict(diagnosis: Diagnosis) -> Prose:
             )
         case Verdict.NOT_IDENTIFIABLE:
             doubtful = " or ".join(spelled_out(effect.name) for effect in diagnosis.doubtful)
-            return prose("Something is missing, and these tests do not tell what: *{names}*.", names=doubtful)
+            return prose(
+                "Something is missing, but these tests do not show which effect it is: *{names}*.",
+                names=doubtful,
+            )
 
 
 def _closed(diagnosis: Diagnosis) -> str:
@@ -91,7 +94,7 @@ def _closed(diagnosis: Diagnosis) -> str:
         return f"On held-out tests the error falls from {before} to {after}."
     if share >= _WHOLLY:
         return "With it the gap on held-out tests closes to the noise."
-    remainder = "" if share >= _CLOSED else " Something is left."
+    remainder = "" if share >= _CLOSED else " A part of it remains."
     return f"With it {percent(share)} of the gap on held-out tests is closed.{remainder}"
 
 
@@ -133,15 +136,15 @@ def _shift(ratios: Mapping[str, float]) -> Section:
 
 def _method(remarks: Sequence[Prose]) -> Section:
     text = (
-        "Each observed block is driven with its measured input and simulated freely. Calibration and offsets "
-        "are fitted with every candidate. Noise is a smooth spectrum that is fitted to what a model leaves, "
-        "so that the lines of a structure's response do not pass for noise. Where what the best model leaves "
-        "passes for noise, candidates are compared by their evidence, and each effect pays for being added. "
-        "Where it follows the motion, it is an error of the model instead: candidates are then compared by "
-        "their error on tests that are left out one at a time, in the channel's own unit, a test counts as "
-        "no more than {most:.0f} observations, and an effect beside others must explain more of what they "
-        "leave than remains. Held-out tests take no part in the choice. The verdict is named where at most "
-        "{share} of the gap's energy remains."
+        "Each observed block is driven with its measured input and simulated freely. Calibration and "
+        "offsets are fitted with every candidate. The noise is described by a smooth spectrum that is "
+        "fitted to the residual of a model, so that the peaks of a structure's response are not mistaken "
+        "for noise. Where the residual of the best model looks like noise, candidates are compared by "
+        "their evidence, which counts against every further effect. Where it follows the motion, it is an "
+        "error of the model: candidates are then compared by their error on tests that are left out one at "
+        "a time, in the unit of the channel; a test counts as at most {most:.0f} observations, and a "
+        "further effect must explain more of the residual than it leaves. Held-out tests take no part in "
+        "the choice. The verdict is “named” where at most {share} of the energy of the gap remains."
     )
     described = prose(text, most=MOST_OF_A_TEST, share=percent(LARGEST_REMAINDER))
     blocks: list[Block] = [Paragraph(text=described)]

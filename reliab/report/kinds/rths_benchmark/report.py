@@ -106,8 +106,9 @@ def _published(published: pd.DataFrame) -> Section:
     )
     text = prose(
         "El Centro at 0.4, PI control with phase lead, nominal plant. {reached} of {cells} printed digits "
-        "are reached by some noise when the block diagram's difference blocks are emulated; means over the "
-        "noises lie within {emulated} of the printed numbers, and within {exact} when all is solved exactly.",
+        "are reached with at least one noise history when the block diagram's difference blocks are "
+        "emulated; means over the noises lie within {emulated} of the printed numbers, and within {exact} "
+        "when all is solved exactly.",
         reached=reached,
         cells=len(emulated),
         emulated=percent(furthest["emulated"], 1),

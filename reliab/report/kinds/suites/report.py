@@ -1,4 +1,4 @@
-"""Report of suites of ground motions: whether a synthetic one may stand for real records."""
+"""Report of suites of ground motions: whether a synthetic one can replace real records."""
 
 from collections.abc import Mapping, Sequence
 
@@ -160,7 +160,7 @@ def _measures(measures: Mapping[str, pd.DataFrame]) -> Section:
             ),
             Figure(
                 drawing=suite_measures(measures),
-                caption="Where the lines part, one suite lacks what the other has.",
+                caption="Where the lines differ, the suites differ.",
                 label="fig:measures",
             ),
             Table(

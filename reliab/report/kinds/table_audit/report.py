@@ -91,7 +91,7 @@ def _disagreeing(rows: pd.DataFrame, disagreeing: pd.DataFrame) -> Section:
                     "record, and the other component of the same recording are tried. A difference is named "
                     "only when it explains $a$ and $b$ together as closely as agreeing rows agree, and when "
                     "it would rarely ({share} at most) do so for the printed pair of another earthquake: "
-                    "with many candidates, chance explains much.",
+                    "with many candidates, some explain a row by chance.",
                     share=percent(LARGEST_CHANCE),
                 )
             ),

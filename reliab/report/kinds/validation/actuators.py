@@ -1,4 +1,4 @@
-"""Actuators that are no constant gain and delay: what A and d tell of their tests."""
+"""Actuators that are no constant gain and delay: how well A and d describe their tests."""
 
 import pandas as pd
 
@@ -37,8 +37,8 @@ def actuators_section(tests: pd.DataFrame) -> Section:
             Figure(
                 drawing=error_beyond_the_model(tests),
                 caption=(
-                    "Error of each test over the error that a constant gain and delay would have made: on "
-                    "the diagonal, A and d tell all that matters."
+                    "Error of each test over the error that a constant gain and delay would have made: "
+                    "on the diagonal, A and d describe the actuator fully."
                 ),
                 label="fig:beyond",
             ),

@@ -53,15 +53,15 @@ def _opening(looks: pd.DataFrame, threshold: float) -> Paragraph:
     return Paragraph(
         text=prose(
             "The same simulated tests, judged by the error that is rebuilt from command and measured "
-            "displacement, and by $A$ and $d$ with criteria and with the own boundary of the motion. "
-            "A test is good up to {threshold} of true error, which is that of the true piston "
-            "against the same loop with a perfect actuator. A criterion that says nothing of leads "
-            "accepts none. A verdict is “reliable” as `reliab assess` gives it: the error stays "
-            "below the threshold with 95 % probability, and the specimen does not look nonlinear. "
-            "A motion is contained when none of its bad tests is accepted, and an error in the "
-            "interval when the stated 90 % interval holds it. "
-            "The rebuilt error takes the structure as linear and stated; the specimens that are not "
-            "linear look so in {nonlinear} of their tests, the linear ones in {linear} at 40 dB.",
+            "displacement, and by $A$ and $d$ with criteria and with the boundary of the test's own "
+            "motion. A test is good up to {threshold} of true error, which is that of the true piston "
+            "against the same loop with a perfect actuator. A criterion without limits for leads accepts "
+            "no test that leads. A verdict is “reliable” as `reliab assess` gives it: the error stays "
+            "below the threshold with 95 % probability, and the specimen does not look nonlinear. A motion "
+            "is contained when none of its bad tests is accepted, and an error in the interval when the "
+            "stated 90 % interval holds it. The rebuilt error takes the structure as linear and stated; "
+            "specimens that are not linear are recognised as such in {nonlinear} of their tests, and "
+            "linear ones are taken for nonlinear in {linear} of theirs at 40 dB.",
             threshold=percent(threshold),
             nonlinear=percent(float(nonlinear.mean())) if len(nonlinear) else "none",
             linear=percent(float(linear)),
@@ -78,8 +78,8 @@ def _figures(tests: pd.DataFrame, judges: pd.DataFrame) -> tuple[Figure, Figure]
             drawing=stated_errors(plain, (REBUILT, OWN_BOUNDARY)),
             caption=(
                 "Error that is stated over the true one, sensor of 40 dB: the rebuilt error needs no "
-                "ground motion and no premise on the actuator; the own boundary takes the actuator for a "
-                "gain and a delay."
+                "ground motion and assumes nothing of the actuator; the boundary of the motion assumes "
+                "a gain and a delay."
             ),
             label="fig:rebuilt-stated",
         ),
@@ -112,7 +112,7 @@ def _tables(tables: Mapping[str, pd.DataFrame]) -> tuple[Table, ...]:
             conditions.assign(condition=condition),
             "condition",
             "Sensor, and what is stated wrongly",
-            "The rebuilt error by sensor and by what is stated wrongly, the tolerance being as large.",
+            "The rebuilt error by sensor and by what is stated wrongly, with a tolerance of the same size.",
             "conditions",
         ),
         _table(rigs, "rig", "Actuator", "The rebuilt error by actuator, sensor of 40 dB.", "rigs"),
