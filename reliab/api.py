@@ -138,13 +138,13 @@ def ellipses(
     first_order: bool = False,
     progress: Progress = silent,
 ) -> xr.Dataset:
-    """Trace the boundary of equal error of each motion, late and early, and let ellipses stand for it.
+    """Trace the boundary of equal error of each motion, for late and early actuators, as ellipses.
 
     Parameters
     ----------
     source : MotionSuite or xarray.Dataset
-        Ground motions, which are simulated along the boundary, or stored results, which answer for all
-        their structures and in their own window.
+        Ground motions, which are simulated along the boundary, or stored results, with all their structures
+        and in their own window.
     f, xi : sequence of float, optional
         Natural frequencies [Hz] and damping ratios [-], for ground motions; 1 Hz and 0.02 by default.
     threshold : sequence of float, optional
@@ -192,7 +192,7 @@ def ellipses(
     if isinstance(source, xr.Dataset):
         if first_order:
             raise InputError(
-                "Only the records themselves have spectra to predict from",
+                "Ellipses are predicted from the spectra of ground motions",
                 value="stored results",
                 remedy="Give the ground motions, or leave the prediction out",
             )

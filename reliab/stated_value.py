@@ -1,4 +1,4 @@
-"""A quantity as a user states it: a number, with how far it may be off."""
+"""A quantity as a user states it: a number with its standard deviation."""
 
 import math
 import re

@@ -53,9 +53,9 @@ def few_leads(ellipses: xr.Dataset, *, leads: bool) -> tuple[str, ...]:
     if leads:
         return ()
     if Side.LEAD not in names_along(ellipses, "side"):
-        return ("These ellipses are of lags alone: the criterion says nothing of an actuator that leads.",)
+        return ("These ellipses are of lags alone: the criterion has no limits for an actuator that leads.",)
     return (
-        "Too few motions have a boundary for leads: the criterion says nothing of an actuator that leads.",
+        "Too few motions have a boundary for leads: the criterion has no limits for an actuator that leads.",
     )
 
 
@@ -66,7 +66,7 @@ def _without_promise(grid: SampleGrid, method: Method, confidence: float, empty:
     carried = method.carried_confidence(motions, events)
     return (
         f"Too few motions or earthquakes for {method.name} at {confidence:g}: {motions} motions of "
-        f"{_earthquakes(events)} carry {carried:.3g} at most, so that the limits are zero and no "
+        f"{_earthquakes(events)} support {carried:.3g} at most, so that the limits are zero and no "
         f"test is accepted."
     )
 
@@ -75,9 +75,8 @@ def _fitted(grid: SampleGrid, method: Method) -> str:
     if grid.curve == method.curve:
         return ""
     return (
-        "These are ellipses fitted to the boundaries, not inscribed in them: a test inside may "
-        "exceed the error "
-        "where the boundary runs inside its ellipse."
+        "These are ellipses fitted to the boundaries, not inscribed in them: a test inside may exceed the "
+        "error where the boundary runs inside its ellipse."
     )
 
 
@@ -86,9 +85,8 @@ def _beyond_the_earthquakes(grid: SampleGrid, method: Method, confidence: float)
     if confidence <= events / (events + 1.0) + 1e-9 or method.distribution_free:
         return ""
     return (
-        f"{_earthquakes(events).capitalize()} carry {events / (events + 1.0):.3g} by themselves; "
-        f"at {confidence:g} "
-        "the limits rest on the shape of a fitted distribution."
+        f"{_earthquakes(events).capitalize()} support {events / (events + 1.0):.3g} by themselves; at "
+        f"{confidence:g} the limits rest on the shape of a fitted distribution."
     )
 
 
@@ -98,8 +96,8 @@ def _shortfall(grid: SampleGrid, method: Method, confidence: float) -> str:
         return ""
     return (
         f"The quantile of a distribution fitted to {grid.fewest_motions} motions is exceeded by "
-        f"{share:.3g} of "
-        f"further ones on average, not by {confidence:g}; dirichlet and predictive allow for it."
+        f"{share:.3g} of further ones on average, not by {confidence:g}; dirichlet and predictive allow "
+        "for it."
     )
 
 
@@ -118,9 +116,8 @@ def _left_out(grid: SampleGrid, method: Method) -> str:
         else "so that this is on the safe side"
     )
     return (
-        f"Up to {grid.n_motions - fewest} of {grid.n_motions} motions have no ellipse at some "
-        f"structure and were "
-        f"left out there: their boundaries reach beyond five damping ratios of amplitude error, "
+        f"Up to {grid.n_motions - fewest} of {grid.n_motions} motions have no ellipse at some structure "
+        "and were left out there: their boundaries reach beyond five damping ratios of amplitude error, "
         f"{consequence}."
     )
 

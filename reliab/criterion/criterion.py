@@ -108,7 +108,7 @@ class Criterion:
         Raises
         ------
         InputError
-            If a structure lies where the law does not hold, or the criterion says nothing of leads.
+            If a structure lies where the law does not hold, or the criterion has no limits for leads.
         """
         return self._law(side).limits(frequency, damping_ratio)
 
@@ -138,7 +138,7 @@ class Criterion:
         ------
         InputError
             If an index of the test is not finite, a structure lies where the law does not hold, or a test
-            leads and the criterion says nothing of leads.
+            leads and the criterion has no limits for leads.
         """
         offset, milliseconds, f, xi = _broadcast(amplitude, delay, frequency, damping_ratio)
         index = np.empty(offset.shape)
@@ -171,8 +171,8 @@ class Criterion:
         Raises
         ------
         InputError
-            If the structure lies outside of what was simulated, no motions stand behind the criterion, or
-            those there are say nothing of leads.
+            If the structure lies outside of what was simulated, the criterion was not derived from motions,
+            or only from lags while a test leads.
         """
         if self.population is None:
             raise InputError(

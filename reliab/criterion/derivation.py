@@ -83,7 +83,7 @@ def derive_criterion(
     -------
     Criterion
         Valid for the structures of the dataset and between them. Its limits are zero, with a reason among its
-        warnings, where the motions and earthquakes cannot carry the confidence.
+        warnings, where the motions and earthquakes are too few for the confidence.
 
     Warns
     -----
@@ -94,8 +94,8 @@ def derive_criterion(
     ------
     InputError
         If the dataset has no such threshold or metric, or too few motions, an actuator that does not move
-        would pass at the threshold, the method has no such setting, or nothing can be promised that a law
-        could be fitted to.
+        would pass at the threshold, the method has no such setting, or limits are zero, so that no law can
+        be fitted to them.
 
     Examples
     --------
@@ -221,14 +221,14 @@ class Derivation:
         confidence : float
             Share of ground motions, in (0, 1).
         joint : bool, optional
-            Whether a and b hold together; by default as the method means it.
+            Whether a and b hold together; by default as the method defines it.
         source : str, optional
             Where the ellipses came from, in words.
 
         Returns
         -------
         Criterion
-            With whatever should be known of it among its warnings.
+            With what a user should know of it among its warnings.
         """
         checked_share(confidence, "confidence")
         joint = self.method.joint_by_default if joint is None else joint

@@ -59,7 +59,7 @@ def read_ellipses(
         raise InputError(
             "A motion may stand only once for one structure and error",
             value=table["motion"][repeated].iloc[0],
-            remedy="Rename one, or add the columns f, xi, threshold that tell them apart",
+            remedy="Rename one, or add the columns f, xi, threshold that distinguish them",
             where=f"{path}, line {_line(repeated)}",
         )
     return _dataset(table)

@@ -37,8 +37,8 @@ def event_components(values: NDArray[np.float64], events: NDArray[np.str_]) -> E
     Unbiased for any numbers of motions in the earthquakes; a negative variance between earthquakes
     counts as none. The share of the *variance of observed event means*, which includes what the
     motions themselves scatter, is larger and no measure of how alike motions of one earthquake are.
-    With one earthquake, or one motion from each, there is nothing to tell the two apart, and the
-    motions count as independent.
+    With one earthquake, or one motion from each, the two cannot be separated, and the motions count as
+    independent.
 
     Parameters
     ----------

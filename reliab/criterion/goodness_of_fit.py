@@ -1,4 +1,4 @@
-"""Whether a lognormal distribution will do: tests, a plain sentence, the points of a Q-Q plot."""
+"""Whether a lognormal distribution fits: tests, a plain sentence, the points of a Q-Q plot."""
 
 from dataclasses import dataclass
 
@@ -34,7 +34,7 @@ class LognormalityTest:
 
 
 def objection(values: ArrayLike, parameter: str) -> str:
-    """Say plainly that a lognormal distribution will not do; nothing where it will.
+    """Say that a lognormal distribution does not fit; return nothing where it does.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Thresholds at which an actuator that does not move would pass, so that its indices mean nothing."""
+"""Thresholds so large that even an actuator that does not move would keep them."""
 
 import numpy as np
 import xarray as xr
@@ -43,7 +43,7 @@ def share_at_rest(errors: NDArray[np.float64], threshold: float) -> NDArray[np.f
 def require_meaning(ellipses: xr.Dataset, *, threshold: float, metric: str) -> None:
     """Refuse a threshold that an actuator at rest keeps under more than one motion in twenty.
 
-    The amplitude and the delay of a test that hardly moves say nothing of its error. Ellipses without
+    The amplitude and the delay of a test that hardly moves do not show its error. Ellipses without
     `error_at_rest` (older files, tables in CSV) cannot be checked.
 
     Parameters
@@ -75,5 +75,6 @@ def require_meaning(ellipses: xr.Dataset, *, threshold: float, metric: str) -> N
             f"{shares.max():.0%} of the motions under which it stays below {threshold:g} at f = {f:g} Hz and "
             f"ξ = {xi:g}"
         ),
-        remedy="Give a smaller threshold, at which amplitude and delay still tell good tests from bad ones",
+        remedy="Give a smaller threshold, at which amplitude and delay still separate good tests from "
+        "bad ones",
     )

@@ -1,9 +1,9 @@
 """The distribution of a further motion's value: the motions themselves, and a fitted shape beyond them.
 
 A Dirichlet process with a skew-normal base measure (Ferguson 1973): its predictive distribution is the
-weighted mean of the empirical distribution and of the base. The empirical one counts as many motions as
-the earthquakes are worth, the base counts twenty. With many earthquakes the data speak for themselves,
-with few the fitted shape carries the tail.
+weighted mean of the empirical distribution and of the base. The empirical distribution has the weight of as
+many independent motions as the earthquakes are worth, the base that of twenty. With many earthquakes the
+data determine the tail, with few the fitted shape does.
 
 The base is skew-normal for two reasons: logarithms of a and b are skewed, since a resonant response
 cannot be more sensitive than a steady one; and the smaller of two correlated normal variables, on which
@@ -27,7 +27,7 @@ from scipy.special import ndtr, ndtri, owens_t, stdtr
 from reliab.criterion.event_components import event_components
 
 CONCENTRATION = 20.0
-"""Number of motions that the fitted shape counts."""
+"""Weight of the fitted shape, as a number of motions."""
 
 _STEEPEST_SKEWNESS = 0.99  # a skew-normal distribution has less than 0.9953
 _EXTREME = 1e-300
@@ -48,7 +48,7 @@ class MotionPredictive:
     effective_number : array of float, shape (quantities,)
         Number of independent motions that the sample is worth.
     concentration : float, optional
-        Number of motions that the base counts.
+        Weight of the base, as a number of motions.
 
     Examples
     --------
@@ -78,7 +78,7 @@ class MotionPredictive:
         events : array of str, shape (motions,)
             Earthquake of each motion.
         concentration : float, optional
-            Number of motions that the fitted shape counts.
+            Weight of the fitted shape, as a number of motions.
 
         Returns
         -------
@@ -147,7 +147,7 @@ class MotionPredictive:
 
     @cached_property
     def _tails(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """What the base has below the smallest and above the greatest value."""
+        """Probability of the base below the smallest and above the greatest value."""
         below, above = self._base(self.ordered[0])[0], self._base(self.ordered[-1])[1]
         return np.maximum(below, _EXTREME), np.maximum(above, _EXTREME)
 
@@ -178,10 +178,10 @@ class MotionPredictive:
 
 
 def _normal_score(x: NDArray[np.float64], shape: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Find the standard normal value below which lies as much as below a standard skew-normal x.
+    """Find the standard normal value that is as probable to be exceeded as a standard skew-normal x.
 
-    Where a tail of the skew-normal distribution is too small to be computed, its asymptote goes on: it
-    falls as that of a normal distribution with the spread 1/sqrt(1 + shape²) on the short side, and with
+    Where a tail of the skew-normal distribution is too small to be computed, its asymptote is used: it falls
+    as that of a normal distribution with the spread 1/sqrt(1 + shape²) on the short side, and with
     the spread 1 on the long side.
     """
     steepness = [np.hypot(1.0, np.maximum(sign * shape, 0.0)) for sign in (1.0, -1.0)]

@@ -13,7 +13,7 @@ import xarray as xr
 from reliab.vocabulary import CurveName
 
 SCHEMA_VERSION = 2
-"""Version of the JSON of a criterion; the first knew neither leads nor inscribed ellipses."""
+"""Version of the JSON of a criterion; version 1 had neither limits for leads nor inscribed ellipses."""
 
 _SYNTHETIC = re.compile(r"SYN\d{3,}")  # as `reliab.motions.synthetic` names its earthquakes
 _PACKAGES = ("reliab", "numpy", "scipy", "xarray")
@@ -38,7 +38,7 @@ class Provenance:
     source : str
         Where the ellipses came from, in words.
     motions : str
-        What shook the structures, "ground motions" or "synthetic ground motions", for headlines.
+        Kind of the motions, "ground motions" or "synthetic ground motions", for headlines.
     n_motions, n_events : int
         Motions and earthquakes behind the criterion.
     records_checksum : str

@@ -25,8 +25,7 @@ def summarise(criterion: Criterion, frequency: float, damping_ratio: float) -> d
     dict
         Limits `a` [-] and `b` [ms²] of lags, `a_lead` and `b_lead` of leads (None where the criterion has
         none); `amplitude_limit` [-], `delay_limit_ms` and `lead_limit_ms` [ms], the largest amplitude error,
-        lag and lead of a test that has no other error; what was asked for, and what stands behind it; ready
-        for JSON.
+        lag and lead of a test that has no other error; the promise, and the data behind it; ready for JSON.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Verdicts on the paper's four cases: equation (18), our criterion, and what really happened."""
+"""Verdicts on the paper's four cases: equation (18), our criterion, and the simulated errors."""
 
 from collections.abc import Callable, Mapping
 
@@ -21,7 +21,7 @@ def case_verdicts(
     integrator: str = "chen_ricles",
     compensator: str = "inverse",
 ) -> pd.DataFrame:
-    """Simulate the paper's cases under a ground motion and hold criteria against what happened.
+    """Simulate the paper's cases under a ground motion and compare criteria with the errors.
 
     Parameters
     ----------

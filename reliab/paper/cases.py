@@ -89,7 +89,7 @@ def printed_cases() -> list[PaperCase]:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CaseOutcome:
-    """What became of a case.
+    """The outcome of a case.
 
     Attributes
     ----------
@@ -180,12 +180,12 @@ def _run(record: Motion, case: PaperCase, integrator: str, compensator: str) -> 
 
 
 def cases_dataset(outcomes: Sequence[CaseOutcome], motion: Motion) -> xr.Dataset:
-    """Gather what became of the cases of Tables 5 and 6.
+    """Gather the outcomes of the cases of Tables 5 and 6.
 
     Parameters
     ----------
     outcomes : sequence of CaseOutcome
-        What became of the cases under a ground motion.
+        Outcomes of the cases under a ground motion.
     motion : Motion
         The ground motion.
 

@@ -46,7 +46,7 @@ class Item:
 
     @property
     def finding(self) -> str:
-        """What to say of the number, in a clause.
+        """The finding on the number, in a clause.
 
         Examples
         --------

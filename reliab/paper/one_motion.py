@@ -188,7 +188,7 @@ def table_4(printed: PrintedTables, records: Records) -> Iterator[Item]:
 
 
 def equations_16_17(printed: PrintedTables, records: Records) -> Iterator[Item]:
-    """Slopes of Table 4, and what a straight line makes of a and b at 2 %."""
+    """Slopes of Table 4, and a and b at 2 % from straight lines."""
     table = printed.table4
     xi = records.damping_ratios
     of_a, root_b = records.over_damping_ratios("a"), np.sqrt(records.over_damping_ratios("b"))

@@ -1,9 +1,9 @@
 """A published table of ellipse parameters as measured data: what explains the rows that disagree.
 
-A difference must explain a and b together. Over many candidates chance does that, too: the candidates of
-a row are therefore offered the pairs of all other earthquakes, printed and simulated, and the share of
-these that they explain as well, times the number of explanations that are tried, is the probability that
-an explanation means nothing. Time step and duration belong to a recording: where both of its components
+A difference must explain a and b together. With many candidates, some do so by chance. The candidates of a
+row are therefore compared with the pairs of all other earthquakes, printed and simulated, too; the share of
+these that they explain as well, times the number of explanations that are tried, is the probability that an
+explanation is due to chance. Time step and duration belong to a recording: where both of its components
 disagree, one value must explain both.
 """
 
@@ -31,7 +31,7 @@ LARGEST_CHANCE = 0.05
 """Probability of an explanation by chance from which no name is given."""
 
 NONE_FOUND = "none found"
-"""What a row is given that no difference explains."""
+"""Name for a row that no difference explains."""
 
 _STRUCTURE = Structure(frequency=1.0, damping_ratio=0.02)
 _CLOSE_QUANTILE = 0.9
@@ -59,7 +59,7 @@ def audit_table2(
         `b` of our simulation, `error_printed` and `error` of equation (10) [ms⁴], `gap_before` (larger of
         |ln a/a_printed| and |ln b/b_printed|), `agrees` (a and b are within 10 % of the printed numbers),
         `difference` ("", "time step", "duration", "component" or "none found"), `detail`, `a_after`,
-        `b_after`, `gap_after`, and `chance`, the probability that an explanation as good means nothing.
+        `b_after`, `gap_after`, and `chance`, the probability that an explanation as good is due to chance.
 
     Raises
     ------
@@ -87,7 +87,7 @@ def audit_table2(
 
 
 class _Offer(NamedTuple):
-    """An explanation: probability that it means nothing, what it leaves, which choice of which kind."""
+    """An explanation: probability that it is due to chance, what it leaves, which choice of which kind."""
 
     chance: float
     distance: float
@@ -122,7 +122,7 @@ class _Table:
 
     @cached_property
     def close(self) -> float:
-        """How closely rows agree that do: as closely must an explanation fit."""
+        """How closely agreeing rows agree; an explanation must fit as closely."""
         agreeing = self.gaps[self.agreeing]
         if agreeing.size < _FEWEST_AGREEING:
             raise InputError(
@@ -177,7 +177,7 @@ class _Table:
         return min(fitting or offers, default=None)
 
     def _offer(self, rows: tuple[int, ...], kind: str, trials: int) -> "_Offer":
-        """Explain rows by a kind of difference; pairs that mean nothing say how likely that is by chance."""
+        """Explain rows by a kind of difference; unrelated pairs show how often chance does so."""
         distance, place = self._nearest(rows, kind, self.printed[list(rows)])
         event = self.motions[rows[0]].event
         unrelated = [

@@ -46,7 +46,7 @@ class Diagnostics:
 
     @property
     def complaints(self) -> tuple[str, ...]:
-        """What speaks against convergence, in plain sentences; nothing when all is well."""
+        """Reasons against convergence, in plain sentences; none where the run has converged."""
         smallest = np.minimum(self.bulk_size, self.tail_size)
         worst, least = int(np.argmax(self.r_hat)), int(np.argmin(smallest))
         sentences = (

@@ -81,8 +81,8 @@ def sample(
     ensembles : Ensembles
         How.
     file : Path, optional
-        HDF5 file; a run that stopped, or that was too short, goes on where it ended and ends up as if
-        it had never stopped.
+        HDF5 file; a run that stopped, or that was too short, resumes where it ended, with the result that it
+        would have had without the stop.
     group : str, optional
         Folder of the run inside the file, which may hold several.
     progress : callable, optional

@@ -1,4 +1,4 @@
-"""Where a posterior lies: its mode and curvature, from which ensembles start and leap."""
+"""Normal approximation of a posterior, from which ensembles start and propose moves."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

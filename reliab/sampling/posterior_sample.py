@@ -1,4 +1,4 @@
-"""What a run has drawn, and what it is worth."""
+"""The draws of a run, and whether they can be relied on."""
 
 import warnings
 from dataclasses import dataclass

@@ -94,9 +94,9 @@ class DerivedCriteria:
     Attributes
     ----------
     criteria : tuple of Criterion
-        One for each error and confidence that the motions carry; the first is the study's own.
+        One for each error and confidence for which the motions suffice; the first is the study's own.
     refusals : tuple of str
-        A sentence for each error and confidence that they do not carry.
+        A sentence for each error and confidence for which they are too few.
     """
 
     criteria: tuple[Criterion, ...]
@@ -104,7 +104,7 @@ class DerivedCriteria:
 
 
 def derivation(errors: ErrorsTable, criterion: CriterionTable) -> Stage:
-    """Derive the study's criteria, one for each error and confidence that the motions carry."""
+    """Derive the study's criteria, one for each error and confidence for which the motions suffice."""
 
     def work(folder: Path) -> None:
         traced = open_ellipses(folder / ELLIPSES)

@@ -119,8 +119,8 @@ def test_nothing_missing_is_said_so():
 
 
 def test_guilty_blocks_are_coloured():
-    none = discrepancy_blocks(guilty={}, observed=set(Block))
-    one = discrepancy_blocks(guilty={Block.SPECIMEN: "friction"}, observed=set(Block))
+    none = discrepancy_blocks(lacking={}, observed=set(Block))
+    one = discrepancy_blocks(lacking={Block.SPECIMEN: "friction"}, observed=set(Block))
     assert svg(none).count(b"#f7d9c6") == 1  # the legend's
     assert svg(one).count(b"#f7d9c6") == 2
 

@@ -16,8 +16,8 @@ _NORMAL_QUARTILES = 1.349  # interquartile range of the standard normal distribu
 class Empirical(NormalKernels):
     """Kernel estimate of the logarithm's density with Silverman's bandwidth.
 
-    Where half of the values or more are equal, the quartiles know no spread, and the standard deviation
-    stands for it alone.
+    Where half of the values or more are equal, the quartiles show no spread, and the standard deviation is
+    used alone.
 
     References
     ----------

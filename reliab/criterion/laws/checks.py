@@ -1,11 +1,11 @@
-"""What every law must be made of: increasing grids, and finite limits that are not negative."""
+"""Checks of every law: increasing grids, and finite limits that are not negative."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reliab.errors import InputError
 
-_REMEDY = "Derive the criterion again; few motions give limits of zero, never other ones"
+_REMEDY = "Derive the criterion again; few motions give limits of zero, never negative ones"
 
 
 def checked_limits(name: str, values: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:

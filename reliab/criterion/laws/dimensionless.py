@@ -1,4 +1,4 @@
-"""The new law: dimensionless limits that vary slowly with frequency and damping."""
+"""Dimensionless limits that vary slowly with frequency and damping."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -17,7 +17,7 @@ _REFERENCE_DAMPING = 0.05
 class Dimensionless(LogLinearLaw):
     """a = α ξ², b = β (ξ/ω₀)², with ln α and ln β quadratic in ln f and ln ξ.
 
-    The physics gives the powers of ξ and ω₀; what is left varies by a factor of about three over
+    The physics gives the powers of ξ and ω₀; the remainder varies by a factor of about three over
     f 0.25–2 Hz and ξ 0.02–0.10, where a and b themselves move over four decades. Six terms each:
     1, φ, η, φ², φη, η² with φ = ln(f / 1 Hz) and η = ln(ξ / 0.05).
 

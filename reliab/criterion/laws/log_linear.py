@@ -58,7 +58,7 @@ class LogLinearLaw(Law):
         Returns
         -------
         LogLinearLaw
-            The law, valid within the grid; terms that the grid cannot tell apart share their effect.
+            The law, valid within the grid; terms that the grid cannot separate share their effect.
 
         Raises
         ------

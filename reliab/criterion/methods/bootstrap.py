@@ -16,8 +16,8 @@ class Bootstrap(AssuredBound):
 
     Definition: the lognormal (1 − confidence) quantile is computed for many suites made of
     earthquakes drawn with replacement; a share `assurance` of these quantiles lies above the bound.
-    Approximate, and too optimistic for few earthquakes, but it sees that motions of one
-    earthquake are alike, which the tolerance bound does not.
+    Approximate, and too optimistic for few earthquakes, but it accounts for motions of one earthquake being
+    alike, which the tolerance bound does not.
 
     Parameters
     ----------

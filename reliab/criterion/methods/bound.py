@@ -71,7 +71,7 @@ class AssuredBound(BoundMethod):
     Parameters
     ----------
     assurance : float, optional
-        How sure the promise is, in (0, 1); each method says of what this is the share or probability.
+        Share of suites, or posterior probability, with which the promise is kept; in (0, 1).
     """
 
     assurance: float = 0.95

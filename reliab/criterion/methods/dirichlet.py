@@ -17,13 +17,13 @@ class Dirichlet(BoundMethod):
     Definition: given these motions, the probability that a motion of a further earthquake exceeds the
     bound is the stated confidence. The distribution is learned, not assumed
     (`reliab.criterion.motion_predictive`): with many earthquakes the bound tends to the sample's own
-    quantile, with few a fitted skew-normal shape carries the tail. The number of motions counts as
-    many as the earthquakes are worth.
+    quantile, with few a fitted skew-normal shape determines the tail. Motions of one earthquake are alike and
+    count as fewer independent ones.
 
     Parameters
     ----------
     concentration : float, optional
-        Number of motions that the fitted shape counts.
+        Weight of the fitted shape, as a number of motions.
 
     Examples
     --------
@@ -35,10 +35,10 @@ class Dirichlet(BoundMethod):
     name: ClassVar[str] = "dirichlet"
     meaning: ClassVar[str] = (
         "the predictive probability for a motion of a further earthquake, learned from the motions "
-        "themselves and, beyond them, from a fitted shape; motions count as many as their earthquakes are"
-        " worth"
+        "themselves and, beyond them, from a fitted distribution; motions of one earthquake count as "
+        "fewer independent ones"
     )
-    exchangeable: ClassVar[str] = "motions, those of one earthquake alike as analysis of variance finds"
+    exchangeable: ClassVar[str] = "motions, those of one earthquake correlated as analysis of variance finds"
 
     concentration: float = CONCENTRATION
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 class Scatter:
     """Mean and spread of ln a and ln b over motions, in which the worse of the two is found.
 
-    The smaller of the two standardised logarithms stands for the motion. A lower bound of it, carried back to
+    The smaller of the two standardised logarithms represents the motion. A lower bound of it, carried back to
     a and b, holds for both together, and both lie equally deep in their own distributions.
 
     Parameters

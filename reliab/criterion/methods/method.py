@@ -113,14 +113,15 @@ class Method(ABC):
         return asdict(cast("Any", self))
 
     def carried_confidence(self, n_motions: int, n_events: int) -> float:
-        """Highest confidence that so many motions can carry; beyond it a criterion accepts nothing.
+        """Highest confidence that so many motions can support; beyond it a criterion accepts nothing.
 
         The lowest value under K earthquakes is exceeded with the probability K/(K + 1), whatever the
-        distribution. Beyond that a fitted shape has to carry the tail. It does so down to an exceedance of
+        distribution. Beyond that a fitted distribution has to describe the tail. It does so down to an
+        exceedance of
         about (2/(K + 1))²: in simulations with normal, skewed and heavy-tailed motions (one to three from
         each earthquake, a and b together) the true exceedance there is about 1.1 to 2.5 times the stated
-        one, and the ratio grows further beyond it. One earthquake carries nothing, since nobody knows how
-        others differ.
+        one, and the ratio grows further beyond it. One earthquake supports no confidence, since it does not
+        show how earthquakes differ.
 
         Parameters
         ----------
@@ -142,7 +143,7 @@ class Method(ABC):
         return 1.0 - (2.0 / (n_events + 1.0)) ** 2
 
     def carries(self, confidence: float, n_motions: int, n_events: int) -> bool:
-        """Whether so many motions and earthquakes carry a confidence."""
+        """Whether so many motions and earthquakes support a confidence."""
         return confidence <= self.carried_confidence(n_motions, n_events) * (1.0 + 1e-12)
 
     def mean_share(self, confidence: float, n_motions: int) -> float:

@@ -1,4 +1,4 @@
-"""The loop with the block that the model misses something in."""
+"""The loop, with the blocks in which the model lacks an effect."""
 
 from collections.abc import Collection, Mapping
 from typing import Any, Final
@@ -29,27 +29,27 @@ _NAMES: Final = {
     Block.SPECIMEN: "specimen",
 }
 _LOOKS: Final[dict[str, dict[str, Any]]] = {
-    "guilty": {"facecolor": "#f7d9c6", "edgecolor": VERMILION, "linewidth": 2.4},
+    "lacking": {"facecolor": "#f7d9c6", "edgecolor": VERMILION, "linewidth": 2.4},
     "sound": {"facecolor": "white", "edgecolor": BLUE, "linewidth": 1.2},
     "unseen": {"facecolor": "white", "edgecolor": GREY, "linewidth": 1.0, "linestyle": (0, (3, 2))},
 }
 
 
 @styled
-def discrepancy_blocks(*, guilty: Mapping[Block, str], observed: Collection[Block]) -> Figure:
+def discrepancy_blocks(*, lacking: Mapping[Block, str], observed: Collection[Block]) -> Figure:
     """Draw the loop and colour what is missing in which block.
 
     Parameters
     ----------
-    guilty : mapping of Block to str
-        What is missing in a block, in a few words.
+    lacking : mapping of Block to str
+        What the model lacks in a block, in a few words.
     observed : collection of Block
         Blocks that the recorded channels show.
 
     Returns
     -------
     matplotlib.figure.Figure
-        Guilty blocks are filled, sound ones framed, those that no channel shows dashed.
+        Blocks that lack an effect are filled, others framed, those that no channel shows dashed.
     """
     figure = blank(height=_HEIGHT)
     axes = figure.subplots()
@@ -57,11 +57,11 @@ def discrepancy_blocks(*, guilty: Mapping[Block, str], observed: Collection[Bloc
     axes.set_axis_off()
     _wires(axes)
     for block, place in _PLACES.items():
-        kind = "guilty" if block in guilty else "sound" if block in observed else "unseen"
-        _box(axes, place, _NAMES[block], guilty.get(block, ""), _LOOKS[kind])
+        kind = "lacking" if block in lacking else "sound" if block in observed else "unseen"
+        _box(axes, place, _NAMES[block], lacking.get(block, ""), _LOOKS[kind])
     for k, (kind, text) in enumerate(
         (
-            ("guilty", "something is missing"),
+            ("lacking", "something is missing"),
             ("sound", "observed, nothing missing"),
             ("unseen", "not observed"),
         )

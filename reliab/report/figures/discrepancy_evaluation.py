@@ -1,4 +1,4 @@
-"""How often a diagnosis is right: stated probabilities against frequencies, and what was taken for what."""
+"""How often a diagnosis is right: stated probabilities against frequencies, and effects confused."""
 
 from collections.abc import Mapping
 

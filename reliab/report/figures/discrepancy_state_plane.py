@@ -1,4 +1,4 @@
-"""What a model leaves of a measured channel, over displacement and velocity: a restoring-force surface."""
+"""Residual of a model in a measured channel, over displacement and velocity: a restoring-force surface."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -47,7 +47,7 @@ def discrepancy_state_plane(
         were.
     """
     figure, axes = panels(1, 2, height=_HEIGHT, share_x=True, share_y=True)
-    letters(axes, ("calibrated model", "with what was found"))
+    letters(axes, ("calibrated model", "with the effects"))
     ends = [MILLI * float(np.quantile(np.abs(values), _REACH)) for values in (displacement, velocity)]
     fields = [_field(displacement, velocity, factor * values, ends) for values in (before, after)]
     limit = float(np.nanquantile(np.abs(fields[0]), 0.98)) or 1.0

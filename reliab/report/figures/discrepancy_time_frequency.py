@@ -1,4 +1,4 @@
-"""What a model leaves of a measured channel, over time and frequency."""
+"""Residual of a model in a measured channel, over time and frequency."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -42,7 +42,7 @@ def discrepancy_time_frequency(
         Power over noise [dB] over time [s] and frequency [Hz]; at 0 dB nothing is left but noise.
     """
     figure, axes = panels(1, 2, height=_HEIGHT, share_x=True, share_y=True)
-    letters(axes, ("calibrated model", "with what was found"))
+    letters(axes, ("calibrated model", "with the effects"))
     for place, values in zip(axes[0], (before, after), strict=True):
         time, frequency, level = _levels(values, density, rate, highest)
         drawn = place.pcolormesh(

@@ -1,4 +1,4 @@
-"""What the motions leave open: the posterior of a quantile, and the distribution of a further motion."""
+"""Uncertainty that remains: the posterior of a quantile, and the distribution of a further motion."""
 
 import numpy as np
 from matplotlib.axes import Axes

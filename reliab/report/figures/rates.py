@@ -33,7 +33,7 @@ def calibration_curve(rates: pd.DataFrame) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Both shares [%]; a criterion that keeps its word lies on the diagonal.
+        Both shares [%]; a criterion that keeps its promise lies on the diagonal.
     """
     figure, axes = panels(height=_HEIGHT, width=_WIDTH)
     place = axes[0, 0]
@@ -63,7 +63,7 @@ def coverage_by_frequency(rates: pd.DataFrame, *, confidence: float) -> Figure:
     -------
     matplotlib.figure.Figure
         Observed containment [%] with intervals over the frequency [Hz]; criteria that fall far short of
-        what is stated stand in axes of their own, so that the others can be told from each other.
+        what is stated are drawn in separate axes, so that the others can be distinguished.
     """
     stated = _PERCENT * confidence
     groups = list(rates.groupby("candidate", sort=False))

@@ -1,4 +1,4 @@
-"""The virtual hybrid-simulation benchmark: how far tests stray, by compensator and case."""
+"""The virtual hybrid-simulation benchmark: errors of the tests by compensator and case."""
 
 import numpy as np
 import pandas as pd

@@ -149,7 +149,7 @@ def fit_hierarchical(
     curved, robust : bool, optional
         See :class:`~reliab.criterion.methods.hierarchical.model.Hierarchical`.
     chains : pathlib.Path, optional
-        HDF5 file of the chains, with which a run that stopped, or was too short, goes on.
+        HDF5 file of the chains, from which a run that stopped, or was too short, resumes.
     progress : callable, optional
         Called with finished and all steps.
 

@@ -41,8 +41,8 @@ class Hierarchical(Model):
     with η = ln ξ about its mean over the grid. Every effect is a pair (for α and β), normal with a covariance
     of its own; all of them are integrated out exactly, and 2 × terms coefficients and three parameters
     for each effect are sampled. The law's terms t are 1, ln f and ln(ξ/0.05) (linear), and with `curved`
-    their squares and product too, as in the dimensionless law. Effects that the grid cannot
-    tell apart are left out.
+    their squares and product too, as in the dimensionless law. Effects that the grid cannot separate are
+    left out.
 
     With `robust`, a motion's mean over all structures is bivariate Student-t about its earthquake instead
     of normal, with the same scale and unknown degrees of freedom, so that a few outlying records do not

@@ -34,7 +34,8 @@ def posterior_limits(
     confidence : float
         Share of the motions, in (0, 1).
     joint : bool
-        Whether a and b hold together: the worse of the two, each in its own spreads, stands for the motion.
+        Whether a and b hold together: the worse of the two, each in units of its spread, represents the
+        motion.
     assurance : float, optional
         Posterior probability that at least that share of all motions exceeds the limits; without it the
         limits are predictive, and a further motion exceeds them with the probability `confidence`.

@@ -60,7 +60,7 @@ class Grid:
 
     @property
     def effects(self) -> tuple[str, ...]:
-        """Effects that the grid can tell apart, that of the event first."""
+        """Effects that the grid can separate, that of the event first."""
         along_f, along_xi = self.shape
         wide, damped, curved = along_f > 1, along_xi > 1, along_xi > 2  # noqa: PLR2004 - a slope takes two
         possible = (

@@ -1,4 +1,4 @@
-"""Report of a run whose motions carry no criterion: what they do show, and what is missing."""
+"""Report of a run whose motions are too few for a criterion: what they do show, and what is missing."""
 
 from collections.abc import Mapping, Sequence
 
@@ -46,7 +46,7 @@ def no_criterion_report(
     return Document(
         kind="Reliability criterion",
         title=title,
-        verdict=f"{motions} ground motions of {events} earthquakes carry no criterion that was asked for.",
+        verdict=f"{motions} ground motions of {events} earthquakes are too few for the criteria asked for.",
         tone="bad",
         facts={"Ground motions": f"{motions} of {events} earthquakes", "Purpose": purpose},
         blocks=(

@@ -35,20 +35,20 @@ _MOST_PARAMETERS = 5
 
 def block_figure(diagnosis: Diagnosis) -> Figure:
     """Draw the loop with what is missing."""
-    guilty: dict[Block, str] = {}
+    lacking: dict[Block, str] = {}
     for effect in (*diagnosis.effects, *diagnosis.doubtful):
         block = effect.effect.block
-        names = [guilty[block]] if block in guilty else []
-        guilty[block] = "\n".join([*names, spelled_out(effect.name)])
+        names = [lacking[block]] if block in lacking else []
+        lacking[block] = "\n".join([*names, spelled_out(effect.name)])
     if diagnosis.unknown is not None:
-        guilty[Block(diagnosis.unknown.block)] = "unknown effect"
+        lacking[Block(diagnosis.unknown.block)] = "unknown effect"
     observed = {diagnosed.block.block for diagnosed in diagnosis.blocks}
     observed |= {
         candidate.block for diagnosed in diagnosis.blocks for candidate in diagnosed.block.candidates
     }
     caption = "The loop of the test; blocks that no recorded channel shows are dashed."
     return Figure(
-        drawing=discrepancy_blocks(guilty=guilty, observed=observed), caption=caption, label="fig:blocks"
+        drawing=discrepancy_blocks(lacking=lacking, observed=observed), caption=caption, label="fig:blocks"
     )
 
 
