@@ -5,7 +5,7 @@
 // structures that were simulated, a/xi^2 and b w0^2/xi^2 are interpolated in ln f and ln xi.
 
 import { isMeaningless, motionsAt, neighbours } from "./ellipses.js";
-import { learn, quantile } from "./motion_predictive.js";
+import { learn, quantile } from "./further_motion.js";
 
 // Limits for a = 1, b = 1 in dimensionless form: xi^2 [-] and (xi/w0)^2 [ms^2].
 export function scales(frequency, dampingRatio) {
