@@ -83,7 +83,8 @@ class InnerMotion:
             Force [N], shape (n,).
         """
         inputs = np.ascontiguousarray(np.stack([ground, motion[2], motion[1], motion[0]], axis=1))
-        return _balance(*map(np.ascontiguousarray, self._steps), self._of_state, self._of_inputs, inputs)
+        transition, early, late = (np.ascontiguousarray(matrix) for matrix in self._steps)
+        return _balance(transition, early, late, self._of_state, self._of_inputs, inputs)
 
 
 @compiled
