@@ -26,6 +26,7 @@ from reliab.cli import (
     validate,
 )
 from reliab.cli import run as run_command
+from reliab.cli.defaults import read_defaults
 from reliab.cli.examples import example_of
 from reliab.cli.output import write_what_can_be_written
 from reliab.errors import IncompleteError, InputError
@@ -96,7 +97,9 @@ def run(arguments: Sequence[str]) -> int:
     try:
         with warnings.catch_warnings():
             warnings.showwarning = _show_warning
-            command.main(list(spread(arguments, command)), prog_name="reliab")
+            command.main(
+                list(spread(arguments, command)), prog_name="reliab", default_map=read_defaults(command)
+            )
     except InputError as error:
         return _fail(str(error), _BAD_INPUT)
     except IncompleteError as error:
