@@ -72,6 +72,11 @@ class Blocks:
         """Length of the window in blocks."""
         return self.left.size - self.before - 1 + self.end
 
+    @property
+    def most_ahead(self) -> int:
+        """Blocks that an actuator can look ahead at most, those of a quarter of the period."""
+        return int(np.ceil(0.5 * np.pi / (abs(self.pole) * self.step))) + 1
+
     def prolonged(self, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Ground acceleration at the ends of the blocks and of further ones after the window.
 
@@ -92,8 +97,7 @@ class Blocks:
 
     @cached_property
     def _longest_lines(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        further = int(np.ceil(0.5 * np.pi / (abs(self.pole) * self.step))) + 1
-        count = self.left.size - self.before + further
+        count = self.left.size - self.before + self.most_ahead
         begin = self.excitation.window[0]
         edges = begin + self.step * np.arange(-self.before, count + 1, dtype=np.float64)
         silence = np.zeros(int(np.ceil((count + 1) * self.step / self.excitation.time_step)) + 2)
@@ -150,8 +154,7 @@ def cut(excitation: Excitation, structure: Structure, *, step: float | None = No
     inside = int(np.ceil((end - begin) / step - 1e-9))
     before = int(np.ceil(begin / step - 1e-9))
     edges = begin + step * np.arange(-before, inside + 1, dtype=np.float64)
-    xi = structure.damping_ratio
-    pole = structure.circular_frequency * complex(-xi, np.sqrt(1.0 - xi**2))
+    pole = structure.pole
     mode = _mode(excitation, pole, edges)
     left, right = _lines(mode, pole, step)
     return Blocks(

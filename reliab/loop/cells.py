@@ -10,6 +10,8 @@ from reliab.errors import InputError
 from reliab.loop.blocks import block_length
 from reliab.loop.dominant_pole import ModalLoop, modal_loop, reduction_loss
 from reliab.loop.leading_loop import LeadingLoop, leading_loop
+from reliab.loop.pole_plane.basis import pole_basis
+from reliab.loop.pole_plane.expansion import Expansion, expansions
 from reliab.loop.pole_recursion import Recursion, recursions
 from reliab.loop.stability import critical_delay, refuse_long_leads
 from reliab.loop.structure import Structure
@@ -70,6 +72,10 @@ class Cells:
         if early.size:
             parts.append((early, leading_loop(self.structure, self.gain[early], -self.delay[early])))
         return parts
+
+    def expansions(self, step: float) -> list[Expansion]:
+        """Deviations expanded in the structure's basis of poles, for blocks of a given length [s]."""
+        return expansions(pole_basis(self.structure), self.reduced, step)
 
     def recursions(self, step: float) -> list[Recursion]:
         """Recursions of all cells for blocks of a given length [s]."""

@@ -53,8 +53,12 @@ class ModalLoop:
     def transfer(self, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """Transfer function from −a_g [s²] at frequencies s [rad/s] that broadcast with the cells."""
         slow = self.residue / (s - self.pole) + self.residue.conj() / (s - self.pole.conj())
+        return np.asarray(slow + self.fast_transfer(s))
+
+    def fast_transfer(self, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Part of the fast pair in the transfer function [s²]."""
         (p, q), (u, v) = self.fast_poles, self.fast_residues
-        return np.asarray(slow + u / (s - p) + v / (s - q))
+        return np.asarray(u / (s - p) + v / (s - q))
 
 
 class ReducedLoop(Protocol):
@@ -190,6 +194,11 @@ def transfer(
     return actuator / (s**2 + 2.0 * xi * w0 * s + w0**2 * (1.0 - alpha + alpha * actuator))
 
 
+def band_centres(structure: Structure) -> NDArray[np.float64]:
+    """Frequencies [Hz] at which the reduction is compared with the exact loop, one in each band."""
+    return structure.frequency * _COMPARED
+
+
 def band_edges(structure: Structure) -> NDArray[np.float64]:
     """Edges [Hz] of the bands in which the reduction is compared with the exact loop."""
     half = np.sqrt(_COMPARED[1] / _COMPARED[0])
@@ -217,7 +226,7 @@ def reduction_loss(
         shape (bands, cells). Weighted by the power of a record in each band their sums give the
         relative error of the deviation's mean square.
     """
-    s = (2j * np.pi * structure.frequency * _COMPARED[:, np.newaxis]).astype(np.complex128)
+    s = 2j * np.pi * band_centres(structure)[:, np.newaxis]
     exact = transfer(structure, gain, delay, s)
     ideal = transfer(structure, np.ones(1), np.zeros(1), s)
     lost = np.abs(exact - loop.transfer(s)) ** 2

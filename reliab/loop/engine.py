@@ -26,6 +26,9 @@ from reliab.loop.cells import Cells
 from reliab.loop.deviation import Deviation
 from reliab.loop.dominant_pole import band_edges
 from reliab.loop.excitation import Excitation
+from reliab.loop.pole_plane.basis import pole_basis
+from reliab.loop.pole_plane.plane import mean_squares
+from reliab.loop.pole_plane.responses import Responses
 from reliab.loop.structure import Structure
 
 REDUCTION_TOLERANCE = 3e-5
@@ -145,9 +148,7 @@ class Loop:
                     remedy="Use the engine 'automatic', 'pole' or 'spectral'",
                 )
             return delay_stepper.deviation(self.blocks, self.structure, cells.gain, cells.delay)
-        error = self.reduction_error(cells)
-        tolerance = np.where(cells.stable, REDUCTION_TOLERANCE, UNSTABLE_TOLERANCE)
-        tolerance[cells.leads] = LEAD_TOLERANCE
+        error, tolerance = self.reduction_error(cells), _tolerance(cells)
         reducible = error <= tolerance
         if reducible.all():
             return self._reduced(cells)
@@ -160,6 +161,42 @@ class Loop:
                 remedy="Use the engine 'automatic'",
             )
         return self._mixed(cells, reducible, ~cells.stable & (error <= _ROUGH_TOLERANCE))
+
+    def mean_square(self, cells: Cells) -> NDArray[np.float64]:
+        """Mean square of the deviation, for many actuators in several turns.
+
+        The responses of a few poles are stepped once; they answer what `pole_plane` may answer, and
+        `deviation` the rest.
+
+        Parameters
+        ----------
+        cells : Cells
+            The actuators, before this loop's structure.
+
+        Returns
+        -------
+        numpy.ndarray
+            Mean of (x_m − x_I)² over the window [m²], shape (cells,).
+
+        Raises
+        ------
+        InputError
+            As `deviation`.
+        """
+        if self.engine in (Engine.DELAY, Engine.SPECTRAL):
+            return self.deviation(cells).mean_square
+        mean_square, known = mean_squares(
+            self._responses, cells.expansions(self.blocks.step), cells.gain.size
+        )
+        unknown = ~(known & (self.reduction_error(cells) <= _tolerance(cells)))
+        if unknown.any():
+            rest = self.cells(gain=cells.gain[unknown], delay=cells.delay[unknown])
+            mean_square[unknown] = self.deviation(rest).mean_square
+        return mean_square
+
+    @cached_property
+    def _responses(self) -> Responses:
+        return Responses(blocks=self.blocks, basis=pole_basis(self.structure))
 
     def _reduced(self, cells: Cells) -> Deviation:
         parts = cells.recursions(self.blocks.step)
@@ -204,3 +241,10 @@ class Loop:
         return Deviation(
             mean_square=np.array([total / self.blocks.intervals]), peak=np.array([peak]), ideal_peak=peak
         )
+
+
+def _tolerance(cells: Cells) -> NDArray[np.float64]:
+    """Largest error of RMS^R that the reduction to the dominant pole may cause [-], shape (cells,)."""
+    tolerance = np.where(cells.stable, REDUCTION_TOLERANCE, UNSTABLE_TOLERANCE)
+    tolerance[cells.leads] = LEAD_TOLERANCE
+    return tolerance

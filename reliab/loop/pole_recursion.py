@@ -33,6 +33,9 @@ LANES = 64
 
 _COEFFICIENTS = 12
 
+FROM_BLOCK = slice(8, 10)
+"""Coefficients with which the record at both ends of a block enters beside the dominant pair."""
+
 
 def fill_lanes(cells: NDArray[np.float64], lanes: int) -> NDArray[np.float64]:
     """Fill up the last set of lanes with copies of the last cell; shape (…, multiple of lanes)."""
@@ -109,7 +112,7 @@ def leading_recursion(loop: LeadingLoop, step: float) -> tuple[NDArray[np.int64]
     ahead = np.ceil(loop.lead / step).astype(np.int64)
     back = ahead * step - loop.lead
     carried = residue * np.exp(-pole * back)
-    slow = _pair((pole, pole.conj()), (carried, carried.conj()), step)
+    slow = pair_recursion(np.stack([pole, pole.conj()]), np.stack([carried, carried.conj()]), step)
     # ∫₀^θ e^(−p(θ−u))a(u) du of the record's straight line, from its right end backwards
     whole = -np.expm1(-pole * back) / pole
     falling = (back - whole) / (pole * step)
@@ -137,20 +140,32 @@ def recursion(loop: ModalLoop, step: float) -> NDArray[np.float64]:
         displacements, and of the record at the left and right end of this block and of the one
         before.
     """
-    dominant = _pair((loop.pole, loop.pole.conj()), (loop.residue, loop.residue.conj()), step)
-    fast = _pair(
-        (loop.fast_poles[0], loop.fast_poles[1]), (loop.fast_residues[0], loop.fast_residues[1]), step
-    )
-    return np.concatenate([dominant, fast])
+    poles = np.stack([loop.pole, loop.pole.conj()])
+    residues = np.stack([loop.residue, loop.residue.conj()])
+    dominant = pair_recursion(poles, residues, step)
+    return np.concatenate([dominant, pair_recursion(loop.fast_poles, loop.fast_residues, step)])
 
 
-_Two = tuple[NDArray[np.complex128], NDArray[np.complex128]]
+def pair_recursion(
+    poles: NDArray[np.complex128], residues: NDArray[np.complex128], step: float
+) -> NDArray[np.float64]:
+    """Coefficients of the recursion of the response of two modes to −a_g.
 
+    Parameters
+    ----------
+    poles, residues : numpy.ndarray
+        Poles [1/s] and residues [s], shape (2, cells); each cell's are real or conjugate.
+    step : float
+        Length H of a block [s].
 
-def _pair(poles: _Two, residues: _Two, step: float) -> NDArray[np.float64]:
-    """Recursion of the response of two modes to −a_g, shape (6, cells)."""
-    early, late, decay = ramp_weights(np.stack(poles), step)
-    ahead, behind = np.stack(residues), np.stack(residues) * decay[::-1]
+    Returns
+    -------
+    numpy.ndarray
+        Shape (6, cells): of the last two displacements, and of the record at the left and right end of
+        this block and of the one before.
+    """
+    early, late, decay = ramp_weights(poles, step)
+    ahead, behind = residues, residues * decay[::-1]
     return np.stack(
         [
             decay.sum(axis=0).real,

@@ -54,3 +54,9 @@ class Structure:
     def circular_frequency(self) -> float:
         """Natural circular frequency ω₀ [rad/s]."""
         return 2.0 * math.pi * self.frequency
+
+    @property
+    def pole(self) -> complex:
+        """Pole p = −ξω₀ + iω₀√(1 − ξ²) of the structure's own mode [1/s]."""
+        xi = self.damping_ratio
+        return self.circular_frequency * complex(-xi, math.sqrt(1.0 - xi**2))

@@ -1,0 +1,119 @@
+"""Deviations of actuators as sums of shared functions of time: the weights of the sums.
+
+With the pole p, the residue r of x_m and r₀ = 1/(p₀ − p̄₀) of x_I, and with c_k of `basis`, the
+deviation of a late actuator is ::
+
+    x_m − x_I = −2Re Σ_k (r c_k − [k = 0] r₀) φ_k + fast pair
+
+An actuator that leads by T asks for the pole's response `ahead` blocks later, times e^(−pθ), and for what
+the record does between (`pole_recursion.leading_recursion`). Its first function is parted into what
+the exact response has too and what the record adds on the way, so that the first stays small::
+
+    φ₀(t + nH) = e^(p₀nH) φ₀(t) + ψ(t)
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.loop.dominant_pole import ModalLoop
+from reliab.loop.leading_loop import LeadingLoop
+from reliab.loop.pole_plane.basis import PoleBasis
+from reliab.loop.pole_recursion import FROM_BLOCK, leading_recursion
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Expansion:
+    """Weights of actuators that look the same number of blocks ahead.
+
+    Attributes
+    ----------
+    cells : numpy.ndarray
+        Which cells, shape (n,).
+    ahead : int
+        Blocks by which the displacement is ahead of the exact response; 0 for actuators that are late.
+    weights : numpy.ndarray
+        Weight of each function of `Responses.functions`, shape (n, functions).
+    left_out : numpy.ndarray
+        Largest displacement that is left out, for responses of size 1 of the poles, shape (n, poles).
+    """
+
+    cells: NDArray[np.intp]
+    ahead: int
+    weights: NDArray[np.float64]
+    left_out: NDArray[np.float64]
+
+
+def expansions(
+    basis: PoleBasis,
+    parts: Sequence[tuple[NDArray[np.intp], ModalLoop | LeadingLoop]],
+    step: float,
+) -> list[Expansion]:
+    """Expand the deviations of all cells whose poles are near enough to that of the structure.
+
+    Parameters
+    ----------
+    basis : PoleBasis
+        Poles and fast pairs.
+    parts : sequence of tuple
+        Numbers of cells and their reduced loops, as `Cells.reduced`.
+    step : float
+        Length H of a block [s].
+
+    Returns
+    -------
+    list of Expansion
+        One for each number of blocks that cells look ahead; cells that cannot be expanded are in none.
+    """
+    expanded = []
+    for cells, loop in parts:
+        if isinstance(loop, ModalLoop):
+            expanded.append(_late(basis, cells, loop))
+        else:
+            expanded += _early(basis, cells, loop, step)
+    return [expansion for expansion in expanded if expansion.cells.size]
+
+
+def _late(basis: PoleBasis, cells: NDArray[np.intp], loop: ModalLoop) -> Expansion:
+    shares, left_out = basis.coefficients(loop.pole)
+    fast, close = basis.fast_coefficients(loop)
+    amplitudes = loop.residue * shares
+    amplitudes[0] -= 1.0 / (2j * basis.structure.pole.imag)
+    weights = np.concatenate([-2.0 * amplitudes.real, 2.0 * amplitudes.imag, fast]).T
+    usable = np.isfinite(left_out) & close
+    lost = 2.0 * np.abs(loop.residue) * left_out * np.abs(shares)
+    return Expansion(cells=cells[usable], ahead=0, weights=weights[usable].copy(), left_out=lost.T[usable])
+
+
+def _early(
+    basis: PoleBasis, cells: NDArray[np.intp], loop: LeadingLoop, step: float
+) -> list[Expansion]:
+    shares, left_out = basis.coefficients(loop.pole)
+    ahead, recursion = leading_recursion(loop, step)
+    back = ahead * step - loop.lead
+    carried = loop.residue * np.exp(-loop.pole * back)
+    amplitudes = carried * shares
+    passed = amplitudes[:1].copy()
+    amplitudes[0] *= np.exp(basis.structure.pole * ahead * step)
+    amplitudes[0] -= 1.0 / (2j * basis.structure.pole.imag)
+    weights = np.concatenate(
+        [
+            -2.0 * amplitudes.real,
+            2.0 * amplitudes.imag,
+            -2.0 * passed.real,
+            2.0 * passed.imag,
+            recursion[FROM_BLOCK],
+        ]
+    ).T
+    lost = (2.0 * np.abs(carried) * left_out * np.abs(shares)).T
+    groups = []
+    for count in np.unique(ahead[np.isfinite(left_out)]):
+        alike = (ahead == count) & np.isfinite(left_out)
+        groups.append(
+            Expansion(
+                cells=cells[alike], ahead=int(count), weights=weights[alike].copy(), left_out=lost[alike]
+            )
+        )
+    return groups
