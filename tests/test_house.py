@@ -28,7 +28,7 @@ LONG_FUNCTIONS = {
     "loop/hybrid_test/marching.py:march": "one compiled loop",
     "loop/hybrid_test/compensators/adaptive_time_series.py:_compensate": "one compiled loop",
     "loop/laboratory/march.py:march": "one compiled loop",
-    "loop/pole_recursion.py:_track_lanes": "one compiled loop",
+    "loop/pole_stepping.py:_track_lanes": "one compiled loop",
     "rebuilt_error/widenings.py:widenings": "to be split",
     "validation/assessment/assess.py:assess": "to be split",
 }

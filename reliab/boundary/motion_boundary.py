@@ -10,7 +10,6 @@ from reliab.boundary.contour import AMPLITUDE_STEP, Contour, trace_contours
 from reliab.indices.response_error import relative_error
 from reliab.loop.cells import Cells
 from reliab.loop.deviation import Deviation
-from reliab.loop.engine import Loop
 from reliab.loop.structure import Structure
 from reliab.vocabulary import Metric, Side
 
@@ -65,10 +64,7 @@ def motion_contours(
     def error(
         amplitude: NDArray[np.float64], delay: NDArray[np.float64], _: NDArray[np.int64]
     ) -> NDArray[np.float64]:
-        cells = loop.cells(gain=amplitude, delay=delay)
-        if metric is Metric.RMS and isinstance(loop, Loop):
-            return np.sqrt(loop.mean_square(cells)) / loop.blocks.ideal_peak
-        return relative_error(loop.deviation(cells), metric)
+        return relative_error(loop.deviation(loop.cells(gain=amplitude, delay=delay)), metric)
 
     levels = np.asarray(thresholds, dtype=np.float64)
     return trace_contours(error, levels, loop.structure, amplitude_step=amplitude_step, side=side)

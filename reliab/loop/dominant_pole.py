@@ -194,9 +194,9 @@ def transfer(
     return actuator / (s**2 + 2.0 * xi * w0 * s + w0**2 * (1.0 - alpha + alpha * actuator))
 
 
-def band_centres(structure: Structure) -> NDArray[np.float64]:
-    """Frequencies [Hz] at which the reduction is compared with the exact loop, one in each band."""
-    return structure.frequency * _COMPARED
+def compared_frequencies(structure: Structure) -> NDArray[np.complex128]:
+    """Frequencies s = iω [rad/s] at which the reduction is compared with the exact loop, shape (bands, 1)."""
+    return (2j * np.pi * structure.frequency * _COMPARED[:, np.newaxis]).astype(np.complex128)
 
 
 def band_edges(structure: Structure) -> NDArray[np.float64]:
@@ -226,7 +226,7 @@ def reduction_loss(
         shape (bands, cells). Weighted by the power of a record in each band their sums give the
         relative error of the deviation's mean square.
     """
-    s = 2j * np.pi * band_centres(structure)[:, np.newaxis]
+    s = compared_frequencies(structure)
     exact = transfer(structure, gain, delay, s)
     ideal = transfer(structure, np.ones(1), np.zeros(1), s)
     lost = np.abs(exact - loop.transfer(s)) ** 2

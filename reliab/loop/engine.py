@@ -20,14 +20,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.errors import InputError
-from reliab.loop import delay_stepper, pole_recursion, spectral
+from reliab.loop import delay_stepper, pole_stepping, spectral
 from reliab.loop.blocks import Blocks, cut
 from reliab.loop.cells import Cells
 from reliab.loop.deviation import Deviation
 from reliab.loop.dominant_pole import band_edges
 from reliab.loop.excitation import Excitation
 from reliab.loop.pole_plane.basis import pole_basis
-from reliab.loop.pole_plane.plane import mean_squares
 from reliab.loop.pole_plane.responses import Responses
 from reliab.loop.structure import Structure
 
@@ -120,6 +119,10 @@ class Loop:
             error = np.sqrt(self._band_power @ lost / np.maximum(self._band_power @ sought, 1e-300))
         return np.where(np.isnan(error), np.inf, error)
 
+    def reducible(self, cells: Cells) -> NDArray[np.bool_]:
+        """Whether the dominant pole may stand for the loop, shape (cells,)."""
+        return self.reduction_error(cells) <= _tolerance(cells)
+
     def deviation(self, cells: Cells) -> Deviation:
         """Deviation of the measured displacement from the exact response over the window.
 
@@ -162,54 +165,23 @@ class Loop:
             )
         return self._mixed(cells, reducible, ~cells.stable & (error <= _ROUGH_TOLERANCE))
 
-    def mean_square(self, cells: Cells) -> NDArray[np.float64]:
-        """Mean square of the deviation, for many actuators in several turns.
-
-        The responses of a few poles are stepped once; they answer what `pole_plane` may answer, and
-        `deviation` the rest.
-
-        Parameters
-        ----------
-        cells : Cells
-            The actuators, before this loop's structure.
-
-        Returns
-        -------
-        numpy.ndarray
-            Mean of (x_m − x_I)² over the window [m²], shape (cells,).
-
-        Raises
-        ------
-        InputError
-            As `deviation`.
-        """
-        if self.engine in (Engine.DELAY, Engine.SPECTRAL):
-            return self.deviation(cells).mean_square
-        mean_square, known = mean_squares(
-            self._responses, cells.expansions(self.blocks.step), cells.gain.size
-        )
-        unknown = ~(known & (self.reduction_error(cells) <= _tolerance(cells)))
-        if unknown.any():
-            rest = self.cells(gain=cells.gain[unknown], delay=cells.delay[unknown])
-            mean_square[unknown] = self.deviation(rest).mean_square
-        return mean_square
-
     @cached_property
-    def _responses(self) -> Responses:
+    def responses(self) -> Responses:
+        """Responses of the structure's basis of poles to the record."""
         return Responses(blocks=self.blocks, basis=pole_basis(self.structure))
 
     def _reduced(self, cells: Cells) -> Deviation:
         parts = cells.recursions(self.blocks.step)
         if len(parts) == 1:
             (part,) = parts
-            return pole_recursion.deviation(self.blocks, part.coefficients, ahead=part.ahead)
+            return pole_stepping.deviation(self.blocks, part.coefficients, ahead=part.ahead)
         deviation = Deviation(
             mean_square=np.empty(cells.gain.size),
             peak=np.empty(cells.gain.size),
             ideal_peak=self.blocks.ideal_peak,
         )
         for part in parts:
-            strayed = pole_recursion.deviation(self.blocks, part.coefficients, ahead=part.ahead)
+            strayed = pole_stepping.deviation(self.blocks, part.coefficients, ahead=part.ahead)
             deviation.mean_square[part.cells], deviation.peak[part.cells] = strayed.mean_square, strayed.peak
         return deviation
 

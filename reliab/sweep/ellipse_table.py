@@ -7,12 +7,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.boundary import Curve, motion_contours
-from reliab.boundary.motion_boundary import SolvedLoop
+from reliab.boundary import Curve, motion_contours, suite_contours
 from reliab.errors import InputError
 from reliab.indices.response_error import relative_error
 from reliab.indices.window import Window
-from reliab.loop.engine import Engine
+from reliab.loop.effect_loop import EffectLoop
+from reliab.loop.engine import Engine, Loop
 from reliab.loop.excitation import Excitation
 from reliab.loop.hybrid_test import HybridTest
 from reliab.loop.structure import Structure
@@ -22,6 +22,9 @@ from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_row, ellipse_dat
 from reliab.sweep.records import motion_coordinates
 from reliab.sweep.request import check_model, loop_of
 from reliab.vocabulary import Dimension, Metric, Side
+
+_TOGETHER = 32
+"""Motions that are traced together; bounds the memory."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,11 +99,11 @@ def trace_ellipses(
     Parameters
     ----------
     motions : sequence of Motion
-        The ground motions; read one at a time.
+        The ground motions; read a batch at a time.
     request : EllipseRequest
         Structures, thresholds, metrics, curves and sides.
     progress : callable, optional
-        Called after each motion.
+        Called after each batch of motions.
 
     Returns
     -------
@@ -111,53 +114,58 @@ def trace_ellipses(
         the error of an actuator that does not move.
     """
     tables, rests, headers = [], [], []
-    for done, motion in enumerate(motions, start=1):
-        table, rest = motion_table(motion, request)
+    for begin in range(0, len(motions), _TOGETHER):
+        batch = [motions[place] for place in range(begin, min(begin + _TOGETHER, len(motions)))]
+        table, rest = _tables(batch, request)
         tables.append(table)
         rests.append(rest)
-        headers.append(motion_coordinates([motion]))
-        progress(done, len(motions))
-    return labelled(np.stack(tables), headers, request, error_at_rest=np.stack(rests))
+        headers.append(motion_coordinates(batch))
+        progress(begin + len(batch), len(motions))
+    return labelled(np.concatenate(tables), headers, request, error_at_rest=np.concatenate(rests))
 
 
-def motion_table(motion: Motion, request: EllipseRequest) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Trace the boundaries of one motion.
+def _tables(
+    motions: Sequence[Motion], request: EllipseRequest
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Curves and errors at rest of several motions.
 
-    Parameters
-    ----------
-    motion : Motion
-        The ground motion.
-    request : EllipseRequest
-        What is wanted.
-
-    Returns
-    -------
-    table : numpy.ndarray
-        Curves, shape (f, xi, threshold, metric, curve, side, columns).
-    rest : numpy.ndarray
-        Error of an actuator that does not move [-], shape (f, xi, metric).
+    Shapes (motion, f, xi, threshold, metric, curve, side, columns) and (motion, f, xi, metric).
     """
-    bounds = request.window.bounds(motion.acceleration, motion.time_step)
-    excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step, window=bounds)
+    excitations = [_excitation(motion, request.window) for motion in motions]
     rows, rests = [], []
     for structure in request.structures:
-        loop = loop_of(request.model, excitation, structure, request.engine)
-        rests.append([relative_error(loop.at_rest(), metric)[0] for metric in request.metrics])
-        rows.append([_rows(loop, metric, request) for metric in request.metrics])
-    structures = len(request.frequencies), len(request.damping_ratios)
-    table = np.array(rows, dtype=np.float64)
-    table = table.reshape(*structures, *table.shape[1:]).swapaxes(2, 3).swapaxes(4, 5)
-    return table, np.reshape(rests, (*structures, -1))
+        loops = [loop_of(request.model, excitation, structure, request.engine) for excitation in excitations]
+        rests.append(
+            [[relative_error(loop.at_rest(), metric)[0] for metric in request.metrics] for loop in loops]
+        )
+        rows.append([_rows(loops, metric, request) for metric in request.metrics])
+    sizes = len(request.frequencies), len(request.damping_ratios)
+    table = np.array(rows, dtype=np.float64)  # over (structure, metric, motion, threshold, side, curve, …)
+    table = table.reshape(*sizes, *table.shape[1:]).transpose(3, 0, 1, 4, 2, 6, 5, 7)
+    rest = np.array(rests, dtype=np.float64).reshape(*sizes, len(motions), -1)
+    return table, np.moveaxis(rest, 2, 0)
 
 
-def _rows(loop: SolvedLoop, metric: Metric, request: EllipseRequest) -> NDArray[np.float64]:
-    """Curves of one structure and metric, shape (threshold, side, curve, columns)."""
+def _excitation(motion: Motion, window: Window) -> Excitation:
+    bounds = window.bounds(motion.acceleration, motion.time_step)
+    return Excitation(acceleration=motion.acceleration, time_step=motion.time_step, window=bounds)
+
+
+def _rows(loops: Sequence[Loop | EffectLoop], metric: Metric, request: EllipseRequest) -> NDArray[np.float64]:
+    """Curves of one structure and metric, shape (motion, threshold, side, curve, columns)."""
     pairs = [(threshold, side) for threshold in request.thresholds for side in request.sides]
     levels, sides = zip(*pairs, strict=True)
-    contours = motion_contours(loop, levels, metric, side=sides)
-    rows = [[curve_row(contour, curve) for curve in request.curves] for contour in contours]
-    shape = len(request.thresholds), len(request.sides), len(request.curves), len(COLUMNS)
-    return np.reshape(rows, shape)
+    linear = [loop for loop in loops if isinstance(loop, Loop)]
+    if metric is Metric.RMS and len(linear) == len(loops):
+        contours = suite_contours(linear, levels, sides)
+    else:
+        contours = [motion_contours(loop, levels, metric, side=sides) for loop in loops]
+    rows = [
+        [[curve_row(contour, curve) for curve in request.curves] for contour in of_motion]
+        for of_motion in contours
+    ]
+    sizes = len(request.thresholds), len(request.sides), len(request.curves), len(COLUMNS)
+    return np.reshape(rows, (len(loops), *sizes))
 
 
 def labelled(

@@ -15,7 +15,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.loop import delay_stepper, pole_recursion
+from reliab.loop import delay_stepper, pole_stepping
 from reliab.loop.blocks import cut
 from reliab.loop.excitation import Excitation
 from reliab.loop.structure import Structure
@@ -140,7 +140,7 @@ def main() -> None:
 
     def pole() -> object:
         prepared = cut(excitation, structure)
-        return pole_recursion.deviation(prepared, recursion.coefficients)
+        return pole_stepping.deviation(prepared, recursion.coefficients)
 
     def delayed() -> object:
         return delay_stepper.deviation(blocks, structure, cells.gain, cells.delay)

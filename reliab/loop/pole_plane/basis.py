@@ -8,22 +8,23 @@ an all-pass filter::
     1/(s − p) = Σ_{k<n} c_k φ_k(s) + γ_n/(s − p) · Π_{i<n} (s + p̄_i)/(s − p_i)
     γ_k = Π_{i<k} (p − p_i)/(p + p̄_i),     c_k = 2Re(p_k) γ_k/(p + p̄_k)
 
-The last term is what n functions leave out. Each of its factors has modulus 1 on the imaginary axis,
-so that its size is |γ_n|/|s − p| at **every** frequency: the share left out is |γ_n| for any record.
-All but the first coefficient vanish with p − p₀, the deviation's own scale, so that no digits are lost.
+The last term is what n functions leave out. The factors of its product have modulus 1 on the imaginary
+axis, so that its size is |γ_n|/|s − p| at **every** frequency: the share left out is |γ_n| for any record.
+All coefficients but the first are proportional to p − p₀, as the deviation is, so that no digits are lost.
 
-The poles are taken one by one from those of the actuators, each time where most is left out. With
-partial fractions the functions follow from the responses of the single poles (`orthogonal`).
-The fast pair of a late actuator is expanded in those of a few delays by least squares.
+The poles are chosen one after the other among those of actuators with errors of interest, always the pole
+of which most is left out. Partial fractions give the functions from the responses of the single poles
+(`orthogonal`). The fast pair of a late actuator is expanded in those of a few delays by least squares.
 """
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
+import scipy.linalg
 from numpy.typing import NDArray
 
-from reliab.loop.dominant_pole import ModalLoop, band_centres, dominant_pole, modal_loop
+from reliab.loop.dominant_pole import ModalLoop, compared_frequencies, dominant_pole, modal_loop
 from reliab.loop.structure import Structure
 
 FARTHEST, _REGION = 0.5, 0.4
@@ -33,11 +34,10 @@ _REGION_GAIN, _REGION_LAG, _REGION_LEAD = 2.2, 1.6, 2.5
 """Actuators from which poles are taken: |ln k_p| up to the first times ξ, delays and leads up to the
 others times ξ/ω₀."""
 
-_LEFT_OUT = 4e-5  # of the deviation, at which no further pole is taken
+_LEFT_OUT = 2e-5  # of the deviation, at which no further pole is taken
 _SMALLEST_DEVIATION = 1e-3  # relative to |p + p̄₀|, below which a deviation need not be resolved
 _MOST_POLES = 20
-_FAST_PAIRS = 3
-_FAST_LOSS = 1e-3  # of the fast pair, itself a hundredth of the deviation or less
+_FAST_PAIRS = 6
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -90,17 +90,16 @@ class PoleBasis:
             |γ_n|, the share that is left out at every frequency [-], shape (cells,); infinite for a pole
             that is too far from the structure's.
         """
+        near = distance(pole, complex(self.poles[0])) <= FARTHEST
+        pole = np.where(near, pole, self.poles[0])
         coefficients = np.empty((self.poles.size, pole.size), dtype=np.complex128)
         gamma = np.ones_like(pole)
         for k, taken in enumerate(self.poles):
             coefficients[k] = 2.0 * taken.real * gamma / (pole + taken.conjugate())
             gamma = gamma * (pole - taken) / (pole + taken.conjugate())
-        near = distance(pole, complex(self.poles[0])) <= FARTHEST
         return coefficients, np.where(near, np.abs(gamma), np.inf)
 
-    def fast_coefficients(
-        self, loop: ModalLoop
-    ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    def fast_coefficients(self, loop: ModalLoop) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Expand the fast pairs of late actuators in those of the basis.
 
         Parameters
@@ -112,19 +111,19 @@ class PoleBasis:
         -------
         coefficients : numpy.ndarray
             Shape (pairs, cells).
-        close : numpy.ndarray
-            Whether the expansion is within 1e-3 of the pair at every frequency, shape (cells,).
+        left_out : numpy.ndarray
+            Largest modulus, over the frequencies, of what the expansion leaves out of the transfer function
+            from −a_g [s²], shape (cells,).
         """
-        at = 2j * np.pi * band_centres(self.structure)[:, np.newaxis]
-        wanted, given = (_parts(pair.fast_transfer(at)) for pair in (loop, self.fast))
-        coefficients = self._fast_inverse @ wanted
-        lost = np.abs(given @ coefficients - wanted).max(axis=0)
-        return coefficients, lost <= _FAST_LOSS * np.abs(wanted).max(axis=0)
+        at = compared_frequencies(self.structure)
+        wanted, given = loop.fast_transfer(at), self.fast.fast_transfer(at)
+        coefficients = self._fast_inverse @ _parts(wanted)
+        return coefficients, np.abs(given @ coefficients - wanted).max(axis=0)
 
     @cached_property
     def _fast_inverse(self) -> NDArray[np.float64]:
-        at = 2j * np.pi * band_centres(self.structure)[:, np.newaxis]
-        return np.linalg.pinv(_parts(self.fast.fast_transfer(at)), rcond=1e-12)
+        given = _parts(self.fast.fast_transfer(compared_frequencies(self.structure)))
+        return np.asarray(scipy.linalg.pinv(given, rtol=1e-12), dtype=np.float64)
 
 
 @lru_cache(maxsize=256)
@@ -139,7 +138,7 @@ def pole_basis(structure: Structure) -> PoleBasis:
     Returns
     -------
     PoleBasis
-        Poles that leave out less than 4e-5 of the deviation of any actuator with an error of up to
+        Poles that leave out less than 2e-5 of the deviation of any actuator with an error of up to
         about 20 % RMS^R, but no more than twenty.
     """
     undisturbed = structure.pole
@@ -163,7 +162,7 @@ def pole_basis(structure: Structure) -> PoleBasis:
 
 def distance(pole: NDArray[np.complex128], from_pole: complex) -> NDArray[np.float64]:
     """Distance |p − p₀|/|p + p̄₀| of poles [-], shape (cells,); infinite right of the imaginary axis."""
-    with np.errstate(invalid="ignore"):  # no pole where Newton's iteration did not settle
+    with np.errstate(divide="ignore", invalid="ignore"):  # no pole where Newton's iteration did not settle
         ratio = np.abs(pole - from_pole) / np.abs(pole + from_pole.conjugate())
         return np.where(pole.real < 0.0, ratio, np.inf)
 

@@ -5,9 +5,10 @@ deviation of a late actuator is ::
 
     x_m − x_I = −2Re Σ_k (r c_k − [k = 0] r₀) φ_k + fast pair
 
-An actuator that leads by T asks for the pole's response `ahead` blocks later, times e^(−pθ), and for what
-the record does between (`pole_recursion.leading_recursion`). Its first function is parted into what
-the exact response has too and what the record adds on the way, so that the first stays small::
+For an actuator that leads by T = nH − θ the response of the pole is taken n blocks later and multiplied by
+e^(−pθ); the record's straight line in the last block makes up for what it did in the time θ
+(`pole_recursion.leading_recursion`). The first function n blocks later is split into the share that cancels
+the exact response, and what the record adds in these blocks::
 
     φ₀(t + nH) = e^(p₀nH) φ₀(t) + ψ(t)
 """
@@ -35,9 +36,10 @@ class Expansion:
     ahead : int
         Blocks by which the displacement is ahead of the exact response; 0 for actuators that are late.
     weights : numpy.ndarray
-        Weight of each function of `Responses.functions`, shape (n, functions).
+        Weight of each function that `Responses` steps, shape (n, functions).
     left_out : numpy.ndarray
-        Largest displacement that is left out, for responses of size 1 of the poles, shape (n, poles).
+        Largest displacement that is left out, for responses of size 1 of the poles and, last, for a ground
+        acceleration of size 1, shape (n, poles + 1).
     """
 
     cells: NDArray[np.intp]
@@ -78,18 +80,17 @@ def expansions(
 
 def _late(basis: PoleBasis, cells: NDArray[np.intp], loop: ModalLoop) -> Expansion:
     shares, left_out = basis.coefficients(loop.pole)
-    fast, close = basis.fast_coefficients(loop)
+    fast, fast_left_out = basis.fast_coefficients(loop)
     amplitudes = loop.residue * shares
     amplitudes[0] -= 1.0 / (2j * basis.structure.pole.imag)
     weights = np.concatenate([-2.0 * amplitudes.real, 2.0 * amplitudes.imag, fast]).T
-    usable = np.isfinite(left_out) & close
-    lost = 2.0 * np.abs(loop.residue) * left_out * np.abs(shares)
+    usable = np.isfinite(left_out)
+    lost = 2.0 * np.abs(loop.residue * shares) * np.where(usable, left_out, 0.0)
+    lost = np.concatenate([lost, fast_left_out[np.newaxis]])
     return Expansion(cells=cells[usable], ahead=0, weights=weights[usable].copy(), left_out=lost.T[usable])
 
 
-def _early(
-    basis: PoleBasis, cells: NDArray[np.intp], loop: LeadingLoop, step: float
-) -> list[Expansion]:
+def _early(basis: PoleBasis, cells: NDArray[np.intp], loop: LeadingLoop, step: float) -> list[Expansion]:
     shares, left_out = basis.coefficients(loop.pole)
     ahead, recursion = leading_recursion(loop, step)
     back = ahead * step - loop.lead
@@ -107,10 +108,12 @@ def _early(
             recursion[FROM_BLOCK],
         ]
     ).T
-    lost = (2.0 * np.abs(carried) * left_out * np.abs(shares)).T
+    usable = np.isfinite(left_out)
+    lost = 2.0 * np.abs(carried * shares) * np.where(usable, left_out, 0.0)
+    lost = np.concatenate([lost, np.zeros((1, cells.size))]).T
     groups = []
-    for count in np.unique(ahead[np.isfinite(left_out)]):
-        alike = (ahead == count) & np.isfinite(left_out)
+    for count in np.unique(ahead[usable]):
+        alike = (ahead == count) & usable
         groups.append(
             Expansion(
                 cells=cells[alike], ahead=int(count), weights=weights[alike].copy(), left_out=lost[alike]

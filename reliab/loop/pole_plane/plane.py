@@ -1,10 +1,11 @@
-"""Mean squares of the deviations of many actuators from the responses of a few poles to one record."""
+"""Mean squares of the deviations of many actuators, each under one of many ground motions."""
 
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.compiled import compiled
 from reliab.loop.pole_plane.expansion import Expansion
 from reliab.loop.pole_plane.responses import Responses
 
@@ -13,18 +14,18 @@ LEFT_OUT = 3e-5
 
 
 def mean_squares(
-    responses: Responses, expansions: Sequence[Expansion], cells: int
+    responses: Sequence[Responses], expansions: Sequence[Expansion], motion: NDArray[np.int64]
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Mean square deviations of the cells for which the expansion is good enough under this record.
+    """Mean square deviations where the expansion is precise enough under the motion.
 
     Parameters
     ----------
-    responses : Responses
-        Responses of the basis to the record.
+    responses : sequence of Responses
+        Responses of the basis to the record of each motion.
     expansions : sequence of Expansion
-        The cells, expanded in that basis.
-    cells : int
-        Number of all cells.
+        The actuators, expanded in that basis.
+    motion : numpy.ndarray
+        Which of the motions each actuator is under, shape (cells,).
 
     Returns
     -------
@@ -33,10 +34,33 @@ def mean_squares(
     known : numpy.ndarray
         Whether what the expansion leaves out is at most `LEFT_OUT` of RMS^R, shape (cells,).
     """
-    mean_square, known = np.zeros(cells), np.zeros(cells, dtype=np.bool_)
+    mean_square, known = np.zeros(motion.size), np.zeros(motion.size, dtype=np.bool_)
+    energy = np.stack([response.root_energy for response in responses])
     for expansion in expansions:
-        squares = responses.functions(expansion.ahead).mean_squares(expansion.weights)
-        precise = responses.lost(expansion.left_out) <= LEFT_OUT * np.sqrt(squares)
+        under = motion[expansion.cells]
+        asked = np.unique(under)
+        products = np.stack([responses[k].mean_products(expansion.ahead) for k in asked])
+        squares = _quadratic_forms(expansion.weights, products, np.searchsorted(asked, under))
+        left_out = (expansion.left_out * energy[under]).sum(axis=1)
+        precise = left_out <= LEFT_OUT * np.sqrt(squares)
         mean_square[expansion.cells[precise]] = squares[precise]
         known[expansion.cells[precise]] = True
     return mean_square, known
+
+
+@compiled
+def _quadratic_forms(
+    weights: NDArray[np.float64], products: NDArray[np.float64], which: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Form wᵀGw with one of several symmetric G for each row w of the weights; never below zero."""
+    forms = np.empty(which.size)
+    count = weights.shape[1]
+    for row in range(which.size):
+        w, total = weights[row], 0.0
+        for k in range(count):
+            g, part = products[which[row], k], 0.0
+            for m in range(count):
+                part += g[m] * w[m]
+            total += w[k] * part
+        forms[row] = max(total, 0.0)
+    return forms

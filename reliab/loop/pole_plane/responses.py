@@ -24,39 +24,6 @@ _LANES, _TILE = 8, 64
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Functions:
-    """The functions inside the window, for actuators that look the same number of blocks ahead.
-
-    Attributes
-    ----------
-    values : numpy.ndarray
-        At the edges of the blocks and at the end of the window, shape (functions, samples).
-    end : float
-        Fraction of the last block at which the window ends, in (0, 1].
-    """
-
-    values: NDArray[np.float64]
-    end: float
-
-    @cached_property
-    def mean_products(self) -> NDArray[np.float64]:
-        """Mean of the product of each two functions over the window, shape (functions, functions)."""
-        samples = self.values.shape[1]
-        weights = np.ones(samples)
-        weights[0] = 0.5
-        weights[-2] = 0.5 + 0.5 * self.end if samples > 2 else 0.5 * self.end
-        weights[-1] = 0.5 * self.end
-        weighted = self.values * weights
-        products: NDArray[np.float64] = weighted @ self.values.T / (samples - 2 + self.end)
-        return products
-
-    def mean_squares(self, weights: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Mean square of sums of the functions, of weights of shape (sums, functions)."""
-        squares: NDArray[np.float64] = ((weights @ self.mean_products) * weights).sum(axis=1)
-        return np.maximum(squares, 0.0)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
 class Responses:
     """Responses of a basis to one record.
 
@@ -81,56 +48,66 @@ class Responses:
         rest = (responses[:count, -1] ** 2 + responses[count:, -1] ** 2) / (-2.0 * poles.real)
         return self.basis.orthogonal @ responses, energy * step + rest
 
-    def lost(self, left_out: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Largest root mean square that expansions leave out [m], of the shape (cells, poles)."""
-        duration = self.blocks.intervals * self.blocks.step
-        bound: NDArray[np.float64] = (left_out * np.sqrt(self._stepped[1] / duration)).sum(axis=1)
-        return bound
+    @cached_property
+    def root_energy(self) -> NDArray[np.float64]:
+        """Root of the energy of each pole's response, followed to rest, and of the record, over the window.
 
-    def functions(self, ahead: int) -> Functions:
-        """Functions for actuators that look a number of blocks ahead, in the order of `Expansion.weights`."""
-        return self._late if ahead == 0 else self._early(ahead)
+        Shape (poles + 1,), in m s and m/s².
+        """
+        ground = self.blocks.excitation
+        energy = np.append(self._stepped[1], (ground.acceleration**2).sum() * ground.time_step)
+        return np.sqrt(energy / ground.window_duration)
+
+    def mean_products(self, ahead: int) -> NDArray[np.float64]:
+        """Mean of the product of each two functions over the window, shape (functions, functions).
+
+        Parameters
+        ----------
+        ahead : int
+            Blocks by which the actuators look ahead.
+
+        Returns
+        -------
+        numpy.ndarray
+            The matrix G; its functions are in the order of `Expansion.weights`.
+        """
+        if ahead not in self._mean_products:
+            functions = self._early(ahead) if ahead else self._late()
+            # The trapezoidal rule; the window ends at a fraction of the last block.
+            end = self.blocks.end
+            functions[:, -1] = (1.0 - end) * functions[:, -2] + end * functions[:, -1]
+            functions[:, 0] *= np.sqrt(0.5)
+            functions[:, -2] *= np.sqrt(0.5 + 0.5 * end)
+            functions[:, -1] *= np.sqrt(0.5 * end)
+            self._mean_products[ahead] = functions @ functions.T / self.blocks.intervals
+        return self._mean_products[ahead]
 
     @cached_property
-    def _late(self) -> Functions:
-        fast = self.basis.fast
-        coefficients = pair_recursion(fast.fast_poles, fast.fast_residues, self.blocks.step)
-        edges = self.blocks.left.size + 1
-        pairs = _step_pairs(self.blocks.left, self.blocks.right, coefficients)
-        return self._inside(np.concatenate([self._stepped[0][:, :edges], pairs]))
-
-    def _early(self, ahead: int) -> Functions:
-        if ahead not in self._by_ahead:
-            self._by_ahead[ahead] = self._shifted(ahead)
-        return self._by_ahead[ahead]
-
-    @cached_property
-    def _by_ahead(self) -> dict[int, Functions]:
+    def _mean_products(self) -> dict[int, NDArray[np.float64]]:
         return {}
 
-    def _shifted(self, ahead: int) -> Functions:
-        modal, count = self._stepped[0], self.basis.poles.size
-        edges = self.blocks.left.size + 1
-        later = modal[:, ahead : ahead + edges].copy()
-        first = modal[:: count, :edges]
-        carried = np.exp(self.basis.poles[0] * ahead * self.blocks.step)
-        turned = np.stack(
-            [
-                carried.real * first[0] - carried.imag * first[1],
-                carried.imag * first[0] + carried.real * first[1],
-            ]
-        )
-        driven = later[::count] - turned
-        later[::count] = first
-        left, right = (line[ahead - 1 : ahead - 1 + edges] for line in self.blocks.prolonged(self.blocks.most_ahead))
-        return self._inside(np.concatenate([later, driven, left[np.newaxis], right[np.newaxis]]))
+    def _late(self) -> NDArray[np.float64]:
+        """Functions of late actuators inside the window: all φ_k and the fast pairs."""
+        fast, blocks = self.basis.fast, self.blocks
+        coefficients = pair_recursion(fast.fast_poles, fast.fast_residues, blocks.step)
+        pairs = _step_pairs(blocks.left, blocks.right, coefficients)
+        inside = slice(blocks.before, blocks.left.size + 1)
+        return np.concatenate([self._stepped[0][:, inside], pairs[:, inside]])
 
-    def _inside(self, values: NDArray[np.float64]) -> Functions:
-        """Keep what is inside the window, which ends at a fraction of the last block."""
-        inside = values[:, self.blocks.before :].copy()
-        end = self.blocks.end
-        inside[:, -1] = (1.0 - end) * inside[:, -2] + end * inside[:, -1]
-        return Functions(values=inside, end=end)
+    def _early(self, ahead: int) -> NDArray[np.float64]:
+        """Functions of early actuators inside the window: φ₀, later φ_k, ψ, and the lines of the record."""
+        modal, count = self._stepped[0], self.basis.poles.size
+        begin, end = self.blocks.before, self.blocks.left.size + 1
+        first, later = modal[::count, begin:end], modal[:, begin + ahead : end + ahead]
+        carried = np.exp(self.basis.poles[0] * ahead * self.blocks.step)
+        functions = np.empty((2 * count + 4, end - begin))
+        functions[: 2 * count] = later
+        functions[: 2 * count : count] = first
+        functions[-4] = later[0] - carried.real * first[0] + carried.imag * first[1]
+        functions[-3] = later[count] - carried.imag * first[0] - carried.real * first[1]
+        for row, line in zip((-2, -1), self.blocks.prolonged(self.blocks.most_ahead), strict=True):
+            functions[row] = line[begin + ahead - 1 : end + ahead - 1]
+        return functions
 
 
 @compiled
