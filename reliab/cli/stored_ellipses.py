@@ -50,7 +50,7 @@ def require_column(
 
 
 def of_fraction(dataset: "xr.Dataset", alpha: float | None, path: Path) -> "xr.Dataset":
-    """Refuse another experimental fraction than that of the stored boundaries.
+    """Carry stored boundaries of α = 1 to a smaller share; refuse any other change of it.
 
     Parameters
     ----------
@@ -64,22 +64,28 @@ def of_fraction(dataset: "xr.Dataset", alpha: float | None, path: Path) -> "xr.D
     Returns
     -------
     xarray.Dataset
-        The same.
+        The boundaries, with a caution where they were carried.
 
     Raises
     ------
     InputError
-        If they were computed with another fraction.
+        If they were computed with another fraction than 1, do not state it, or the law that carries them does
+        not hold.
     """
-    stored = float(dataset.attrs.get("experimental_fraction", 1.0))
-    if alpha is not None and not math.isclose(alpha, stored, rel_tol=1e-9):
+    stated = dataset.attrs.get("experimental_fraction")
+    stored = 1.0 if stated is None else float(stated)
+    if alpha is None or math.isclose(alpha, stored, rel_tol=1e-9):
+        return dataset
+    if stated is None or stored != 1.0:
         raise InputError(
             "The experimental fraction is that with which the boundaries were computed",
             value=f"--alpha {alpha:g}, where it is {stored:g}",
             remedy="Leave --alpha out, or give --motions, whose boundaries are computed for any fraction",
             where=str(path),
         )
-    return dataset
+    from reliab.criterion.experimental_share import carry_to_share
+
+    return carry_to_share(dataset, alpha)
 
 
 def among(dataset: "xr.Dataset", f: list[float] | None, xi: list[float] | None) -> "xr.Dataset":

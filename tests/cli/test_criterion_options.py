@@ -113,7 +113,7 @@ CHANGES = {
     "confidence": [(FILE, ("--confidence", "0.9")), (PAPER, ("--confidence", "0.9"))],
     "metric": [(FILE, ("--metric", "mte")), (RECORDS, ("--metric", "mte")), (STORE, ("--metric", "mte"))],
     "window": [(RECORDS, ("--window", "1.5")), (RECORDS, ("--window", "arias"))],
-    "alpha": [(RECORDS, ("--alpha", "0.5"))],
+    "alpha": [(RECORDS, ("--alpha", "0.5")), (FILE, ("--alpha", "0.5")), (STORE, ("--alpha", "0.6"))],
     "model": [],
     "structure": [(HALF, ("--structure", FRAME))],
     "method": [(FILE, ("--method", name)) for name in ("quantile", "tolerance", "conformal", "bootstrap")],
@@ -157,7 +157,10 @@ REFUSED = {
         (PAPER, ("--window", "arias")),
         (PRINTED, ("--window", "arias")),
     ],
-    "alpha": [(base, ("--alpha", "0.5")) for base in (FILE, PAPER, STORE, PRINTED)],
+    "alpha": [
+        *((base, ("--alpha", "0.5")) for base in (PAPER, PRINTED)),
+        *((base, ("--alpha", wrong)) for base in (FILE, STORE) for wrong in ("0.1", "1.5")),
+    ],
     "model": [(base, ("--model", "{folder}/model.toml")) for base in (FILE, PAPER, STORE, PRINTED)],
     "structure": [
         *((base, ("--structure", FRAME)) for base in (FILE, PAPER, STORE, PRINTED)),

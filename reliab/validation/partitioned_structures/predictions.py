@@ -7,11 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import csd, welch
 
+from reliab.criterion.experimental_share import growth
 from reliab.criterion.laws import Dimensionless
 from reliab.criterion.laws.guo_2017 import Equation18
 from reliab.errors import InputError
 from reliab.loop.excitation import Excitation
 from reliab.loop.laboratory.laboratory import Run
+from reliab.loop.partition.frame_loop import FrameLoop
 from reliab.loop.partition.partition import Partition
 from reliab.loop.spectral import respond
 from reliab.loop.structure import Structure
@@ -29,6 +31,7 @@ _THRESHOLD: Final = 0.05
 
 _HIGHEST: Final = 2.0  # Hz, of the structures from which the law with the share is learned
 
+_SPRING: Final = 0.9  # least part of the specimen's share that its spring has, so that it counts as one
 _FORCE_LAG: Final = 1.5 / RATE
 
 _THINNED: Final = 16
@@ -80,8 +83,10 @@ def by_law_18(mode: Structure, amplitude: float, delay: float) -> float:
     return _by_index(float(a), float(b), amplitude, delay)
 
 
-def by_law_with_share(law: Dimensionless, mode: Structure, amplitude: float, delay: float) -> float:
-    """Predict RMS^R by the mean law with a(α) = a(1)/α² and b(α) = b(1)/α².
+def by_law_with_share(
+    law: Dimensionless, mode: Structure, partition: Partition, amplitude: float, delay: float
+) -> float:
+    """Predict RMS^R by the mean law and the growth of a and b with a smaller share α.
 
     Parameters
     ----------
@@ -90,19 +95,28 @@ def by_law_with_share(law: Dimensionless, mode: Structure, amplitude: float, del
         1/f².
     mode : Structure
         The governing mode with the specimen's share α.
+    partition : Partition
+        The structure with its specimen.
     amplitude, delay : float
         A [-] and d [ms].
 
     Returns
     -------
     float
-        RMS^R [-].
+        RMS^R [-]; NaN where the specimen is no spring in that mode, or α too small beside ξ, so that the law
+        of the share does not hold.
     """
+    place = FrameLoop.governing(partition, None)
+    if partition.stiffness_shares[place] < _SPRING * abs(partition.impedance_shares[place]):
+        return math.nan
+    try:
+        factor = float(growth(mode.experimental_fraction, mode.damping_ratio))
+    except InputError:
+        return math.nan
     frequency = min(mode.frequency, _HIGHEST)
     a, b = law.limits(frequency, mode.damping_ratio)
-    share = mode.experimental_fraction**2
     slower = (frequency / mode.frequency) ** 2
-    return _by_index(float(a) / share, float(b) * slower / share, amplitude, delay)
+    return _by_index(float(a) * factor, float(b) * slower * factor, amplitude, delay)
 
 
 def resolved(run: Run, partition: Partition, motion: Motion) -> float:

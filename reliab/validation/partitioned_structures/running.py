@@ -86,7 +86,7 @@ def _row(test: PartitionedTest, partitions: dict[str, Partition], law: Dimension
         "d_ms": index[1],
         "error": float(np.sqrt(np.mean((run.piston - reference) ** 2))) / largest,
         "law_18": by_law_18(mode, *index),
-        "law_with_share": by_law_with_share(law, mode, *index),
+        "law_with_share": by_law_with_share(law, mode, partition, *index),
         "resolved": resolved(run, partition, test.motion) / largest,
         "rebuilt": rebuilt(run, partition),
     }
