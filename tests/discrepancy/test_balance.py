@@ -1,5 +1,7 @@
 """The numerical substructure: a coarse integration is that and nothing else."""
 
+from dataclasses import replace
+
 import pytest
 
 from reliab.discrepancy import read_campaign
@@ -20,7 +22,7 @@ def test_coarse_integration_is_named_alone_with_its_step(blind, seed):
     search = Search(Problem(block=block, segments=segments))
     best = search.whole()
     assert best.space.names == ("integration_error",)
-    _curvature, damping, step = best.space.values(best.coordinates)
+    _curvature, _frequency, _ratio, damping, step = best.space.values(best.coordinates)
     truth = label.effects[0]
     # The curvature of the ground between samples is calibrated beside it and takes a part of it: 11 % here.
     assert step == pytest.approx(truth["parameters"]["step_s"]["value"], rel=0.15)
@@ -35,5 +37,21 @@ def test_ground_thinned_to_every_second_sample_is_no_integration_error(sample_ca
     search = Search(Problem(block=block, segments=segments))
     best = search.whole()
     assert best.space.names == ()
-    (curvature,) = best.space.values(best.coordinates)
+    curvature, frequency, ratio = best.space.values(best.coordinates)
+    assert frequency == pytest.approx(1.0, abs=0.002)
+    assert ratio == pytest.approx(1.0, abs=0.02)
     assert curvature == pytest.approx(0.75, abs=0.05)
+
+
+def test_a_structure_that_is_stated_wrongly_is_calibrated_and_no_integration_error(sample_campaigns):
+    campaign = read_campaign(sample_campaigns / "rig_c")
+    truth = campaign.structure
+    stated = replace(truth, frequency=1.02 * truth.frequency, damping_ratio=1.2 * truth.damping_ratio)
+    wrong = replace(campaign, structure=stated)
+    block = BalanceBlock(wrong, scales_of(wrong, motions_of(wrong)))
+    search = Search(Problem(block=block, segments=cut_segments(wrong.training, wrong.rate, block.highest_of)))
+    best = search.whole()
+    assert best.space.names == ()
+    _, frequency, ratio = best.space.values(best.coordinates)
+    assert frequency * 1.02 == pytest.approx(1.0, abs=0.004)
+    assert ratio * frequency * 1.2 * 1.02 == pytest.approx(1.0, abs=0.03)  # the damping coefficient

@@ -3,13 +3,16 @@
 The command is exact, so that its derivatives are, too: the force that must have come back to the controller
 follows from the equation of motion and is compared with the measured one. An error of the integration is a
 transfer function from the demanded to the command's acceleration, which is inverted. Above half of the
-controller's rate the command says nothing of what was demanded; there the nominal specimen stands in.
+controller's rate the command says nothing of what was demanded; there the nominal specimen stands in. Natural
+frequency and damping ratio are calibrated, because an operator may state them wrongly; a wrong value would
+otherwise pass for an error of the integration.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
+from reliab.discrepancy.blocks.calibration import structure_damping, structure_frequency
 from reliab.discrepancy.blocks.curved_ground import curvature_between_samples
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
@@ -43,7 +46,7 @@ class BalanceBlock(ObservedBlock):
         self.rate = campaign.rate
         self.scales = scales
         self.nominal = campaign.nominal
-        self.calibrations = (curvature_between_samples(),)
+        self.calibrations = (curvature_between_samples(), structure_frequency(), structure_damping())
         self.offsets = ()
         roles = (Role.RECORD, Role.INTEGRATION)
         self.candidates = tuple(effect for effect in library().values() if effect.role in roles)

@@ -57,6 +57,18 @@ def _with_scale(model: HybridTest, scale: float) -> HybridTest:
     return model.adding(ExcitationScale(scale=scale))
 
 
+def _with_structure(model: HybridTest, *, frequency: float = 1.0, damping: float = 1.0) -> HybridTest:
+    structure = model.structure
+    if structure is None:
+        return model
+    changed = replace(
+        structure,
+        frequency=frequency * structure.frequency,
+        damping_ratio=damping * structure.damping_ratio,
+    )
+    return replace(model, structure=changed)
+
+
 def gain(nominal: HybridTest, spread: float = 0.05) -> Calibration:
     """Gain of the actuator, in units of its nominal value."""
     unit = nominal.actuator.gain
@@ -120,6 +132,30 @@ def damping(nominal: HybridTest) -> Calibration:
         ),
         nominal=lambda _model: 0.0,
         apply=lambda model, value: _with_damping(model, (_stiffness(model) / unit) ** (0.5 * value)),
+    )  # fmt: skip
+
+
+def structure_frequency() -> Calibration:
+    """Natural frequency of the controller's structure over its nominal value, which may be wrong."""
+    return Calibration(
+        parameter=Parameter(
+            name="structure_frequency", units="-", meaning="natural frequency over its nominal value",
+            signed=True, neutral=1.0, typical=0.01, lower=0.9, upper=1.1, starts=(1.0,),
+        ),
+        nominal=lambda _model: 1.0,
+        apply=lambda model, value: _with_structure(model, frequency=value),
+    )  # fmt: skip
+
+
+def structure_damping() -> Calibration:
+    """Damping ratio of the controller's structure over its nominal value."""
+    return Calibration(
+        parameter=Parameter(
+            name="structure_damping", units="-", meaning="damping ratio over its nominal value",
+            signed=True, neutral=1.0, typical=0.1, lower=0.5, upper=1.5, starts=(1.0,),
+        ),
+        nominal=lambda _model: 1.0,
+        apply=lambda model, value: _with_structure(model, damping=value),
     )  # fmt: skip
 
 
