@@ -154,3 +154,9 @@ def test_public_code_has_a_user_in_the_package():
         if uses()[node.name] == 0 and node.name not in offered()
     }
     assert unused == set(WITHOUT_USER_INSIDE)
+
+
+def test_a_kind_of_study_has_one_name_for_its_file_and_its_report():
+    kinds = {path.stem for path in (PACKAGE / "study/kinds").glob("*.py")} - {"__init__", "kind"}
+    reports = {path.parent.name for path in (PACKAGE / "report/kinds").glob("*/report.py")}
+    assert reports == kinds | {"assessment"}  # the report of `reliab assess` belongs to no study
