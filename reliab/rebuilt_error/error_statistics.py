@@ -29,6 +29,7 @@ def sweep_draws(
     feed_through: Array,
     state: Array,
     command: Array,
+    differences: Array,
     inputs: Array,
     shifts: Array,
     fed_back_late: Array,
@@ -46,10 +47,12 @@ def sweep_draws(
         State at the first sample, shape (draws, 2n).
     command : numpy.ndarray
         x_c [m], shape (n,).
+    differences : numpy.ndarray
+        x_c − x_m [m], shape (rows, n); the draws take the rows in turn.
     inputs : numpy.ndarray
-        x_c − x_m, x_m, x_m' and one, shape (4, n).
+        x_m, x_m' and one, shape (3, n).
     shifts : numpy.ndarray
-        What each draw adds of the last three to the first, shape (draws, 3).
+        What each draw adds of them to x_c − x_m, shape (draws, 3).
     fed_back_late : numpy.ndarray
         What the known lag of the fed-back force adds to the input of the recursion [m], shape (n,).
     velocity : numpy.ndarray
@@ -68,13 +71,14 @@ def sweep_draws(
     answer = np.empty((draws, 3))
     scratch = np.empty(state.shape[1])
     for draw in range(draws):
+        row = draw % differences.shape[0]
         total, peak, ideal = 0.0, 0.0, 0.0
         before = 0.0
         held = state[draw].copy()
         for i in range(size):
-            difference = inputs[0, i]
+            difference = differences[row, i]
             for k in range(3):
-                difference += shifts[draw, k] * inputs[k + 1, i]
+                difference += shifts[draw, k] * inputs[k, i]
             now = difference + fed_back_late[i] + feedback_lag[draw] * velocity[i]
             if i > 0:
                 advance(decay[draw], early[draw], late[draw], before, now, held, scratch)

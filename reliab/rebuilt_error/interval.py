@@ -1,9 +1,8 @@
 """What tolerances, noise and the unknown beginning leave open of the error.
 
 Parameters are drawn from their tolerances (scrambled Sobol points through the normal quantile function), the
-error is rebuilt for each draw, and what sensor noise adds to mean square and peak is taken from noise
-histories that run through the same recursion. Nothing is linearised: a mean square that noise may explain
-whole reaches down to zero.
+histories of x_c − x_m from what the noise leaves open of them, and the error is rebuilt for each draw.
+Nothing is linearised, and no noise is subtracted from a mean square or a peak.
 """
 
 from dataclasses import dataclass
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.stats import norm, qmc
 
 from reliab.rebuilt_error.error_statistics import mean_square, sweep_draws
-from reliab.rebuilt_error.noise_share import NoiseShare, thinning
+from reliab.rebuilt_error.noise import SensorNoise
 from reliab.rebuilt_error.recursion import Recursion, respond
 from reliab.rebuilt_error.tolerances import Tolerances
 from reliab.rebuilt_error.whole_structure import WholeStructure, first_mode
@@ -25,6 +24,10 @@ LEVEL = 0.90
 
 HALF_WIDTH = float(norm.ppf(0.5 + 0.5 * LEVEL))
 """Half width of a 90 % interval in standard deviations."""
+
+_PER_PERIOD = 64.0  # samples in a period of the highest mode while draws are swept
+_IN_PERIOD_OF_BAND = 0.25  # of the period of the highest frequency of the motion that a step may be
+_MOST_SAMPLES = 4096  # that are swept for the sake of the motion's band
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,19 +111,28 @@ class Spread:
 
     Attributes
     ----------
-    mean_square, peak, ideal_peak : numpy.ndarray
-        Of x_m − x_I [m²], [m], and of x_I [m], shape (draws,).
-    deviation : numpy.ndarray
-        Standard deviation of x_m − x_I over the draws at the samples [m], shape (n,).
+    rms, mte : numpy.ndarray
+        RMS^R and MTE^R [-], shape (draws,).
+    mean, deviation : numpy.ndarray
+        Mean and standard deviation of x_m − x_I over the draws at the samples [m], shape (n,).
     """
 
-    mean_square: Array
-    peak: Array
-    ideal_peak: Array
+    rms: Array
+    mte: Array
+    mean: Array
     deviation: Array
 
 
-def sweep(histories: Histories, structure: WholeStructure, unknown: Unknown, draws: int, seed: int) -> Spread:
+def sweep(
+    histories: Histories,
+    structure: WholeStructure,
+    unknown: Unknown,
+    differences: Array,
+    every: int,
+    *,
+    draws: int,
+    seed: int,
+) -> Spread:
     """Rebuild the error for draws of everything that is not known.
 
     Parameters
@@ -131,6 +143,10 @@ def sweep(histories: Histories, structure: WholeStructure, unknown: Unknown, dra
         The structure as stated.
     unknown : Unknown
         Standard deviations.
+    differences : numpy.ndarray
+        Draws of x_c − x_m [m] at each `every`-th sample, shape (rows, ceil(n/every)); taken in turn.
+    every : int
+        Number of samples of which one is swept.
     draws : int
         Number of draws, a power of two.
     seed : int
@@ -141,27 +157,51 @@ def sweep(histories: Histories, structure: WholeStructure, unknown: Unknown, dra
     Spread
         Statistics of the error, as fine as the given histories.
     """
-    every = thinning(structure, histories.time_step)
     thin = histories.thinned(every)
     deviations = unknown.deviations()
     points = _normal(len(deviations) + 1, draws, seed)
     drawn = dict(zip(deviations, points * np.array([*deviations.values(), 0.0])[:, np.newaxis], strict=False))
     band = np.zeros((2, thin.command.size))
-    swept = _swept(thin, structure, drawn, points[-1] * unknown.error_at_start, band)
+    velocity = points[-1] * unknown.error_at_start
+    swept = _swept(thin, structure, drawn, velocity, differences, band)
     mean = band[0] / draws
     deviation = np.sqrt(np.maximum(band[1] / draws - mean**2, 0.0))
-    places = np.arange(histories.command.size) / every
-    exact = _swept(
-        thin, structure, {name: np.zeros(1) for name in deviations}, np.zeros(1), np.zeros_like(band)
-    )[0]
+    exact = {name: np.zeros(1) for name in deviations}
+    coarse = _swept(thin, structure, exact, np.zeros(1), thin.difference[np.newaxis], np.zeros_like(band))[0]
     fine = _fine_statistics(histories, structure)
-    scale = np.divide(fine, exact, out=np.ones(3), where=exact > 0.0)
+    # what lies between the swept samples
+    scale = np.divide(fine, coarse, out=np.ones(3), where=coarse > 0.0)
+    square, peak, ideal = (swept * scale).T
+    places, known = np.arange(histories.command.size) / every, np.arange(thin.command.size)
     return Spread(
-        mean_square=swept[:, 0] * scale[0],
-        peak=swept[:, 1] * scale[1],
-        ideal_peak=swept[:, 2] * scale[2],
-        deviation=np.interp(places, np.arange(thin.command.size), deviation),
+        rms=np.sqrt(square) / ideal,
+        mte=peak / ideal,
+        mean=np.interp(places, known, mean),
+        deviation=np.interp(places, known, deviation),
     )
+
+
+def samples_in_step(structure: WholeStructure, noise: SensorNoise, samples: int) -> int:
+    """Return the number of samples of which one is enough while draws are swept.
+
+    Parameters
+    ----------
+    structure : WholeStructure
+        The structure, whose highest mode is resolved.
+    noise : SensorNoise
+        Noise of the sensor, with the band of the motion, which is kept where that is affordable.
+    samples : int
+        Samples of the test.
+
+    Returns
+    -------
+    int
+        At least one.
+    """
+    highest = float(structure.natural_frequencies[-1])
+    of_structure = max(int(1.0 / (_PER_PERIOD * highest * noise.time_step)), 1)
+    of_band = max(int(_IN_PERIOD_OF_BAND / (noise.band * noise.time_step)), 1)
+    return min(of_structure, max(of_band, -(-samples // _MOST_SAMPLES)))
 
 
 def _normal(dimensions: int, draws: int, seed: int) -> Array:
@@ -177,7 +217,12 @@ def _fine_statistics(histories: Histories, structure: WholeStructure) -> Array:
 
 
 def _swept(
-    thin: Histories, structure: WholeStructure, drawn: dict[str, Array], velocity: Array, band: Array
+    thin: Histories,
+    structure: WholeStructure,
+    drawn: dict[str, Array],
+    velocity: Array,
+    differences: Array,
+    band: Array,
 ) -> Array:
     kinds = _recursions(structure, drawn, thin.time_step)
     draws = drawn["frequency"].size
@@ -187,7 +232,7 @@ def _swept(
     state[:, : shape.size] = drawn["initial_state"][:, np.newaxis] * shape
     state[:, shape.size :] = w0 * velocity[:, np.newaxis] * shape
     rate = np.gradient(thin.measured, thin.time_step)
-    inputs = np.stack([thin.difference, thin.measured, rate, np.ones(rate.size)])
+    inputs = np.stack([thin.measured, rate, np.ones(rate.size)])
     shifts = np.stack([drawn["sensor_scale"], drawn["time_shift"], drawn["sensor_offset"]], axis=1)
     lag = thin.fed_back - thin.difference
     return np.asarray(
@@ -199,6 +244,7 @@ def _swept(
             np.array([kind.feed_through[0] for kind in kinds]),
             state,
             thin.command,
+            np.ascontiguousarray(differences),
             inputs,
             np.ascontiguousarray(shifts),
             lag,
@@ -225,34 +271,6 @@ def _recursions(structure: WholeStructure, drawn: dict[str, Array], step: float)
         )
         for f, xi, share in zip(*(drawn[name] for name in names), strict=True)
     ]
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class ErrorDraws:
-    """RMS^R and MTE^R of the draws, noise taken away.
-
-    Attributes
-    ----------
-    rms, mte : numpy.ndarray
-        Relative errors [-], shape (draws,).
-    """
-
-    rms: Array
-    mte: Array
-
-
-def combine(spread: Spread, share: NoiseShare, seed: int) -> ErrorDraws:
-    """Take drawn noise away from drawn errors.
-
-    In the mean only what white noise adds is taken from a peak, as from its value: what passes for slow noise
-    may be the actuator's own doing.
-    """
-    draws = spread.peak.size
-    order = np.random.default_rng(seed).permutation(np.arange(draws) % share.in_square.size)
-    square = np.maximum(spread.mean_square - share.in_square[order], 0.0)
-    in_peak = share.in_peak - share.in_peak.mean() + share.white_in_peak
-    peak = np.maximum(spread.peak - in_peak[order], 0.0)
-    return ErrorDraws(rms=np.sqrt(square) / spread.ideal_peak, mte=peak / spread.ideal_peak)
 
 
 def estimate(value: float, draws: Array) -> Estimate:

@@ -43,8 +43,8 @@ class SensorNoise:
         Level of the white part and of each slow part at zero frequency [m²], shape (1 + corners,); the mean
         square of white noise is its level.
     band : float
-        Frequency [Hz] above which the difference of command and measured displacement is noise; infinite
-        where it is not.
+        Frequency [Hz] above which neither the command nor its difference from the measured displacement rises
+        above the noise.
     """
 
     time_step: float
@@ -145,7 +145,7 @@ def estimate_noise(command: Array, measured: Array, time_step: float) -> SensorN
     residual = measured - _followed(command, measured, time_step)
     frequency: Array = np.fft.rfftfreq(command.size, time_step)[1:].astype(np.float64)
     power, moved = _periodogram(residual), _periodogram(command)
-    floor = float(np.median(power[power.size // 2 :])) / np.log(2.0)  # of an exponential distribution
+    floor = white_floor(residual)
     power = np.minimum(power, _without_lines(power))
     centre, mean, count = _binned(frequency, power)
     motion = _binned(frequency, moved)[1]
@@ -156,9 +156,18 @@ def estimate_noise(command: Array, measured: Array, time_step: float) -> SensorN
         weights = _fitted(_shapes(centre[quiet], time_step), mean[quiet], count[quiet])
     else:
         weights[0] = floor
+    moving = (command - measured, command - command.mean())
     return SensorNoise(
-        time_step=time_step, weights=weights, band=_band(command - measured, weights[0], time_step)
+        time_step=time_step,
+        weights=weights,
+        band=max(_band(values, weights[0], time_step) for values in moving),
     )
+
+
+def white_floor(values: Array) -> float:
+    """Level of the periodogram above half of the Nyquist frequency [m²]: of white noise its mean square."""
+    power = _periodogram(values)
+    return float(np.median(power[power.size // 2 :])) / float(np.log(2.0))  # of an exponential distribution
 
 
 def _followed(command: Array, measured: Array, step: float) -> Array:
@@ -216,10 +225,10 @@ def _fitted(shapes: Array, mean: Array, count: Array) -> Array:
     return weights
 
 
-def _band(difference: Array, white: float, step: float) -> float:
-    """Highest frequency [Hz] at which the difference rises above the white noise."""
-    frequency: Array = np.fft.rfftfreq(difference.size, step)[1:].astype(np.float64)
-    centre, mean, count = _binned(frequency, _periodogram(difference))
+def _band(values: Array, white: float, step: float) -> float:
+    """Highest frequency [Hz] at which a history rises above the white noise."""
+    frequency: Array = np.fft.rfftfreq(values.size, step)[1:].astype(np.float64)
+    centre, mean, count = _binned(frequency, _periodogram(values))
     limit = (1.0 + _ABOVE_NOISE * np.maximum(1.0 / np.sqrt(count), 0.25)) * white
     # a single bin above the noise is a line, not motion
     above = mean > limit

@@ -25,10 +25,10 @@ from reliab.errors import InputError
 from reliab.loop.effects import Effect, Role
 from reliab.loop.hybrid_test import HybridTest, Motion3, load, run_closed_loop
 from reliab.rebuilt_error.channels import checked_histories, stated_start
+from reliab.rebuilt_error.difference_draws import draw_differences
 from reliab.rebuilt_error.error_statistics import mean_square
 from reliab.rebuilt_error.interval import Histories, Spread, Unknown
 from reliab.rebuilt_error.noise import estimate_noise
-from reliab.rebuilt_error.noise_share import share_of_noise
 from reliab.rebuilt_error.rebuilt import RebuiltError, conclude
 from reliab.rebuilt_error.tolerances import Tolerances
 from reliab.rebuilt_error.whole_structure import WholeStructure
@@ -38,6 +38,7 @@ Array = NDArray[np.float64]
 DRAWS = 64
 """Draws of the specimen and of what else is not known."""
 
+_DRAWS_AS_STATED = 16  # of the noise alone, behind the value
 _LEAST_RATE = 200.0  # samples in a second, and in a period, that are simulated of each draw
 _PER_PERIOD = 80.0
 _LEAST = 0.05  # of a value: a draw of a positive parameter goes no lower
@@ -117,22 +118,33 @@ def rebuild_with_specimen(
         command=command, measured=command - difference, fed_back=difference, time_step=time_step
     )
     reference = _reference(perfect, histories)
-    share = share_of_noise(noise, tangent, histories.measured - reference, np.random.default_rng(seed))
     unknown = Unknown(
         tolerances=tolerances or Tolerances(), offset=start.offset_deviation, error_at_start=0.0
     )
+    every, lowest = _every(tangent, time_step), float(tangent.natural_frequencies[0])
+    differences = draw_differences(command, read, noise, lowest, every, draws, seed)
+    exact = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
+    few = differences[: 2 * _DRAWS_AS_STATED : 2]
     return conclude(
         histories,
         read,
         reference,
         structure=tangent,
         noise=noise,
-        share=share,
-        spread=_sweep(perfect, histories, deviations or {}, unknown, draws, seed),
+        as_stated=_sweep(perfect, histories, {}, exact, few, every, seed),
+        spread=_sweep(perfect, histories, deviations or {}, unknown, differences, every, seed),
+        differences=differences,
+        every=every,
         unknown=unknown,
         start=start,
         seed=seed,
     )
+
+
+def _every(tangent: WholeStructure, time_step: float) -> int:
+    """Return the number of samples of which one is simulated of each draw."""
+    frequency = float(tangent.natural_frequencies[0])
+    return max(int(1.0 / (time_step * max(_LEAST_RATE, _PER_PERIOD * frequency))), 1)
 
 
 def tangent_structure(test: HybridTest) -> WholeStructure:
@@ -194,12 +206,10 @@ def _sweep(
     histories: Histories,
     deviations: Mapping[str, float],
     unknown: Unknown,
-    draws: int,
+    differences: Array,
+    every: int,
     seed: int,
 ) -> Spread:
-    rate = 1.0 / histories.time_step
-    frequency = float(tangent_structure(perfect).natural_frequencies[0])
-    every = max(int(rate / max(_LEAST_RATE, _PER_PERIOD * frequency)), 1)
     thin = histories.thinned(every)
     velocity = np.gradient(thin.measured, thin.time_step)
     generator = np.random.default_rng(seed)
@@ -207,14 +217,14 @@ def _sweep(
     scale = np.divide(fine, nominal, out=np.ones(3), where=nominal > 0.0)
     rows, errors = [], []
     stated = unknown.deviations()
-    for _ in range(draws):
+    for difference in differences:
         changed = _drawn(perfect, deviations, stated, generator)
         shift = (
             generator.standard_normal() * stated["sensor_scale"] * thin.measured
             + generator.standard_normal() * stated["time_shift"] * velocity
             + generator.standard_normal() * stated["sensor_offset"]
         )
-        measured = thin.measured - shift
+        measured = thin.command - difference - shift
         moved = Histories(
             command=thin.command,
             measured=measured,
@@ -224,13 +234,13 @@ def _sweep(
         reference = _reference(changed, moved)
         rows.append(_statistics(measured, reference) * scale)
         errors.append(measured - reference)
-    table = np.array(rows)
-    places = np.arange(histories.command.size) / every
+    square, peak, ideal = np.array(rows).T
+    places, known = np.arange(histories.command.size) / every, np.arange(thin.command.size)
     return Spread(
-        mean_square=table[:, 0],
-        peak=table[:, 1],
-        ideal_peak=table[:, 2],
-        deviation=np.interp(places, np.arange(thin.command.size), np.std(errors, axis=0)),
+        rms=np.sqrt(square) / ideal,
+        mte=peak / ideal,
+        mean=np.interp(places, known, np.mean(errors, axis=0)),
+        deviation=np.interp(places, known, np.std(errors, axis=0)),
     )
 
 

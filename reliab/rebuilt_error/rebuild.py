@@ -19,12 +19,12 @@ from reliab.errors import InputError
 from reliab.loop.partition.partition import Partition
 from reliab.loop.structure import Structure
 from reliab.rebuilt_error.channels import checked_histories, stated_start
+from reliab.rebuilt_error.difference_draws import draw_differences
 from reliab.rebuilt_error.error_statistics import mean_square
 from reliab.rebuilt_error.feedback import delayed
 from reliab.rebuilt_error.force_form import Form, combined_reading, felt_displacement
-from reliab.rebuilt_error.interval import Histories, Unknown, sweep
+from reliab.rebuilt_error.interval import Histories, Unknown, samples_in_step, sweep
 from reliab.rebuilt_error.noise import estimate_noise
-from reliab.rebuilt_error.noise_share import share_of_noise
 from reliab.rebuilt_error.rebuilt import RebuiltError, conclude
 from reliab.rebuilt_error.recursion import Recursion, respond
 from reliab.rebuilt_error.tolerances import Tolerances
@@ -115,21 +115,26 @@ def rebuild(
         fed_back=noise.smooth(fed_back),
         time_step=time_step,
     )
-    share = share_of_noise(noise, whole, response - difference, np.random.default_rng(seed))
     relative = float(np.sqrt(mean_square(response) / mean_square(command)))
     unknown = Unknown(
         tolerances=tolerances or Tolerances(),
         offset=start.offset_deviation,
         error_at_start=0.0 if start.at_rest else relative * start.amplitude,
     )
+    every = samples_in_step(whole, noise, command.size)
+    lowest = float(whole.natural_frequencies[0])
+    differences = draw_differences(command, read, noise, lowest, every, draws, seed)
+    exact = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
     return conclude(
         histories,
         read,
         command - response,
         structure=whole,
         noise=noise,
-        share=share,
-        spread=sweep(histories, whole, unknown, draws, seed),
+        as_stated=sweep(histories, whole, exact, differences[::2], every, draws=draws // 2, seed=seed),
+        spread=sweep(histories, whole, unknown, differences, every, draws=draws, seed=seed),
+        differences=differences,
+        every=every,
         unknown=unknown,
         start=start,
         seed=seed,

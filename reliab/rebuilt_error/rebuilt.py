@@ -5,21 +5,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.rebuilt_error.error_statistics import mean_square
 from reliab.rebuilt_error.initial import Start
 from reliab.rebuilt_error.interval import (
     HALF_WIDTH,
-    ErrorDraws,
     Estimate,
     Histories,
     Spread,
     Unknown,
-    combine,
     estimate,
     probability_below,
 )
 from reliab.rebuilt_error.noise import SensorNoise
-from reliab.rebuilt_error.noise_share import NoiseShare
 from reliab.rebuilt_error.parts import Parts, divide
 from reliab.rebuilt_error.recursion import Recursion
 from reliab.rebuilt_error.whole_structure import WholeStructure
@@ -51,7 +47,7 @@ class RebuiltError:
         90 % band of x_m − x_I at each sample [m], shape (n,).
     rms, mte : Estimate
         RMS^R and MTE^R [-] with their 90 % intervals.
-    draws : ErrorDraws
+    draws : Spread
         RMS^R and MTE^R of the draws behind the intervals.
     noise : SensorNoise
         Noise of the displacement sensor.
@@ -61,8 +57,10 @@ class RebuiltError:
         Standard deviations that went into the intervals.
     histories : Histories
         Smoothed histories from which everything follows.
-    share : NoiseShare
-        What noise adds to mean square and peak.
+    differences : numpy.ndarray
+        Draws of x_c − x_m that the noise leaves open [m], shape (draws, ceil(n/every)).
+    every : int
+        Number of samples of which one was drawn.
     seed : int
         Seed of the draws.
     """
@@ -76,12 +74,13 @@ class RebuiltError:
     high: Array
     rms: Estimate
     mte: Estimate
-    draws: ErrorDraws
+    draws: Spread
     noise: SensorNoise
     start: Start
     unknown: Unknown
     histories: Histories
-    share: NoiseShare
+    differences: Array
+    every: int
     seed: int
 
     def estimate(self, metric: Metric) -> Estimate:
@@ -115,8 +114,9 @@ class RebuiltError:
             self.histories,
             self.structure,
             self.unknown,
-            self.share,
-            rms=metric is Metric.RMS,
+            self.differences[:_WIDENING_DRAWS],
+            self.every,
+            metric=metric,
             draws=_WIDENING_DRAWS,
             seed=self.seed,
         )
@@ -129,8 +129,10 @@ def conclude(
     *,
     structure: WholeStructure,
     noise: SensorNoise,
-    share: NoiseShare,
+    as_stated: Spread,
     spread: Spread,
+    differences: Array,
+    every: int,
     unknown: Unknown,
     start: Start,
     seed: int,
@@ -145,35 +147,34 @@ def conclude(
         x_m as the sensor reads it, its offset taken away [m], shape (n,).
     reference : numpy.ndarray
         x_I [m], shape (n,).
-    structure, noise, share, spread, unknown, start, seed
-        What the attributes of the same names say; `spread` holds the draws.
+    as_stated, spread : Spread
+        Errors of the draws with everything as stated, so that only noise is open, and with all that is not
+        known.
+    structure, noise, differences, every, unknown, start, seed
+        What the attributes of the same names say.
 
     Returns
     -------
     RebuiltError
         Errors with their intervals.
     """
-    smooth = histories.measured - reference
-    peak = float(np.abs(reference).max())
-    square = max(mean_square(smooth) - share.white, 0.0)
-    largest = max(float(np.abs(smooth).max()) - share.white_in_peak, 0.0)
-    drawn = combine(spread, share, seed)
-    half = HALF_WIDTH * np.hypot(spread.deviation, share.deviation)
+    half = HALF_WIDTH * spread.deviation
     return RebuiltError(
         time_step=histories.time_step,
         structure=structure,
         error=read - reference,
-        smooth_error=smooth,
+        smooth_error=histories.measured - reference,
         reference=reference,
-        low=smooth - half,
-        high=smooth + half,
-        rms=estimate(float(np.sqrt(square)) / peak, drawn.rms),
-        mte=estimate(largest / peak, drawn.mte),
-        draws=drawn,
+        low=spread.mean - half,
+        high=spread.mean + half,
+        rms=estimate(float(np.median(as_stated.rms)), spread.rms),
+        mte=estimate(float(np.median(as_stated.mte)), spread.mte),
+        draws=spread,
         noise=noise,
         start=start,
         unknown=unknown,
         histories=histories,
-        share=share,
+        differences=differences,
+        every=every,
         seed=seed,
     )

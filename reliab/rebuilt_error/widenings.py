@@ -1,12 +1,18 @@
 """Which of the things that are not known widens the interval of a rebuilt error most."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from reliab.rebuilt_error.interval import LEVEL, Histories, Unknown, combine, sweep
-from reliab.rebuilt_error.noise_share import NoiseShare
+from reliab.rebuilt_error.interval import LEVEL, Histories, Unknown, sweep
 from reliab.rebuilt_error.whole_structure import WholeStructure
+from reliab.vocabulary import Metric
+
+Array = NDArray[np.float64]
+
+_HALVINGS = 6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,9 +44,10 @@ def widenings(
     histories: Histories,
     structure: WholeStructure,
     unknown: Unknown,
-    share: NoiseShare,
+    differences: Array,
+    every: int,
     *,
-    rms: bool,
+    metric: Metric,
     draws: int,
     seed: int,
 ) -> tuple[Widening, ...]:
@@ -48,10 +55,10 @@ def widenings(
 
     Parameters
     ----------
-    histories, structure, unknown, share
-        As for `sweep` and `combine`.
-    rms : bool
-        Whether the interval is that of RMS^R, else of MTE^R.
+    histories, structure, unknown, differences, every
+        As for `sweep`.
+    metric : Metric
+        Whether the interval is that of RMS^R or of MTE^R.
     draws, seed : int
         Number and seed of the draws.
 
@@ -61,48 +68,47 @@ def widenings(
         The widest first; only what widens the interval.
     """
 
-    def width(changed: Unknown, noisy: NoiseShare) -> float:
-        drawn = combine(sweep(histories, structure, changed, draws, seed), noisy, seed)
-        ends = np.quantile(drawn.rms if rms else drawn.mte, [0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL])
-        return float(ends[1] - ends[0])
+    def width(changed: Unknown, drawn: Array = differences) -> float:
+        spread = sweep(histories, structure, changed, drawn, every, draws=draws, seed=seed)
+        errors = spread.rms if metric is Metric.RMS else spread.mte
+        low, high = np.quantile(errors, [0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL])
+        return float(high - low)
 
-    whole = width(unknown, share)
-    parts = []
-    for name, deviation in unknown.deviations().items():
-        if deviation > 0.0:
-            without = width(_scaled(unknown, name, 0.0), share)
-            half = None
-            if without < 0.5 * whole:
-                low, high = 0.0, 1.0
-                for _ in range(6):
-                    middle = 0.5 * (low + high)
-                    narrow = width(_scaled(unknown, name, middle), share) <= 0.5 * whole
-                    low, high = (middle, high) if narrow else (low, middle)
-                half = low * deviation or None
-            parts.append(
-                Widening(
-                    name=name,
-                    deviation=deviation,
-                    width=whole,
-                    width_without=without,
-                    deviation_for_half=half,
-                )
-            )
-    if share.deviation > 0.0:
-        quiet = replace(share, in_square=np.zeros(1), in_peak=np.zeros(1))
-        without = width(unknown, quiet)
-        parts.append(
-            Widening(
-                name="sensor_noise",
-                deviation=0.0,
-                width=whole,
-                width_without=without,
-                deviation_for_half=None,
-            )
+    whole = width(unknown)
+    parts = [
+        Widening(
+            name=name,
+            deviation=deviation,
+            width=whole,
+            width_without=(without := width(_scaled(unknown, name, 0.0))),
+            deviation_for_half=_for_half(unknown, name, deviation, 0.5 * whole, width)
+            if without < 0.5 * whole
+            else None,
         )
+        for name, deviation in unknown.deviations().items()
+        if deviation > 0.0
+    ]
+    quiet = width(unknown, differences.mean(axis=0, keepdims=True))
+    parts.append(
+        Widening(
+            name="sensor_noise", deviation=0.0, width=whole, width_without=quiet, deviation_for_half=None
+        )
+    )
     return tuple(
         sorted((part for part in parts if part.width_without < whole), key=lambda part: part.width_without)
     )
+
+
+def _for_half(
+    unknown: Unknown, name: str, deviation: float, half: float, width: Callable[[Unknown], float]
+) -> float | None:
+    """Find the standard deviation at which the interval is half as wide, by bisection."""
+    low, high = 0.0, 1.0
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        narrow = width(_scaled(unknown, name, middle)) <= half
+        low, high = (middle, high) if narrow else (low, middle)
+    return low * deviation or None
 
 
 def _scaled(unknown: Unknown, name: str, factor: float) -> Unknown:

@@ -1,11 +1,13 @@
 """Measure how good the rebuilt error is, on tests that share no code with the product.
 
-`python tests/benchmarks/rebuilt_error.py PART [--count N] [--seed S] [--records FOLDER]` with a part of
+`python tests/benchmarks/rebuilt_error.py PART [--count N] [--seed S] [--records FOLDER] [--out FILE.csv]`
+with a part of
 
 history        noise-free history against the simulation, every actuator
 noise          40 dB white noise, structure known: error within 2 %, accepted and refused at 5 %
 coverage       90 % intervals and probabilities: random noise, wrong f (sd 1 %), ξ (10 %), scale (0.5 %)
 levels         20 to 60 dB and quantised sensors, structure known
+small          true errors of 0.1 to 0.6 %, structure known
 parameters     f, ξ and contradictions where ground acceleration (and force) are recorded at 40 dB
 nonlinear      cubic, Coulomb, hysteresis: the model off by 1 % in each parameter, and none; false flags
 monitor        time for a sample, distance from offline
@@ -22,10 +24,10 @@ import sys
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests"))
@@ -35,28 +37,31 @@ from rebuilt_error import laboratory as lab  # noqa: E402
 from reliab.loop.effects import find_effect  # noqa: E402
 from reliab.loop.hybrid_test import HybridTest, Specimen  # noqa: E402
 from reliab.loop.structure import Structure  # noqa: E402
-from reliab.rebuilt_error import Tolerances, rebuild  # noqa: E402
+from reliab.rebuilt_error import RebuiltError, Tolerances, rebuild  # noqa: E402
 from reliab.rebuilt_error.identification import identify  # noqa: E402
 from reliab.rebuilt_error.monitor import Monitor  # noqa: E402
 from reliab.rebuilt_error.nonlinear_reference import rebuild_with_specimen  # noqa: E402
 from reliab.rebuilt_error.specimen_check import examine_specimen  # noqa: E402
 
 STEP = 1.0 / lab.RATE
+EDGES = (0.0, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0)
+SPECIMENS = ("linear", "cubic", "Coulomb", "hysteresis")
+
+Row = dict[str, object]
 ACTUATORS = (lab.DELAY, lab.DELAY, lab.LAG, lab.RATE_LIMIT, lab.BACKLASH, lab.LEAD, lab.SECOND_ORDER)
 
 
 class Records:
     """Ground motions, drawn at random."""
 
-    def __init__(self, folder: Path, rng: np.random.Generator) -> None:
+    def __init__(self, folder: Path) -> None:
         with (folder / "catalog.csv").open(encoding="utf-8") as file:
             self.files = [folder / row["file"] for row in csv.DictReader(file)]
-        self.rng = rng
 
-    def draw(self) -> np.ndarray:
+    def draw(self, rng: np.random.Generator) -> np.ndarray:
         """One record of 15 to 40 s."""
-        ground = lab.read_at2(self.files[self.rng.integers(len(self.files))])
-        return ground[: int(self.rng.uniform(15.0, 40.0) * lab.RATE)]
+        ground = lab.read_at2(self.files[rng.integers(len(self.files))])
+        return ground[: int(rng.uniform(15.0, 40.0) * lab.RATE)]
 
 
 @dataclass(frozen=True)
@@ -74,20 +79,33 @@ class Sample:
         )
 
 
-def samples(records: Records, rng: np.random.Generator, low: float, high: float) -> Iterator[Sample]:
-    """Tests of random structures and actuators whose RMS^R lies in a range."""
-    while True:
-        ground = records.draw()
-        f, xi = math.exp(rng.uniform(math.log(0.4), math.log(2.5))), rng.uniform(0.02, 0.08)
-        alpha = 1.0 if rng.uniform() < 0.5 else rng.uniform(0.3, 1.0)
-        plain = lab.Lab(f, xi, alpha)
-        peak = float(np.abs(lab.run(plain, ground).ideal).max())
-        if not peak > 0.0:
-            continue
-        built = replace(plain, kind=int(rng.choice(ACTUATORS)))
-        outcome = lab.run(replace(built, numbers=numbers(built, peak, rng)), ground)
-        if np.isfinite(outcome.rms) and low < outcome.rms < high:
-            yield Sample(built, outcome)
+@dataclass(frozen=True)
+class Series:
+    """Tests of random structures and actuators; each by its number, so that a series can be resumed."""
+
+    records: Records
+    seed: int
+
+    def rng(self, number: int) -> np.random.Generator:
+        """Source of the random numbers of one test."""
+        return np.random.default_rng([self.seed, number])
+
+    def draw(self, number: int, low: float, high: float) -> tuple[Sample, np.random.Generator]:
+        """Test whose RMS^R lies in a range, and the source of what is random about its reading."""
+        rng = self.rng(number)
+        while True:
+            ground = self.records.draw(rng)
+            f, xi = math.exp(rng.uniform(math.log(0.4), math.log(2.5))), rng.uniform(0.02, 0.08)
+            alpha = 1.0 if rng.uniform() < 0.5 else rng.uniform(0.3, 1.0)
+            plain = lab.Lab(f, xi, alpha)
+            ideal = lab.run(plain, ground, ideal=ground).command
+            peak = float(np.abs(ideal).max())
+            if not peak > 0.0:
+                continue
+            built = replace(plain, kind=int(rng.choice(ACTUATORS)))
+            outcome = lab.run(replace(built, numbers=numbers(built, peak, rng)), ground, ideal=ideal)
+            if np.isfinite(outcome.rms) and low < outcome.rms < high:
+                return Sample(built, outcome), rng
 
 
 def numbers(built: lab.Lab, peak: float, rng: np.random.Generator) -> tuple[float, float, float, float]:
@@ -115,150 +133,189 @@ def read(outcome: lab.Outcome, kind: str, decibels: float, rng: np.random.Genera
 
 def share(values: list[bool] | np.ndarray) -> str:
     """Share of truths with its count and standard error."""
+    if len(values) == 0:
+        return "of none"
     rate = float(np.mean(values))
     return f"{rate:.1%} of {len(values)} (± {math.sqrt(max(rate * (1 - rate), 1e-9) / len(values)):.1%})"
 
 
-def history(records: Records, rng: np.random.Generator, count: int) -> None:
-    """Noise-free histories."""
-    off: dict[int, list[float]] = {}
-    for _, test in zip(range(count), samples(records, rng, 0.002, 1.0), strict=False):
-        o = test.outcome
-        rebuilt = rebuild(o.command, o.measured, STEP, test.structure, draws=2)
-        true = o.measured - o.ideal
-        off.setdefault(test.lab.kind, []).append(
-            float(np.sqrt(np.mean((rebuilt.error - true) ** 2) / np.mean(true**2)))
-        )
-    for kind, values in sorted(off.items()):
-        print(f"actuator {kind}: relative RMS at most {max(values):.1e} over {len(values)} tests")
+def history(series: Series, number: int) -> Iterator[Row]:
+    """Noise-free history."""
+    test, _ = series.draw(number, 0.002, 1.0)
+    o = test.outcome
+    rebuilt = rebuild(o.command, o.measured, STEP, test.structure, draws=2)
+    true = o.measured - o.ideal
+    off = float(np.sqrt(np.mean((rebuilt.error - true) ** 2) / np.mean(true**2)))
+    yield {"actuator": test.lab.kind, "off": off}
 
 
-def noise(records: Records, rng: np.random.Generator, count: int) -> None:
+def state_history(rows: pd.DataFrame) -> None:
+    """Largest distance of each actuator."""
+    for kind, group in rows.groupby("actuator"):
+        print(f"actuator {kind}: relative RMS at most {group['off'].max():.1e} over {len(group)} tests")
+
+
+def judged(test: Sample, rebuilt: RebuiltError) -> Row:
+    """Truth, statement and probability of a test."""
+    o, stated = test.outcome, {"rms": rebuilt.rms, "mte": rebuilt.mte}
+    row: Row = {"actuator": test.lab.kind, "f": test.lab.f, "xi": test.lab.xi, "alpha": test.lab.alpha}
+    for name, true in (("rms", o.rms), ("mte", o.mte)):
+        row |= {f"true_{name}": true, name: stated[name].value}
+        row |= {f"{name}_low": stated[name].low, f"{name}_high": stated[name].high}
+    return row | {"probability": rebuilt.probability(0.05)}
+
+
+def noise(series: Series, number: int) -> Iterator[Row]:
     """40 dB, structure known."""
-    ratios, mtes, wrongly, rightly = [], [], [], []
-    for _, test in zip(range(count), samples(records, rng, 0.01, 0.2), strict=False):
-        o = test.outcome
-        rebuilt = rebuild(o.command, read(o, "white", 40.0, rng), STEP, test.structure, draws=64)
-        ratios.append(rebuilt.rms.value / o.rms)
-        mtes.append(rebuilt.mte.value / o.mte)
-        accepted = rebuilt.rms.value < 0.05
-        if o.rms > 0.05 * 1.03:
-            wrongly.append(accepted)
-        elif o.rms < 0.05 * 0.97:
-            rightly.append(accepted)
-    print(f"RMS^R within 2 %: {share(np.abs(np.array(ratios) - 1.0) < 0.02)}")
-    print(f"MTE^R within 2 %: {share(np.abs(np.array(mtes) - 1.0) < 0.02)}")
-    print(f"at 5 %: bad accepted {share(wrongly)}; good accepted {share(rightly)}")
+    test, rng = series.draw(number, 0.01, 0.2)
+    measured = read(test.outcome, "white", 40.0, rng)
+    yield judged(test, rebuild(test.outcome.command, measured, STEP, test.structure))
 
 
-def coverage(records: Records, rng: np.random.Generator, count: int) -> None:
+def state_noise(rows: pd.DataFrame) -> None:
+    """How near, and how often rightly accepted."""
+    for name in ("rms", "mte"):
+        ratio = rows[name] / rows[f"true_{name}"]
+        print(f"{name} within 2 %: {share(np.abs(ratio - 1.0) < 0.02)}, inside {share(inside(rows, name))}")
+    accepted = rows["rms"] < 0.05
+    print(f"at 5 %: bad accepted {share(accepted[rows['true_rms'] > 0.05 * 1.03])}")
+    print(f"at 5 %: good accepted {share(accepted[rows['true_rms'] < 0.05 * 0.97])}")
+
+
+def inside(rows: pd.DataFrame, name: str) -> pd.Series:
+    """Whether intervals hold the truth."""
+    return (rows[f"{name}_low"] <= rows[f"true_{name}"]) & (rows[f"true_{name}"] <= rows[f"{name}_high"])
+
+
+def coverage(series: Series, number: int) -> Iterator[Row]:
     """90 % intervals and probabilities under everything at once."""
-    kinds = ("white", "slow", "quantised", "mains")
-    inside: dict[str, list[tuple[bool, bool]]] = {kind: [] for kind in kinds}
-    stated, true = [], []
+    test, rng = series.draw(number, 0.01, 0.2)
+    kind, decibels = str(rng.choice(["white", "slow", "quantised", "mains"])), rng.uniform(30.0, 60.0)
+    measured = read(test.outcome, kind, decibels, rng) * (1.0 + 0.005 * rng.normal())
+    wrong = Structure(
+        frequency=test.lab.f * (1.0 + 0.01 * rng.normal()),
+        damping_ratio=test.lab.xi * (1.0 + 0.1 * rng.normal()),
+        experimental_fraction=test.lab.alpha,
+    )
     tolerances = Tolerances(frequency=0.01, damping_ratio=0.1, sensor_scale=0.005)
-    for _, test in zip(range(count), samples(records, rng, 0.01, 0.2), strict=False):
-        o, kind = test.outcome, kinds[rng.integers(4)]
-        measured = read(o, kind, rng.uniform(30.0, 60.0), rng) * (1.0 + 0.005 * rng.normal())
-        wrong = Structure(
-            frequency=test.lab.f * (1.0 + 0.01 * rng.normal()),
-            damping_ratio=test.lab.xi * (1.0 + 0.1 * rng.normal()),
-            experimental_fraction=test.lab.alpha,
-        )
-        rebuilt = rebuild(o.command, measured, STEP, wrong, tolerances=tolerances)
-        inside[kind].append(
-            (rebuilt.rms.low <= o.rms <= rebuilt.rms.high, rebuilt.mte.low <= o.mte <= rebuilt.mte.high)
-        )
-        stated.append(rebuilt.probability(0.05))
-        true.append(o.rms < 0.05)
-    inside["all"] = [pair for pairs in inside.values() for pair in pairs]
-    for kind, pairs in inside.items():
-        if pairs:
-            rms, mte = zip(*pairs, strict=True)
-            print(f"{kind:10} RMS^R {share(list(rms))}, MTE^R {share(list(mte))}")
-    edges = (0.0, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0)
-    for low, high in pairwise(edges):
-        chosen = [k for k, p in enumerate(stated) if low <= p < high]
-        if chosen:
-            mean, rate = np.mean([stated[k] for k in chosen]), np.mean([true[k] for k in chosen])
-            print(f"stated {mean:.3f}, true {rate:.3f} ({len(chosen)} tests)")
+    rebuilt = rebuild(test.outcome.command, measured, STEP, wrong, tolerances=tolerances)
+    yield {"noise": kind, "decibels": decibels, **judged(test, rebuilt)}
 
 
-def levels(records: Records, rng: np.random.Generator, count: int) -> None:
-    """Noise of 20 to 60 dB."""
+def state_coverage(rows: pd.DataFrame) -> None:
+    """Coverage by kind of noise, and how often tests of a stated probability are good."""
+    for kind, group in [*rows.groupby("noise"), ("all", rows)]:
+        print(f"{kind:10} RMS^R {share(inside(group, 'rms'))}, MTE^R {share(inside(group, 'mte'))}")
+    good = rows["true_rms"] < 0.05
+    for _, group in rows.groupby(pd.cut(rows["probability"], EDGES, include_lowest=True), observed=True):
+        true = good[group.index].mean()
+        print(f"stated {group['probability'].mean():.3f}, true {true:.3f} ({len(group)} tests)")
+
+
+def levels(series: Series, number: int) -> Iterator[Row]:
+    """Noise of 20 to 60 dB on the same test."""
+    test, rng = series.draw(number, 0.01, 0.2)
     for kind in ("white", "quantised"):
         for decibels in (20.0, 30.0, 40.0, 50.0, 60.0):
-            ratios, inside = [], []
-            for _, test in zip(range(count), samples(records, rng, 0.01, 0.2), strict=False):
-                o = test.outcome
-                rebuilt = rebuild(o.command, read(o, kind, decibels, rng), STEP, test.structure, draws=64)
-                ratios.append(rebuilt.rms.value / o.rms)
-                inside.append(rebuilt.rms.low <= o.rms <= rebuilt.rms.high)
-            ends = np.quantile(ratios, [0.05, 0.5, 0.95])
-            print(
-                f"{kind} {decibels:.0f} dB: ratio {ends.round(3).tolist()} (5, 50, 95 %), "
-                f"inside {share(inside)}"
-            )
+            measured = read(test.outcome, kind, decibels, rng)
+            rebuilt = rebuild(test.outcome.command, measured, STEP, test.structure)
+            yield {"noise": kind, "decibels": decibels, **judged(test, rebuilt)}
 
 
-def parameters(records: Records, rng: np.random.Generator, count: int) -> None:
-    """f, ξ and contradictions."""
-    for with_force in (True, False):
-        off, reported, contradicted = [], [], []
-        for _, test in zip(range(count), samples(records, rng, 0.002, 0.3), strict=False):
-            o = test.outcome
-            channels = [
-                values + lab.noise("white", values.size, 0.01 * float(np.std(values)), rng)
-                for values in (o.measured, o.ground, o.force)
-            ]
-            measured, ground, force = channels
-            for factor in (1.0, float(rng.choice([0.98, 1.02]))):
-                stated = replace(test.structure, frequency=factor * test.lab.f)
-                found = identify(
-                    *(o.command, measured, ground, STEP, stated), force=force if with_force else None
-                )
-                says = "frequency" in found.disagreements()
-                (contradicted if factor == 1.0 else reported).append(says)
-            off.append(
-                (found.frequency.value / test.lab.f - 1.0, found.damping_ratio.value / test.lab.xi - 1.0)
-            )
-        f, xi = np.abs(np.array(off)).T
+def state_levels(rows: pd.DataFrame) -> None:
+    """Ratio and coverage by noise."""
+    for (kind, decibels), group in rows.groupby(["noise", "decibels"]):
+        ends = np.quantile(group["rms"] / group["true_rms"], [0.05, 0.5, 0.95])
         print(
-            f"force {'recorded' if with_force else 'absent'}: f within 0.2 % {share(f < 0.002)}, "
-            f"ξ within 5 % {share(xi < 0.05)}; f wrong by 2 % reported {share(reported)}, "
-            f"right f contradicted {share(contradicted)}"
+            f"{kind} {decibels:.0f} dB: RMS^R ratio {ends.round(3).tolist()} (5, 50, 95 %), "
+            f"inside RMS^R {share(inside(group, 'rms'))}, MTE^R {share(inside(group, 'mte'))}"
         )
 
 
-def nonlinear(records: Records, rng: np.random.Generator, count: int) -> None:
+def small(series: Series, number: int) -> Iterator[Row]:
+    """Actuators that are nearly perfect: true errors of 0.1 to 0.6 %, noise of 40 to 60 dB."""
+    test, rng = series.draw(number, 0.001, 0.006)
+    for kind in ("white", "quantised"):
+        decibels = rng.uniform(40.0, 60.0)
+        measured = read(test.outcome, kind, decibels, rng)
+        rebuilt = rebuild(test.outcome.command, measured, STEP, test.structure)
+        yield {"noise": kind, "decibels": decibels, **judged(test, rebuilt)}
+
+
+def state_small(rows: pd.DataFrame) -> None:
+    """Ratio and coverage by kind of noise."""
+    state_levels(rows.assign(decibels=50.0))
+
+
+def parameters(series: Series, number: int) -> Iterator[Row]:
+    """f, ξ and contradictions."""
+    test, rng = series.draw(number, 0.002, 0.3)
+    o = test.outcome
+    measured, ground, force = (
+        values + lab.noise("white", values.size, 0.01 * float(np.std(values)), rng)
+        for values in (o.measured, o.ground, o.force)
+    )
+    for with_force in (True, False):
+        row: Row = {"force": with_force}
+        for name, factor in (("right", 1.0), ("wrong", float(rng.choice([0.98, 1.02])))):
+            stated = replace(test.structure, frequency=factor * test.lab.f)
+            shown = identify(
+                *(o.command, measured, ground, STEP, stated), force=force if with_force else None
+            )
+            row[f"{name}_contradicted"] = "frequency" in shown.disagreements()
+        row["f_off"] = abs(shown.frequency.value / test.lab.f - 1.0)
+        row["xi_off"] = abs(shown.damping_ratio.value / test.lab.xi - 1.0)
+        yield row
+
+
+def state_parameters(rows: pd.DataFrame) -> None:
+    """How near, and how often contradicted."""
+    for with_force, group in rows.groupby("force"):
+        recorded = "recorded" if with_force else "absent"
+        print(
+            f"force {recorded}: f within 0.2 % {share(group['f_off'] < 0.002)}, "
+            f"ξ within 5 % {share(group['xi_off'] < 0.05)}; f wrong by 2 % reported "
+            f"{share(group['wrong_contradicted'])}, right f contradicted {share(group['right_contradicted'])}"
+        )
+
+
+def nonlinear(series: Series, number: int) -> Iterator[Row]:
     """Nonlinear specimens with and without a model."""
+    rng = series.rng(number)
     for kind in (lab.LINEAR, lab.CUBIC, lab.COULOMB, lab.HYSTERESIS):
-        flagged, ratios, linear, inside = [], [], [], []
-        while len(flagged) < count:
-            ground = records.draw()
+        while True:
+            ground = series.records.draw(rng)
             f, xi = math.exp(rng.uniform(math.log(0.5), math.log(2.0))), rng.uniform(0.02, 0.05)
             w0, k = 2.0 * math.pi * f, (2.0 * math.pi * f) ** 2
-            peak = float(np.abs(lab.run(lab.Lab(f, xi), ground).ideal).max())
+            peak = float(np.abs(lab.run(lab.Lab(f, xi), ground, ideal=ground).command).max())
             shape, test, deviations = specimen(kind, k, w0, peak, f, xi, rng)
             tau = 2.0 * xi / w0 * rng.uniform(0.05, 0.3)
             o = lab.run(lab.Lab(f, xi, 1.0, lab.DELAY, (1.0 - 0.1 * xi, tau, 0.0, 0.0), kind, shape), ground)
-            if not (np.isfinite(o.rms) and 0.01 < o.rms < 0.2):
-                continue
-            measured = read(o, "white", 40.0, rng)
-            force = o.force + lab.noise("white", o.force.size, 0.01 * float(np.std(o.force)), rng)
-            plain = rebuild(o.command, measured, STEP, Structure(frequency=f, damping_ratio=xi), draws=2)
-            flagged.append(examine_specimen(plain.histories.measured, force, STEP, f).nonlinear)
-            linear.append(plain.rms.value / o.rms)
-            if test is not None:
-                found = rebuild_with_specimen(o.command, measured, STEP, test, deviations=deviations)
-                ratios.append(found.rms.value / o.rms)
-                inside.append(found.rms.low <= o.rms <= found.rms.high)
-        print(f"specimen {kind}: flagged {share(flagged)}, linear ratio {np.median(linear):.2f} (median)")
-        if ratios:
-            print(
-                f"  with a model: within 10 % {share(np.abs(np.array(ratios) - 1.0) < 0.1)}, "
-                f"inside {share(inside)}"
-            )
+            if np.isfinite(o.rms) and 0.01 < o.rms < 0.2:
+                break
+        measured = read(o, "white", 40.0, rng)
+        force = o.force + lab.noise("white", o.force.size, 0.01 * float(np.std(o.force)), rng)
+        plain = rebuild(o.command, measured, STEP, Structure(frequency=f, damping_ratio=xi), draws=2)
+        row: Row = {"specimen": SPECIMENS[kind], "linear_ratio": plain.rms.value / o.rms}
+        row["flagged"] = examine_specimen(plain.histories.measured, force, STEP, f).nonlinear
+        if test is not None:
+            modelled = rebuild_with_specimen(o.command, measured, STEP, test, deviations=deviations)
+            row["ratio"] = modelled.rms.value / o.rms
+            row["inside"] = modelled.rms.low <= o.rms <= modelled.rms.high
+        yield row
+
+
+def state_nonlinear(rows: pd.DataFrame) -> None:
+    """How often flagged, and how near with a model."""
+    for kind, group in rows.groupby("specimen", sort=False):
+        print(
+            f"{kind}: flagged {share(group['flagged'])}, linear ratio {group['linear_ratio'].median():.2f} "
+            "(median)"
+        )
+        if group["ratio"].notna().any():
+            within = np.abs(group["ratio"] - 1.0) < 0.1
+            held = group["inside"].astype(str) == "True"
+            print(f"  with a model: within 10 % {share(within)}, inside {share(held)}")
 
 
 def specimen(
@@ -295,9 +352,9 @@ def specimen(
     return shape, test, stated
 
 
-def monitor(records: Records, rng: np.random.Generator, count: int) -> None:
+def monitor(series: Series, count: int) -> None:
     """Time for a sample with all intervals that `reliab monitor` asks for, and distance from offline."""
-    test = next(samples(records, rng, 0.01, 0.2))
+    test, rng = series.draw(0, 0.01, 0.2)
     o = test.outcome
     measured = read(o, "white", 40.0, rng)
     tolerances = Tolerances(frequency=0.01, damping_ratio=0.1, sensor_scale=0.005)
@@ -321,10 +378,11 @@ def monitor(records: Records, rng: np.random.Generator, count: int) -> None:
         )
 
 
-def offline(records: Records, rng: np.random.Generator, count: int) -> None:
+def offline(series: Series, count: int) -> None:
     """Processor time of one rebuilding with intervals, and of what widens them."""
     tolerances = Tolerances(frequency=0.01, damping_ratio=0.1, sensor_scale=0.005)
-    for _, test in zip(range(count), samples(records, rng, 0.01, 0.2), strict=False):
+    for number in range(count):
+        test, rng = series.draw(number, 0.01, 0.2)
         o = test.outcome
         measured = read(o, "white", 40.0, rng)
         begin = time.process_time()
@@ -335,16 +393,33 @@ def offline(records: Records, rng: np.random.Generator, count: int) -> None:
         print(f"{o.command.size} samples: {between - begin:.3f} s, widenings {widened:.3f} s")
 
 
-PARTS = {
-    "history": (history, 60),
-    "noise": (noise, 200),
-    "coverage": (coverage, 300),
-    "levels": (levels, 20),
-    "parameters": (parameters, 60),
-    "nonlinear": (nonlinear, 20),
-    "monitor": (monitor, 2),
-    "time": (offline, 3),
+MEASURED = {
+    "history": (history, state_history, 60),
+    "noise": (noise, state_noise, 200),
+    "coverage": (coverage, state_coverage, 1000),
+    "levels": (levels, state_levels, 60),
+    "small": (small, state_small, 100),
+    "parameters": (parameters, state_parameters, 200),
+    "nonlinear": (nonlinear, state_nonlinear, 60),
 }
+"""Rows of one test, what is said of all rows, and how many tests."""
+
+TIMED = {"monitor": (monitor, 2), "time": (offline, 3)}
+
+
+def measure(part: str, series: Series, count: int, out: Path | None) -> None:
+    """Measure test by test; rows are appended to a file, and tests that it holds are not simulated again."""
+    of_test, state, _ = MEASURED[part]
+    rows = pd.read_csv(out) if out is not None and out.exists() else pd.DataFrame()
+    done = set(rows["test"]) if len(rows) else set()
+    for number in range(count):
+        if number in done:
+            continue
+        new = pd.DataFrame([{"test": number, **row} for row in of_test(series, number)])
+        if out is not None:
+            new.to_csv(out, mode="a", header=not out.exists(), index=False, float_format="%.6g")
+        rows = pd.concat([rows, new], ignore_index=True)
+    state(rows)
 
 
 def main() -> None:
@@ -352,14 +427,18 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("part", choices=PARTS)
+    parser.add_argument("part", choices=[*MEASURED, *TIMED])
     parser.add_argument("--count", type=int)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--out", type=Path, help="CSV with a row for each test, in which a run resumes")
     parser.add_argument("--records", type=Path, default=ROOT.parent / "shared" / "motions")
     chosen = parser.parse_args()
-    measure, count = PARTS[chosen.part]
-    rng = np.random.default_rng(chosen.seed)
-    measure(Records(chosen.records, rng), rng, chosen.count or count)
+    series = Series(Records(chosen.records), chosen.seed)
+    if chosen.part in TIMED:
+        timed, count = TIMED[chosen.part]
+        timed(series, chosen.count or count)
+    else:
+        measure(chosen.part, series, chosen.count or MEASURED[chosen.part][2], chosen.out)
 
 
 if __name__ == "__main__":

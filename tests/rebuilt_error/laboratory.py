@@ -185,14 +185,21 @@ def _march(ground, h, parts, kind, numbers, specimen, shape, w0, xi, alpha, lag)
     return xs[::parts], ms[::parts], fs[::parts]
 
 
-def run(lab: Lab, ground: np.ndarray, rate: float = RATE, parts: int = PARTS) -> Outcome:
-    """Run a test and its undisturbed structure from rest."""
+def run(
+    lab: Lab,
+    ground: np.ndarray,
+    rate: float = RATE,
+    parts: int = PARTS,
+    ideal: np.ndarray | None = None,
+) -> Outcome:
+    """Run a test and, unless its exact response is given, its undisturbed structure from rest."""
     w0 = 2.0 * math.pi * lab.f
     common = (lab.specimen, np.array(lab.shape), w0, lab.xi, lab.alpha)
     command, measured, force = _march(
         ground, 1.0 / rate, parts, lab.kind, np.array(lab.numbers), *common, lab.feedback_lag
     )
-    ideal = _march(ground, 1.0 / rate, parts, PERFECT, np.array((1.0, 0.0, 0.0, 0.0)), *common, 0.0)[0]
+    if ideal is None:
+        ideal = _march(ground, 1.0 / rate, parts, PERFECT, np.array((1.0, 0.0, 0.0, 0.0)), *common, 0.0)[0]
     return Outcome(command=command, measured=measured, force=force, ideal=ideal, ground=ground)
 
 

@@ -1,0 +1,264 @@
+"""Histories of x_c − x_m that a reading and its noise leave open.
+
+The sensor shows y = d + n, with d = x_c − x_m and its noise n. An actuator errs by what follows the command,
+and by something beside it: d = a x_c + b x_c' + c x_c'' + r, where a and b may change slowly over the test.
+In a lapped transform the coefficients of r and n are nearly independent: n has a known variance s, and r the
+variance q(f) P(t, f), where P is the local power of the command, since an actuator errs by a share of what
+it is asked to do. The level q of each band of frequencies is not known. Its logarithm follows a Markov chain
+from band to band, with steps of the Laplace distribution and now and then a jump. Levels are drawn by forward
+filtering and backward sampling (Carter and Kohn 1994, Biometrika 81, 3), then a, b and c by generalised
+least squares, and then r, which is normal about q P (y − a x_c − …)/(q P + s). What the noise may explain is
+thus not taken for an error.
+
+What looks like slow noise may be an actuator's error, play for example. Every second draw therefore takes
+none of it for noise; the others multiply the slow noise of each band by a factor, drawn with its level.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import convolve1d
+
+from reliab.rebuilt_error.lapped_transform import analyse, synthesise
+from reliab.rebuilt_error.noise import SensorNoise, white_floor
+from reliab.rebuilt_error.rounding import rounded_differently, rounding_step
+
+Array = NDArray[np.float64]
+
+_PERIODS_OF_HOP = 4.0  # of the structure, from one frame to the next
+_FEWEST_FRAMES = 4
+_BANDS_IN_OCTAVE = 6.0
+_FIRST_LEVEL = 1e-3  # q with which what follows the command is first taken away
+_DRAWS_OF_FOLLOWING = 16  # after which what follows the command is taken away a second time
+_DEGREE = 2  # of the polynomials of time
+_GRID = 0.3  # of the logarithm of q
+_LEVELS = np.arange(np.log(1e-8), np.log(1e3), _GRID)
+_STEP = 0.5  # of log q from band to band
+_JUMP = 0.02  # probability of any other level
+_FACTORS = np.array([0.0, 0.1, 0.2, 0.35, 0.6, 1.0, 1.7, 2.8, 5.0])  # of the slow noise
+_FACTOR_STEP = 0.5  # places in the list from band to band
+_LEAST_COMMAND = 0.01  # of the noise: power of a command that has died away
+_SINGULAR = 1e-13
+_ROUNDING = 1e-20  # of the command's largest power
+_NEIGHBOURS = np.array([0.25, 0.5, 0.25])
+_DITHERED = 0.9  # of Δ²/12: more white noise than that makes rounding white too
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Reading:
+    """What a sensor shows, in coefficients over time and frequency.
+
+    Attributes
+    ----------
+    observed : numpy.ndarray
+        Coefficients of x_c − x_m as read [m], shape (frames, hop).
+    following : numpy.ndarray
+        Those of what follows the command, each of mean square one: acceleration, and command and velocity by
+        themselves and times polynomials of time, shape (rows, frames, hop).
+    command_power : numpy.ndarray
+        Power of the command about each of them [m²], shape (frames, hop).
+    noise : numpy.ndarray
+        Variances of the noise [m²] for each factor of its slow part, shape (factors, frames or 1, hop).
+    bands : numpy.ndarray
+        Number of the band of frequencies of each coefficient, shape (hop,).
+    """
+
+    observed: Array
+    following: Array
+    command_power: Array
+    noise: Array
+    bands: NDArray[np.int64]
+
+
+def draw_differences(
+    command: Array, measured: Array, noise: SensorNoise, frequency: float, every: int, draws: int, seed: int
+) -> Array:
+    """Draw histories of x_c − x_m.
+
+    Parameters
+    ----------
+    command, measured : numpy.ndarray
+        x_c and x_m as read, its offset taken away [m], shape (n,).
+    noise : SensorNoise
+        The sensor's noise.
+    frequency : float
+        Lowest natural frequency of the structure [Hz].
+    every : int
+        Number of samples of which one is drawn.
+    draws : int
+        Number of draws.
+    seed : int
+        Their seed.
+
+    Returns
+    -------
+    numpy.ndarray
+        x_c − x_m [m] at each `every`-th sample, shape (draws, ceil(n/every)); in rows 0, 2, … nothing that
+        passes for slow noise is taken for noise.
+    """
+    generator = np.random.default_rng(seed)
+    reading = _reading(command, measured, noise, frequency, every)
+    actuators = replace(reading, noise=reading.noise[:1])
+    coefficients = np.empty((draws, *reading.observed.shape))
+    coefficients[::2] = _drawn_twice(actuators, -(-draws // 2), generator)
+    coefficients[1::2] = _drawn_twice(reading, draws // 2, generator)
+    return synthesise(coefficients, -(-command.size // every))
+
+
+def _drawn_twice(reading: Reading, draws: int, generator: np.random.Generator) -> Array:
+    """Draw coefficients, the level of what is beside the command from draws of what follows it."""
+    first = _least_squares(reading, reading.noise[-1] + _FIRST_LEVEL * reading.command_power)[0]
+    begun = _drawn(reading, _filtered(reading, first), _DRAWS_OF_FOLLOWING, generator)
+    return _drawn(reading, _filtered(reading, begun.follows.mean(axis=0)), draws, generator).coefficients
+
+
+def _reading(command: Array, measured: Array, noise: SensorNoise, frequency: float, every: int) -> Reading:
+    step = every * noise.time_step
+    thin = replace(noise, band=min(noise.band, 0.27 / step))
+    smooth = thin.smooth(command - measured)
+    size = -(-command.size // every)
+    hop = 2 * max(min(round(_PERIODS_OF_HOP / (2.0 * frequency * step)), size // (2 * _FEWEST_FRAMES)), 1)
+    observed = analyse(smooth[::every], hop)
+    power = analyse(command[::every], hop) ** 2
+    for axis in (0, 1):
+        power = convolve1d(power, _NEIGHBOURS, axis=axis, mode="nearest")
+    places = (np.arange(hop) + 0.5) / (2.0 * hop * step)
+    rounding, rest = _rounding(command, measured, thin, every, hop)
+    least = _ROUNDING * float(power.max())
+    white = replace(rest, weights=rest.weights * (np.arange(rest.weights.size) == 0)).passed(places) / every
+    slow = rest.passed(places) / every - white
+    factors = _FACTORS if slow.any() else np.ones(1)
+    variances = rounding + white + least + factors[:, np.newaxis, np.newaxis] * np.maximum(slow, 0.0)
+    return Reading(
+        observed=observed,
+        following=_following(command, noise.time_step, every, hop),
+        command_power=power,
+        noise=variances,
+        bands=_bands(hop),
+    )
+
+
+def _following(command: Array, step: float, every: int, hop: int) -> Array:
+    velocity = np.gradient(command, step)
+    powers = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, command.size), _DEGREE).T
+    rows = [np.gradient(velocity, step), *(powers * command), *(powers * velocity)]
+    following = np.stack([analyse(row[::every], hop) for row in rows])
+    following /= np.sqrt(np.mean(following**2, axis=(1, 2), keepdims=True))
+    return np.asarray(following)
+
+
+def _rounding(
+    motion: Array, measured: Array, noise: SensorNoise, every: int, hop: int
+) -> tuple[Array, SensorNoise]:
+    """Variance of the rounding noise in each coefficient [m²], and the noise that is not rounding."""
+    step = rounding_step(measured)
+    if step == 0.0 or noise.weights[0] >= _DITHERED * step**2 / 12.0:
+        return np.zeros((1, hop)), noise
+    powers, floors = [], []
+    for rounded in rounded_differently(motion, step):
+        powers.append(analyse(noise.smooth(rounded)[::every], hop) ** 2)
+        floors.append(white_floor(rounded))
+    power = np.mean(powers, axis=0)
+    for axis in (0, 1):
+        power = convolve1d(power, _NEIGHBOURS, axis=axis, mode="nearest")
+    weights = np.zeros_like(noise.weights)
+    weights[0] = max(noise.weights[0] - float(np.mean(floors)), 0.0)
+    return power, replace(noise, weights=weights)
+
+
+def _bands(hop: int) -> NDArray[np.int64]:
+    """Return the band of each coefficient; bands are equally wide on a logarithmic axis."""
+    octaves = np.log2(2.0 * np.arange(hop) + 1.0)
+    return np.unique(np.floor(_BANDS_IN_OCTAVE * octaves), return_inverse=True)[1]
+
+
+def _steps(places: Array, scale: float) -> Array:
+    """Probability of a state after another one, shape (states, states)."""
+    laplace = np.exp(-np.abs(places[:, np.newaxis] - places) / scale)
+    return (1.0 - _JUMP) * laplace / laplace.sum(axis=1, keepdims=True) + _JUMP / places.size
+
+
+def _chain(factors: int) -> tuple[Array, Array]:
+    """Return the steps from band to band of the level, and of the factor of the slow noise."""
+    return _steps(_LEVELS, _STEP), _steps(np.arange(factors, dtype=np.float64), _FACTOR_STEP)
+
+
+def _least_squares(reading: Reading, variance: Array) -> tuple[Array, Array]:
+    """Coefficients of what follows the command, and a root of their covariance."""
+    rows = reading.following.shape[0]
+    weighted = (reading.following / variance).reshape(rows, -1)
+    normal = weighted @ reading.following.reshape(rows, -1).T
+    covariance = np.linalg.pinv(normal, rcond=_SINGULAR, hermitian=True)
+    values, vectors = np.linalg.eigh(covariance)
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    return covariance @ (weighted @ reading.observed.ravel()), root
+
+
+def _filtered(reading: Reading, follows: Array) -> Array:
+    """Probabilities of levels and factors by the bands so far, shape (bands, levels, factors)."""
+    rest = reading.observed - np.tensordot(follows, reading.following, axes=1)
+    factors = reading.noise.shape[0]
+    of_level, of_factor = _chain(factors)
+    before = np.full((_LEVELS.size, factors), 1.0 / (_LEVELS.size * factors))
+    filtered = []
+    for band in range(int(reading.bands[-1]) + 1):
+        likelihood = np.stack(
+            [_likelihood(reading, rest, variance, reading.bands == band) for variance in reading.noise],
+            axis=1,
+        )
+        joint = before * np.exp(likelihood - likelihood.max())
+        filtered.append(joint / joint.sum())
+        before = of_level.T @ filtered[-1] @ of_factor
+    return np.array(filtered)
+
+
+def _likelihood(reading: Reading, rest: Array, variance: Array, inside: NDArray[np.bool_]) -> Array:
+    """Logarithm of the likelihood of each level in a band, shape (levels,)."""
+    noise = variance[:, inside, np.newaxis]
+    power = np.maximum(reading.command_power[:, inside, np.newaxis], _LEAST_COMMAND * noise)
+    total = power * np.exp(_LEVELS) + noise
+    return np.asarray(-0.5 * (np.log(total) + rest[:, inside, np.newaxis] ** 2 / total).sum(axis=(0, 1)))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Drawn:
+    """Draws of the coefficients of x_c − x_m, and of what follows the command."""
+
+    coefficients: Array
+    follows: Array
+
+
+def _drawn(reading: Reading, filtered: Array, draws: int, generator: np.random.Generator) -> _Drawn:
+    """Draw levels and factors, then what follows the command, then the rest."""
+    bands, _, factors = filtered.shape
+    of_level, of_factor = _chain(factors)
+    levels, places = np.empty((2, draws, bands), dtype=np.int64)
+    weights = np.broadcast_to(filtered[-1], (draws, *filtered[-1].shape))
+    for band in range(bands - 1, -1, -1):
+        chosen = _chosen(weights.reshape(draws, -1), generator)
+        levels[:, band], places[:, band] = np.divmod(chosen, factors)
+        steps = of_level[:, levels[:, band]].T[:, :, np.newaxis]
+        weights = filtered[band - 1] * steps * of_factor[:, places[:, band]].T[:, np.newaxis]
+    within = _GRID * (generator.uniform(size=levels.shape) - 0.5)
+    level = np.exp(_LEVELS[levels] + within)[:, reading.bands]
+    coefficients = np.empty((draws, *reading.observed.shape))
+    follows = np.empty((draws, reading.following.shape[0]))
+    for k in range(draws):
+        variance = reading.noise[places[k, reading.bands], :, np.arange(reading.bands.size)].T
+        power = level[k] * np.maximum(reading.command_power, _LEAST_COMMAND * variance)
+        mean, root = _least_squares(reading, power + variance)
+        follows[k] = mean + root @ generator.standard_normal(mean.size)
+        followed = np.tensordot(follows[k], reading.following, axes=1)
+        share = power / (power + variance)
+        normal = generator.standard_normal(followed.shape)
+        coefficients[k] = followed + share * (reading.observed - followed)
+        coefficients[k] += np.sqrt(share * variance) * normal
+    return _Drawn(coefficients=coefficients, follows=follows)
+
+
+def _chosen(weights: Array, generator: np.random.Generator) -> NDArray[np.int64]:
+    """Draw a column of each row by its weight."""
+    sums = np.cumsum(weights, axis=1)
+    drawn = generator.uniform(size=(weights.shape[0], 1)) * sums[:, -1:]
+    return np.asarray(np.minimum((sums < drawn).sum(axis=1), weights.shape[1] - 1))
