@@ -5,8 +5,9 @@ by is either the sensor's offset, or a piston that stands off its command. The t
 command answers: the restoring force of a piston that stands off by b pushes the structure away from zero, by
 −b times the specimen's share of the static stiffness, and a ground acceleration has no mean to do the same.
 An offset that the loop did not feel is taken away, one that it felt is left; where the command does not tell,
-it is taken away and its whole size is left open. Where a test begins in motion nothing tells how the error
-was moving: that goes into the interval.
+it is taken away and its whole size is left open. A command that stands at that place from the first sample
+on has felt the offset before the recording began: the error then begins in equilibrium and not from zero.
+Where a test begins in motion nothing tells how the error was moving: that goes into the interval.
 """
 
 from dataclasses import dataclass
@@ -22,6 +23,7 @@ _STILL = 2e-3  # share up to which the command still counts as standing
 _LONGEST_REST = 0.25  # of the record
 _SIGNIFICANT = 4.0  # standard deviations
 _FEWEST = 4
+_STANDS = 0.1  # share of the offset's answer by which the command may stand off it
 _CONCLUSIVE = 3.0  # logarithm of the ratio of likelihoods from which on the command has told
 _NEIGHBOURS = slice(2, 6)  # bins of a tapered spectrum that no constant reaches
 
@@ -48,12 +50,15 @@ class Start:
         Offset of the sensor that was taken away, measured minus command at rest [m].
     offset_deviation : float
         Standard deviation of what may be left of it [m].
+    standing : float
+        Measured minus command [m] that the loop had felt, and come to rest under, before the first sample.
     """
 
     at_rest: bool
     amplitude: float
     offset: float
     offset_deviation: float
+    standing: float = 0.0
 
 
 def examine_start(
@@ -119,6 +124,9 @@ def examine_start(
     deviation = float(np.hypot(white / np.sqrt(still), slow))
     if abs(offset) <= _SIGNIFICANT * deviation + motion:
         return Start(at_rest=True, amplitude=0.0, offset=0.0, offset_deviation=deviation)
+    answered = float(np.mean(command[:still])) + share * offset
+    if abs(answered) <= _STANDS * share * abs(offset):
+        return Start(at_rest=True, amplitude=0.0, offset=0.0, offset_deviation=deviation, standing=offset)
     turned = 2.0 * np.pi * frequency * still * time_step
     answer = share * abs(offset) * (1.0 - np.cos(min(turned, np.pi)))
     if answer > _SIGNIFICANT * max(

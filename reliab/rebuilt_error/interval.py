@@ -13,7 +13,7 @@ from scipy.stats import norm, qmc
 
 from reliab.rebuilt_error.error_statistics import mean_square, sweep_draws
 from reliab.rebuilt_error.noise import SensorNoise
-from reliab.rebuilt_error.recursion import Recursion, respond
+from reliab.rebuilt_error.recursion import Recursion, equilibrium, respond
 from reliab.rebuilt_error.tolerances import Tolerances
 from reliab.rebuilt_error.whole_structure import WholeStructure, first_mode
 
@@ -25,6 +25,7 @@ LEVEL = 0.90
 HALF_WIDTH = float(norm.ppf(0.5 + 0.5 * LEVEL))
 """Half width of a 90 % interval in standard deviations."""
 
+_LEAST = 0.05  # of a stated value: a draw goes no lower
 _PER_PERIOD = 64.0  # samples in a period of the highest mode while draws are swept
 _IN_PERIOD_OF_BAND = 0.25  # of the period of the highest frequency of the motion that a step may be
 _MOST_SAMPLES = 4096  # that are swept for the sake of the motion's band
@@ -83,12 +84,15 @@ class Histories:
         shape (n,).
     time_step : float
         Step [s].
+    standing : float
+        x_c − x_m [m] under which the structure stood still before the first sample.
     """
 
     command: Array
     measured: Array
     fed_back: Array
     time_step: float
+    standing: float = 0.0
 
     @property
     def difference(self) -> Array:
@@ -102,6 +106,7 @@ class Histories:
             measured=np.ascontiguousarray(self.measured[::every]),
             fed_back=np.ascontiguousarray(self.fed_back[::every]),
             time_step=every * self.time_step,
+            standing=self.standing,
         )
 
 
@@ -211,7 +216,7 @@ def _normal(dimensions: int, draws: int, seed: int) -> Array:
 
 def _fine_statistics(histories: Histories, structure: WholeStructure) -> Array:
     recursion = Recursion.of_displacement(structure, histories.time_step)
-    response = respond(recursion, histories.fed_back)[0]
+    response = respond(recursion, histories.fed_back, equilibrium(structure, histories.standing))[0]
     error = response - histories.difference
     return np.array([mean_square(error), np.abs(error).max(), np.abs(histories.command - response).max()])
 
@@ -231,6 +236,8 @@ def _swept(
     w0 = 2.0 * np.pi * float(structure.natural_frequencies[0])
     state[:, : shape.size] = drawn["initial_state"][:, np.newaxis] * shape
     state[:, shape.size :] = w0 * velocity[:, np.newaxis] * shape
+    softer = np.maximum(1.0 + drawn["frequency"], _LEAST) ** -2
+    state += softer[:, np.newaxis] * equilibrium(structure, thin.standing)
     rate = np.gradient(thin.measured, thin.time_step)
     inputs = np.stack([thin.measured, rate, np.ones(rate.size)])
     shifts = np.stack([drawn["sensor_scale"], drawn["time_shift"], drawn["sensor_offset"]], axis=1)
@@ -259,13 +266,12 @@ def _recursions(structure: WholeStructure, drawn: dict[str, Array], step: float)
     names = ("frequency", "damping_ratio", "experimental_fraction")
     if not any(drawn[name].any() for name in names):
         return [Recursion.of_displacement(structure, step)] * drawn["frequency"].size
-    least = 0.05
     return [
         Recursion.of_displacement(
             structure.scaled(
-                frequency=max(1.0 + f, least),
-                damping_ratio=max(1.0 + xi, least),
-                share=max(1.0 + share, least),
+                frequency=max(1.0 + f, _LEAST),
+                damping_ratio=max(1.0 + xi, _LEAST),
+                share=max(1.0 + share, _LEAST),
             ),
             step,
         )

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from reliab.rebuilt_error.error_statistics import mean_square
 from reliab.rebuilt_error.interval import Histories
-from reliab.rebuilt_error.recursion import Recursion, respond
+from reliab.rebuilt_error.recursion import Recursion, equilibrium, respond
+from reliab.rebuilt_error.whole_structure import WholeStructure
 
 Array = NDArray[np.float64]
 
@@ -111,15 +112,15 @@ class Parts:
         return {name: _power_in_bands(part.history, time_step, edges) for name, part in self.by_name.items()}
 
 
-def divide(histories: Histories, recursion: Recursion) -> Parts:
+def divide(histories: Histories, structure: WholeStructure) -> Parts:
     """Divide a rebuilt error in its parts.
 
     Parameters
     ----------
     histories : Histories
         Command and smoothed measured displacement.
-    recursion : Recursion
-        From x_c − x_m to the interface's error.
+    structure : WholeStructure
+        The whole structure.
 
     Returns
     -------
@@ -127,6 +128,7 @@ def divide(histories: Histories, recursion: Recursion) -> Parts:
         Gain, delay and parts; they add up to x_m − x_I.
     """
     command, measured, step = histories.command, histories.measured, histories.time_step
+    recursion = Recursion.of_displacement(structure, step)
     velocity = np.gradient(command, step)
     basis = np.stack([command, -velocity, np.ones(command.size)])  # an offset is neither gain nor delay
     scale = np.abs(basis).max(axis=1)
@@ -140,6 +142,8 @@ def divide(histories: Histories, recursion: Recursion) -> Parts:
     pieces = {
         name: respond(recursion, difference)[0] - difference for name, difference in differences.items()
     }
+    still = np.zeros(command.size)
+    pieces[NEITHER] += respond(recursion, still, equilibrium(structure, histories.standing))[0]
     late = histories.fed_back - histories.difference
     if np.abs(late).max() > _ROUNDING * np.abs(measured).max():
         pieces[FED_BACK_FORCE] = respond(recursion, late)[0]

@@ -26,7 +26,7 @@ from reliab.rebuilt_error.force_form import Form, combined_reading, felt_displac
 from reliab.rebuilt_error.interval import Histories, Unknown, samples_in_step, sweep
 from reliab.rebuilt_error.noise import estimate_noise
 from reliab.rebuilt_error.rebuilt import RebuiltError, conclude
-from reliab.rebuilt_error.recursion import Recursion, respond
+from reliab.rebuilt_error.recursion import Recursion, equilibrium, respond
 from reliab.rebuilt_error.tolerances import Tolerances
 from reliab.rebuilt_error.whole_structure import WholeStructure, whole_structure
 
@@ -107,13 +107,15 @@ def rebuild(
     if form is Form.COMBINED:
         read, noise = felt, estimate_noise(command, felt, time_step)
     fed_back = command - delayed(felt, feedback_lag, time_step)
-    response = respond(Recursion.of_displacement(whole, time_step), fed_back)[0]
+    recursion = Recursion.of_displacement(whole, time_step)
+    response = respond(recursion, fed_back, equilibrium(whole, -start.standing))[0]
     difference = noise.smooth(command - read)
     histories = Histories(
         command=command,
         measured=command - difference,
         fed_back=noise.smooth(fed_back),
         time_step=time_step,
+        standing=-start.standing,
     )
     relative = float(np.sqrt(mean_square(response) / mean_square(command)))
     unknown = Unknown(

@@ -17,7 +17,6 @@ from reliab.rebuilt_error.interval import (
 )
 from reliab.rebuilt_error.noise import SensorNoise
 from reliab.rebuilt_error.parts import Parts, divide
-from reliab.rebuilt_error.recursion import Recursion
 from reliab.rebuilt_error.whole_structure import WholeStructure
 from reliab.rebuilt_error.widenings import Widening, widenings
 from reliab.vocabulary import Metric
@@ -106,7 +105,7 @@ class RebuiltError:
 
     def parts(self) -> Parts:
         """Divide the error in amplitude, delay, what is neither, and the fed-back force."""
-        return divide(self.histories, Recursion.of_displacement(self.structure, self.time_step))
+        return divide(self.histories, self.structure)
 
     def widenings(self, metric: Metric = Metric.RMS) -> tuple[Widening, ...]:
         """Which unknowns widen the interval most, the widest first."""

@@ -107,6 +107,28 @@ class Recursion:
         return int(self.early.size)
 
 
+def equilibrium(structure: WholeStructure, difference: float) -> Array:
+    """State in which the structure stands under a constant x_c − x_m.
+
+    Parameters
+    ----------
+    structure : WholeStructure
+        The whole structure.
+    difference : float
+        x_c − x_m [m].
+
+    Returns
+    -------
+    numpy.ndarray
+        State (K⁻¹γ(x_c − x_m), 0), shape (2n,); zero where the difference is.
+    """
+    size = structure.interface.size
+    state = np.zeros(2 * size)
+    if difference:
+        state[:size] = difference * np.linalg.solve(structure.stiffness, structure.interface)
+    return state
+
+
 def _state_space(structure: WholeStructure) -> tuple[Array, Array]:
     size = structure.interface.size
     below = -np.linalg.solve(structure.mass, np.hstack([structure.stiffness, structure.damping]))

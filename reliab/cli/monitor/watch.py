@@ -111,9 +111,9 @@ class Watch:
 
     def _message(self, monitor: Monitor, kind: str) -> dict[str, Any]:
         now = monitor.now
-        damping = now.damping_ratio
-        if damping is not None and damping < 0.0:
-            self._alarm("unstable", f"the loop has gained energy since {now.time:.2f} s and will diverge")
+        damping = None if now.damping is None else now.damping.ratio
+        if now.damping is not None and now.damping.unstable:
+            self._alarm("unstable", f"the loop has gained energy since {now.time:.2f} s and may diverge")
         if monitor.exceeds(self.threshold, self.metric):
             self._alarm("error", f"the error has been above {self.threshold:.2%} since {now.time:.2f} s")
         return {
@@ -173,7 +173,7 @@ class Watch:
             )
             probability = result.probability(self.threshold, self.metric)
             shown.add_row(f"probability below {_PERCENT * self.threshold:.3g}%", f"{probability:.3f}")
-        damping = now.damping_ratio
+        damping = None if now.damping is None else now.damping.ratio
         shown.add_row("net damping ratio", "not settled" if damping is None else f"{damping:.2%}")
         for alarm in self.alarms:
             shown.add_row("ALARM", alarm)
