@@ -118,12 +118,14 @@ def _reading(command: Array, measured: Array, noise: SensorNoise, frequency: flo
     thin = replace(noise, band=min(noise.band, 0.27 / step))
     smooth = thin.smooth(command - measured)
     size = -(-command.size // every)
-    hop = 2 * max(min(round(_PERIODS_OF_HOP / (2.0 * frequency * step)), size // (2 * _FEWEST_FRAMES)), 1)
+    periods = max(frequency * step * size, 1.0)  # of the structure in the test
+    half = min(round(_PERIODS_OF_HOP * size / (2.0 * periods)), size // (2 * _FEWEST_FRAMES))
+    hop = 2 * max(half, 1)
     observed = analyse(smooth[::every], hop)
     power = analyse(command[::every], hop) ** 2
     for axis in (0, 1):
         power = convolve1d(power, _NEIGHBOURS, axis=axis, mode="nearest")
-    places = (np.arange(hop) + 0.5) / (2.0 * hop * step)
+    places: Array = (np.arange(hop, dtype=np.float64) + 0.5) / (2.0 * hop * step)
     rounding, rest = _rounding(command, measured, thin, every, hop)
     least = _ROUNDING * float(power.max())
     white = replace(rest, weights=rest.weights * (np.arange(rest.weights.size) == 0)).passed(places) / every
@@ -170,13 +172,13 @@ def _rounding(
 def _bands(hop: int) -> NDArray[np.int64]:
     """Return the band of each coefficient; bands are equally wide on a logarithmic axis."""
     octaves = np.log2(2.0 * np.arange(hop) + 1.0)
-    return np.unique(np.floor(_BANDS_IN_OCTAVE * octaves), return_inverse=True)[1]
+    return np.asarray(np.unique(np.floor(_BANDS_IN_OCTAVE * octaves), return_inverse=True)[1])
 
 
 def _steps(places: Array, scale: float) -> Array:
     """Probability of a state after another one, shape (states, states)."""
     laplace = np.exp(-np.abs(places[:, np.newaxis] - places) / scale)
-    return (1.0 - _JUMP) * laplace / laplace.sum(axis=1, keepdims=True) + _JUMP / places.size
+    return np.asarray((1.0 - _JUMP) * laplace / laplace.sum(axis=1, keepdims=True) + _JUMP / places.size)
 
 
 def _chain(factors: int) -> tuple[Array, Array]:

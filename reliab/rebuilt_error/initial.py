@@ -105,28 +105,22 @@ def examine_start(
     0.0
     """
     peak = float(np.abs(command - command[0]).max())
-    amplitude = _amplitude(command, time_step, frequency)
-    if amplitude > _AT_REST * max(peak, float(np.abs(command).max())):
-        constant = _constant(command, measured, time_step)
-        felt = _felt(command, measured, constant, share) is _Answer.FELT
-        deviation = float(np.hypot(white / np.sqrt(command.size), slow))
-        return Start(
-            at_rest=False,
-            amplitude=amplitude,
-            offset=0.0,
-            offset_deviation=deviation if felt else float(np.hypot(constant, deviation)),
-        )
     moved = np.abs(command - command[0]) > _STILL * peak
     still = int(np.argmax(moved)) if moved.any() else command.size
     still = max(min(still, int(_LONGEST_REST * command.size)), _FEWEST)
     offset = float(np.mean(measured[:still] - command[:still]))
-    motion = float(np.abs(command[:still] - command[0]).max())
     deviation = float(np.hypot(white / np.sqrt(still), slow))
+    stands = _stands(command[:still], offset, deviation, share)
+    amplitude = _amplitude(command + share * offset if stands else command, time_step, frequency)
+    largest = max(peak, float(np.abs(command).max()))
+    if amplitude > (_STANDS * share * abs(offset) if stands else _AT_REST * largest):
+        known = float(np.hypot(white / np.sqrt(command.size), slow))
+        return _in_motion(command, measured, time_step, share, amplitude, known)
+    if stands:
+        return Start(at_rest=True, amplitude=0.0, offset=0.0, offset_deviation=deviation, standing=offset)
+    motion = float(np.abs(command[:still] - command[0]).max())
     if abs(offset) <= _SIGNIFICANT * deviation + motion:
         return Start(at_rest=True, amplitude=0.0, offset=0.0, offset_deviation=deviation)
-    answered = float(np.mean(command[:still])) + share * offset
-    if abs(answered) <= _STANDS * share * abs(offset):
-        return Start(at_rest=True, amplitude=0.0, offset=0.0, offset_deviation=deviation, standing=offset)
     turned = 2.0 * np.pi * frequency * still * time_step
     answer = share * abs(offset) * (1.0 - np.cos(min(turned, np.pi)))
     if answer > _SIGNIFICANT * max(
@@ -138,6 +132,26 @@ def examine_start(
         return Start(at_rest=True, amplitude=0.0, offset=0.0, offset_deviation=deviation)
     open_offset = deviation if told is _Answer.NOT_FELT else float(np.hypot(deviation, offset))
     return Start(at_rest=True, amplitude=0.0, offset=offset, offset_deviation=open_offset)
+
+
+def _stands(command: Array, offset: float, deviation: float, share: float) -> bool:
+    """Whether a command that does not move yet stands where an offset that the loop felt would hold it."""
+    place = float(np.mean(command)) + share * offset
+    return abs(offset) > _SIGNIFICANT * deviation and abs(place) <= _STANDS * share * abs(offset)
+
+
+def _in_motion(
+    command: Array, measured: Array, time_step: float, share: float, amplitude: float, known: float
+) -> Start:
+    """Return the beginning of a test that is moving already; `known` is how well a mean is known [m]."""
+    constant = _constant(command, measured, time_step)
+    felt = _felt(command, measured, constant, share) is _Answer.FELT
+    return Start(
+        at_rest=False,
+        amplitude=amplitude,
+        offset=0.0,
+        offset_deviation=known if felt else float(np.hypot(constant, known)),
+    )
 
 
 def _amplitude(command: Array, time_step: float, frequency: float) -> float:

@@ -23,6 +23,7 @@ from reliab.rebuilt_error.difference_draws import draw_differences
 from reliab.rebuilt_error.error_statistics import mean_square
 from reliab.rebuilt_error.feedback import delayed
 from reliab.rebuilt_error.force_form import Form, combined_reading, felt_displacement
+from reliab.rebuilt_error.initial import Start
 from reliab.rebuilt_error.interval import Histories, Unknown, samples_in_step, sweep
 from reliab.rebuilt_error.noise import estimate_noise
 from reliab.rebuilt_error.rebuilt import RebuiltError, conclude
@@ -117,12 +118,7 @@ def rebuild(
         time_step=time_step,
         standing=-start.standing,
     )
-    relative = float(np.sqrt(mean_square(response) / mean_square(command)))
-    unknown = Unknown(
-        tolerances=tolerances or Tolerances(),
-        offset=start.offset_deviation,
-        error_at_start=0.0 if start.at_rest else relative * start.amplitude,
-    )
+    unknown = _unknown(start, tolerances or Tolerances(), response, command)
     every = samples_in_step(whole, noise, command.size)
     lowest = float(whole.natural_frequencies[0])
     differences = draw_differences(command, read, noise, lowest, every, draws, seed)
@@ -140,6 +136,16 @@ def rebuild(
         unknown=unknown,
         start=start,
         seed=seed,
+    )
+
+
+def _unknown(start: Start, tolerances: Tolerances, response: Array, command: Array) -> Unknown:
+    """Return the standard deviations of all that is not known."""
+    relative = float(np.sqrt(mean_square(response) / mean_square(command)))
+    return Unknown(
+        tolerances=tolerances,
+        offset=start.offset_deviation,
+        error_at_start=0.0 if start.at_rest else relative * start.amplitude,
     )
 
 

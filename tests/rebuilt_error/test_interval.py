@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from rebuilt_error.laboratory import BACKLASH, BIAS, DELAY, RATE, Lab, noise, run, synthetic_ground
+from rebuilt_error.laboratory import BACKLASH, BIAS, DELAY, RATE, Lab, noise, quantised, run, synthetic_ground
 from reliab.errors import InputError
 from reliab.loop.structure import Structure
 from reliab.rebuilt_error import Tolerances, rebuild
 from reliab.rebuilt_error.force_form import Form
+from reliab.rebuilt_error.rounding import rounding_step
 from reliab.vocabulary import Metric
 
 STEP = 1.0 / RATE
@@ -189,3 +190,45 @@ def test_bad_input_is_refused(outcome, change, rule):
 def test_bad_tolerances_are_refused(value, rule):
     with pytest.raises(InputError, match=rule):
         Tolerances(frequency=value)
+
+
+def test_an_offset_from_before_the_record_starts_no_transient():
+    bias = 0.01 * np.abs(run(Lab(1.0, 0.03), synthetic_ground(7, 20.0)).ideal).max()
+    quiet = np.concatenate([np.zeros(int(60.0 * RATE)), synthetic_ground(7, 20.0)])
+    felt = run(Lab(1.0, 0.03, 1.0, BIAS, (0.998, bias, 0.0, 0.0)), quiet)
+    begin = int(58.0 * RATE)
+    command, measured = felt.command[begin:], felt.measured[begin:]
+    rebuilt = rebuild(command, measured, STEP, STRUCTURE)
+    strayed, ideal = (felt.measured - felt.ideal)[begin:], felt.ideal[begin:]
+    assert rebuilt.start.standing == pytest.approx(bias, rel=0.05)
+    assert rebuilt.rms.value == pytest.approx(np.sqrt(np.mean(strayed**2)) / np.abs(ideal).max(), rel=0.02)
+    assert np.abs(rebuilt.error - strayed).max() < 0.02 * np.abs(strayed).max()
+    parts = rebuilt.parts()
+    whole = np.sum([part.history for part in parts.by_name.values()], axis=0)
+    assert np.abs(whole - rebuilt.smooth_error).max() < 1e-9 * np.abs(whole).max()
+
+
+@pytest.mark.parametrize("kind", ["white", "quantised"])
+def test_a_nearly_perfect_actuator_is_not_overstated(kind):
+    built = Lab(1.0, 0.03, 1.0, DELAY, (0.9999, 5e-5, 0.0, 0.0))
+    near = run(built, synthetic_ground(9, 20.0))
+    level = 0.01 * np.sqrt(np.mean(near.measured**2))
+    generator = np.random.default_rng(3)
+    read = (
+        quantised(near.measured, level, generator)
+        if kind == "quantised"
+        else near.measured + noise(kind, near.measured.size, level, generator)
+    )
+    rebuilt = rebuild(near.command, read, STEP, STRUCTURE)
+    assert near.rms < 0.004
+    assert rebuilt.rms.low < near.rms < rebuilt.rms.high
+    assert rebuilt.rms.high < 3.0 * near.rms
+    assert rebuilt.mte.low < near.mte < rebuilt.mte.high
+
+
+def test_rounding_is_told_from_white_noise():
+    motion = np.sin(np.arange(0.0, 40.0, 0.01))
+    assert rounding_step(quantised(motion, 0.01, np.random.default_rng(1))) == pytest.approx(
+        np.sqrt(12.0) * 0.01
+    )
+    assert rounding_step(motion + noise("white", motion.size, 0.01, np.random.default_rng(1))) == 0.0

@@ -64,15 +64,6 @@ MotionFile = Annotated[
         help="Ground motion of the test; the index is then judged by the boundary of this motion.",
     ),
 ]
-WindowName = Annotated[
-    str | None,
-    typer.Option(
-        "--window",
-        metavar="record|SECONDS|arias",
-        help="With --motion: part of the record over which the index's error is computed; by default "
-        "the part during which the test ran. The test's own error is always over its own length.",
-    ),
-]
 CriterionFile = Annotated[
     Path | None,
     typer.Option(
@@ -140,7 +131,6 @@ def assess(
     feedback_lag: FeedbackLag = None,
     mass: Mass = None,
     motion: MotionFile = None,
-    window: WindowName = None,
     criterion: CriterionFile = None,
     model: ModelFile = None,
     structure: StructureFile = None,

@@ -16,12 +16,12 @@ if TYPE_CHECKING:
     from reliab.validation.assessment import Recording
 
 _ONLY_FOR_TESTS = (
-    *("test", "alpha", "scale", "feedback_lag", "mass", "motion", "window", "model", "structure"),
+    *("test", "alpha", "scale", "feedback_lag", "mass", "motion", "model", "structure"),
     *("command", "measured", "time", "rate", "units", "time_units", "delimiter", "report", "date", "check"),
 )
 _ONLY_FOR_DESIGN = ("figure",)
 _QUANTITIES = ("f", "xi", "alpha", "scale", "feedback_lag", "mass")
-_NEEDS = {"window": "motion", "date": "report"}
+_NEEDS = {"date": "report"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,7 +36,6 @@ class Demand:
     feedback_lag: StatedValue | None
     mass: StatedValue | None
     motion: Path | None
-    window: str | None
     criterion: Path | None
     model: Path | None
     structure: Path | None

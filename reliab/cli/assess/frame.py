@@ -11,7 +11,6 @@ from reliab.errors import InputError
 _SAID_BY_THE_FILE = ("f", "xi", "alpha", "mass")
 _NOT_FOR_FRAMES = {
     "motion": "The index of a frame's test is that of a criterion of the frame: give it with --criterion",
-    "window": "The error of a frame's test is over its own duration",
     "model": "The error of a frame's test is rebuilt for a linear specimen",
     "confidence": "The verdict rests on the test's own error; a criterion brings its confidence with it",
     "report": "No report is written on the test of a frame; --json FILE keeps the answer",

@@ -35,7 +35,6 @@ def judge_test(demand: Demand) -> bool:
     bool
         Whether the test is reliable.
     """
-    from reliab.indices.window import Window
     from reliab.loop.structure import Structure
     from reliab.validation.assessment import assess
 
@@ -55,7 +54,6 @@ def judge_test(demand: Demand) -> bool:
         threshold=FIVE_PERCENT if demand.threshold is None else demand.threshold,
         confidence=demand.confidence[0] if demand.confidence else _NINETY_FIVE,
         metric=demand.metric or "rms",
-        error_window=None if demand.window is None else Window.parse(demand.window),
         model=model,
         assumed=assumed,
     )
@@ -104,8 +102,8 @@ def _stated(
     assumed = []
     if "xi" not in stated:
         assumed.append(
-            "No damping ratio was stated (--xi); 0.02 was assumed. The verdict stands only if every ratio "
-            "from 0.005 to 0.1 gives the same."
+            "No damping ratio was stated (--xi); 0.02 was assumed. The verdict stands only if each of seven "
+            "ratios from 0.005 to 0.1 gives the same."
         )
     defaults = {"xi": StatedValue(TWO_PERCENT), "alpha": StatedValue(1.0), "scale": StatedValue(1.0)}
     return {**defaults, "feedback_lag": StatedValue(0.0), **stated}, tuple(assumed)

@@ -3,8 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from reliab.criterion import Criterion
-from reliab.indices.window import Window
 from reliab.loop.hybrid_test.model_file import UpdatedModel
 from reliab.loop.structure import Structure
 from reliab.motions import Motion
@@ -19,17 +20,18 @@ from reliab.validation.assessment.faults import Fault, find_faults, repaired
 from reliab.validation.assessment.findings import FaultEffect
 from reliab.validation.assessment.moving_windows import track_windows
 from reliab.validation.assessment.own_equation import OwnEquation, examine_equation
-from reliab.validation.assessment.own_motion import place_on_own
+from reliab.validation.assessment.own_motion import OwnPlacement, place_on_own
 from reliab.validation.assessment.placement import place
 from reliab.validation.assessment.plausibility import require_following, require_length
 from reliab.validation.assessment.recording import Recording
 from reliab.validation.assessment.spikes import without_spikes
-from reliab.validation.assessment.tracking_index import track
+from reliab.validation.assessment.tracking_index import TrackingIndex, track
 from reliab.validation.assessment.tracking_measures import measure_tracking
+from reliab.validation.assessment.verdict import Verdict
 from reliab.vocabulary import Metric
 
 _FEW_DRAWS = 2
-_EXTREME_DAMPING = (0.005, 0.1)  # between them lie the damping ratios of structures in laboratories
+_DAMPING_RATIOS = tuple(np.geomspace(0.005, 0.1, 7).tolist())  # of structures in laboratories
 
 
 def assess(
@@ -42,7 +44,6 @@ def assess(
     threshold: float = 0.05,
     confidence: float = 0.95,
     metric: str = "rms",
-    error_window: Window | None = None,
     model: UpdatedModel | None = None,
     assumed: tuple[str, ...] = (),
     taper: str = "hann",
@@ -61,7 +62,7 @@ def assess(
         sensor of the measured displacement over that of the command; exact by default.
     motion : Motion, optional
         Its ground motion; the index is then that of this motion's own boundary, exact by simulation, over
-        the part of the record that the test saw.
+        the part of the record that the test saw, as the error of the test is.
     criterion : Criterion, optional
         The criterion; by default the one that ships with the package, for the threshold, metric and
         confidence given and for tests of this length. A criterion that is given brings its own.
@@ -71,13 +72,11 @@ def assess(
         Share of ground motions.
     metric : str, optional
         Which error, "rms" or "mte".
-    error_window : Window, optional
-        Part of the ground motion over which the error is computed, instead of the test's own duration.
     model : UpdatedModel, optional
         Calibrated model of a nonlinear specimen, as `reliab diagnose` writes it.
     assumed : tuple of str, optional
         That no damping ratio was stated and one had to be assumed, in sentences; repeated among the warnings.
-        The verdict then stands only if it is the same with every ratio from 0.5 to 10 %.
+        The verdict then stands only if it is the same with each of seven ratios from 0.5 to 10 %.
     taper : str, optional
         Window of the evaluation index.
     seed : int, optional
@@ -116,10 +115,6 @@ def assess(
     clean = repaired(recording, faults)
     tracking = track(clean, window=taper, seed=seed)
     judged = _judged(recording, clean, faults, question)
-    placement = None
-    if motion is not None:
-        alignment = align(clean, judged.error.reference, structure, motion)
-        placement = place_on_own(motion, tracking, alignment, question, window=error_window)
     return Assessment(
         recording=recording,
         structure=structure,
@@ -129,20 +124,22 @@ def assess(
         measures=measure_tracking(clean),
         windows=track_windows(clean, tracking, window=taper),
         population=place(chosen, structure, tracking.amplitude, tracking.delay, tracking.draws),
-        placement=placement,
+        placement=None if motion is None else _placed(motion, clean, tracking, judged.error, question),
         error=judged.error,
         faults=judged.effects,
         equation=judged.equation,
         otherwise_stated=judged.otherwise,
-        verdict=verdict_of_error(
-            judged.error,
-            judged.effects,
-            judged.equation,
-            judged.otherwise,
-            _at_extreme_damping(clean, question) if assumed else (),
-        ),
+        verdict=judged.verdict(_with_any_damping(clean, question) if assumed else ()),
         assumed=assumed,
     )
+
+
+def _placed(
+    motion: Motion, clean: Recording, tracking: TrackingIndex, error: ErrorOfTest, question: Question
+) -> OwnPlacement:
+    """Place the test against the boundary of its own ground motion."""
+    alignment = align(clean, error.reference, question.structure, motion)
+    return place_on_own(motion, tracking, alignment, question)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -153,6 +150,10 @@ class _Judged:
     effects: tuple[FaultEffect, ...]
     equation: OwnEquation
     otherwise: tuple[ErrorOfTest, ...]
+
+    def verdict(self, with_any_damping: tuple[ErrorOfTest, ...]) -> Verdict:
+        """Judge the test; `with_any_damping` holds its errors where no damping ratio was stated."""
+        return verdict_of_error(self.error, self.effects, self.equation, self.otherwise, with_any_damping)
 
 
 def _judged(recording: Recording, clean: Recording, faults: tuple[Fault, ...], question: Question) -> _Judged:
@@ -201,11 +202,11 @@ def _otherwise_stated(
     return (error_of_test(recording, restated),)
 
 
-def _at_extreme_damping(recording: Recording, question: Question) -> tuple[ErrorOfTest, ...]:
-    """Error with the lowest and the highest damping ratio that a structure may have."""
+def _with_any_damping(recording: Recording, question: Question) -> tuple[ErrorOfTest, ...]:
+    """Errors with damping ratios of structures, from the lowest to the highest."""
     return tuple(
         error_of_test(
             recording, replace(question, structure=replace(question.structure, damping_ratio=ratio))
         )
-        for ratio in _EXTREME_DAMPING
+        for ratio in _DAMPING_RATIOS
     )

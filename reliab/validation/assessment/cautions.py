@@ -19,7 +19,6 @@ _FAR_FROM_ONE = 0.2
 _VARYING = 0.1  # share of a limit
 _UNEXPLAINED = 0.3  # share of the amplitude limit
 _LEAD = 1e-5  # s
-_OTHER_WINDOW = 0.01  # of the test's length
 _NOISIER, _ROUNDING = 10.0, 1e-8  # in power
 _MILLISECONDS = 1e3
 
@@ -205,12 +204,6 @@ def _of_motion(findings: Findings) -> Iterator[str]:
     if placement is None:
         return
     place = placement.alignment
-    begin, end = placement.window
-    if abs(end - begin - findings.recording.duration) > _OTHER_WINDOW * findings.recording.duration:
-        yield (
-            f"The index's error is over {begin:.3g} to {end:.4g} s of the record; RMS^R and MTE^R of this "
-            f"test are over its own {findings.recording.duration:.4g} s, and the verdict with them."
-        )
     if not place.matched:
         yield (
             f"The test was not found in the record of {placement.motion} (best similarity "

@@ -30,7 +30,7 @@ def verdict_of_error(
     otherwise : tuple of ErrorOfTest
         Error of the test with what was stated, or could be stated, instead.
     assumed : tuple of ErrorOfTest, optional
-        Error of the test with the lowest and the highest damping ratio of structures, where none was stated.
+        Errors of the test with damping ratios of structures, where none was stated.
 
     Returns
     -------
@@ -60,8 +60,10 @@ def verdict_of_error(
         reasons.extend(equation.contradictions)
         remedies.append("Find out why the structure differs from what was stated; it decides the verdict.")
     if any(word_of_probability(restated.probability) is not word for restated in assumed):
-        sizes = " and ".join(
-            f"{restated.of(error.metric).value:.2%} at ξ = {restated.damping_ratio:g}" for restated in assumed
+        by_size = sorted(assumed, key=lambda restated: restated.of(error.metric).value)
+        sizes = " to ".join(
+            f"{restated.of(error.metric).value:.2%} (ξ = {restated.damping_ratio:.2g})"
+            for restated in (by_size[0], by_size[-1])
         )
         reasons.append(f"No damping ratio was stated, and it decides the verdict: {name} is {sizes}.")
         remedies.append("State the damping ratio of the structure with --xi.")

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reliab.indices.window import Window
 from reliab.loop.excitation import Excitation
 from reliab.motions import Motion
 from reliab.validation.assessment.alignment import Alignment, Padded
@@ -59,8 +58,6 @@ def place_on_own(
     tracking: TrackingIndex,
     alignment: Alignment,
     question: Question,
-    *,
-    window: Window | None,
 ) -> OwnPlacement:
     """Place a test against its own ground motion's boundary.
 
@@ -74,15 +71,13 @@ def place_on_own(
         Where in the record the test began.
     question : Question
         Structure, threshold and metric that are asked about.
-    window : Window or None
-        Part of the record over which the error is computed; the test's own stretch where None.
 
     Returns
     -------
     OwnPlacement
         Error, index and probability.
     """
-    excitation, bounds = _excitation(motion, alignment, window)
+    excitation, bounds = _excitation(motion, alignment)
     boundary = OwnBoundary(
         excitation=excitation,
         structure=question.structure,
@@ -108,14 +103,8 @@ def place_on_own(
     )
 
 
-def _excitation(
-    motion: Motion, alignment: Alignment, window: Window | None
-) -> tuple[Excitation, tuple[float, float]]:
-    """Ground acceleration with the window of the error, and that window on the record's time axis [s]."""
-    if window is not None:
-        bounds = window.bounds(motion.acceleration, motion.time_step)
-        excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step, window=bounds)
-        return excitation, bounds
+def _excitation(motion: Motion, alignment: Alignment) -> tuple[Excitation, tuple[float, float]]:
+    """Ground acceleration with the stretch that the test saw, and that stretch in the record [s]."""
     begin, end = alignment.begin, alignment.end
     record = Padded.around(motion, end - begin)
     if alignment.from_rest:

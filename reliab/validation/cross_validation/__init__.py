@@ -2,6 +2,7 @@
 
 from reliab.validation.cross_validation.candidates import Candidate, Derived, Limits, Printed
 from reliab.validation.cross_validation.cell import Cell
+from reliab.validation.cross_validation.counts import CrossValidation
 from reliab.validation.cross_validation.folds import (
     Fold,
     from_another,
@@ -11,7 +12,7 @@ from reliab.validation.cross_validation.folds import (
     random_halves,
     transfer,
 )
-from reliab.validation.cross_validation.judge import CrossValidation, cross_validate
+from reliab.validation.cross_validation.judge import cross_validate
 from reliab.validation.cross_validation.schemes import SCHEMES, folds_of
 from reliab.validation.cross_validation.truth import EllipseTruth, SimulatedTruth, StoredTruth, Truth
 

@@ -13,9 +13,8 @@ accepted share
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from itertools import product
-from typing import Final, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -27,118 +26,12 @@ from reliab.errors import InputError
 from reliab.progress import Progress, silent
 from reliab.validation.cross_validation.candidates import Candidate, Limits
 from reliab.validation.cross_validation.cell import Cell
+from reliab.validation.cross_validation.counts import COUNTS, DIMENSIONS, CrossValidation
 from reliab.validation.cross_validation.folds import Fold
-from reliab.validation.cross_validation.intervals import event_bootstrap
 from reliab.validation.cross_validation.region import Actuators
 from reliab.validation.cross_validation.trials import draw_trials
 from reliab.validation.cross_validation.truth import EllipseTruth, Truth
 from reliab.vocabulary import Side
-
-_COUNTS: Final = (
-    *("contained", "judged", "unresolved", "within_ellipse", "fitted"),
-    *("tried", "accepted", "accepted_bad", "accepted_good", "good"),
-)
-_DIMENSIONS: Final = ("candidate", "confidence", "side", "f", "xi", "motion")
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class CrossValidation:
-    """Counts of what happened to each judged motion, and the rates that follow.
-
-    Attributes
-    ----------
-    counts : xarray.Dataset
-        Over (candidate, confidence, side, f, xi, motion), for actuators that are late and those that are
-        early: times `judged` and `contained` by the true error, times `unresolved`, where the error along the
-        edge is not known; times `fitted`, where the motion has an ellipse, and `within_ellipse`, where it
-        contains the criterion's; trials `tried`, `accepted`, `accepted_bad`, `accepted_good`, and `good`.
-    scheme : str
-        How the motions were divided.
-    threshold : float
-        Error on the boundary [-].
-    metric : str
-        Which error.
-    truth : str
-        What the errors rest on: "simulated", or "ellipse" where only fitted ellipses are known.
-    """
-
-    counts: xr.Dataset
-    scheme: str
-    threshold: float
-    metric: str
-    truth: str
-
-    def containment(self, over: Sequence[str] = ("f", "xi"), side: Side = Side.LAG) -> xr.Dataset:
-        """Share of judged motions under which the error stays below the threshold along the whole edge.
-
-        Parameters
-        ----------
-        over : sequence of str, optional
-            Dimensions that are averaged over beside the motions.
-        side : Side, optional
-            Actuators that are late or early.
-
-        Returns
-        -------
-        xarray.Dataset
-            `rate`, `low` and `high` (95 % interval that respects the earthquakes).
-        """
-        return self._rate("contained", "judged", over, side)
-
-    def containment_by_ellipse(self, over: Sequence[str] = ("f", "xi"), side: Side = Side.LAG) -> xr.Dataset:
-        """Share of motions whose fitted ellipse contains the criterion's; as :meth:`containment`."""
-        return self._rate("within_ellipse", "fitted", over, side)
-
-    def false_safe(self, over: Sequence[str] = ("f", "xi"), side: Side = Side.LAG) -> xr.Dataset:
-        """Share of accepted tests whose error exceeds the threshold; as :meth:`containment`."""
-        return self._rate("accepted_bad", "accepted", over, side)
-
-    def accepted_share(self, over: Sequence[str] = ("f", "xi"), side: Side = Side.LAG) -> xr.Dataset:
-        """Share of truly good tests that are accepted; as :meth:`containment`."""
-        return self._rate("accepted_good", "good", over, side)
-
-    def confusion(self, over: Sequence[str] = ("f", "xi", "motion"), side: Side = Side.LAG) -> xr.Dataset:
-        """Confusion matrix of the verdicts on trials.
-
-        Parameters
-        ----------
-        over : sequence of str, optional
-            Dimensions that are added up.
-        side : Side, optional
-            Actuators that are late or early.
-
-        Returns
-        -------
-        xarray.Dataset
-            Trials `good_accepted`, `good_rejected`, `bad_accepted` and `bad_rejected`, the error of good
-            ones staying below the threshold.
-        """
-        total = self.counts.sel(side=str(side), drop=True).sum(list(over))
-        good_rejected = total["good"] - total["accepted_good"]
-        return xr.Dataset(
-            {
-                "good_accepted": total["accepted_good"],
-                "good_rejected": good_rejected,
-                "bad_accepted": total["accepted_bad"],
-                "bad_rejected": total["tried"] - total["accepted"] - good_rejected,
-            }
-        )
-
-    def judges(self, side: Side) -> bool:
-        """Whether anything was judged of actuators that are late, or early."""
-        return bool((self.counts["judged"].sel(side=str(side)) > 0).any())
-
-    def _rate(self, numerator: str, denominator: str, over: Sequence[str], side: Side) -> xr.Dataset:
-        counts = self.counts.sel(side=str(side), drop=True)
-        top, bottom = (counts[name].sum(list(over)) for name in (numerator, denominator))
-        low, high = event_bootstrap(
-            top.transpose("motion", ...).values.astype(np.float64),
-            bottom.transpose("motion", ...).values.astype(np.float64),
-            self.counts["event"].values,
-        )
-        total = bottom.sum("motion")
-        rate = top.sum("motion") / total.where(total > 0)  # NaN where nothing was judged
-        return xr.Dataset({"rate": rate, "low": rate.copy(data=low), "high": rate.copy(data=high)})
 
 
 def cross_validate(
@@ -218,7 +111,7 @@ def cross_validate(
         raise refusals[0]
     sizes = (ellipses.sizes[name] for name in ("f", "xi", "motion"))
     shape = (len(candidates), len(confidences), len(Side), *sizes)
-    counts = np.zeros((len(_COUNTS), *shape), dtype=np.int64)
+    counts = np.zeros((len(COUNTS), *shape), dtype=np.int64)
     for done, ((i, f), (j, xi)) in enumerate(structures, start=len(folds) + 1):
         cell = Cell(frequency=f, damping_ratio=xi, threshold=threshold, metric=metric)
         for place, side in enumerate(Side):
@@ -332,7 +225,7 @@ def _labelled(
     confidences: Sequence[float],
 ) -> xr.Dataset:
     return xr.Dataset(
-        {name: (_DIMENSIONS, values) for name, values in zip(_COUNTS, counts, strict=True)},
+        {name: (DIMENSIONS, values) for name, values in zip(COUNTS, counts, strict=True)},
         coords={
             "candidate": [candidate.name for candidate in candidates],
             "confidence": list(confidences),

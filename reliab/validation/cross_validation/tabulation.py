@@ -6,7 +6,7 @@ from typing import Final
 import pandas as pd
 import xarray as xr
 
-from reliab.validation.cross_validation.judge import CrossValidation
+from reliab.validation.cross_validation.counts import CrossValidation
 from reliab.vocabulary import Side
 
 RATES: Final = ("containment", "containment_by_ellipse", "false_safe", "accepted_share")

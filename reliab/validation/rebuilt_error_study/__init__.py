@@ -14,10 +14,11 @@ force, under the demand that the recorded displacement reveals.
 """
 
 from reliab.validation.rebuilt_error_study.conditions import PLAIN, RIGHT
+from reliab.validation.rebuilt_error_study.design import Design
 from reliab.validation.rebuilt_error_study.judges import CERTAIN, OWN_BOUNDARY, REBUILT, WITH_MODEL
 from reliab.validation.rebuilt_error_study.rigs import LINEAR
 from reliab.validation.rebuilt_error_study.shares import shares, summarised
-from reliab.validation.rebuilt_error_study.study import STUDY_COLUMNS, Design, try_tests
+from reliab.validation.rebuilt_error_study.study import STUDY_COLUMNS, try_tests
 
 __all__ = [
     "CERTAIN",

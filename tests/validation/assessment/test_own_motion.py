@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from reliab.indices.window import Window
 from reliab.loop.structure import Structure
 from reliab.motions import Motion
 from reliab.validation.assessment import Recording, assess
@@ -43,9 +42,6 @@ def test_a_test_shorter_than_its_record_is_judged_over_its_own_duration(motion, 
     own = judged(test, motion).placement
     assert own.window == pytest.approx((0.0, 25.0), abs=0.01)
     assert own.error == pytest.approx(test.rms, rel=0.02)
-    long = judged(test, motion, error_window=Window()).placement
-    assert long.window == pytest.approx((0.0, motion.duration))
-    assert abs(long.error / test.rms - 1.0) > 0.05  # the quiet end of the record, or its later shaking
 
 
 @pytest.mark.parametrize("ground", [False, True])

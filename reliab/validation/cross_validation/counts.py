@@ -1,0 +1,120 @@
+"""Counts of what criteria did on motions from which they were not learned, and the rates that follow."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import xarray as xr
+
+from reliab.validation.cross_validation.intervals import event_bootstrap
+from reliab.vocabulary import Side
+
+COUNTS: Final = (
+    *("contained", "judged", "unresolved", "within_ellipse", "fitted"),
+    *("tried", "accepted", "accepted_bad", "accepted_good", "good"),
+)
+"""What is counted."""
+
+DIMENSIONS: Final = ("candidate", "confidence", "side", "f", "xi", "motion")
+"""Over what it is counted."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CrossValidation:
+    """Counts of what happened to each judged motion, and the rates that follow.
+
+    Attributes
+    ----------
+    counts : xarray.Dataset
+        Over (candidate, confidence, side, f, xi, motion), for actuators that are late and those that are
+        early: times `judged` and `contained` by the true error, times `unresolved`, where the error along the
+        edge is not known; times `fitted`, where the motion has an ellipse, and `within_ellipse`, where it
+        contains the criterion's; trials `tried`, `accepted`, `accepted_bad`, `accepted_good`, and `good`.
+    scheme : str
+        How the motions were divided.
+    threshold : float
+        Error on the boundary [-].
+    metric : str
+        Which error.
+    truth : str
+        What the errors rest on: "simulated", or "ellipse" where only fitted ellipses are known.
+    """
+
+    counts: xr.Dataset
+    scheme: str
+    threshold: float
+    metric: str
+    truth: str
+
+    def containment(self, over: Sequence[str] = ("f", "xi"), side: Side = Side.LAG) -> xr.Dataset:
+        """Share of judged motions under which the error stays below the threshold along the whole edge.
+
+        Parameters
+        ----------
+        over : sequence of str, optional
+            Dimensions that are averaged over beside the motions.
+        side : Side, optional
+            Actuators that are late or early.
+
+        Returns
+        -------
+        xarray.Dataset
+            `rate`, `low` and `high` (95 % interval that respects the earthquakes).
+        """
+        return self._rate("contained", "judged", over, side)
+
+    def containment_by_ellipse(self, over: Sequence[str] = ("f", "xi"), side: Side = Side.LAG) -> xr.Dataset:
+        """Share of motions whose fitted ellipse contains the criterion's; as :meth:`containment`."""
+        return self._rate("within_ellipse", "fitted", over, side)
+
+    def false_safe(self, over: Sequence[str] = ("f", "xi"), side: Side = Side.LAG) -> xr.Dataset:
+        """Share of accepted tests whose error exceeds the threshold; as :meth:`containment`."""
+        return self._rate("accepted_bad", "accepted", over, side)
+
+    def accepted_share(self, over: Sequence[str] = ("f", "xi"), side: Side = Side.LAG) -> xr.Dataset:
+        """Share of truly good tests that are accepted; as :meth:`containment`."""
+        return self._rate("accepted_good", "good", over, side)
+
+    def confusion(self, over: Sequence[str] = ("f", "xi", "motion"), side: Side = Side.LAG) -> xr.Dataset:
+        """Confusion matrix of the verdicts on trials.
+
+        Parameters
+        ----------
+        over : sequence of str, optional
+            Dimensions that are added up.
+        side : Side, optional
+            Actuators that are late or early.
+
+        Returns
+        -------
+        xarray.Dataset
+            Trials `good_accepted`, `good_rejected`, `bad_accepted` and `bad_rejected`, the error of good
+            ones staying below the threshold.
+        """
+        total = self.counts.sel(side=str(side), drop=True).sum(list(over))
+        good_rejected = total["good"] - total["accepted_good"]
+        return xr.Dataset(
+            {
+                "good_accepted": total["accepted_good"],
+                "good_rejected": good_rejected,
+                "bad_accepted": total["accepted_bad"],
+                "bad_rejected": total["tried"] - total["accepted"] - good_rejected,
+            }
+        )
+
+    def judges(self, side: Side) -> bool:
+        """Whether anything was judged of actuators that are late, or early."""
+        return bool((self.counts["judged"].sel(side=str(side)) > 0).any())
+
+    def _rate(self, numerator: str, denominator: str, over: Sequence[str], side: Side) -> xr.Dataset:
+        counts = self.counts.sel(side=str(side), drop=True)
+        top, bottom = (counts[name].sum(list(over)) for name in (numerator, denominator))
+        low, high = event_bootstrap(
+            top.transpose("motion", ...).values.astype(np.float64),
+            bottom.transpose("motion", ...).values.astype(np.float64),
+            self.counts["event"].values,
+        )
+        total = bottom.sum("motion")
+        rate = top.sum("motion") / total.where(total > 0)  # NaN where nothing was judged
+        return xr.Dataset({"rate": rate, "low": rate.copy(data=low), "high": rate.copy(data=high)})
