@@ -68,13 +68,14 @@ def test_a_loop_that_will_diverge_is_known_while_its_motion_is_small():
     stop = int(np.argmax(np.abs(late.command) > 0.05 * np.abs(late.command).max()))
     monitor = followed(late.command[:stop], late.measured[:stop], (400,))
     expected = 0.02 - np.pi * 0.010
-    assert monitor.now.damping_ratio == pytest.approx(expected, rel=0.1)
-    assert expected < 0.0
+    assert monitor.now.damping.ratio == pytest.approx(expected, rel=0.1)
+    assert monitor.now.damping.unstable
 
 
 def test_a_stable_loop_keeps_the_damping_that_its_delay_leaves(outcome):
     monitor = followed(outcome.command, outcome.measured, (400,))
-    assert monitor.now.damping_ratio == pytest.approx(0.02 - np.pi * 0.001, rel=0.05)
+    assert not monitor.now.damping.unstable
+    assert monitor.now.damping.ratio == pytest.approx(0.02 - np.pi * 0.001, rel=0.05)
 
 
 def test_a_sample_takes_less_than_a_tenth_of_a_millisecond(outcome):
