@@ -119,9 +119,9 @@ class Damping:
         values = inverse @ joint[:3, 3]
         rest = max(float(joint[3, 3] - values @ joint[:3, 3]), 0.0)
         independent = max(_INDEPENDENT * float(moments[2, 2]) / self.samples, 1.0)
-        units = self.factor * scale[3] / scale[1]
-        ratio = self.ratio + units * float(values[1])
-        deviation = units * float(np.sqrt(max(inverse[1, 1], 0.0) * rest / independent))
+        units = float(self.factor * scale[3] / scale[1])
+        ratio = float(self.ratio) + units * float(values[1])
+        deviation = units * float(np.sqrt(max(float(inverse[1, 1]), 0.0) * rest / independent))
         return NetDamping(
             ratio=ratio,
             deviation=deviation,

@@ -13,8 +13,10 @@ from typer.testing import CliRunner
 
 from reliab.cli.validate import validate
 from reliab.errors import InputError
+from reliab.indices.response_error import response_error
 from reliab.loop.structure import Structure
 from reliab.motions import Motion
+from reliab.validation.beyond_the_model import Rig
 from reliab.validation.rebuilt_error_study import (
     CERTAIN,
     LINEAR,
@@ -28,7 +30,9 @@ from reliab.validation.rebuilt_error_study import (
     summarised,
     try_tests,
 )
+from reliab.validation.rebuilt_error_study import bench as simulated
 from reliab.validation.rebuilt_error_study.conditions import CONDITIONS, PLAIN
+from reliab.validation.rebuilt_error_study.rigs import RIGS, Scales
 from reliab.vocabulary import Metric
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -40,8 +44,8 @@ DURATION = 12.0
 
 
 def shaken(seed=3):
-    ground = laboratory.synthetic_ground(seed, DURATION, rate=study.RATE_HZ)
-    return Motion(name=f"shaken {seed}", acceleration=ground, time_step=1.0 / study.RATE_HZ)
+    ground = laboratory.synthetic_ground(seed, DURATION, rate=simulated.RATE_HZ)
+    return Motion(name=f"shaken {seed}", acceleration=ground, time_step=1.0 / simulated.RATE_HZ)
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +57,7 @@ def design():
 def short(design):
     """One round with the plain condition and two wrong ones."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(study, "CONDITIONS", (PLAIN, *CONDITIONS[5:6]))
+        patch.setattr(simulated, "CONDITIONS", (PLAIN, *CONDITIONS[5:6]))
         return try_tests(design)
 
 
@@ -61,16 +65,16 @@ def test_true_errors_are_those_of_another_laboratory():
     tau = 0.004
     lab = laboratory.Lab(1.0, 0.05, 1.0, laboratory.LAG, (1.0, tau, 0.0, 0.0))
     motion = shaken()
-    other = laboratory.run(lab, np.asarray(motion.acceleration), rate=study.RATE_HZ)
-    bench = study._Bench(  # noqa: SLF001 - the truth of the study, before anything is drawn
+    other = laboratory.run(lab, np.asarray(motion.acceleration), rate=simulated.RATE_HZ)
+    bench = simulated._Bench(  # noqa: SLF001 - the truth of the study, before anything is drawn
         design=Design.of([motion], [STRUCTURE], trials=1),
         record=motion,
         structure=STRUCTURE,
         rng=np.random.default_rng(0),
         judges={},
     )
-    effect = study.RIGS[1]
-    scales = study.Scales(
+    effect = RIGS[1]
+    scales = Scales(
         structure=STRUCTURE,
         displacement=1.0,
         velocity=1.0,
@@ -80,8 +84,8 @@ def test_true_errors_are_those_of_another_laboratory():
     )
     size = tau / scales.delay(1.0)
     late = bench.run(effect(size, scales), None).piston.values[0]
-    ideal = bench.run(study.Rig(name="perfect"), None).command.values[0]
-    error = study.response_error(late, ideal)
+    ideal = bench.run(Rig(name="perfect"), None).command.values[0]
+    error = response_error(late, ideal)
     assert error == pytest.approx(other.rms, rel=2e-3)
     assert 0.01 < error < 0.5
 
@@ -121,7 +125,7 @@ def test_a_study_goes_on_where_it_was_and_in_no_other(short, design, tmp_path, m
     def never(*_):
         raise AssertionError
 
-    monkeypatch.setattr(study, "_round", never)
+    monkeypatch.setattr(study, "tests_of_round", never)
     again = try_tests(design, kept=path)
     np.testing.assert_allclose(again["error"], short["error"])
     with pytest.raises(InputError, match="same study"):
@@ -142,7 +146,7 @@ def test_every_finished_round_is_kept(short, design, tmp_path, monkeypatch):
         except StopIteration:
             raise KeyboardInterrupt from None
 
-    monkeypatch.setattr(study, "_round", once)
+    monkeypatch.setattr(study, "tests_of_round", once)
     path = tmp_path / "tests.csv"
     with pytest.raises(KeyboardInterrupt):
         try_tests(replace(design, trials=2), kept=path)
@@ -186,7 +190,9 @@ def test_the_command_answers_and_refuses_what_it_does_not_use(short, monkeypatch
     app = typer.Typer()
     app.command()(validate)
     monkeypatch.setattr(
-        study, "_round", lambda design, _: iter(short.assign(study=design.digest).to_dict(orient="records"))
+        study,
+        "tests_of_round",
+        lambda design, _: iter(short.assign(study=design.digest).to_dict(orient="records")),
     )
     path = tmp_path / "tests.csv"
     arguments = ["--rebuilt-error", "--trials", "1", "--xi", "0.05", "--tests", str(path)]
