@@ -139,11 +139,11 @@ class ResultsStore:
             "digest": _digest([[getattr(result, name) for name in VARIABLES] for result in results]),
         }
         with self._safe(f"at {motion.name}"):
-            for group, result in zip(self._windows, results, strict=True):
-                for name in VARIABLES:
-                    array_of(group, name)[index] = getattr(result, name)
+            for arrays, result in zip(self._arrays, results, strict=True):
+                for name, array in arrays.items():
+                    array[index] = getattr(result, name)
             with self._turn:
-                array_of(self._group, _JOURNAL)[index] = json.dumps(entry)
+                self._journal_array[index] = json.dumps(entry)
 
     def finish(self) -> None:
         """Copy what the journal knows of the records into the coordinates."""
@@ -167,16 +167,25 @@ class ResultsStore:
             ) from error
 
     def _journal(self) -> list[str]:
-        return [str(entry) for entry in np.asarray(array_of(self._group, _JOURNAL)[:])]
+        return [str(entry) for entry in np.asarray(self._journal_array[:])]
+
+    @cached_property
+    def _journal_array(self) -> Any:  # noqa: ANN401 - an array of text
+        return array_of(self._group, _JOURNAL)
 
     @cached_property
     def _windows(self) -> list[zarr.Group]:
         return [zarr.open_group(self.path / name, mode="r+") for name in group_names(self.request)]
 
+    @cached_property
+    def _arrays(self) -> list[dict[str, Any]]:
+        """Arrays of each window by name, opened once."""
+        return [{name: array_of(group, name) for name in VARIABLES} for group in self._windows]
+
     def _stored_digest(self, index: int) -> str:
         """Digest of what is stored of one motion; empty where a chunk is damaged."""
         try:
-            return _digest([[array_of(group, name)[index] for name in VARIABLES] for group in self._windows])
+            return _digest([[array[index] for array in arrays.values()] for arrays in self._arrays])
         except (ValueError, RuntimeError, OSError):
             return ""
 

@@ -1,29 +1,37 @@
-"""Simulations per second and core: the engines beside a plain Runge-Kutta loop, JiTCDDE and ddeint.
+"""Simulations per second and core: the engines beside a plain Runge-Kutta loop and JiTCDDE.
 
 The baseline integrates the delay equation at 1024 Hz with fourth-order Runge-Kutta and linear history,
 compiled with Numba, one cell at a time, and keeps the two errors. All are run on one thread, the paper's
 grid (41 gains, 21 delays) before a 1 Hz structure with 2 % damping, under one record.
 
+    python -m pip install ".[benchmark]"
     python tests/benchmarks/engines.py [RECORD]
 """
 
+import contextlib
+import platform
 import sys
+import tempfile
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 import numba
 import numpy as np
+import threadpoolctl
 from numpy.typing import NDArray
 
 from reliab.loop import delay_stepper, pole_stepping
-from reliab.loop.blocks import cut
+from reliab.loop.blocks import block_length, cut
+from reliab.loop.engine import Loop
 from reliab.loop.excitation import Excitation
+from reliab.loop.pole_plane.plane import mean_squares
 from reliab.loop.structure import Structure
 from reliab.motions import Motion, load_motions, resample
 from reliab.sweep import ExplicitGrid
 
 RATE_HZ = 1024.0
-REPETITIONS = 7
+REPETITIONS = 15
 
 
 @numba.njit(fastmath=True)
@@ -70,13 +78,13 @@ def runge_kutta(
 
 
 def best(work: Callable[[], object]) -> float:
-    """Shortest of several times [s]; the first run, which compiles, is not counted."""
+    """Shortest of several processor times [s]; the first run, which compiles, is not counted."""
     work()
     times = []
     for _ in range(REPETITIONS):
-        start = time.perf_counter()
+        start = time.process_time()
         work()
-        times.append(time.perf_counter() - start)
+        times.append(time.process_time() - start)
     return min(times)
 
 
@@ -103,31 +111,44 @@ def jitcdde_rate(motion: Motion, structure: Structure) -> float | None:
     w0, xi, delay = structure.circular_frequency, structure.damping_ratio, 0.001
     solver = jitcdde([y(1), -sin(w0 * t) - 2 * xi * w0 * y(1) - w0**2 * y(0, t - delay)], max_delay=delay)
     solver.constant_past([0.0, 0.0])
-    solver.compile_C()
+    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):  # its build reads pyproject.toml
+        solver.compile_C()
     solver.integrate_blindly(0.01, 0.001)
-    start = time.perf_counter()
-    for instant in np.arange(solver.t, motion.duration, 0.01):
+    start = time.process_time()
+    for instant in np.arange(solver.t + 0.01, motion.duration, 0.01):
         solver.integrate(instant)
-    return 1.0 / (time.perf_counter() - start)
+    return 1.0 / (time.process_time() - start)
 
 
-def ddeint_rate(motion: Motion, structure: Structure) -> float | None:
-    """Simulations per second of ddeint, from its first two seconds; None where it is not installed."""
-    try:
-        from ddeint import ddeint
-    except ImportError:
-        return None
-    w0, xi, delay = structure.circular_frequency, structure.damping_ratio, 0.001
+def plane_rates(motion: Motion, structure: Structure) -> tuple[float, float]:
+    """Simulations per second of RMS^R alone by the responses of a few poles, for late actuators.
 
-    def model(state: Callable[[float], NDArray[np.float64]], instant: float) -> NDArray[np.float64]:
-        v = state(instant)[1]
-        ground = np.interp(instant, motion.times, motion.acceleration)
-        return np.array([v, -ground - 2 * xi * w0 * v - w0**2 * state(instant - delay)[0]])
+    The first counts the responses of the poles, the second is that of further actuators under the same
+    motion. As for the pole engine, what depends on the actuators alone is prepared before.
+    """
+    cells = ExplicitGrid().cells(structure)
+    excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step)
+    expansions, first = cells.expansions(block_length(structure)), np.zeros(cells.gain.size, dtype=np.int64)
 
-    instants = np.arange(0.0, 2.0, 1.0 / RATE_HZ)
-    start = time.perf_counter()
-    ddeint(model, lambda _: np.zeros(2), instants)
-    return 2.0 / motion.duration / (time.perf_counter() - start)
+    def anew() -> None:
+        responses = Loop(excitation=excitation, structure=structure).responses
+        mean_squares([responses], expansions, first)
+
+    responses = Loop(excitation=excitation, structure=structure).responses
+
+    def again() -> None:
+        mean_squares([responses], expansions, first)
+
+    return cells.gain.size / best(anew), cells.gain.size / best(again)
+
+
+def machine() -> str:
+    """Name of the processor."""
+    with contextlib.suppress(OSError):
+        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    return platform.processor() or platform.machine()
 
 
 def main() -> None:
@@ -145,14 +166,17 @@ def main() -> None:
     def delayed() -> object:
         return delay_stepper.deviation(blocks, structure, cells.gain, cells.delay)
 
-    reference = baseline(motion, structure)
+    threadpoolctl.threadpool_limits(1)
+    reference, plane = baseline(motion, structure), plane_rates(motion, structure)
     rates = {
         "Runge-Kutta at 1024 Hz (baseline)": reference,
         "delay engine": cells.gain.size / best(delayed),
         "pole engine": cells.gain.size / best(pole),
+        "pole plane, RMS^R only": plane[0],
+        "the same, further actuators": plane[1],
         "JiTCDDE": jitcdde_rate(motion, structure),
-        "ddeint": ddeint_rate(motion, structure),
     }
+    print(machine())
     print(f"{motion.name}: {motion.duration:.1f} s at {motion.time_step:g} s, {cells.gain.size} cells")
     for name, rate in rates.items():
         shown = "not installed" if rate is None else f"{rate:14.4g} /s {rate / reference:12.3g} x baseline"

@@ -197,3 +197,11 @@ def test_a_folder_that_cannot_be_written_is_named(tmp_path, suite, request_):
     (tmp_path / "file").write_bytes(b"")
     with pytest.raises(InputError, match="folder of a results store must be writable"):
         run_sweep(suite, request_, tmp_path / "file" / "results.zarr")
+
+
+def test_number_of_threads_does_not_change_a_bit(tmp_path, suite, request_):
+    by_one, by_two = (
+        open_results(run_sweep(suite, request_, tmp_path / f"{threads}.zarr", workers=threads))
+        for threads in (1, 2)
+    )
+    assert by_one.identical(by_two)
