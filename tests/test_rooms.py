@@ -31,6 +31,7 @@ ROOMS = (
 GROUND = {
     "compiled",
     "errors",
+    "files",
     "html_table",
     "progress",
     "registry",

@@ -4,6 +4,7 @@ Only Typer is imported here and at the top of the commands; numerics, and Rich f
 are imported when a command needs them, so that `reliab --help` answers at once.
 """
 
+import logging
 import os
 import sys
 import warnings
@@ -93,6 +94,7 @@ def run(arguments: Sequence[str]) -> int:
         Exit code: 0 done, 1 the answer is "not reliable", 2 bad input, 3 unfinished but safe, 130 interrupted
         by Ctrl-C.
     """
+    logging.getLogger("asyncio").addHandler(logging.NullHandler())  # errors are told once, as below
     command = typer.main.get_command(app)
     try:
         with warnings.catch_warnings():

@@ -5,6 +5,7 @@ Columns `a` [-] and `b` [ms²]; where present, `motion` (or `record`), `event`, 
 earthquake; without a motion, every row is an earthquake of its own.
 """
 
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ import pandas as pd
 import xarray as xr
 
 from reliab.errors import InputError
+from reliab.files import decoding, ordinary
 from reliab.vocabulary import ELLIPSE_DIMENSIONS, LABELS, Metric
 
 _OTHER_NAMES = {"record": "motion", "f_hz": "f"}
@@ -66,15 +68,12 @@ def read_ellipses(
 
 
 def _table(path: Path) -> pd.DataFrame:
-    try:
-        table = pd.read_csv(path, skipinitialspace=True, dtype=str, keep_default_na=False, index_col=False)
-    except (OSError, ValueError) as error:
-        raise InputError(
-            "A table of ellipses must be a readable CSV file",
-            value=str(error).strip(),
-            remedy="Give a file with the columns a and b",
-            where=str(path),
-        ) from error
+    rule, remedy = "A table of ellipses must be a readable CSV file", "Give a file with the columns a and b"
+    with decoding(rule, remedy=remedy, where=path), warnings.catch_warnings():
+        warnings.simplefilter("error", pd.errors.ParserWarning)  # a row of more cells than the first line
+        table = pd.read_csv(
+            ordinary(path), skipinitialspace=True, dtype=str, keep_default_na=False, index_col=False
+        )
     table = table.rename(columns=lambda name: name.strip().lower())
     table = table.rename(columns={k: v for k, v in _OTHER_NAMES.items() if v not in table})
     missing = [name for name in ("a", "b") if name not in table]

@@ -10,6 +10,7 @@ import emcee
 import numpy as np
 
 from reliab.errors import InputError
+from reliab.files import decoding, ordinary
 from reliab.progress import Progress, silent
 from reliab.sampling.diagnostics import FEWEST_ENSEMBLES
 from reliab.sampling.laplace import Laplace
@@ -215,22 +216,22 @@ def _backend(
     if file is None:
         yield emcee.backends.Backend()
         return
-    backend = emcee.backends.HDFBackend(str(file), name=name)
     signature = _signature(model, ensembles, width)
-    try:
+    with decoding(
+        "The file of the chains must be an HDF5 file that can be read and written",
+        remedy="Name another file, or delete it to begin anew",
+        where=file,
+    ):
+        backend = emcee.backends.HDFBackend(str(ordinary(file)), name=name)
         if not backend.initialized:
             backend.reset(width, len(model.parameters))
             with backend.open("a") as opened:
                 opened[name].attrs["signature"] = signature
         with backend.open() as opened:
             stored = opened[name].attrs.get("signature", "")
-    except OSError as error:
-        raise InputError(
-            "The file of the chains must be an HDF5 file that can be read and written",
-            value=str(error).splitlines()[0],
-            remedy="Name another file, or delete it to begin anew",
-            where=str(file),
-        ) from error
+        if stored == signature and backend.iteration:
+            np.random.RandomState().set_state(backend.random_state)
+            _ = backend.get_chain(), backend.accepted
     if stored != signature:
         raise InputError(
             "A run is resumed with the model, data and settings that it began with",

@@ -8,6 +8,7 @@ from typing import Any, Final
 from pydantic import ValidationError
 
 from reliab.errors import InputError
+from reliab.files import ordinary
 from reliab.shipped import shipped
 from reliab.study.description import Study
 from reliab.study.kinds import KINDS
@@ -36,7 +37,7 @@ def read_study(path: str | Path) -> Study:
     """
     path = Path(path)
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
+        content = tomllib.loads(ordinary(path).read_text(encoding="utf-8"))
     except OSError as error:
         raise InputError(
             "A study is a TOML file",

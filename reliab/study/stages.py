@@ -18,6 +18,7 @@ from typing import Any
 
 from reliab.criterion.provenance import installed_versions
 from reliab.errors import InputError
+from reliab.files import ordinary
 
 MANIFEST = "manifest.json"
 _CHUNK = 1 << 20
@@ -227,7 +228,7 @@ def code_digest() -> str:
 
 def _read(path: Path) -> dict[str, Any]:
     try:
-        return dict(json.loads((path / MANIFEST).read_text(encoding="utf-8")))
+        return dict(json.loads(ordinary(path / MANIFEST).read_text(encoding="utf-8")))
     except (OSError, ValueError):
         return {}
 

@@ -12,6 +12,8 @@ import numpy as np
 import xarray as xr
 
 from reliab.errors import InputError
+from reliab.files import decoding
+from reliab.sweep.netcdf import read_netcdf
 from reliab.sweep.store import SCHEMA_VERSION
 from reliab.vocabulary import Dimension, Metric
 
@@ -20,6 +22,9 @@ _AT_REST = "rms_at_rest"
 _STEP = 5e-4  # of the logarithm
 _CODED = "step_of_logarithm"
 _NEIGHBOURS = (Dimension.GAIN, Dimension.DELAY)
+
+_RULE = "Results are read from a Zarr store or from the NetCDF file of one"
+_REMEDY = "Check the path, or simulate first"
 
 
 def write_compact(results: xr.Dataset, path: str | Path) -> None:
@@ -67,26 +72,19 @@ def open_compact(path: Path) -> xr.Dataset:
     InputError
         If it is no such file, or of another schema version.
     """
-    try:
-        with xr.open_dataset(path, engine="h5netcdf") as file:
-            dataset: xr.Dataset = file.load()
-    except (OSError, ValueError):
-        raise InputError(
-            "Results are read from a Zarr store or from the NetCDF file of one",
-            value=path,
-            remedy="Check the path, or simulate first",
-        ) from None
+    dataset = read_netcdf(path, _RULE, _REMEDY)
     if dataset.attrs.get("schema_version") != SCHEMA_VERSION:
         raise InputError(
             f"This version reads results of schema version {SCHEMA_VERSION}",
             value=f"version {dataset.attrs.get('schema_version', 'none')} in {path}",
             remedy="Simulate again, or use the version of reliab that wrote them",
         )
-    if _CODED in dataset.attrs:
-        step = float(dataset.attrs.pop(_CODED))
-        for metric in Metric:
-            dataset[metric] = _decoded(dataset[metric], step)
-    dataset.attrs["experimental_fraction"] = float(dataset.attrs["experimental_fraction"])
+    with decoding(_RULE, remedy=_REMEDY, where=path):
+        if _CODED in dataset.attrs:
+            step = float(dataset.attrs.pop(_CODED))
+            for metric in Metric:
+                dataset[metric] = _decoded(dataset[metric], step)
+        dataset.attrs["experimental_fraction"] = float(dataset.attrs["experimental_fraction"])
     return dataset
 
 

@@ -7,7 +7,11 @@ import xarray as xr
 from reliab.errors import InputError
 from reliab.indices.window import Window
 from reliab.sweep.labels import with_labels
+from reliab.sweep.netcdf import read_netcdf
 from reliab.vocabulary import ELLIPSE_DIMENSIONS, CurveName, Dimension, Side
+
+_RULE = "Ellipses in NetCDF are a and b over motion, f, xi, threshold and metric"
+_REMEDY = "Check the path, or write the file with `reliab ellipses --out FILE.nc`"
 
 
 def write_ellipses(ellipses: xr.Dataset, path: str | Path) -> None:
@@ -87,14 +91,12 @@ def open_windows(path: str | Path) -> dict[str, xr.Dataset]:
 
 
 def _read(path: str | Path) -> xr.Dataset:
-    try:
-        with xr.open_dataset(path, engine="h5netcdf") as file:
-            dataset: xr.Dataset = file.load()
-    except (OSError, ValueError) as error:
-        raise _no_ellipses(path) from error
+    dataset = read_netcdf(path, _RULE, _REMEDY)
     needed = set(ELLIPSE_DIMENSIONS) - {Dimension.CURVE, Dimension.SIDE}
     if not needed <= set(dataset.dims) or not {"a", "b"} <= set(dataset):
-        raise _no_ellipses(path)
+        raise InputError(
+            _RULE, value=", ".join(map(str, dataset.dims)) or "none", remedy=_REMEDY, where=str(path)
+        )
     return with_sides(dataset)
 
 
@@ -116,21 +118,10 @@ def ellipse_windows(path: str | Path) -> tuple[str, ...]:
     InputError
         If it cannot be read.
     """
-    try:
-        with xr.open_dataset(path, engine="h5netcdf") as file:
-            if Dimension.WINDOW in file.dims:
-                return tuple(str(label) for label in file[Dimension.WINDOW].values)
-            return (str(file.attrs.get("window", Window().label)),)
-    except (OSError, ValueError) as error:
-        raise _no_ellipses(path) from error
-
-
-def _no_ellipses(path: str | Path) -> InputError:
-    return InputError(
-        "Ellipses in NetCDF are a and b over motion, f, xi, threshold and metric",
-        value=path,
-        remedy="Check the path, or write the file with `reliab ellipses --out FILE.nc`",
-    )
+    dataset = read_netcdf(path, _RULE, _REMEDY)
+    if Dimension.WINDOW in dataset.dims:
+        return tuple(str(label) for label in dataset[Dimension.WINDOW].values)
+    return (str(dataset.attrs.get("window", Window().label)),)
 
 
 def with_sides(dataset: xr.Dataset) -> xr.Dataset:

@@ -6,6 +6,7 @@ threshold.
 """
 
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ from reliab.boundary import Contour, Curve, trace_contours
 from reliab.boundary.contour import REACH, furthest_lead
 from reliab.boundary.surface import ErrorSurfaces
 from reliab.errors import InputError
+from reliab.files import decoding
 from reliab.loop.structure import Structure
 from reliab.progress import Progress, silent
 from reliab.sweep.compact import open_compact
@@ -26,6 +28,8 @@ from reliab.vocabulary import RESULT_DIMENSIONS, Dimension, Metric, Side
 
 _COORDINATES = ("motion", "f", "xi", "kp", "tau", "event", "duration", "dt", "pga", "checksum")
 _AT_REST = "rms_at_rest"
+_RULE = "Stored results must be as `reliab simulate` wrote them, with every checksum right"
+_REMEDY = "Mend the store with `reliab simulate --resume`, or simulate again to another store"
 
 
 def open_results(path: str | Path, *, window: str | None = None) -> xr.Dataset:
@@ -50,8 +54,9 @@ def open_results(path: str | Path, *, window: str | None = None) -> xr.Dataset:
         If there is no such store or window, or not all motions are done.
     """
     path = Path(path)
-    compact = open_compact(path) if path.is_file() else None
-    stored = read_attributes(path)["windows"] if compact is None else compact.attrs["window"]
+    compact = None if path.is_dir() else open_compact(path)
+    with decoding(_RULE, remedy=_REMEDY, where=path):
+        stored = read_attributes(path)["windows"] if compact is None else compact.attrs["window"]
     windows = [str(label) for label in np.atleast_1d(np.asarray(stored))]
     window = window or windows[0]
     if window not in windows:
@@ -62,8 +67,14 @@ def open_results(path: str | Path, *, window: str | None = None) -> xr.Dataset:
         )
     if compact is not None:
         return compact
-    group = None if window == windows[0] else f"window_{window}"
+    with decoding(_RULE, remedy=_REMEDY, where=path):
+        return _stored(path, None if window == windows[0] else f"window_{window}")
+
+
+def _stored(path: Path, group: str | None) -> xr.Dataset:
+    """Open a group of a store, with the coordinates that every store has."""
     dataset = xr.open_zarr(path, group=group, consolidated=False, chunks=None)
+    _ = float(dataset.attrs["experimental_fraction"]), dataset.attrs["study_hash"], dataset.attrs["window"]
     missing = int(np.isnan(dataset["duration"].values).sum())
     if missing:
         raise InputError(
@@ -148,7 +159,12 @@ class ResultsAccessor:
             )
             for name in (Dimension.GAIN, Dimension.DELAY)
         )
-        return np.asarray(gains.values, dtype=np.float64), np.asarray(delays.values, dtype=np.float64)
+        with self._sound():
+            return np.asarray(gains.values, dtype=np.float64), np.asarray(delays.values, dtype=np.float64)
+
+    def _sound(self) -> AbstractContextManager[None]:
+        """Explain damage to what is read from disk only now."""
+        return decoding(_RULE, remedy=_REMEDY, where=self._dataset.encoding.get("source", ""))
 
     def at_structure(self, f: float, xi: float) -> xr.Dataset:
         """Results of one structure, as float64 with one-dimensional `kp` and `tau` coordinates.
@@ -164,16 +180,14 @@ class ResultsAccessor:
             Over (motion, kp, tau).
         """
         gains, delays = self.grid(f, xi)
-        chosen = (
-            self._dataset.drop_vars([Dimension.GAIN, Dimension.DELAY])
-            .isel(
-                {
-                    Dimension.FREQUENCY: int(np.argmin(np.abs(self._dataset["f"].values - f))),
-                    Dimension.DAMPING_RATIO: int(np.argmin(np.abs(self._dataset["xi"].values - xi))),
-                }
-            )
-            .load()
+        chosen = self._dataset.drop_vars([Dimension.GAIN, Dimension.DELAY]).isel(
+            {
+                Dimension.FREQUENCY: int(np.argmin(np.abs(self._dataset["f"].values - f))),
+                Dimension.DAMPING_RATIO: int(np.argmin(np.abs(self._dataset["xi"].values - xi))),
+            }
         )
+        with self._sound():
+            chosen = chosen.load()
         floats = {name: values.astype(np.float64) for name, values in chosen.items() if name != "stable"}
         return with_labels(chosen.assign(floats).assign_coords(kp=gains, tau=delays))
 

@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 from zarr.codecs import BloscCodec, Crc32cCodec
 
 from reliab.errors import IncompleteError, InputError
+from reliab.files import decoding, ordinary
 from reliab.motions import Motion
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.solve import VARIABLES, MotionResults
@@ -47,6 +48,8 @@ _RECORD_FIELDS: dict[str, type | str] = {
 }
 _JOURNAL = "journal"
 _MOTIONS_PER_CHUNK = 1024
+_RULE = "A store that is resumed must be whole but for results of motions"
+_REMEDY = "Simulate again to another store"
 _PACKAGES = ("reliab", "numpy", "numba", "scipy", "xarray", "zarr")
 
 
@@ -109,10 +112,11 @@ class ResultsStore:
 
     def complete(self) -> list[bool]:
         """Tell for each motion whether its results are there and undamaged."""
-        return [
-            bool(entry) and json.loads(entry)["digest"] == self._stored_digest(index)
-            for index, entry in enumerate(self._journal())
-        ]
+        with decoding(_RULE, remedy=_REMEDY, where=self.path):
+            return [
+                bool(entry) and json.loads(entry)["digest"] == self._stored_digest(index)
+                for index, entry in enumerate(self._journal())
+            ]
 
     def write(self, index: int, motion: Motion, results: Sequence[MotionResults]) -> None:
         """Write the results of one motion; may be called from several threads.
@@ -165,6 +169,8 @@ class ResultsStore:
                 f"Writing {self.path} failed {where}: {reason}. The results of {sum(self.complete())} "
                 "motions are safe; make room and run the same command with --resume."
             ) from error
+        except Exception as error:  # of a library that reads edited descriptions of arrays
+            raise InputError(_RULE, value=str(error), remedy=_REMEDY, where=str(self.path)) from error
 
     def _journal(self) -> list[str]:
         return [str(entry) for entry in np.asarray(self._journal_array[:])]
@@ -315,13 +321,14 @@ def _check_resumable(path: Path, request: SweepRequest, names: Sequence[str], *,
             remedy="Continue it with --resume, remove it, or name another",
         )
     attributes = read_attributes(path)
-    if attributes["study_hash"] != request.digest():
+    if attributes.get("study_hash") != request.digest():
         raise InputError(
             "Only the same sweep can be resumed",
             value=f"{path} holds a sweep of other structures, actuators, windows or engine",
             remedy="Give the options that it was begun with, or name another store",
         )
-    stored = [str(name) for name in np.asarray(array_of(zarr.open_group(path, mode="r"), "motion")[:])]
+    with decoding(_RULE, remedy=_REMEDY, where=path):
+        stored = [str(name) for name in np.asarray(array_of(zarr.open_group(path, mode="r"), "motion")[:])]
     if stored != list(names):
         raise InputError(
             "Only a sweep of the same ground motions can be resumed",
@@ -348,14 +355,11 @@ def read_attributes(path: Path) -> dict[str, object]:
     InputError
         If there is no store, it is something else, or of another schema version.
     """
-    try:
+    rule = "Results are read from a Zarr store that 'reliab simulate' wrote"
+    with decoding(rule, remedy="Check the path, or simulate first", where=path):
+        for file in path.rglob("*"):
+            ordinary(file)
         attributes: dict[str, object] = dict(zarr.open_group(path, mode="r").attrs)
-    except (FileNotFoundError, ValueError, KeyError, zarr.errors.BaseZarrError):
-        raise InputError(
-            "Results are read from a Zarr store that 'reliab simulate' wrote",
-            value=path,
-            remedy="Check the path, or simulate first",
-        ) from None
     if attributes.get("schema_version") != SCHEMA_VERSION:
         raise InputError(
             f"This version reads results of schema version {SCHEMA_VERSION}",

@@ -9,6 +9,7 @@ import typer
 
 from reliab.cli.options import given_options, options_of
 from reliab.errors import InputError
+from reliab.files import ordinary
 from reliab.stated_value import StatedValue
 
 if TYPE_CHECKING:
@@ -94,7 +95,7 @@ class Demand:
         from reliab.criterion import Criterion
 
         try:
-            text = self.criterion.read_text(encoding="utf-8")
+            text = ordinary(self.criterion).read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
             raise InputError(
                 "The criterion's file must be readable",

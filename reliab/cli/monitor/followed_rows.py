@@ -16,11 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.errors import InputError
+from reliab.files import ordinary
 from reliab.validation.assessment.readers import Columns
 from reliab.validation.assessment.recognition import DISPLACEMENTS, LENGTHS, TIMES, Part, recognise
 
 _POLL = 0.05  # s between two looks at a file that does not grow
 _BYTES = 1 << 16
+_LONGEST_LINE = 1 << 16
 _COMMENTS = ("#", "%", "//", "!")
 _DELIMITERS = (";", "\t", ",", None)
 
@@ -98,7 +100,7 @@ def chunks_of_text(source: str, wait: float) -> Iterator[bytes]:
 
 def _opened(path: Path) -> BinaryIO:
     try:
-        return path.open("rb")
+        return ordinary(path).open("rb")
     except OSError as error:
         raise InputError(
             "The file must be readable",
@@ -151,6 +153,13 @@ def rows_of(
             remainder = b""
             continue
         *whole, remainder = (remainder + piece).split(b"\n")
+        if len(remainder) > _LONGEST_LINE:
+            raise InputError(
+                f"A line of a test must be shorter than {_LONGEST_LINE} characters",
+                value=f"more after line {number + len(whole)}",
+                remedy="Write one sample in a line",
+                where=name,
+            )
         lines = []
         for raw in whole:
             number += 1

@@ -24,7 +24,7 @@ The command is then the displacement of the frame at the interface, the force th
 
 import re
 import tomllib
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError
@@ -32,6 +32,7 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, Validatio
 from reliab.discrepancy.campaign.campaign import Campaign, MeasuredTest
 from reliab.discrepancy.campaign.table import read_table
 from reliab.errors import InputError
+from reliab.files import ordinary
 from reliab.loop.actuator import Actuator
 from reliab.loop.hybrid_test import Specimen
 from reliab.loop.partition.frame_file import frame_of_tables
@@ -124,6 +125,7 @@ def read_campaign(folder: Path | str) -> Campaign:
     """
     folder = Path(folder)
     described = _described(folder / CAMPAIGN_FILE)
+    _check_files([test.file for test in described.tests])
     held_out = _held_out(described.tests)
     rate = described.sampling.rate_hz
     tests = tuple(
@@ -133,6 +135,26 @@ def read_campaign(folder: Path | str) -> Campaign:
         for test, out in zip(described.tests, held_out, strict=True)
     )
     return _campaign(described, tests, folder)
+
+
+def _check_files(names: list[str]) -> None:
+    """Refuse files outside the folder, and a file for two tests: a model is not proved on its own data."""
+    for place, name in enumerate(names, start=1):
+        path = PurePath(name)
+        if path.is_absolute() or ".." in path.parts:
+            raise InputError(
+                "The file of a test must lie in the campaign's folder",
+                value=repr(name),
+                remedy="Copy it there, and name it by its path from the folder",
+                where=f"{CAMPAIGN_FILE}, test {place}",
+            )
+        if path in [PurePath(earlier) for earlier in names[: place - 1]]:
+            raise InputError(
+                "A file must stand for one test only",
+                value=repr(name),
+                remedy="Remove the second one, or correct its name",
+                where=f"{CAMPAIGN_FILE}, test {place}",
+            )
 
 
 def _held_out(tests: list[_Test]) -> list[bool]:
@@ -192,7 +214,7 @@ def _as_specimen(table: _Specimen) -> Specimen:
 
 def _described(path: Path) -> _CampaignFile:
     try:
-        text = path.read_text(encoding="utf-8")
+        text = ordinary(path).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(
             f"A campaign is a folder with a readable {CAMPAIGN_FILE}",
@@ -233,6 +255,8 @@ def _line_of(text: str, location: list[str]) -> int | None:
     """Line of a key, as far as its name and the order of its table tell."""
     names = [part for part in location if not part.isdigit()]
     counts = [int(part) for part in location if part.isdigit()]
+    if not names:
+        return None
     lines = text.splitlines()
     begin = 0
     if len(names) > 1:

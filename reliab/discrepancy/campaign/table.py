@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from reliab.discrepancy.campaign.campaign import Channel
 from reliab.errors import InputError
+from reliab.files import ordinary
 
 TIME = "time_s"
 _FEWEST_SAMPLES = 64
@@ -53,6 +54,8 @@ def read_table(path: Path, rate: float) -> dict[Channel, NDArray[np.float64]]:
 def _read_columns(path: Path) -> dict[str, NDArray[np.float64]]:
     header = _read_header(path)
     kept = [name for name in header if name in _KNOWN]
+    if not _is_rectangular(path, len(header)):
+        raise _first_fault(path, header)
     try:
         frame = pd.read_csv(path, usecols=kept, dtype=np.float64, skipinitialspace=True, encoding="utf-8-sig")
     except (ValueError, pd.errors.ParserError) as error:
@@ -62,9 +65,15 @@ def _read_columns(path: Path) -> dict[str, NDArray[np.float64]]:
     return {name: frame[name].to_numpy(copy=True) for name in kept}
 
 
+def _is_rectangular(path: Path, columns: int) -> bool:
+    """Tell whether every line has so many cells; pandas would drop what a line has too many."""
+    with path.open("rb") as file:
+        return all(line.count(b",") == columns - 1 for line in file if line.strip())
+
+
 def _read_header(path: Path) -> list[str]:
     try:
-        with path.open(encoding="utf-8-sig") as file:
+        with ordinary(path).open(encoding="utf-8-sig") as file:
             line = file.readline()
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(

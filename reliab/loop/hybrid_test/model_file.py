@@ -15,6 +15,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from reliab.errors import InputError
+from reliab.files import ordinary
 from reliab.loop.actuator import Actuator
 from reliab.loop.effects import Effect, Parameter, find_effect
 from reliab.loop.hybrid_test import HybridTest, Specimen
@@ -180,7 +181,7 @@ class _ModelFile(_Table):
 
 def _described(path: Path) -> _ModelFile:
     try:
-        text = path.read_text(encoding="utf-8")
+        text = ordinary(path).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(
             "A model must be a readable file",

@@ -45,6 +45,7 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from reliab.errors import InputError
+from reliab.files import ordinary
 from reliab.loop.partition.frame_tables import FrameDescription
 from reliab.loop.partition.partition import Partition, with_specimen
 from reliab.loop.structures import Frame
@@ -130,7 +131,7 @@ def read_frame(path: str | Path) -> FrameUnderTest:
         where.
     """
     try:
-        content = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+        content = tomllib.loads(ordinary(path).read_text(encoding="utf-8"))
     except OSError as error:
         raise InputError(
             "A frame is described in a TOML file", value=error.strerror, where=str(path)

@@ -7,9 +7,9 @@ from typing import Any, Final
 import numpy as np
 from scipy import signal
 from scipy.io import loadmat
-from scipy.io.matlab import MatReadError
 
 from reliab.errors import InputError
+from reliab.files import decoding, ordinary
 from reliab.loop.transfer_systems.transfer_function import TransferFunction, coefficients_of
 
 _FORMS: Final = (("num", "den"), ("numerator", "denominator"), ("b", "a"))
@@ -134,15 +134,9 @@ def read_matlab(path: str | Path, variable: str | None = None, delay: float = 0.
 
 def _variables(path: str | Path, variable: str | None) -> Mapping[str, Any]:
     """Variables of a MATLAB file, or the fields of one of them that is a structure."""
-    try:
-        content = loadmat(str(path), squeeze_me=True, struct_as_record=False)
-    except (OSError, ValueError, NotImplementedError, MatReadError) as error:
-        raise InputError(
-            "A MATLAB file must be readable",
-            value=str(error).strip().splitlines()[0],
-            remedy="Save it in MATLAB with the option -v7",
-            where=str(path),
-        ) from None
+    rule, remedy = "A MATLAB file must be readable", "Save it in MATLAB with the option -v7"
+    with decoding(rule, remedy=remedy, where=path):
+        content = loadmat(str(ordinary(path)), squeeze_me=True, struct_as_record=False)
     if variable is None:
         return dict(content)
     if variable not in content:

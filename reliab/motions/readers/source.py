@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from reliab.files import ordinary
 from reliab.motions.faults import Report
 
 HEAD = 65_536
@@ -131,7 +132,7 @@ def open_source(path: Path, report: Report, *, limit: int | None = None) -> Sour
 
 def _read(path: Path, report: Report, limit: int | None) -> bytes | None:
     try:
-        with path.open("rb") as stream:
+        with ordinary(path).open("rb") as stream:
             return stream.read(-1 if limit is None else limit)
     except FileNotFoundError:
         report.add("A record must exist", value="no such file", remedy="Correct the path")

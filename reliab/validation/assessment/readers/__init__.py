@@ -2,9 +2,8 @@
 
 from pathlib import Path
 
-from scipy.io.matlab import MatReadError
-
 from reliab.errors import InputError
+from reliab.files import decoding, ordinary
 from reliab.validation.assessment.readers.columns import Columns
 from reliab.validation.assessment.readers.hierarchical import read_classic_netcdf, read_hierarchical
 from reliab.validation.assessment.readers.matlab import read_matlab
@@ -40,8 +39,10 @@ def read_columns(path: str | Path, *, delimiter: str | None = None) -> Columns:
         If the file cannot be read; the message says why.
     """
     path = Path(path)
-    try:
-        with path.open("rb") as file:
+    with decoding(
+        "A test's file must be readable", remedy="Check the name, or export the test again", where=path
+    ):
+        with ordinary(path).open("rb") as file:
             head = file.read(_MATLAB_BLOCK + len(_HDF5))
         if head.startswith(_HDF5) or head[_MATLAB_BLOCK:] == _HDF5:
             return read_hierarchical(path)
@@ -51,15 +52,6 @@ def read_columns(path: str | Path, *, delimiter: str | None = None) -> Columns:
             return read_classic_netcdf(path)
         if b"\x00" not in head:
             return read_text(path, delimiter=delimiter)
-    except InputError:
-        raise
-    except (OSError, ValueError, KeyError, TypeError, NotImplementedError, MatReadError) as error:
-        raise InputError(
-            "A test's file must be readable",
-            value=getattr(error, "strerror", None) or str(error).strip() or type(error).__name__,
-            remedy="Check the name, or export the test again",
-            where=str(path),
-        ) from error
     raise InputError(
         "A test's file must be text in columns, MATLAB, HDF5 or NetCDF",
         value="another binary format",

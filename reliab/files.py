@@ -1,0 +1,161 @@
+"""Reading ordinary files only, refusing damaged ones, and writing files that are never half-written."""
+
+import contextlib
+import errno
+import os
+import stat
+import uuid
+from collections.abc import Iterator
+from pathlib import Path
+
+from reliab.errors import InputError, ReliabError
+
+UNFINISHED = ".unfinished-"
+"""How the name of a file begins that is being written, or that an interrupted process left behind."""
+
+_LONGEST_REASON = 200
+_KINDS = {
+    stat.S_IFIFO: "a pipe",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+    stat.S_IFSOCK: "a socket",
+}
+
+
+def ordinary(path: str | Path) -> Path:
+    """Return a path unless a pipe, a device or a socket stands there, which might never end.
+
+    Parameters
+    ----------
+    path : str or pathlib.Path
+        A file that is about to be read; links are followed.
+
+    Returns
+    -------
+    pathlib.Path
+        The same path, also where nothing stands there.
+
+    Raises
+    ------
+    OSError
+        If it is no ordinary file, so that a reader explains it as it explains a missing file.
+
+    Examples
+    --------
+    >>> ordinary("/dev/zero")
+    Traceback (most recent call last):
+    ...
+    OSError: [Errno 22] a device instead of an ordinary file: '/dev/zero'
+    """
+    path = Path(path)
+    try:
+        kind = stat.S_IFMT(path.stat().st_mode)
+    except FileNotFoundError:
+        return path
+    except ValueError as error:  # a zero byte in the name
+        raise OSError(errno.EINVAL, str(error), str(path)) from None
+    if kind in _KINDS:
+        raise OSError(errno.EINVAL, f"{_KINDS[kind]} instead of an ordinary file", str(path))
+    return path
+
+
+@contextlib.contextmanager
+def decoding(rule: str, *, remedy: str, where: object) -> Iterator[None]:
+    """Turn whatever a library raises while it decodes a file into an error that says what to do.
+
+    Parameters
+    ----------
+    rule : str
+        What must hold of the file.
+    remedy : str
+        What to do about it.
+    where : object
+        The file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be decoded.
+
+    Examples
+    --------
+    >>> with decoding("The file must be sound", remedy="Obtain it again", where="a.mat"):
+    ...     raise IndexError("index 7 is out of bounds")
+    Traceback (most recent call last):
+    ...
+    reliab.errors.InputError: a.mat: The file must be sound; found index 7 is out of bounds. Obtain it again.
+    """
+    try:
+        yield
+    except ReliabError:
+        raise
+    except Exception as error:  # damaged bytes lead decoders into every kind of error
+        raise InputError(rule, value=_reason(error), remedy=remedy, where=str(where)) from error
+
+
+def _reason(error: Exception) -> str:
+    """Say what went wrong, in a line; a library's own text where the system has none."""
+    if isinstance(error, MemoryError):
+        return "more data than fit in memory"
+    if isinstance(error, UnicodeDecodeError):
+        return "bytes that are no text"
+    lines = str(getattr(error, "strerror", None) or error).strip().splitlines()
+    return lines[0][:_LONGEST_REASON].rstrip(" .:") if lines else type(error).__name__
+
+
+@contextlib.contextmanager
+def written_whole(path: str | Path) -> Iterator[Path]:
+    """Write a file beside its place, and put it there when it is complete and on the disk.
+
+    Whoever reads the file sees the one before or the new one, also after a crash or on a full disk.
+
+    Parameters
+    ----------
+    path : str or pathlib.Path
+        The file, replaced if it is there; through a link, the file that the link names.
+
+    Yields
+    ------
+    pathlib.Path
+        The file to write, in the same folder; removed if an error is raised.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> place = Path(tempfile.mkdtemp()) / "numbers.txt"
+    >>> with written_whole(place) as unfinished:
+    ...     _ = unfinished.write_text("1 2 3")
+    >>> place.read_text()
+    '1 2 3'
+    """
+    place = Path(os.path.realpath(path))
+    if place.exists() and not place.is_file():
+        yield place  # a pipe or a device, such as /dev/null, is written to as it is
+        return
+    unfinished = place.with_name(f"{UNFINISHED}{uuid.uuid4().hex}{place.suffix}")
+    try:
+        yield unfinished
+        _sync(unfinished)
+        unfinished.replace(place)
+        _sync(place.parent)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            unfinished.unlink(missing_ok=True)
+        raise
+
+
+def _sync(path: Path) -> None:
+    """Wait until a file, or the names in a folder, are on the disk."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    except OSError as error:
+        if error.errno not in (errno.EINVAL, errno.ENOTSUP):  # some shared file systems cannot
+            raise
+    finally:
+        os.close(descriptor)

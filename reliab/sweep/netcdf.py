@@ -1,0 +1,42 @@
+"""Reading NetCDF files, also damaged ones."""
+
+from pathlib import Path
+
+import h5py
+import xarray as xr
+
+from reliab.files import decoding, ordinary
+
+
+def read_netcdf(path: str | Path, rule: str, remedy: str) -> xr.Dataset:
+    """Read a whole NetCDF file.
+
+    Parameters
+    ----------
+    path : str or pathlib.Path
+        The file.
+    rule : str
+        What must hold of it, for an error.
+    remedy : str
+        What to do otherwise.
+
+    Returns
+    -------
+    xarray.Dataset
+        All that it holds, in memory.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read.
+    """
+    with decoding(rule, remedy=remedy, where=path):
+        with h5py.File(ordinary(path), "r") as file:
+            file.visititems(lambda _name, item: _look_at(item))
+        with xr.open_dataset(path, engine="h5netcdf") as file:
+            return file.load()
+
+
+def _look_at(item: h5py.HLObject) -> None:
+    """Read what describes a part of a file; h5netcdf would print a traceback where that fails."""
+    dict(item.attrs)

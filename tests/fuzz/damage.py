@@ -1,0 +1,131 @@
+"""Damage to the files of a case, and what is put in place of a file."""
+
+import json
+import os
+import re
+import stat
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from hypothesis import strategies as st
+
+from fuzz.corpus import Case
+
+NUMBERS = (
+    *(b"0", b"-0.0", b"-1", b"1e308", b"-1e308", b"1e-320", b"1e999", b"nan", b"inf", b"-inf", b"1e9"),
+    *(b"999999999999999999999", b"0x1F", b"1_000", b"1,5", b"", b"true", b"null", b'"x"', b"[]", b"{}"),
+)
+WORDS = (
+    *(b"/etc/passwd", b"../../../../etc/passwd", b"/dev/zero", b"..", b".", b"a\x00b", b"con", b"~"),
+    *(b"[bold]", b"[/red]", b"\x1b[31m", b"<b>", b"#panic()", "\u202eabc".encode(), b"x" * 3000),
+    *(b"held_out = true", b"[[tests]]", b"[structure]", b"time_s", b"force_n", b"motion", b"a", b"\n", b","),
+    *(b";", b"\t", b'"', b"'", b"=", b"{", b"[", b"\xff\xfe", b"\xef\xbb\xbf", b"\r", b"#", b"\x1a"),
+)
+_NUMBER = re.compile(rb"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
+_WORD = re.compile(rb"[A-Za-z_]\w*")
+
+
+@dataclass(frozen=True)
+class Instead:
+    """What stands in the folder in place of an ordinary file: pipe, loop, zero, folder, nowhere or secret."""
+
+    kind: str
+
+
+INSTEAD = ("pipe", "loop", "zero", "folder", "nowhere", "secret")
+
+Edit = tuple[float, str, float, int, bytes]
+Damaged = Mapping[str, "bytes | Instead"]
+
+
+@st.composite
+def damaged(draw: st.DrawFn, seeds: list[Case]) -> Damaged:
+    """One of the seeds with one to four edits."""
+    content: dict[str, bytes | Instead] = dict(draw(st.sampled_from(seeds)))
+    for _ in range(draw(st.integers(1, 4))):
+        name = draw(st.sampled_from(sorted(content)))
+        present = content[name]
+        kind = draw(st.sampled_from(EDITS))
+        if isinstance(present, Instead):
+            continue
+        if kind == "instead":
+            content[name] = Instead(draw(st.sampled_from(INSTEAD)))
+        elif kind == "lost" and len(content) > 1:
+            del content[name]
+        else:
+            insertion = draw(st.one_of(st.sampled_from(NUMBERS + WORDS), st.binary(max_size=8)))
+            content[name] = edited(
+                present, kind, draw(st.floats(0.0, 1.0)), draw(st.integers(0, 64)), insertion
+            )
+    return content
+
+
+EDITS = ("number", "number", "word", "bits", "cut", "put", "line twice", "no line", "end", "instead", "lost")
+
+
+def edited(  # noqa: PLR0911 - a line for each kind of edit
+    content: bytes, kind: str, place: float, size: int, insertion: bytes
+) -> bytes:
+    """Content with one edit near a place between its begin, 0, and its end, 1."""
+    at = int(place * len(content))
+    lines = content.split(b"\n")
+    row = int(place * (len(lines) - 1))
+    match kind:
+        case "number" | "word":
+            pattern = _NUMBER if kind == "number" else _WORD
+            match = pattern.search(content, at) or pattern.search(content)
+            if match is None:
+                return content
+            return content[: match.start()] + insertion + content[match.end() :]
+        case "bits":
+            flipped = bytes(byte ^ (1 << size % 8) for byte in content[at : at + 1 + size // 8])
+            return content[:at] + flipped + content[at + 1 + size // 8 :]
+        case "cut":
+            return content[:at] + content[at + size :]
+        case "put":
+            return content[:at] + insertion + content[at:]
+        case "line twice":
+            return b"\n".join([*lines[: row + 1], *lines[row:]])
+        case "no line":
+            return b"\n".join([*lines[:row], *lines[row + 1 :]])
+    return content[:at]
+
+
+def write(case: Damaged, folder: Path) -> None:
+    """Write a case to a folder."""
+    for name, content in case.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if isinstance(content, bytes):
+            path.write_bytes(content)
+            continue
+        match content.kind:
+            case "pipe":
+                os.mkfifo(path)
+            case "loop":
+                path.symlink_to(path)
+            case "zero":
+                path.symlink_to("/dev/zero")
+            case "folder":
+                path.mkdir()
+            case "nowhere":
+                path.symlink_to(folder / "nowhere" / "at all")
+            case "secret":
+                path.symlink_to("/etc/passwd")
+
+
+def keep(case: Damaged, folder: Path) -> None:
+    """Keep a case that was found, with a list of what stands in place of ordinary files."""
+    special = {name: content.kind for name, content in case.items() if isinstance(content, Instead)}
+    write({name: content for name, content in case.items() if isinstance(content, bytes)}, folder)
+    (folder / "instead.json").write_text(json.dumps(special))
+
+
+def kept(folder: Path) -> Damaged:
+    """Read a case that `keep` wrote."""
+    special = json.loads((folder / "instead.json").read_text())
+    files = [path for path in folder.rglob("*") if stat.S_ISREG(path.lstat().st_mode)]
+    content = {str(path.relative_to(folder)): path.read_bytes() for path in files}
+    del content["instead.json"]
+    return {**content, **{name: Instead(kind) for name, kind in special.items()}}

@@ -1,0 +1,238 @@
+"""Every reader, and what must hold whatever stands in the files."""
+
+import contextlib
+import io
+import json
+import math
+import resource
+import sys
+import tempfile
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from fuzz import corpus
+from fuzz.damage import Damaged, write
+from reliab.cli import run
+from reliab.criterion import Criterion
+from reliab.discrepancy import read_campaign
+from reliab.errors import IncompleteError, InputError
+from reliab.files import ordinary
+from reliab.loop.hybrid_test.model_file import read_model
+from reliab.loop.partition.frame_file import read_frame
+from reliab.loop.transfer_systems.reading import read_matlab
+from reliab.motions import check_folder, load_motions
+from reliab.sampling.ensembles import draw
+from reliab.study import read_study
+from reliab.sweep import open_results, run_sweep
+
+_LONGEST_MESSAGE = 4000
+_MEMORY = 1 << 30
+_CODES = (0, 1, 2, 3)
+_DANGEROUS = ("os.system", "os.exec", "os.posix_spawn", "subprocess.Popen", "socket.connect")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Target:
+    """A reader with sound files.
+
+    Parameters
+    ----------
+    seeds : callable
+        Returns the sound cases.
+    read : callable
+        Reads the case in a folder; raises an `InputError` where the case is refused.
+    """
+
+    seeds: Callable[[], list[corpus.Case]]
+    read: Callable[[Path], object]
+
+
+def examine(target: Target, case: Damaged) -> bool:
+    """Read a case: a result or one clear error, without a warning and without running what is in the files.
+
+    Returns
+    -------
+    bool
+        Whether there was a result.
+    """
+    canary = Path(tempfile.gettempdir()) / corpus.CANARY
+    with tempfile.TemporaryDirectory() as name, warnings.catch_warnings():
+        folder = Path(name)
+        write(case, folder)
+        warnings.simplefilter("error")
+        try:
+            with _watched(), _bounded_memory():
+                target.read(folder)
+        except (InputError, IncompleteError) as error:
+            message = str(error)
+            assert 0 < len(message) < _LONGEST_MESSAGE, message[:200]
+            return False
+        finally:
+            assert not canary.exists()
+    return True
+
+
+_watching = False
+
+
+def _hook(event: str, _arguments: object) -> None:
+    if _watching and event in _DANGEROUS:
+        raise AssertionError(event)
+
+
+sys.addaudithook(_hook)
+
+
+@contextlib.contextmanager
+def _watched() -> Iterator[None]:
+    """Fail where a process is started or a connection opened."""
+    global _watching  # noqa: PLW0603 - an audit hook cannot be removed
+    _watching = True
+    try:
+        yield
+    finally:
+        _watching = False
+
+
+@contextlib.contextmanager
+def _bounded_memory() -> Iterator[None]:
+    """Let what is read take 1 GB more address space than there was before."""
+    pages = int(Path("/proc/self/statm").read_text().split()[0])
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + _MEMORY, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, before)
+
+
+def _command(*arguments: object) -> str:
+    """Run a command line in this process; its output, or an error with its message."""
+    output, errors = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(output), contextlib.redirect_stderr(errors):
+        code = run([str(argument) for argument in arguments])
+    assert code in _CODES, code
+    assert "Traceback" not in errors.getvalue()
+    if code in (2, 3):
+        assert errors.getvalue().strip()
+        raise InputError(errors.getvalue())
+    _check_finite(output.getvalue())
+    return output.getvalue()
+
+
+def _check_finite(text: str) -> None:
+    for line in text.splitlines() if "\n{" in text.strip() else [text]:
+        json.loads(line, parse_constant=_refuse)
+
+
+def _refuse(constant: str) -> float:
+    raise AssertionError(constant)
+
+
+def _motions(folder: Path) -> None:
+    faults = check_folder(folder)
+    assert all(fault.rule and fault.file for fault in faults)
+    for path in folder.iterdir():
+        for motion in load_motions(path):
+            assert np.isfinite(motion.acceleration).all()
+
+
+def _catalogue(folder: Path) -> None:
+    check_folder(folder)
+    for motion in load_motions(folder):
+        assert np.isfinite(motion.acceleration).all()
+
+
+def _assess(folder: Path) -> None:
+    _command("assess", folder / "test.csv", "--f", "1", "--xi", "0.02", "--json", "-")
+
+
+def _monitor(folder: Path) -> None:
+    _command(
+        *("monitor", folder / "test.csv", "--f", "1", "--xi", "0.02", "--wait", "0.01", "--every", "2"),
+        *("--json", "-"),
+    )
+
+
+def _campaign(folder: Path) -> None:
+    campaign = read_campaign(folder)
+    for test in campaign.tests:
+        for values in test.channels.values():
+            assert np.isfinite(values).all()
+    assert campaign.training
+    assert campaign.proof
+
+
+def _diagnose(folder: Path) -> None:
+    _command("diagnose", folder, "--json", "-")
+
+
+def _criterion_of(name: str) -> Callable[[Path], None]:
+    def read(folder: Path) -> None:
+        _command("criterion", "--ellipses", folder / name, "--confidence", "0.8", "--json", "-")
+
+    return read
+
+
+def _criterion(folder: Path) -> None:
+    try:
+        text = ordinary(folder / "criterion.json").read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError("The file must be readable", value=str(error)) from error
+    criterion = Criterion.from_json(text)
+    a, b = criterion.limits(1.0, 0.02)
+    assert math.isfinite(float(a))
+    assert math.isfinite(float(b))
+    assert Criterion.from_json(criterion.to_json()).to_json() == criterion.to_json()
+
+
+def _assess_with_criterion(folder: Path) -> None:
+    write({"test.csv": corpus.tests()[0]["test.csv"]}, folder)
+    _command(
+        *("assess", folder / "test.csv", "--f", "1", "--xi", "0.02", "--json", "-"),
+        *("--criterion", folder / "criterion.json"),
+    )
+
+
+def _chains(folder: Path) -> None:
+    posterior = draw(corpus.CHAIN_MODEL, corpus.CHAIN_SETTINGS, file=folder / "chains.h5", group="run")
+    assert np.isfinite(posterior.draws).all()
+
+
+def _results(folder: Path) -> None:
+    open_results(folder / "results.zarr")
+    _command("ellipses", "--results", folder / "results.zarr", "--json", "-")
+
+
+def _resume(folder: Path) -> None:
+    run_sweep(corpus.suite(), corpus.REQUEST, folder / "results.zarr", resume=True)
+    sound = open_results(folder / "results.zarr")
+    assert np.isfinite(sound["rms"].values).any()
+
+
+TARGETS = {
+    "motions": Target(seeds=corpus.motions, read=_motions),
+    "catalogue": Target(seeds=corpus.catalogue, read=_catalogue),
+    "assess": Target(seeds=corpus.tests, read=_assess),
+    "monitor": Target(seeds=lambda: corpus.tests()[:2], read=_monitor),
+    "campaign": Target(seeds=corpus.campaign, read=_campaign),
+    "study": Target(seeds=corpus.studies, read=lambda folder: read_study(folder / "study.toml")),
+    "ellipse_table": Target(seeds=corpus.ellipse_tables, read=_criterion_of("ellipses.csv")),
+    "ellipse_file": Target(seeds=corpus.ellipse_files, read=_criterion_of("ellipses.nc")),
+    "criterion": Target(seeds=corpus.criteria, read=_criterion),
+    "assess_with_criterion": Target(seeds=corpus.criteria, read=_assess_with_criterion),
+    "model": Target(seeds=corpus.models, read=lambda folder: read_model(folder / "model.toml")),
+    "frame": Target(seeds=corpus.frames, read=lambda folder: read_frame(folder / "frame.toml")),
+    "plant": Target(seeds=corpus.plants, read=lambda folder: read_matlab(folder / "plant.mat")),
+    "chains": Target(seeds=corpus.chains, read=_chains),
+    "results": Target(seeds=corpus.stores, read=_results),
+    "resume": Target(seeds=corpus.stores, read=_resume),
+}
+"""By name; each in under a tenth of a second for one case, as a rule."""
+
+SLOW_TARGETS = {"diagnose": Target(seeds=corpus.campaign, read=_diagnose)}
+"""Those of seconds for one case, which only `run.py` tries."""

@@ -1,0 +1,158 @@
+"""What fuzzing found, in small."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import zarr
+from scipy.io import savemat
+
+from fuzz import corpus
+from fuzz.damage import Instead, write
+from fuzz.targets import TARGETS, examine
+from reliab.criterion import read_ellipses
+from reliab.discrepancy import read_campaign
+from reliab.errors import InputError
+from reliab.loop.transfer_systems.reading import read_matlab
+from reliab.sweep import open_ellipses, open_results
+from reliab.validation.assessment.readers import read_columns
+
+
+@pytest.mark.parametrize("name", TARGETS)
+@pytest.mark.parametrize("kind", ["pipe", "zero"])
+def test_what_is_no_ordinary_file_is_refused_at_once(name, kind):
+    first = max(TARGETS[name].seeds()[0])
+    examine(TARGETS[name], {**TARGETS[name].seeds()[0], first: Instead(kind)})
+
+
+def spoiled(tmp_path, case, name, change):
+    write({**case, name: change(case[name])}, tmp_path)
+    return tmp_path / name
+
+
+def test_a_matlab_file_of_an_unknown_kind_is_explained(tmp_path):
+    path = spoiled(tmp_path, corpus.plants()[0], "plant.mat", lambda content: content[:132] + content[100:])
+    with pytest.raises(InputError, match="A MATLAB file must be readable"):
+        read_matlab(path)
+
+
+def test_a_matlab_file_whose_compressed_part_is_damaged_is_explained(tmp_path):
+    savemat(tmp_path / "test.mat", {"command": np.arange(99.0)}, do_compression=True)
+    content = bytearray((tmp_path / "test.mat").read_bytes())
+    content[-6] ^= 255
+    (tmp_path / "test.mat").write_bytes(content)
+    with pytest.raises(InputError, match="A test's file must be readable"):
+        read_columns(tmp_path / "test.mat")
+
+
+def test_an_hdf5_file_with_a_damaged_tree_is_explained(tmp_path):
+    content = corpus.tests()[3]["test.csv"].replace(b"SNOD", b"SNAD")
+    (tmp_path / "test.h5").write_bytes(content)
+    with pytest.raises(InputError, match="A test's file must be readable"):
+        read_columns(tmp_path / "test.h5")
+
+
+def test_a_table_of_ellipses_with_too_many_cells_in_a_row_is_refused(tmp_path):
+    (tmp_path / "ellipses.csv").write_text("a,b\n1e-4,20,30\n")
+    with pytest.raises(InputError, match="must be a readable CSV file"):
+        read_ellipses(tmp_path / "ellipses.csv")
+
+
+def test_a_file_of_ellipses_cut_short_is_explained_without_a_traceback(tmp_path, capfd):
+    path = spoiled(tmp_path, corpus.ellipse_files()[0], "ellipses.nc", lambda content: content[:900])
+    with pytest.raises(InputError, match="Ellipses in NetCDF are a and b"):
+        open_ellipses(path)
+    assert capfd.readouterr().err == ""
+
+
+def test_a_store_with_a_damaged_chunk_is_refused(tmp_path):
+    case = corpus.stores()[0]
+    name = next(name for name in sorted(case) if name.startswith("results.zarr/rms/c/"))
+    spoiled(tmp_path, case, name, lambda content: content[:20] + bytes([content[20] ^ 1]) + content[21:])
+    results = open_results(tmp_path / "results.zarr")
+    with pytest.raises(InputError, match="with every checksum right"):
+        results.reliab.ellipses()
+
+
+@pytest.mark.parametrize("key", ["study_hash", "windows", "experimental_fraction"])
+def test_a_store_that_lost_an_attribute_is_refused(tmp_path, key):
+    write(corpus.stores()[0], tmp_path)
+    group = zarr.open_group(tmp_path / "results.zarr", mode="r+")
+    attributes = dict(group.attrs)
+    del attributes[key]
+    group.attrs.clear()
+    group.attrs.update(attributes)
+    with pytest.raises(InputError):
+        open_results(tmp_path / "results.zarr").reliab.ellipses()
+
+
+def test_a_store_whose_journal_lost_its_length_is_not_resumed():
+    def shortened(content: bytes) -> bytes:
+        description = json.loads(content)
+        description["shape"] = [0]
+        return json.dumps(description).encode()
+
+    case = corpus.stores()[0]
+    name = "results.zarr/journal/zarr.json"
+    assert examine(TARGETS["resume"], case)
+    assert not examine(TARGETS["resume"], {**case, name: shortened(case[name])})
+
+
+def test_chains_whose_random_state_is_damaged_are_not_resumed(tmp_path):
+    import h5py
+
+    path = spoiled(tmp_path, corpus.chains()[0], "chains.h5", lambda content: content)
+    with h5py.File(path, "r+") as file:
+        file["run/ensemble_0"].attrs["random_state_0"] = "PCG64"
+    with pytest.raises(InputError, match="The file of the chains"):
+        TARGETS["chains"].read(tmp_path)
+
+
+def campaign(folder: Path, **changes: bytes) -> Path:
+    write({**corpus.campaign()[0], **{f"{name}.csv": content for name, content in changes.items()}}, folder)
+    return folder
+
+
+@pytest.mark.parametrize("name", ["../a.csv", "/etc/passwd", "b/../../a.csv"])
+def test_a_test_outside_the_folder_of_its_campaign_is_refused(tmp_path, name):
+    description = corpus.campaign()[0]["campaign.toml"].replace(b'"a.csv"', json.dumps(name).encode())
+    write({**corpus.campaign()[0], "campaign.toml": description}, tmp_path)
+    with pytest.raises(InputError, match="must lie in the campaign's folder"):
+        read_campaign(tmp_path)
+
+
+def test_a_held_out_test_is_no_other_test(tmp_path):
+    description = corpus.campaign()[0]["campaign.toml"].replace(b'"b.csv"', b'"./a.csv"')
+    write({**corpus.campaign()[0], "campaign.toml": description}, tmp_path)
+    with pytest.raises(InputError, match="A file must stand for one test only"):
+        read_campaign(tmp_path)
+
+
+def test_a_line_of_too_many_cells_is_refused(tmp_path):
+    lines = corpus.campaign()[0]["a.csv"].split(b"\n")
+    lines[7] += b",5"
+    with pytest.raises(InputError, match="Every line must have 5 columns"):
+        read_campaign(campaign(tmp_path, a=b"\n".join(lines)))
+
+
+def test_a_description_that_is_no_table_is_explained(tmp_path):
+    (tmp_path / "campaign.toml").write_text("")
+    with pytest.raises(InputError, match="sampling must be given"):
+        read_campaign(tmp_path)
+
+
+def test_a_campaign_of_held_out_tests_only_is_refused(tmp_path):
+    description = corpus.campaign()[0]["campaign.toml"].replace(b'motion = "one"', b"held_out = true")
+    write({**corpus.campaign()[0], "campaign.toml": description}, tmp_path)
+    with pytest.raises(InputError, match="At least one test must not be held out"):
+        read_campaign(tmp_path)
+
+
+def test_a_test_without_ends_of_lines_is_not_followed_for_ever(tmp_path):
+    from reliab.cli.followed_rows import chunks_of_text, rows_of
+
+    (tmp_path / "test.csv").write_bytes(b"x" * 200_000)
+    pieces = chunks_of_text(str(tmp_path / "test.csv"), wait=0.01)
+    with pytest.raises(InputError, match="A line of a test must be shorter"):
+        list(rows_of(pieces, name="test.csv", declared={}, units=None))

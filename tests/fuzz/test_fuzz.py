@@ -1,0 +1,23 @@
+"""Damaged files give a result or one clear error; `run.py` tries many more of them."""
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from fuzz.damage import damaged
+from fuzz.targets import TARGETS, examine
+
+
+@pytest.mark.parametrize("name", TARGETS)
+def test_sound_files_are_read(name):
+    target = TARGETS[name]
+    outcomes = [examine(target, case) for case in target.seeds()]
+    assert any(outcomes)
+
+
+@pytest.mark.parametrize("name", TARGETS)
+@settings(max_examples=10, suppress_health_check=list(HealthCheck))
+@given(choice=st.data())
+def test_damaged_files_are_read_or_refused(name, choice):
+    target = TARGETS[name]
+    examine(target, choice.draw(damaged(target.seeds())))
