@@ -13,7 +13,7 @@ _FAST = frozenset({"contract", "reassoc", "nsz", "arcp"})
 
 
 def compiled(function: _Kernel) -> _Kernel:
-    """Compile a numerical kernel with Numba, cached on disk and free of the interpreter lock.
+    """Compile a numerical kernel with Numba, free of the interpreter lock, and cached where a disk allows it.
 
     Parameters
     ----------
@@ -25,5 +25,12 @@ def compiled(function: _Kernel) -> _Kernel:
     callable
         The compiled function, with the signature of the original.
     """
-    compile_kernel = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=set(_FAST))
+    try:
+        return _compiled(function, cache=True)
+    except RuntimeError:  # no folder for compiled kernels can be written: each process compiles them anew
+        return _compiled(function, cache=False)
+
+
+def _compiled(function: _Kernel, *, cache: bool) -> _Kernel:
+    compile_kernel = numba.njit(cache=cache, nogil=True, error_model="numpy", fastmath=set(_FAST))
     return cast("_Kernel", compile_kernel(function))

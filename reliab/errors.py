@@ -1,5 +1,7 @@
 """Errors that a user can act on: each states the rule, the value found and the remedy."""
 
+_LONGEST_VALUE = 1000
+
 
 class ReliabError(Exception):
     """Base of every error that this package raises on purpose."""
@@ -33,9 +35,13 @@ class InputError(ReliabError, ValueError):
         self.remedy = remedy
         self.where = where
         place = f"{where}: " if where else ""
-        clause = "" if value is None else f"; found {value}"
+        clause = "" if value is None else f"; found {_shortened(str(value))}"
         advice = f" {remedy}." if remedy else ""
         super().__init__(f"{place}{rule}{clause}.{advice}")
+
+
+def _shortened(value: str) -> str:
+    return value if len(value) <= _LONGEST_VALUE else f"{value[:_LONGEST_VALUE]} …"
 
 
 class IncompleteError(ReliabError):

@@ -155,3 +155,30 @@ def test_a_kind_of_study_has_one_name_for_its_file_and_its_report():
     kinds = {path.stem for path in (PACKAGE / "study/kinds").glob("*.py")} - {"__init__", "kind"}
     reports = {path.parent.name for path in (PACKAGE / "report/kinds").glob("*/report.py")}
     assert reports == kinds | {"assessment"}  # the report of `reliab assess` belongs to no study
+
+
+WRITING = frozenset({"write_text", "write_bytes", "to_csv", "to_netcdf", "savefig"})
+WRITTEN_IN_A_FOLDER_THAT_IS_RENAMED = {"report/content.py", "motions/writing.py"}
+"""Whole folders are written under another name first."""
+WRITTEN_IN_MEMORY = {"report/style.py"}
+
+
+def test_results_are_written_whole_or_not_at_all():
+    """Every call that writes a file stands in a `with written_whole(…)`, but for those named above."""
+    exempt = WRITTEN_IN_A_FOLDER_THAT_IS_RENAMED | WRITTEN_IN_MEMORY
+    stray = {
+        f"{path.relative_to(PACKAGE)}:{call.lineno}"
+        for path in PACKAGE.rglob("*.py")
+        if str(path.relative_to(PACKAGE)) not in exempt
+        for call in _unguarded(ast.parse(path.read_text(encoding="utf-8")))
+    }
+    assert stray == set()
+
+
+def _unguarded(node: ast.AST) -> Iterator[ast.Call]:
+    if isinstance(node, ast.With) and any("written_whole" in ast.unparse(item) for item in node.items):
+        return
+    if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in WRITING:
+        yield node
+    for child in ast.iter_child_nodes(node):
+        yield from _unguarded(child)

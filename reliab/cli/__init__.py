@@ -30,6 +30,7 @@ from reliab.cli import run as run_command
 from reliab.cli.defaults import read_defaults
 from reliab.cli.examples import example_of
 from reliab.cli.output import write_what_can_be_written
+from reliab.cli.printable import printable
 from reliab.errors import IncompleteError, InputError
 from reliab.stated_value import StatedValue
 from reliab.version import __version__
@@ -154,11 +155,11 @@ def _is_number(text: str) -> bool:
 
 def _show_warning(message: Warning | str, *_details: object, **_more: object) -> None:
     """Show a warning as a line without the place in the code that gave it."""
-    typer.secho(f"Warning: {message}", err=True, fg=typer.colors.YELLOW, color=_colour())
+    typer.secho(printable(f"Warning: {message}"), err=True, fg=typer.colors.YELLOW, color=_colour())
 
 
 def _fail(message: str, code: int) -> int:
-    typer.secho(f"Error: {message}", err=True, fg=typer.colors.RED, color=_colour())
+    typer.secho(printable(f"Error: {message}"), err=True, fg=typer.colors.RED, color=_colour())
     return code
 
 

@@ -8,6 +8,7 @@ import typer
 
 from reliab.cli.options import JsonTarget, Sets
 from reliab.cli.output import console, write_json
+from reliab.cli.printable import printable
 
 if TYPE_CHECKING:
     from reliab.motions import Fault, MotionSuite
@@ -58,7 +59,7 @@ def _show_motions(rows: list[dict[str, Any]]) -> None:
         table.add_column(Text(heading), justify="right", no_wrap=True)
     for row in rows:
         table.add_row(
-            *(Text(row[label]) for label in ("motion", "event", "set")),
+            *(Text(printable(row[label])) for label in ("motion", "event", "set")),
             f"{row['time_step']:.5g}",
             f"{row['duration']:.2f}",
             f"{row['pga_g']:.4f}",
@@ -176,7 +177,7 @@ def _show_faults(faults: "list[Fault]", records: int, sources: list[str]) -> Non
     for fault in faults:
         line = "" if fault.line is None else str(fault.line)
         cells = (_within(fault.file, sources), line, fault.rule, fault.value, fault.remedy)
-        table.add_row(*(Text(cell) for cell in cells))
+        table.add_row(*(Text(printable(cell)) for cell in cells))
     console().print(table)
 
 

@@ -7,12 +7,13 @@ import sys
 import unicodedata
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TextIO
 
 import typer
 
+from reliab.cli.printable import printable
 from reliab.errors import InputError
+from reliab.files import written_whole
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -23,10 +24,10 @@ _WIDTH_OF_PIPES = 160
 
 def console() -> "Console":
     """Return a console for results: as wide as the terminal; in a pipe wide enough that no row is broken."""
-    from rich.console import Console
+    from reliab.cli.literal_console import LiteralConsole
 
-    terminal = Console()
-    return terminal if terminal.is_terminal else Console(width=_WIDTH_OF_PIPES)
+    terminal = LiteralConsole()
+    return terminal if terminal.is_terminal else LiteralConsole(width=_WIDTH_OF_PIPES)
 
 
 def takes_any_character(stream: TextIO) -> bool:
@@ -40,9 +41,13 @@ def write_what_can_be_written(stream: TextIO) -> None:
     Parameters
     ----------
     stream : file
-        Standard output or error; left as it is where it takes every character.
+        Standard output or error.
     """
-    if not takes_any_character(stream) and isinstance(stream, io.TextIOWrapper):
+    if not isinstance(stream, io.TextIOWrapper):
+        return
+    if takes_any_character(stream):
+        stream.reconfigure(errors="backslashreplace")  # for names of files that are no text
+    else:
         codecs.register_error(_SUBSTITUTION, _substitute)
         stream.reconfigure(errors=_SUBSTITUTION)
 
@@ -112,7 +117,7 @@ def table(title: str, headings: Mapping[str, str]) -> "Table":
 
     rich_table = Table(title=title, box=box.SIMPLE, padding=(0, 1, 0, 0), title_justify="left")
     for heading, justify in headings.items():
-        rich_table.add_column(Text(heading), justify=justify, no_wrap=True)  # type: ignore[arg-type]
+        rich_table.add_column(Text(printable(heading)), justify=justify, no_wrap=True)  # type: ignore[arg-type]
     return rich_table
 
 
@@ -144,7 +149,8 @@ def write_json(content: Mapping[str, Any], target: str | None) -> bool:
         return True
     text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
     try:
-        Path(target).write_text(f"{text}\n", encoding="utf-8")
+        with written_whole(target) as file:
+            file.write_text(f"{text}\n", encoding="utf-8", errors="backslashreplace")
     except OSError as error:
         raise InputError(
             "The JSON file must be writable", value=error.strerror, remedy="Name another file", where=target

@@ -20,6 +20,7 @@ import xarray as xr
 
 from reliab.errors import InputError
 from reliab.explore.packing import pack
+from reliab.files import written_whole
 from reliab.validation.assessment.recognition import LENGTHS, NAMES, OTHER_QUANTITIES, TIMES, Part
 from reliab.version import __version__
 
@@ -82,7 +83,8 @@ def write_page(
     """
     content = render(pack(ellipses), settings or Settings(), source=source)
     try:
-        Path(path).write_text(content, encoding="utf-8", newline="\n")
+        with written_whole(path) as file:
+            file.write_text(content, encoding="utf-8", newline="\n")
     except OSError as error:
         raise InputError(
             "The page must be writable", value=error.strerror, remedy="Name another file", where=str(path)

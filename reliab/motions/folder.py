@@ -152,4 +152,5 @@ def motion_name(path: Path) -> str:
     >>> motion_name(Path("KOBE/NIS000.AT2")), motion_name(Path("AOM001.EW"))
     ('KOBE/NIS000', 'AOM001.EW')
     """
-    return (path.with_suffix("") if path.suffix.lower() in _STRIPPED else path).as_posix()
+    name = (path.with_suffix("") if path.suffix.lower() in _STRIPPED else path).as_posix()
+    return name.encode(errors="backslashreplace").decode()  # bytes of a name that are no text

@@ -13,6 +13,7 @@ from typing import Any, Final, cast
 import typst
 
 from reliab.errors import InputError
+from reliab.files import written_whole
 from reliab.report.content import files_of
 from reliab.report.document import Document
 from reliab.version import __version__
@@ -38,10 +39,9 @@ def write_pdf(document: Document | Mapping[str, bytes], path: Path, *, date: dt.
         If the file cannot be written.
     """
     content = compiled_report(document, date=date)
-    unfinished = path.with_name(f".{path.name}")
     try:
-        unfinished.write_bytes(content)
-        unfinished.replace(path)
+        with written_whole(path) as file:
+            file.write_bytes(content)
     except OSError as error:
         raise InputError(
             "The file of a report must be writable",

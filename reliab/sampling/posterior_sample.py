@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from reliab.files import written_whole
 from reliab.sampling.diagnostics import ConvergenceWarning, Diagnostics, diagnose, inference_data
 
 
@@ -72,7 +73,8 @@ class PosteriorSample:
 
     def write_netcdf(self, path: Path) -> None:
         """Write the draws as ArviZ reads them (`arviz.from_netcdf`), one chain for each ensemble."""
-        inference_data(self.draws, self.names).to_netcdf(str(path), engine="h5netcdf")
+        with written_whole(path) as file:
+            inference_data(self.draws, self.names).to_netcdf(str(file), engine="h5netcdf")
 
     def warn_unless_converged(self) -> None:
         """Issue a :class:`ConvergenceWarning` with every complaint."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from reliab.criterion import Criterion
 from reliab.errors import InputError
+from reliab.files import written_whole
 from reliab.shipped import shipped
 from reliab.study.description import CriterionStudy
 from reliab.study.material import REAL, Material
@@ -44,7 +45,8 @@ def on_real_motions(study: CriterionStudy, material: Material) -> list[Stage]:
         criteria = derivation_of(folder).criteria
         judged = _judged(criteria[0], folder) if criteria else None
         content = None if judged is None else _content(judged)
-        (folder / REAL_MOTIONS).write_text(json.dumps(content), encoding="utf-8")
+        with written_whole(folder / REAL_MOTIONS) as file:
+            file.write_text(json.dumps(content), encoding="utf-8")
 
     return [
         Stage(

@@ -46,10 +46,10 @@ def run_study(
         If the study asks for what is not there, or the folder holds something else.
     """
     stages = list(KINDS[study.kind].stages(study, show))
-    folder = RunFolder(Path(out), study=study.model_dump(mode="json"))
     results = [name for stage in stages for name in stage.writes]
-    for stage in (*stages, _reporting(study, results)):
-        tell(stage.name, folder.perform(stage))
+    with RunFolder.opened(Path(out), study=study.model_dump(mode="json")) as folder:
+        for stage in (*stages, _reporting(study, results)):
+            tell(stage.name, folder.perform(stage))
     return folder.path / REPORT
 
 

@@ -1,24 +1,28 @@
 """Stages of a run: each is done once, and again only when what it depends on has changed.
 
 A run folder holds the results as files and `manifest.json`, which remembers for each stage the digest
-of its inputs, which the code of the package is one of, and of the files that it wrote, the day, and the
-packages with which they were made. A stage enters the manifest as done when its files are written, so that an
-interrupted run resumes where it was; what was begun with other inputs or other code is removed first.
+of its inputs, which the code of the package is one of, and of the files that it wrote, the day, the packages
+and the processor. A stage enters the manifest as done when its files are written, so that an interrupted run
+resumes where it was; what was begun with other inputs or other code is removed first.
 """
 
+import contextlib
 import datetime as dt
 import hashlib
 import json
 import shutil
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+import filelock
+
 from reliab.criterion.provenance import installed_versions
-from reliab.errors import InputError
-from reliab.files import ordinary
+from reliab.errors import IncompleteError, InputError
+from reliab.files import UNFINISHED, ordinary, written_whole
+from reliab.study.environment import environment
 
 MANIFEST = "manifest.json"
 _CHUNK = 1 << 20
@@ -62,21 +66,16 @@ class RunFolder:
     Raises
     ------
     InputError
-        If the folder cannot be made, or holds something else than a run.
+        If the folder holds something else than a run.
+    OSError
+        If it cannot be made.
     """
 
     def __init__(self, path: Path, *, study: Mapping[str, Any]) -> None:
         self.path = path
-        try:
-            path.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise InputError(
-                "The run folder must be writable",
-                value=error.strerror,
-                remedy="Name another",
-                where=str(path),
-            ) from None
-        if not (path / MANIFEST).exists() and any(path.iterdir()):
+        path.mkdir(parents=True, exist_ok=True)
+        strangers = [file for file in path.iterdir() if not file.name.startswith(UNFINISHED)]
+        if not (path / MANIFEST).exists() and strangers:
             raise InputError(
                 "A run folder is new, empty or that of an earlier run",
                 value=f"{path} holds other files",
@@ -85,6 +84,50 @@ class RunFolder:
         known = _read(path).get("stages", {})
         self._manifest: dict[str, Any] = {"study": dict(study), "stages": known}
         self._write()
+
+    @classmethod
+    @contextlib.contextmanager
+    def opened(cls, path: Path, *, study: Mapping[str, Any]) -> Iterator["RunFolder"]:
+        """Open a run folder, and keep every other process from running a study in it.
+
+        Parameters
+        ----------
+        path, study
+            As for the class.
+
+        Yields
+        ------
+        RunFolder
+            The folder.
+
+        Raises
+        ------
+        InputError
+            If the folder cannot be used, or another process runs a study in it.
+        IncompleteError
+            If the disk is full or fails; stages that are done are safe.
+        """
+        lock = filelock.FileLock(path.with_name(path.name + ".lock"), timeout=0)
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+            lock.acquire()
+        except filelock.Timeout:
+            raise InputError(
+                "Only one process may run a study in a folder",
+                value=f"{path} in use by another",
+                remedy="Wait until it is done, or name another folder",
+            ) from None
+        except OSError as error:
+            rule = "The run folder must be writable"
+            raise InputError(rule, value=error.strerror, remedy="Name another", where=str(path)) from None
+        with lock:
+            try:
+                yield cls(path, study=study)
+            except OSError as error:
+                raise IncompleteError(
+                    f"Running the study in {path} failed: {error}. Stages that are done are safe; "
+                    "remove the cause and run the same command again."
+                ) from error
 
     def perform(self, stage: Stage) -> bool:
         """Do a stage unless it is done; tell whether it was.
@@ -114,6 +157,7 @@ class RunFolder:
             "files": self._digest_files(stage.writes),
             "date": dt.datetime.now(tz=dt.UTC).date().isoformat(),
             "packages": installed_versions(),
+            "environment": environment(),
         }
         self._write()
         return True
@@ -137,9 +181,8 @@ class RunFolder:
         return {name: digest(self.path / name) for name in names}
 
     def _write(self) -> None:
-        unfinished = self.path / f".{MANIFEST}"
-        unfinished.write_text(json.dumps(self._manifest, indent=2), encoding="utf-8")
-        unfinished.replace(self.path / MANIFEST)
+        with written_whole(self.path / MANIFEST) as file:
+            file.write_text(json.dumps(self._manifest, indent=2), encoding="utf-8")
 
 
 def study_of(path: Path) -> dict[str, Any]:

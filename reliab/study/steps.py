@@ -14,6 +14,7 @@ from reliab.criterion.derivation import Derivation
 from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, known
 from reliab.criterion.methods import Quantile, method_of
 from reliab.errors import InputError
+from reliab.files import written_whole
 from reliab.motions import load_motions
 from reliab.study.description import CriterionStudy, CriterionTable, ErrorsTable, SimulatedStudy
 from reliab.study.material import RESULTS, Material, Show, named
@@ -118,7 +119,8 @@ def derivation(errors: ErrorsTable, criterion: CriterionTable) -> Stage:
             "refusals": [sentence for part in derived for sentence in part.refusals],
         }
         text = json.dumps(content, ensure_ascii=False, allow_nan=False)
-        (folder / CRITERIA).write_text(text, encoding="utf-8")
+        with written_whole(folder / CRITERIA) as file:
+            file.write_text(text, encoding="utf-8")
 
     inputs = {"errors": errors.model_dump(), "criterion": criterion.model_dump()}
     return Stage(name="derive", inputs=inputs, reads=(ELLIPSES,), writes=(CRITERIA,), work=work)
@@ -188,8 +190,10 @@ def judgement(study: CriterionStudy, material: Material, show: Show) -> Stage:
                 refusals[scheme] = f"Not put to the test by {scheme.replace('_', ' ')}: {refusal}"
                 (folder / _counts_file(scheme)).unlink(missing_ok=True)
             else:
-                validation.counts.to_netcdf(folder / _counts_file(scheme), engine="h5netcdf")
-        (folder / VALIDATION).write_text(json.dumps(refusals, ensure_ascii=False), encoding="utf-8")
+                with written_whole(folder / _counts_file(scheme)) as file:
+                    validation.counts.to_netcdf(file, engine="h5netcdf")
+        with written_whole(folder / VALIDATION) as file:
+            file.write_text(json.dumps(refusals, ensure_ascii=False), encoding="utf-8")
 
     inputs = study.model_dump(include={"errors", "criterion", "validation"})
     writes = [VALIDATION, *(_counts_file(scheme) for scheme in study.validation.schemes)]
@@ -247,7 +251,8 @@ def paper_cases(sources: tuple[str, ...], name: str) -> Stage:
     def work(folder: Path) -> None:
         from reliab.paper.cases import cases_dataset, run_paper_cases
 
-        cases_dataset(run_paper_cases(motion), motion).to_netcdf(folder / CASES, engine="h5netcdf")
+        with written_whole(folder / CASES) as file:
+            cases_dataset(run_paper_cases(motion), motion).to_netcdf(file, engine="h5netcdf")
 
     return Stage(name="cases", inputs={"motion": motion.checksum}, writes=(CASES,), work=work)
 

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from reliab.errors import InputError
-from reliab.files import decoding
+from reliab.files import decoding, written_whole
 from reliab.sweep.netcdf import read_netcdf
 from reliab.sweep.store import SCHEMA_VERSION
 from reliab.vocabulary import Dimension, Metric
@@ -51,7 +51,8 @@ def write_compact(results: xr.Dataset, path: str | Path) -> None:
     encoding = {
         str(name): {"zlib": True, "complevel": 9, "shuffle": True, "chunksizes": chunk} for name in Metric
     }
-    compact.to_netcdf(path, engine="h5netcdf", encoding=encoding)
+    with written_whole(path) as file:
+        compact.to_netcdf(file, engine="h5netcdf", encoding=encoding)
 
 
 def open_compact(path: Path) -> xr.Dataset:

@@ -5,6 +5,7 @@ from pathlib import Path
 import xarray as xr
 
 from reliab.errors import InputError
+from reliab.files import written_whole
 from reliab.indices.window import Window
 from reliab.sweep.labels import with_labels
 from reliab.sweep.netcdf import read_netcdf
@@ -31,7 +32,8 @@ def write_ellipses(ellipses: xr.Dataset, path: str | Path) -> None:
     """
     encoding = {str(name): {"zlib": True, "complevel": 9, "shuffle": True} for name in ellipses.data_vars}
     try:
-        ellipses.to_netcdf(path, engine="h5netcdf", encoding=encoding)
+        with written_whole(path) as file:
+            ellipses.to_netcdf(file, engine="h5netcdf", encoding=encoding)
     except OSError as error:
         raise InputError(
             "The file of ellipses must be writable",

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 from reliab.cli.options import FIVE_PERCENT, ONE_HERTZ, TWO_PERCENT
 from reliab.cli.output import console, table, write_json
 from reliab.errors import InputError
+from reliab.files import written_whole
 from reliab.stated_value import StatedValue
 
 if TYPE_CHECKING:
@@ -63,7 +64,8 @@ def _draw(chart: "list[Tolerance]", path: Path) -> None:
 
     drawn = tolerable_errors_over_frequency(chart)
     try:
-        drawn.savefig(path)
+        with written_whole(path) as file:
+            drawn.savefig(file)
     except (OSError, ValueError) as error:
         raise InputError(
             "The figure's file must be writable and end in .svg, .png or .pdf",

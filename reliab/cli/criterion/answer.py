@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from reliab.cli.output import console, table
 from reliab.errors import InputError
+from reliab.files import written_whole
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -121,7 +122,8 @@ def write(criterion: "Criterion", out: Path | None) -> None:
     if out is None:
         return
     try:
-        out.write_text(criterion.to_json(), encoding="utf-8")
+        with written_whole(out) as file:
+            file.write_text(criterion.to_json(), encoding="utf-8")
     except OSError as error:
         raise InputError(
             "The criterion's file must be writable",

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from reliab.cli.output import progress_bar
 from reliab.errors import InputError
+from reliab.files import written_whole
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -146,7 +147,8 @@ def _write(folder: Path, name: str, drawn: Any) -> str:  # noqa: ANN401 - matplo
 
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        (folder / name).write_bytes(svg(drawn))
+        with written_whole(folder / name) as file:
+            file.write_bytes(svg(drawn))
     except OSError as error:
         raise InputError(
             "The folder of the figures must be writable",

@@ -1,7 +1,6 @@
 """The updated model of a hybrid test as a file: calibration, specimen, and effects with their uncertainty.
 
-The file is TOML, as campaign.toml is, with the same tables: people read it, copy a table of it into the
-next campaign and write remarks into it.
+The file is TOML with the tables of campaign.toml, so that people can read, copy and annotate it.
 """
 
 import json
@@ -15,7 +14,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from reliab.errors import InputError
-from reliab.files import ordinary
+from reliab.files import ordinary, written_whole
 from reliab.loop.actuator import Actuator
 from reliab.loop.effects import Effect, Parameter, find_effect
 from reliab.loop.hybrid_test import HybridTest, Specimen
@@ -85,11 +84,11 @@ def write_model(path: Path | str, model: UpdatedModel) -> None:
     """
     path = Path(path)
     try:
-        path.write_text(_text(model, path.name), encoding="utf-8")
+        with written_whole(path) as file:
+            file.write_text(_text(model, path.name), encoding="utf-8")
     except OSError as error:
-        raise InputError(
-            "The model's file must be writable", value=error.strerror, remedy="Name another", where=str(path)
-        ) from error
+        rule = "The model's file must be writable"
+        raise InputError(rule, value=error.strerror, remedy="Name another", where=str(path)) from error
 
 
 def read_model(path: Path | str) -> UpdatedModel:

@@ -6,6 +6,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from reliab.files import written_whole
 from reliab.report import Document, save_content, saved_content
 from reliab.shipped import shipped
 from reliab.study.description import Study, Table
@@ -39,7 +40,8 @@ def stages(study: DiscrepancyStudy, show: Show) -> Sequence[Stage]:
     def work(folder: Path) -> None:
         with show("Diagnosing"):
             content = _diagnosed(campaign, digest(campaign)).as_dict()
-        (folder / DIAGNOSIS).write_text(json.dumps(content, indent=2, ensure_ascii=False), encoding="utf-8")
+        with written_whole(folder / DIAGNOSIS) as file:
+            file.write_text(json.dumps(content, indent=2, ensure_ascii=False), encoding="utf-8")
 
     def draw(folder: Path) -> None:
         with show("Drawing"):

@@ -9,6 +9,7 @@ import pandas as pd
 from pydantic import Field
 
 from reliab.errors import InputError
+from reliab.files import written_whole
 from reliab.report import Document
 from reliab.shipped import or_shipped
 from reliab.study.description import MotionsTable, RecordsStudy, StructuresTable, Table
@@ -58,7 +59,8 @@ def stages(study: DuctilityStudy, show: Show) -> Sequence[Stage]:
             tests = tolerances(list(records.motions), structures, threshold=threshold, progress=progress)
         limits = compare_limits(tests).assign(alpha=table.experimental_fraction, threshold=threshold)
         for name, content in ((TESTS, tests), (LEVELS, compare_levels(tests)), (LIMITS, limits)):
-            content.round(_DIGITS).to_csv(folder / name, index=False)
+            with written_whole(folder / name) as file:
+                content.round(_DIGITS).to_csv(file, index=False)
 
     inputs = {
         "motions": records.checksums,

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Final
 
 from reliab.errors import InputError
+from reliab.files import written_whole
 from reliab.report import Document
 from reliab.study.description import SimulatedStudy
 from reliab.study.kinds.kind import Kind
@@ -65,7 +66,8 @@ def _example(material: Material, show: Show) -> Stage:
 
         with show("Simulating the example"):
             example = run_paper_example(named(material.motions, _EXAMPLE_MOTION))
-        example.to_netcdf(folder / EXAMPLE, engine="h5netcdf")
+        with written_whole(folder / EXAMPLE) as file:
+            example.to_netcdf(file, engine="h5netcdf")
 
     inputs = {"motion": named(material.motions, _EXAMPLE_MOTION).checksum}
     return Stage(name="example", inputs=inputs, writes=(EXAMPLE,), work=work)

@@ -7,6 +7,7 @@ from typing import Annotated, Final
 import pandas as pd
 from pydantic import Field
 
+from reliab.files import written_whole
 from reliab.report import Document
 from reliab.study.description import RecordsStudy, Table
 from reliab.study.kinds.kind import Kind
@@ -39,8 +40,10 @@ def stages(study: PartitionedStudy, show: Show) -> Sequence[Stage]:
 
         with show("Running partitioned tests") as progress:
             tests = run_tests(draw_tests(list(records.motions), table.tests, table.seed), progress=progress)
-        tests.to_csv(folder / TESTS, index=False)
-        shares_of_structures().to_csv(folder / SHARES, index=False)
+        with written_whole(folder / TESTS) as file:
+            tests.to_csv(file, index=False)
+        with written_whole(folder / SHARES) as file:
+            shares_of_structures().to_csv(file, index=False)
 
     inputs = {"motions": records.checksums, "partitioned": table.model_dump(mode="json")}
     return (Stage(name="tests", inputs=inputs, writes=(TESTS, SHARES), work=work),)

@@ -9,6 +9,7 @@ import pandas as pd
 from pydantic import AfterValidator, Field
 
 from reliab.errors import InputError
+from reliab.files import written_whole
 from reliab.loop.laboratory.benchmark import benchmark_compensator
 from reliab.report import Document
 from reliab.shipped import shipped
@@ -48,6 +49,15 @@ class BenchmarkStudy(RecordsStudy):
     benchmark: BenchmarkTable = BenchmarkTable()
 
 
+_COLUMNS = ("case", "criterion", "variant", "published", "mean", "least", "most", "reached")
+
+
+def _write_rows(rows: Sequence[Any], path: Path) -> None:
+    with written_whole(path) as file:
+        content = json.dumps({"tests": rows}, ensure_ascii=False, allow_nan=False, indent=1)
+        file.write_text(content, encoding="utf-8")
+
+
 def stages(study: BenchmarkStudy, show: Show) -> Sequence[Stage]:
     """Run the benchmark, and its published table where El Centro is among the records."""
     if study.motions.sources is None:
@@ -71,19 +81,18 @@ def stages(study: BenchmarkStudy, show: Show) -> Sequence[Stage]:
         )
         with show("Running the benchmark") as progress:
             rows = run_benchmark(list(records.motions), request, progress=progress)
-        content = json.dumps({"tests": rows}, ensure_ascii=False, allow_nan=False, indent=1)
-        (folder / TESTS).write_text(content, encoding="utf-8")
+        _write_rows(rows, folder / TESTS)
 
     def published(folder: Path) -> None:
         from reliab.validation.rths_benchmark import beside_published, published_motion, read_published
 
         motion = published_motion(list(records.motions))
-        columns = ["case", "criterion", "variant", "published", "mean", "least", "most", "reached"]
-        beside = pd.DataFrame(columns=columns)
+        beside = pd.DataFrame(columns=list(_COLUMNS))
         if motion is not None:
             with show("Comparing with the published table"):
                 beside = beside_published(motion, read_published(printed), seeds=table.noises)
-        beside.to_csv(folder / PUBLISHED, index=False)
+        with written_whole(folder / PUBLISHED) as file:
+            beside.to_csv(file, index=False)
 
     inputs: dict[str, Any] = {"motions": records.checksums, "benchmark": table.model_dump(mode="json")}
     return (

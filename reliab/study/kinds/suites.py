@@ -10,6 +10,7 @@ import xarray as xr
 
 from reliab.criterion.provenance import records_checksum
 from reliab.errors import InputError
+from reliab.files import written_whole
 from reliab.report import Document
 from reliab.shipped import shipped
 from reliab.study.description import CriterionTable, SimulatedStudy, TransferTable
@@ -103,8 +104,10 @@ def _measuring(material: Material, show: Show) -> Stage:
         from reliab.validation.suite_comparison import response_spectra, suite_measures
 
         with show("Measuring the motions"):
-            suite_measures(material.motions).to_csv(folder / MEASURES, index=False)
-            response_spectra(material.motions).to_netcdf(folder / SPECTRA, engine="h5netcdf")
+            with written_whole(folder / MEASURES) as file:
+                suite_measures(material.motions).to_csv(file, index=False)
+            with written_whole(folder / SPECTRA) as file:
+                response_spectra(material.motions).to_netcdf(file, engine="h5netcdf")
 
     inputs = {"motions": material.checksums}
     return Stage(name="measure", inputs=inputs, writes=(MEASURES, SPECTRA), work=work)
@@ -132,7 +135,8 @@ def _transfer(study: SuitesStudy, show: Show) -> Stage:
                 learn_from=learned,
                 progress=progress,
             )
-        validation.counts.to_netcdf(folder / TRANSFER, engine="h5netcdf")
+        with written_whole(folder / TRANSFER) as file:
+            validation.counts.to_netcdf(file, engine="h5netcdf")
 
     inputs = {
         **study.model_dump(include={"structures", "errors", "criterion", "validation"}),

@@ -7,6 +7,7 @@ from typing import Final
 import pandas as pd
 
 from reliab.errors import InputError
+from reliab.files import written_whole
 from reliab.report import Document
 from reliab.shipped import shipped
 from reliab.study.description import RecordsStudy
@@ -32,7 +33,8 @@ def stages(study: RecordsStudy, show: Show) -> Sequence[Stage]:
 
         with show("Auditing Table 2") as progress:
             rows = audit_table2(records.motions, pd.read_csv(table), progress=progress)
-        rows.to_csv(folder / ROWS, index=False)
+        with written_whole(folder / ROWS) as file:
+            rows.to_csv(file, index=False)
 
     inputs = {"motions": records.checksums, "printed": digest(table)}
     return (Stage(name="audit", inputs=inputs, writes=(ROWS,), work=work),)

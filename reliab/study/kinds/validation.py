@@ -9,6 +9,7 @@ import pandas as pd
 from pydantic import Field
 
 from reliab.criterion.provenance import records_checksum
+from reliab.files import written_whole
 from reliab.loop.structure import Structure
 from reliab.motions import Motion, MotionSuite, load_motions
 from reliab.report import Document
@@ -122,7 +123,8 @@ def _beyond(study: ValidationStudy, material: Material, show: Show) -> Stage:
 
         criteria = derivation_of(folder).criteria
         if not criteria:
-            pd.DataFrame(columns=list(TEST_COLUMNS)).to_csv(folder / BEYOND, index=False)
+            with written_whole(folder / BEYOND) as file:
+                pd.DataFrame(columns=list(TEST_COLUMNS)).to_csv(file, index=False)
             return
         criterion = criteria[0]
         with show("Trying other rigs") as progress:
@@ -134,7 +136,8 @@ def _beyond(study: ValidationStudy, material: Material, show: Show) -> Stage:
                 count=_MOTIONS_BEYOND,
                 progress=progress,
             )
-        tests.to_csv(folder / BEYOND, index=False)
+        with written_whole(folder / BEYOND) as file:
+            tests.to_csv(file, index=False)
 
     inputs = {
         "motions": [motion.checksum for motion in _spread(suite, _MOTIONS_BEYOND)],

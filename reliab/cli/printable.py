@@ -1,0 +1,33 @@
+"""Names as they may be shown on a terminal."""
+
+import unicodedata
+
+
+def printable(text: str) -> str:
+    r"""Name characters that would steer a terminal, turn the order of a line, or cannot be written.
+
+    Parameters
+    ----------
+    text : str
+        Any text, such as the name of a motion.
+
+    Returns
+    -------
+    str
+        The text with such characters as Python writes them; ends of lines and tabs stay.
+
+    Examples
+    --------
+    >>> print(printable("red \x1b[31m"))
+    red \x1b[31m
+    """
+    return "".join(
+        character.encode("unicode_escape").decode() if _steers(character) else character for character in text
+    )
+
+
+def _steers(character: str) -> bool:
+    if character in "\n\t":
+        return False
+    turns = "\u202a" <= character <= "\u202e" or "\u2066" <= character <= "\u2069"
+    return turns or unicodedata.category(character) in {"Cc", "Cs", "Zl", "Zp"}

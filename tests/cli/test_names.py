@@ -1,0 +1,76 @@
+"""Names are data: nothing in them is markup, steers the terminal or stops a command."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+from fuzz.corpus import ellipse_dataset
+from motions.conftest import AT2
+
+from reliab.cli import run
+from reliab.cli.output import console, table
+from reliab.cli.printable import printable
+from reliab.sweep import write_ellipses
+
+NAMES = {
+    "typst": '#panic("x") $a$ *b* _c_ @d <e> `f` \\',
+    "html": "<script>alert(1)</script>&amp;",
+    "markup of Rich": "[/red] [bold]a[/bold] [link=https://x]b[/link] :smile:",
+    "escapes of terminals": "\x1b[31mred\x1b]0;title\x07\x9b2J\r\x08",
+    "separators of paths": "../../a/b\\c:d|e",
+    "right to left": "\u202eזלזלה\u2066 العربية\u2028",
+    "long": "n" * 10_000,
+    "bytes that are no text": "\udcff\udc80",
+    "other scripts": "地震 землетрясение 🌋",
+}
+
+
+@pytest.mark.parametrize("name", NAMES.values(), ids=NAMES)
+def test_a_terminal_shows_a_name_as_it_is(name, capsys):
+    shown = table(name, {name: "left"})
+    shown.add_row(name)
+    console().print(name)
+    console().print(shown)
+    written = capsys.readouterr().out
+    assert not set(written) & set("\x1b\x07\x08\r\x9b\u202e\u2066\u2028")
+    if len(name) < 100 and printable(name) == name:
+        assert written.count(name.strip()) >= 2
+
+
+def test_names_of_motions_stay_what_they_are_in_results(tmp_path, capsys):
+    names = list(NAMES.values())[:6]
+    dataset = ellipse_dataset()
+    labels = [*names, *dataset["motion"].values.tolist()[len(names) :]]
+    write_ellipses(dataset.assign_coords(motion=labels), tmp_path / "ellipses.nc")
+    for options in (["--json", "-"], []):
+        source = ["--ellipses", str(tmp_path / "ellipses.nc"), "--confidence", "0.8"]
+        assert run(["criterion", *source, *options]) == 0
+        assert "\x1b" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", ["[bold].AT2", "\x1b[31m.AT2", "a" * 240 + ".AT2", "<b>$x$#.AT2"])
+def test_records_of_any_name_are_listed(tmp_path, capsys, name):
+    (tmp_path / name).write_text(AT2)
+    for options in ([], ["--json", "-"]):
+        assert run(["motions", "list", str(tmp_path), *options]) == 0
+        written = capsys.readouterr()
+        assert "\x1b" not in written.out
+        assert not written.err
+
+
+def test_a_record_whose_name_is_no_text_is_listed(tmp_path):
+    (tmp_path / os.fsdecode(b"\xff\xfe.AT2")).write_text(AT2)
+    program = "from reliab.cli import main; main()"
+    for options in ([], ["--json", "-"]):
+        arguments = [sys.executable, "-c", program, "motions", "list", str(tmp_path), *options]
+        done = subprocess.run(arguments, capture_output=True, check=False)  # noqa: S603 - this very package
+        assert done.returncode == 0, done.stderr
+        assert b"udcff" in done.stdout
+
+
+def test_an_error_names_a_file_without_steering_the_terminal(tmp_path, capsys):
+    assert run(["diagnose", str(tmp_path / "\x1b[2J")]) == 2
+    written = capsys.readouterr().err
+    assert "\x1b[2J" not in written
+    assert r"\x1b[2J" in written

@@ -1,0 +1,1 @@
+"""Commands that are killed, starved of disk or run twice at once."""

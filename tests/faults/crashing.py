@@ -1,0 +1,169 @@
+"""Run the command line in a process that is killed, or starved of disk, at a chosen write.
+
+Python announces every opening of a file and every renaming to audit hooks. The process kills itself, as
+`kill -9` would, at the n-th announcement of a write below the folder of results, so that every instant
+between two writes can be tried in turn, instead of instants that a clock happens to choose. HDF5 files are
+announced when they are opened and before they are closed, when a part of what was written is not on the disk.
+
+Processes are forked from one that has imported everything, which saves most of their time.
+"""
+
+import errno
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a process ended, what it said, and how often it wrote."""
+
+    code: int
+    errors: str
+
+    @property
+    def writes(self) -> int:
+        return int(self.errors.rsplit("WRITES", 1)[1])
+
+
+class Forks:
+    """A process that forks one for every command."""
+
+    def __init__(self) -> None:
+        self._server = subprocess.Popen(  # noqa: S603 - this very file
+            [sys.executable, __file__], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        )
+
+    def run(self, arguments: Sequence[object], folder: Path, *, at: int = 0, action: str = "kill") -> Outcome:
+        """Run a command line.
+
+        Parameters
+        ----------
+        arguments : sequence
+            What stands after `reliab`.
+        folder : pathlib.Path
+            The folder below which writes are counted.
+        at : int, optional
+            The write at which something happens; 0 for never.
+        action : str, optional
+            What happens: kill, terminate, vanish (the folder is removed) or full (the disk is).
+        """
+        asked = {"arguments": [*map(str, arguments)], "folder": str(folder), "at": at, "action": action}
+        print(json.dumps(asked), file=self._server.stdin, flush=True)
+        return Outcome(**json.loads(self._server.stdout.readline()))
+
+    def close(self) -> None:
+        self._server.stdin.close()
+        self._server.wait()
+
+
+def command(arguments: Sequence[object], environment: dict[str, str]) -> Outcome:
+    """Run a command line in a new process with variables of its own."""
+    program = "import sys; from reliab.cli import main; sys.argv[0] = 'reliab'; main()"
+    done = subprocess.run(  # noqa: S603 - this very package
+        [sys.executable, "-c", program, *map(str, arguments)],
+        capture_output=True,
+        check=False,
+        env={**os.environ, **environment},
+    )
+    return Outcome(done.returncode, done.stderr.decode(errors="replace"))
+
+
+class _Fault:
+    """Something that happens at the n-th write below a folder."""
+
+    def __init__(self, folder: str, at: int, action: str) -> None:
+        self.folder, self.at, self.action, self.writes = folder, at, action, 0
+
+    def __call__(self, event: str, arguments: tuple[object, ...]) -> None:
+        if event == "open":
+            writes = bool(int(arguments[2]) & (os.O_WRONLY | os.O_RDWR | os.O_CREAT))
+        else:
+            writes = event in {"os.rename", "os.remove", "os.mkdir"}
+        name = arguments[0] if writes else None
+        if isinstance(name, str | bytes) and os.path.abspath(os.fsdecode(name)).startswith(self.folder):  # noqa: PTH100
+            self.writes += 1
+            if self.writes == self.at:
+                self._happen(os.fsdecode(name))
+
+    def _happen(self, name: str) -> None:
+        match self.action:
+            case "kill":
+                os.kill(os.getpid(), signal.SIGKILL)
+            case "terminate":
+                os.kill(os.getpid(), signal.SIGTERM)
+            case "vanish":
+                shutil.rmtree(self.folder, ignore_errors=True)
+            case "full":
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), name)
+
+
+def _announce_hdf5() -> None:
+    import h5py
+
+    opening, closing = h5py.File.__init__, h5py.File.close
+
+    def opened(self, name, mode="r", *rest, **more):
+        self.announced = os.fspath(name) if mode != "r" and isinstance(name, str | os.PathLike) else ""
+        if self.announced:
+            sys.audit("open", self.announced, mode, os.O_RDWR)
+        opening(self, name, mode, *rest, **more)
+
+    def closed(self):
+        if self.announced:
+            sys.audit("open", self.announced, "r+", os.O_RDWR)
+        closing(self)
+
+    h5py.File.__init__, h5py.File.close = opened, closed
+
+
+def _serve() -> None:
+    """Fork for every line of standard input; answer with how the child ended."""
+    import arviz
+    import emcee
+    import typst
+
+    del arviz, emcee, typst
+    _announce_hdf5()
+    for line in sys.stdin:
+        asked = json.loads(line)
+        with tempfile.TemporaryFile() as errors:
+            child = os.fork()
+            if child == 0:
+                _run(asked, errors.fileno())
+            _, status = os.waitpid(child, 0)
+            errors.seek(0)
+            text = errors.read().decode(errors="replace")
+        print(json.dumps({"code": os.waitstatus_to_exitcode(status), "errors": text}), flush=True)
+
+
+def _run(asked: dict, errors: int) -> None:
+    from reliab.cli import run
+
+    os.dup2(errors, 2)
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+    fault = _Fault(asked["folder"], asked["at"], asked["action"])
+    sys.addaudithook(fault)
+    code = 70
+    try:
+        code = run(asked["arguments"])
+    except BaseException:  # noqa: BLE001 - printed for the test
+        import traceback
+
+        traceback.print_exc()
+    print("WRITES", fault.writes, file=sys.stderr, flush=True)
+    os._exit(code)
+
+
+if __name__ == "__main__":
+    sys.path.insert(0, str(ROOT))
+    _serve()
