@@ -11,7 +11,7 @@ from reliab.discrepancy.fitting.left_out import refitted
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.locating.locate import locate
-from reliab.discrepancy.locating.noise_test import is_noise, structured_share
+from reliab.discrepancy.locating.noise_test import LARGEST_STRUCTURED_SHARE, is_noise, structured_share
 from reliab.discrepancy.naming.estimates import calibration, estimates
 from reliab.discrepancy.naming.further_test import expected_error
 from reliab.discrepancy.naming.offset_rival import OffsetRival, offset_rival
@@ -27,7 +27,7 @@ from reliab.loop.effects import Effect
 Array = NDArray[np.float64]
 
 MOST_SURE = 0.99
-"""Largest probability that is stated where what the best model leaves is no noise."""
+"""Largest probability that is stated where what the best model leaves fails the noise test."""
 
 _RIVALS = 4
 
@@ -52,7 +52,8 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     best, named, doubtful = believed(ranked, calibrated)
     judged = _judged_by_noise(problem, best)
     noise = is_noise(*judged)
-    most = 1.0 if noise else MOST_SURE
+    structured = structured_share(*judged)
+    most = 1.0 if structured <= LARGEST_STRUCTURED_SHARE else MOST_SURE
     bounds = best.space.on_bounds(best.coordinates)
     naming = _Naming(search=search, ranked=ranked, best=best, proof=proof, most=most, bounds=bounds)
     shifts = [naming.offset(kind, offset_rival(search, best, kind)) for kind in offsets(search, best)]
@@ -79,7 +80,7 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         residuals_before=_by_file(proof, before),
         residuals_after=_by_file(proof, after),
         gap=proved,
-        structured_share=structured_share(*judged),
+        structured_share=structured,
         leaves_noise=noise,
         calibration=calibration(best),
         further=expected_error(search.error(best)),
