@@ -4,6 +4,7 @@ import json
 import os
 import unicodedata
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,8 @@ from reliab.criterion.scaling import scales
 from reliab.report.content import CONTENT_FILE, files_of
 from reliab.report.document import Document
 from reliab.report.pdf import templates
+from reliab.shipped import shipped
+from reliab.sweep.compact import open_compact
 
 settings.register_profile("few", derandomize=True, deadline=None, max_examples=40)
 settings.register_profile("many", settings.get_profile("few"), max_examples=300)
@@ -189,10 +192,23 @@ def grouped_ellipses() -> xr.Dataset:
     )
 
 
+@pytest.fixture(scope="session", autouse=True)
+def shipped_results_are_decoded_once():
+    """Simulated results that ship take seconds to decode; the tests of a process read them once."""
+    shipped_folder = shipped("datasets", "real_suite")
+    decoded = cache(open_compact)
+
+    def opened(path):
+        return decoded(path).copy() if path.parent == shipped_folder else open_compact(path)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("reliab.sweep.results.open_compact", opened)
+        yield
+
+
 @pytest.fixture(scope="session")
 def printed_table2():
     """Ellipses of the paper's Table 2, as a dataset."""
     from reliab.criterion import read_ellipses
-    from reliab.shipped import shipped
 
     return read_ellipses(shipped("datasets", "paper/table2.csv"))
