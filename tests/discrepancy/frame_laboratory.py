@@ -135,7 +135,7 @@ def simulate(world: FrameWorld, ground: np.ndarray, like: tuple[float, float] | 
     histories = {
         "none": lambda: plain,
         "coulomb_friction": lambda: run(friction=0.15 * k * peak, sharpness=0.003 * speed),
-        "cubic_stiffness": lambda: run(cubic=0.3 * k / peak**2),
+        "cubic_stiffness": lambda: run(cubic=0.15 * k / peak**2),
         "first_order_lag": lambda: run(lag=0.008),
         "sensor_bias": lambda: plain,
         "excitation_scale": lambda: plain,
