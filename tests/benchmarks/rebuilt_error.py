@@ -26,8 +26,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
+from scipy.stats import beta
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests"))
@@ -210,6 +212,23 @@ def state_coverage(rows: pd.DataFrame) -> None:
     for _, group in rows.groupby(pd.cut(rows["probability"], EDGES, include_lowest=True), observed=True):
         true = good[group.index].mean()
         print(f"stated {group['probability'].mean():.3f}, true {true:.3f} ({len(group)} tests)")
+
+
+def draw_reliability(rows: pd.DataFrame, path: Path) -> None:
+    """Stated probability against the share of good tests, with 90 % intervals of a binomial share."""
+    good = rows["true_rms"] < 0.05
+    figure, axes = plt.subplots(figsize=(4.2, 4.0), layout="constrained")
+    axes.plot([0.0, 1.0], [0.0, 1.0], color="0.6", linewidth=1.0)
+    for _, group in rows.groupby(pd.cut(rows["probability"], EDGES, include_lowest=True), observed=True):
+        count, total = int(good[group.index].sum()), len(group)
+        stated, share_of_good = float(group["probability"].mean()), count / total
+        low, high = beta.ppf([0.05, 0.95], [count + 0.5, count + 0.5], [total - count + 0.5] * 2)
+        axes.plot([stated, stated], [low, high], color="tab:blue", linewidth=1.2)
+        axes.plot(stated, share_of_good, "o", color="tab:blue", markersize=4.0)
+        axes.annotate(str(total), (stated, share_of_good), (5, -10), textcoords="offset points", fontsize=7.0)
+    axes.set(xlabel="Stated probability of RMS$^R$ < 5 %", ylabel="Share of tests with RMS$^R$ < 5 %")
+    axes.set(xlim=(-0.02, 1.06), ylim=(-0.02, 1.04))
+    figure.savefig(path, dpi=150)
 
 
 def levels(series: Series, number: int) -> Iterator[Row]:
@@ -407,7 +426,7 @@ MEASURED = {
 TIMED = {"monitor": (monitor, 2), "time": (offline, 3)}
 
 
-def measure(part: str, series: Series, count: int, out: Path | None) -> None:
+def measure(part: str, series: Series, count: int, out: Path | None) -> pd.DataFrame:
     """Measure test by test; rows are appended to a file, and tests that it holds are not simulated again."""
     of_test, state, _ = MEASURED[part]
     rows = pd.read_csv(out) if out is not None and out.exists() else pd.DataFrame()
@@ -420,6 +439,7 @@ def measure(part: str, series: Series, count: int, out: Path | None) -> None:
             new.to_csv(out, mode="a", header=not out.exists(), index=False, float_format="%.6g")
         rows = pd.concat([rows, new], ignore_index=True)
     state(rows)
+    return rows
 
 
 def main() -> None:
@@ -431,6 +451,7 @@ def main() -> None:
     parser.add_argument("--count", type=int)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--out", type=Path, help="CSV with a row for each test, in which a run resumes")
+    parser.add_argument("--figure", type=Path, help="PNG of the reliability diagram, for coverage")
     parser.add_argument("--records", type=Path, default=ROOT.parent / "shared" / "motions")
     chosen = parser.parse_args()
     series = Series(Records(chosen.records), chosen.seed)
@@ -438,7 +459,9 @@ def main() -> None:
         timed, count = TIMED[chosen.part]
         timed(series, chosen.count or count)
     else:
-        measure(chosen.part, series, chosen.count or MEASURED[chosen.part][2], chosen.out)
+        rows = measure(chosen.part, series, chosen.count or MEASURED[chosen.part][2], chosen.out)
+        if chosen.figure is not None and chosen.part == "coverage":
+            draw_reliability(rows, chosen.figure)
 
 
 if __name__ == "__main__":

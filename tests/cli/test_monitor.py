@@ -70,7 +70,9 @@ def test_a_threshold_that_is_crossed_raises_the_alarm(good, capsys):
     assert (
         run(["monitor", str(good), "--f", "1", "--xi", "0.05", "--wait", "0.1", "--threshold", "0.002"]) == 1
     )
-    assert "Alarm: the error has been above 0.20%" in capsys.readouterr().out
+    printed = capsys.readouterr().out
+    assert "Alarm: the error has been above 0.20%" in printed
+    assert "No new row came for 0.1 s: the test counts as finished." in " ".join(printed.split())
 
 
 def test_a_loop_that_gains_energy_raises_the_alarm(tmp_path, capsys):

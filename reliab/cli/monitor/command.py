@@ -22,6 +22,7 @@ from reliab.cli.monitor.options import (
     Wait,
 )
 from reliab.cli.options import FIVE_PERCENT, MetricName
+from reliab.cli.output import console
 from reliab.errors import InputError
 
 _ALARM = 1
@@ -76,6 +77,12 @@ def monitor(
     with _opened(json_target) as lines:
         watch = Watch(stated, threshold, Metric.parse(metric), every, lines, quiet=json_target == "-")
         watch.follow(rows, rate)
+    if source != "-" and json_target != "-":
+        console().print(
+            f"No new row came for {wait:g} s: the test counts as finished. A new call reads the file from "
+            "its beginning; rows of a file that was replaced are known only to the call that saw them.",
+            highlight=False,
+        )
     if watch.alarms:
         raise typer.Exit(_ALARM)
 
