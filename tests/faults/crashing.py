@@ -62,8 +62,7 @@ class Forks:
         return Outcome(**json.loads(self._server.stdout.readline()))
 
     def close(self) -> None:
-        self._server.stdin.close()
-        self._server.wait()
+        self._server.communicate()
 
 
 def command(arguments: Sequence[object], environment: dict[str, str]) -> Outcome:

@@ -58,6 +58,7 @@ def check_resumed(name, sources, forks, out, undisturbed):
     assert results(out) == files
 
 
+@pytest.mark.slow
 def test_a_criterion_killed_while_written_is_the_one_before(sources, forks, tmp_path, undisturbed):
     (tmp_path / "criterion.json").write_text("before")
     killed = forks.run(WORKS["criterion"].arguments(sources, tmp_path), tmp_path, at=1)
