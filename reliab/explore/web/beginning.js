@@ -6,25 +6,30 @@ import { fitRows, gradient } from "./least_squares.js";
 
 const FEWEST = 4;
 const SIGNIFICANT = 4; // standard deviations
+const STANDS = 0.1; // share of the offset's answer by which a command under it may stand off
 
-// Offset [m] that the loop did not feel, its standard deviation, and the amplitude of the first motion [m].
+// Offset [m] that the loop did not feel, its standard deviation, the amplitude of the first motion [m], and the
+// offset under which the loop had come to rest before (`standing`).
 export function examineStart(command, measured, step, structure, noise) {
   const n = command.length, { frequency, share } = structure, { white, slow } = noise;
   const peak = command.reduce((most, value) => Math.max(most, Math.abs(value - command[0])), 0);
   const top = command.reduce((most, value) => Math.max(most, Math.abs(value)), 0);
-  const amplitude = firstAmplitude(command, step, frequency);
-  if (amplitude > 1e-3 * Math.max(peak, top)) {
-    const constant = constantOf(command, measured), deviation = Math.hypot(white / Math.sqrt(n), slow);
-    const felt = answerOf(command, measured, constant, share) === "felt";
-    return { atRest: false, amplitude, offset: 0, deviation: felt ? deviation : Math.hypot(constant, deviation) };
-  }
-  const still = lengthOfRest(command, peak), rest = { atRest: true, amplitude: 0 };
-  let offset = 0, motion = 0;
+  const still = lengthOfRest(command, peak), rest = { atRest: true, amplitude: 0, standing: 0 };
+  let offset = 0, motion = 0, place = 0;
   for (let i = 0; i < still; i += 1) {
     offset += (measured[i] - command[i]) / still;
+    place += command[i] / still;
     motion = Math.max(motion, Math.abs(command[i] - command[0]));
   }
-  const deviation = Math.hypot(white / Math.sqrt(still), slow);
+  const deviation = Math.hypot(white / Math.sqrt(still), slow), answered = share * Math.abs(offset);
+  const stands = Math.abs(offset) > SIGNIFICANT * deviation && Math.abs(place + share * offset) <= STANDS * answered;
+  const amplitude = firstAmplitude(stands ? command.map((value) => value + share * offset) : command, step, frequency);
+  if (amplitude > (stands ? STANDS * answered : 1e-3 * Math.max(peak, top))) {
+    const constant = constantOf(command, measured), known = Math.hypot(white / Math.sqrt(n), slow);
+    const felt = answerOf(command, measured, constant, share) === "felt";
+    return { ...rest, atRest: false, amplitude, offset: 0, deviation: felt ? known : Math.hypot(constant, known) };
+  }
+  if (stands) return { ...rest, offset: 0, deviation, standing: offset };
   if (Math.abs(offset) <= SIGNIFICANT * deviation + motion) return { ...rest, offset: 0, deviation };
   const turned = Math.min(2 * Math.PI * frequency * still * step, Math.PI);
   const answer = share * Math.abs(offset) * (1 - Math.cos(turned));

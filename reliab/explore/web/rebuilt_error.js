@@ -1,4 +1,5 @@
-// The error of one test, rebuilt from its command and measured displacement; as reliab/rebuilt_error/.
+// The error of one test, rebuilt from its command and measured displacement; histories as reliab/rebuilt_error/.
+// What noise adds is taken from noise histories that run through the same recursion, simpler than there.
 //
 //     e'' + 2 xi w0 e' + w0^2 e = alpha w0^2 (x_c - x_m),      x_m - x_I = e - (x_c - x_m)
 
@@ -80,7 +81,8 @@ export function rebuild(prepared, structure, offset = null) {
   const difference = command.map((value, i) => value - measured[i] + start.offset);
   const smoothed = prepared.smoothed.map((value) => value + start.offset);
   const recursion = recursionOf(structure, step);
-  const reference = respond(recursion, difference).map((value, i) => command[i] - value);
+  const standing = -start.standing / (2 * Math.PI * structure.frequency) ** 2;
+  const reference = respond(recursion, difference, [standing, 0]).map((value, i) => command[i] - value);
   const error = reference.map((value, i) => command[i] - smoothed[i] - value);
   return { command, measured, step, noise: prepared.noise, structure, start, smoothed, reference, error, peak: largest(reference) };
 }
@@ -193,6 +195,7 @@ function sweep({ command, smoothed, structure, start, step, reference, error, pe
     const changed = { frequency, dampingRatio: structure.dampingRatio * factor("dampingRatio"), share: structure.share * factor("share") };
     const offset = one * random() * start.deviation, scale = one * random() * (deviations.scale ?? 0);
     const begin = [one * random() * initial, one * random() * initial * w0].map((value) => value / (structure.share * w0 * w0));
+    begin[0] -= start.standing / (2 * Math.PI * frequency) ** 2;
     const input = difference.map((value, i) => value + offset + scale * measured[i]);
     const response = respond(recursionOf(changed, every * step), input, begin);
     let top = 0, ideal = 0;

@@ -25,7 +25,8 @@ export function estimateNoise(command, measured, step) {
   if (quiet.filter(Boolean).length > CORNERS.length) {
     weights = fitted(shapes(chosen(residual.centres), step), chosen(residual.means), chosen(residual.counts));
   }
-  const band = highestMotion(binned(frequency, spectrum(subtracted(command, measured))), weights[0]);
+  const average = mean(command), moving = [subtracted(command, measured), command.map((value) => value - average)];
+  const band = Math.max(...moving.map((values) => highestMotion(binned(frequency, spectrum(values)), weights[0])));
   return { step, weights, band, filter: filterOf(band, step) };
 }
 
@@ -132,7 +133,7 @@ function fitted(rows, means, counts) {
   return weights;
 }
 
-// Highest frequency [Hz] at which the difference rises above the white noise in two bins side by side.
+// Highest frequency [Hz] at which a history rises above the white noise in two bins side by side.
 function highestMotion({ centres, means, counts }, white) {
   const last = centres.length - 1;
   const above = means.map((value, k) => value > (1 + 4 * Math.max(1 / Math.sqrt(counts[k]), 0.25)) * white);
