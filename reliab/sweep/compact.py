@@ -14,7 +14,7 @@ import xarray as xr
 from reliab.errors import InputError
 from reliab.files import decoding, written_whole
 from reliab.sweep.netcdf import read_netcdf
-from reliab.sweep.store import SCHEMA_VERSION
+from reliab.sweep.store_layout import SCHEMA_VERSION
 from reliab.vocabulary import Dimension, Metric
 
 _SMALLEST_ERROR, _LARGEST_ERROR = 1e-5, 1.0

@@ -13,12 +13,10 @@ import contextlib
 import errno
 import hashlib
 import json
-import shutil
 import tempfile
 import threading
 from collections.abc import Iterator, Sequence
 from functools import cached_property
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -26,31 +24,23 @@ import filelock
 import numpy as np
 import zarr
 from numpy.typing import NDArray
-from zarr.codecs import BloscCodec, Crc32cCodec
 
 from reliab.errors import IncompleteError, InputError
-from reliab.files import decoding, ordinary
+from reliab.files import decoding
 from reliab.motions import Motion
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.solve import VARIABLES, MotionResults
-from reliab.vocabulary import LABELS, RESULT_DIMENSIONS, Dimension
+from reliab.sweep.store_layout import (
+    JOURNAL,
+    RECORD_FIELDS,
+    array_of,
+    create_store,
+    group_names,
+    read_attributes,
+)
 
-SCHEMA_VERSION = 1
-_DTYPES = {name: "bool" if name == "stable" else "float32" for name in VARIABLES}
-_DIMENSIONS = {
-    name: RESULT_DIMENSIONS[:3] if name == "rms_at_rest" else RESULT_DIMENSIONS for name in VARIABLES
-}
-_RECORD_FIELDS: dict[str, type | str] = {
-    "duration": "float64",
-    "dt": "float64",
-    "pga": "float64",
-    "checksum": str,
-}
-_JOURNAL = "journal"
-_MOTIONS_PER_CHUNK = 1024
 _RULE = "A store that is resumed must be whole but for results of motions"
 _REMEDY = "Simulate again to another store"
-_PACKAGES = ("reliab", "numpy", "numba", "scipy", "xarray", "zarr")
 
 
 class ResultsStore:
@@ -107,7 +97,7 @@ class ResultsStore:
             if path.exists():
                 _check_resumable(path, request, names, resume=resume)
             else:
-                _create(path, request, names, events)
+                create_store(path, request, names, events)
             yield cls(path, request)
 
     def complete(self) -> list[bool]:
@@ -154,7 +144,7 @@ class ResultsStore:
         entries = [json.loads(entry) for entry in self._journal()]
         with self._safe("at its end"):
             for group in self._windows:
-                for name, dtype in _RECORD_FIELDS.items():
+                for name, dtype in RECORD_FIELDS.items():
                     kind: Any = np.dtypes.StringDType() if dtype is str else dtype
                     array_of(group, name)[:] = np.array([entry[name] for entry in entries], dtype=kind)
 
@@ -177,7 +167,7 @@ class ResultsStore:
 
     @cached_property
     def _journal_array(self) -> Any:  # noqa: ANN401 - an array of text
-        return array_of(self._group, _JOURNAL)
+        return array_of(self._group, JOURNAL)
 
     @cached_property
     def _windows(self) -> list[zarr.Group]:
@@ -210,11 +200,6 @@ def _make_writable(folder: Path) -> None:
         ) from None
 
 
-def array_of(group: zarr.Group, name: str) -> Any:  # noqa: ANN401 - arrays of many types
-    """Array of a group by its name."""
-    return group[name]
-
-
 def _digest(windows: Sequence[Sequence[NDArray[np.generic]]]) -> str:
     """SHA-256 of the results of one motion."""
     digest = hashlib.sha256()
@@ -222,95 +207,6 @@ def _digest(windows: Sequence[Sequence[NDArray[np.generic]]]) -> str:
         for values in variables:
             digest.update(np.ascontiguousarray(values).tobytes())
     return digest.hexdigest()
-
-
-def group_names(request: SweepRequest) -> list[str]:
-    """Group of each window: the root for the first, `window_…` for further ones."""
-    return ["", *(f"window_{window.label}" for window in request.windows[1:])]
-
-
-def _create(path: Path, request: SweepRequest, names: Sequence[str], events: Sequence[str]) -> None:
-    if not names:
-        raise InputError(
-            "A sweep needs ground motions", value="none", remedy="Name files, folders or a suite"
-        )
-    unfinished = path.with_name(path.name + ".unfinished")
-    shutil.rmtree(unfinished, ignore_errors=True)
-    root = zarr.create_group(unfinished, zarr_format=3)
-    chunk = min(len(names), _MOTIONS_PER_CHUNK)
-    for group_name, window in zip(group_names(request), request.windows, strict=True):
-        group = root.create_group(group_name) if group_name else root
-        group.attrs.update(_attributes(request, window.label))
-        _create_variables(group, request, len(names))
-        for name, values in (("motion", names), ("event", events)):
-            array = _create_array(group, name, (len(names),), (chunk,), str, (Dimension.MOTION,))
-            array[:] = np.array(values, dtype=np.dtypes.StringDType())
-        for name, dtype in _RECORD_FIELDS.items():
-            _create_array(group, name, (len(names),), (chunk,), dtype, (Dimension.MOTION,))
-    _create_array(root, _JOURNAL, (len(names),), (chunk,), str, (Dimension.MOTION,))
-    unfinished.rename(path)
-
-
-def _create_variables(group: zarr.Group, request: SweepRequest, motions: int) -> None:
-    coordinates = request.grid.coordinates(request.frequencies, request.damping_ratios)
-    axes = {
-        "f": ((Dimension.FREQUENCY,), np.array(request.frequencies)),
-        "xi": ((Dimension.DAMPING_RATIO,), np.array(request.damping_ratios)),
-        **{name: (tuple(map(str, axis.dims)), axis.values) for name, axis in coordinates.items()},
-    }
-    for name, (dims, values) in axes.items():
-        array = _create_array(group, name, values.shape, values.shape, "float64", dims)
-        array[...] = values
-    sizes = (
-        motions,
-        len(request.frequencies),
-        len(request.damping_ratios),
-        axes["kp"][1].shape[-1],
-        axes["tau"][1].shape[-1],
-    )
-    for name in VARIABLES:
-        over = sizes[: len(_DIMENSIONS[name])]
-        _create_array(group, name, over, (1, *over[1:]), _DTYPES[name], _DIMENSIONS[name])
-
-
-def _create_array(
-    group: zarr.Group,
-    name: str,
-    shape: tuple[int, ...],
-    chunks: tuple[int, ...],
-    dtype: type | str,
-    dims: Sequence[str],
-) -> "zarr.Array[Any]":
-    compressors = [Crc32cCodec()] if dtype is str else [BloscCodec(cname="zstd", clevel=1), Crc32cCodec()]
-    label = LABELS.get(name)
-    attributes: dict[str, Any] = {} if label is None else {"long_name": label.long_name, "units": label.units}
-    return group.create_array(
-        name,
-        shape=shape,
-        chunks=chunks,
-        dtype=dtype,
-        dimension_names=[str(dim) for dim in dims],
-        compressors=compressors,
-        fill_value=float("nan") if dtype in ("float32", "float64") else None,
-        attributes=attributes,
-    )
-
-
-def _attributes(request: SweepRequest, window: str) -> dict[str, Any]:
-    described = request.describe()
-    model = {"model": json.dumps(described["model"])} if "model" in described else {}
-    return {
-        "schema_version": SCHEMA_VERSION,
-        "study_hash": request.digest(),
-        "window": window,
-        "windows": described["windows"],
-        "grid": described["grid"],
-        "engine": described["engine"],
-        "tolerance": described["tolerance"],
-        "experimental_fraction": described["experimental_fraction"],
-        **model,
-        "versions": json.dumps({name: version(name) for name in _PACKAGES}),
-    }
 
 
 def _check_resumable(path: Path, request: SweepRequest, names: Sequence[str], *, resume: bool) -> None:
@@ -335,35 +231,3 @@ def _check_resumable(path: Path, request: SweepRequest, names: Sequence[str], *,
             value=f"{path} holds {len(stored)} motions that are not the {len(names)} given",
             remedy="Give the motions that it was begun with, or name another store",
         )
-
-
-def read_attributes(path: Path) -> dict[str, object]:
-    """Attributes of a store whose schema this version knows.
-
-    Parameters
-    ----------
-    path : pathlib.Path
-        The store.
-
-    Returns
-    -------
-    dict
-        Attributes of the root group.
-
-    Raises
-    ------
-    InputError
-        If there is no store, it is something else, or of another schema version.
-    """
-    rule = "Results are read from a Zarr store that 'reliab simulate' wrote"
-    with decoding(rule, remedy="Check the path, or simulate first", where=path):
-        for file in path.rglob("*"):
-            ordinary(file)
-        attributes: dict[str, object] = dict(zarr.open_group(path, mode="r").attrs)
-    if attributes.get("schema_version") != SCHEMA_VERSION:
-        raise InputError(
-            f"This version reads results of schema version {SCHEMA_VERSION}",
-            value=f"version {attributes.get('schema_version', 'none')} in {path}",
-            remedy="Simulate again, or use the version of reliab that wrote them",
-        )
-    return attributes

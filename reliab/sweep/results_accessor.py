@@ -1,0 +1,300 @@
+"""Questions to stored results, as the accessor `dataset.reliab`: errors, contours, ellipses."""
+
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from reliab.boundary import Contour, Curve
+from reliab.errors import InputError
+from reliab.files import decoding
+from reliab.loop.structure import Structure
+from reliab.progress import Progress, silent
+from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, ellipse_dataset
+from reliab.sweep.labels import with_labels
+from reliab.sweep.store_layout import MEND, STORED
+from reliab.sweep.stored_contours import contours_of, curve_table, surfaces_of
+from reliab.vocabulary import RESULT_DIMENSIONS, Dimension, Metric, Side
+
+_OF_RECORDS_AND_STRUCTURES = ("motion", "f", "xi", "event", "duration", "dt", "pga", "checksum")
+
+
+@xr.register_dataset_accessor("reliab")  # type: ignore[no-untyped-call]
+class ResultsAccessor:
+    """Questions to a results dataset, as `dataset.reliab`."""
+
+    def __init__(self, dataset: xr.Dataset) -> None:
+        absent = [name for name in RESULT_DIMENSIONS if name not in dataset.dims]
+        if absent or "rms" not in dataset:
+            raise InputError(
+                "The accessor 'reliab' belongs to a results dataset",
+                value=f"a dataset without {', '.join(absent) or 'rms'}",
+                remedy="Open one with reliab.open_results",
+            )
+        self._dataset = dataset
+
+    def structure(self, f: float, xi: float) -> Structure:
+        """Structure of the dataset with given natural frequency [Hz] and damping ratio [-].
+
+        Parameters
+        ----------
+        f, xi : float
+            They must be among the dataset's.
+
+        Returns
+        -------
+        Structure
+            The structure.
+
+        Raises
+        ------
+        InputError
+            If they are not among the dataset's.
+        """
+        for name, value in ((Dimension.FREQUENCY, f), (Dimension.DAMPING_RATIO, xi)):
+            stored = self._dataset[name].values
+            if not np.isclose(stored, value, rtol=1e-9).any():
+                raise InputError(
+                    f"{name} must be among the simulated ones, {', '.join(f'{x:g}' for x in stored)}",
+                    value=value,
+                    remedy="Choose one of these, or simulate that one",
+                )
+        fraction = float(self._dataset.attrs["experimental_fraction"])
+        return Structure(frequency=f, damping_ratio=xi, experimental_fraction=fraction)
+
+    def grid(self, f: float, xi: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Gains k_p [-] and delays τ [s] that were simulated for a structure.
+
+        Parameters
+        ----------
+        f, xi : float
+            Natural frequency [Hz] and damping ratio [-] of the dataset.
+
+        Returns
+        -------
+        gains, delays : numpy.ndarray
+            Shapes (kp,) and (tau,).
+        """
+        self.structure(f, xi)
+        at = {
+            Dimension.FREQUENCY: int(np.argmin(np.abs(self._dataset["f"].values - f))),
+            Dimension.DAMPING_RATIO: int(np.argmin(np.abs(self._dataset["xi"].values - xi))),
+        }
+        gains, delays = (
+            self._dataset[name].isel(
+                {dim: index for dim, index in at.items() if dim in self._dataset[name].dims}
+            )
+            for name in (Dimension.GAIN, Dimension.DELAY)
+        )
+        with self._sound():
+            return np.asarray(gains.values, dtype=np.float64), np.asarray(delays.values, dtype=np.float64)
+
+    def _sound(self) -> AbstractContextManager[None]:
+        """Explain damage to what is read from disk only now."""
+        return decoding(STORED, remedy=MEND, where=self._dataset.encoding.get("source", ""))
+
+    def at_structure(self, f: float, xi: float) -> xr.Dataset:
+        """Results of one structure, as float64 with one-dimensional `kp` and `tau` coordinates.
+
+        Parameters
+        ----------
+        f, xi : float
+            Natural frequency [Hz] and damping ratio [-] of the dataset.
+
+        Returns
+        -------
+        xarray.Dataset
+            Over (motion, kp, tau).
+        """
+        gains, delays = self.grid(f, xi)
+        chosen = self._dataset.drop_vars([Dimension.GAIN, Dimension.DELAY]).isel(
+            {
+                Dimension.FREQUENCY: int(np.argmin(np.abs(self._dataset["f"].values - f))),
+                Dimension.DAMPING_RATIO: int(np.argmin(np.abs(self._dataset["xi"].values - xi))),
+            }
+        )
+        with self._sound():
+            chosen = chosen.load()
+        floats = {name: values.astype(np.float64) for name, values in chosen.items() if name != "stable"}
+        return with_labels(chosen.assign(floats).assign_coords(kp=gains, tau=delays))
+
+    def nearest(self, *, f: float, xi: float, gain: float, delay: float) -> xr.Dataset:
+        """Results of the cell that is nearest to given gain [-] and delay [s], over the motions.
+
+        Parameters
+        ----------
+        f, xi : float
+            Natural frequency [Hz] and damping ratio [-] of the dataset.
+        gain, delay : float
+            Actuator gain [-] and delay [s].
+
+        Returns
+        -------
+        xarray.Dataset
+            Over (motion,), with the cell's own `kp` and `tau`.
+        """
+        return self.at_structure(f, xi).sel(kp=gain, tau=delay, method="nearest")
+
+    def errors(
+        self,
+        *,
+        f: float,
+        xi: float,
+        gain: NDArray[np.float64],
+        delay: NDArray[np.float64],
+        metric: Metric = Metric.RMS,
+    ) -> xr.DataArray:
+        """Errors at given gains [-] and delays [s], between the cells, for every motion.
+
+        Parameters
+        ----------
+        f, xi : float
+            Natural frequency [Hz] and damping ratio [-] of the dataset.
+        gain, delay : numpy.ndarray
+            Actuator gains [-] and delays [s], shape (tests,).
+        metric : Metric, optional
+            RMS^R (default) or MTE^R.
+
+        Returns
+        -------
+        xarray.DataArray
+            Error [-] over (motion, test); NaN outside the grid.
+        """
+        results = self.at_structure(f, xi)
+        motions, tests = results.sizes["motion"], np.size(gain)
+        errors = surfaces_of(results[metric]).error(
+            np.tile(gain, motions), np.tile(delay, motions), np.repeat(np.arange(motions), tests)
+        )
+        return xr.DataArray(
+            errors.reshape(motions, tests),
+            dims=("motion", "test"),
+            coords={"motion": results["motion"], "event": results["event"]},
+            attrs=results[metric].attrs,
+        )
+
+    def contours(
+        self,
+        *,
+        f: float,
+        xi: float,
+        threshold: float,
+        metric: Metric = Metric.RMS,
+        side: Side = Side.LAG,
+    ) -> dict[str, Contour | None]:
+        """Contour of equal error of each motion, on one side.
+
+        Parameters
+        ----------
+        f, xi : float
+            Natural frequency [Hz] and damping ratio [-] of the dataset.
+        threshold : float
+            Error on the contour [-].
+        metric : Metric, optional
+            RMS^R (default) or MTE^R.
+        side : Side, optional
+            Actuators that are late (default) or early.
+
+        Returns
+        -------
+        dict of str to Contour or None
+            By motion; None where the contour leaves the grid.
+
+        Raises
+        ------
+        InputError
+            If leads are asked for that were not simulated.
+        """
+        self._check_sides((side,))
+        results = self.at_structure(f, xi)
+        contours = contours_of(results[metric], self.structure(f, xi), [(threshold, side)])
+        return dict(zip(results["motion"].values.tolist(), (contour[0] for contour in contours), strict=True))
+
+    def ellipses(
+        self,
+        thresholds: Sequence[float] = (0.05,),
+        metrics: Sequence[Metric] = (Metric.RMS,),
+        curves: Sequence[type[Curve]] = CURVES,
+        *,
+        sides: Sequence[Side] | None = None,
+        progress: Progress = silent,
+    ) -> xr.Dataset:
+        """Curves that stand for the contours of every motion and structure, at any threshold.
+
+        Parameters
+        ----------
+        thresholds : sequence of float, optional
+            Errors on the contours [-].
+        metrics : sequence of Metric, optional
+            RMS^R, MTE^R or both.
+        curves : sequence of type, optional
+            Curves; the ellipse of least squares and the inscribed one by default.
+        sides : sequence of Side, optional
+            Actuators that are late, early, or both; by default all that were simulated.
+        progress : callable, optional
+            Called after each structure.
+
+        Returns
+        -------
+        xarray.Dataset
+            As `reliab.sweep.trace_ellipses` gives it, `a` [-] and `b` [ms²] over (motion, f, xi, threshold,
+            metric, curve, side); NaN also where a contour leaves the grid.
+
+        Raises
+        ------
+        InputError
+            If leads are asked for that were not simulated.
+        """
+        sides = self.sides if sides is None else tuple(sides)
+        self._check_sides(sides)
+        sizes = [self._dataset.sizes[name] for name in ("motion", "f", "xi")]
+        table = np.full(
+            (*sizes, len(thresholds), len(metrics), len(curves), len(sides), len(COLUMNS)), np.nan
+        )
+        pairs = [(threshold, side) for threshold in thresholds for side in sides]
+        total = sizes[1] * sizes[2]
+        for i, f in enumerate(self._dataset["f"].values.tolist()):
+            for j, xi in enumerate(self._dataset["xi"].values.tolist()):
+                results, structure = self.at_structure(f, xi), self.structure(f, xi)
+                for k, metric in enumerate(metrics):
+                    contours = contours_of(results[metric], structure, pairs)
+                    rows = curve_table(contours, curves)
+                    by_side = rows.reshape(sizes[0], len(thresholds), len(sides), *rows.shape[2:])
+                    table[:, i, j, :, k] = by_side.swapaxes(2, 3)
+                progress(i * sizes[2] + j + 1, total)
+        return ellipse_dataset(
+            table,
+            {name: self._dataset[name] for name in _OF_RECORDS_AND_STRUCTURES},
+            thresholds=thresholds,
+            metrics=metrics,
+            curves=curves,
+            sides=sides,
+            attributes={
+                name: self._dataset.attrs[name] for name in ("window", "experimental_fraction", "study_hash")
+            },
+            error_at_rest=self._at_rest(metrics),
+        )
+
+    @property
+    def sides(self) -> tuple[Side, ...]:
+        """Sides that were simulated: the lag, and the lead unless the store is of an older version."""
+        leads = bool((self._dataset[Dimension.DELAY].values < 0.0).any())
+        return tuple(Side) if leads else (Side.LAG,)
+
+    def _check_sides(self, sides: Sequence[Side]) -> None:
+        if not set(sides) <= set(self.sides):
+            raise InputError(
+                "Boundaries of leads need results with leads",
+                value="results of delays only",
+                remedy="Simulate again with leads, or ask for the side of the lag",
+            )
+
+    def _at_rest(self, metrics: Sequence[Metric]) -> NDArray[np.float64] | None:
+        """Error of an actuator that does not move, shape (motion, f, xi, metric); None in older stores."""
+        if "rms_at_rest" not in self._dataset:
+            return None
+        rms = self._dataset["rms_at_rest"].transpose("motion", "f", "xi").values.astype(np.float64)
+        # Nothing strays from the exact response by that response, whose peak is what MTE^R is relative to.
+        by_metric = {Metric.RMS: rms, Metric.MTE: np.ones_like(rms)}
+        return np.stack([by_metric[metric] for metric in metrics], axis=-1)

@@ -1,0 +1,183 @@
+"""Layout of a results store: its groups, arrays and attributes, empty and complete from the beginning."""
+
+import json
+import shutil
+from collections.abc import Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import zarr
+from zarr.codecs import BloscCodec, Crc32cCodec
+
+from reliab.errors import InputError
+from reliab.files import decoding, ordinary
+from reliab.sweep.request import SweepRequest
+from reliab.sweep.solve import VARIABLES
+from reliab.vocabulary import LABELS, RESULT_DIMENSIONS, Dimension
+
+SCHEMA_VERSION = 1
+JOURNAL = "journal"
+"""Array of the entries that say which motions are done."""
+
+RECORD_FIELDS: dict[str, type | str] = {
+    "duration": "float64",
+    "dt": "float64",
+    "pga": "float64",
+    "checksum": str,
+}
+"""What is stored of each record, with its type."""
+
+STORED = "Stored results must be as `reliab simulate` wrote them, with every checksum right"
+MEND = "Mend the store with `reliab simulate --resume`, or simulate again to another store"
+"""What must hold of stored results, and what to do where it does not."""
+
+_DTYPES = {name: "bool" if name == "stable" else "float32" for name in VARIABLES}
+_DIMENSIONS = {
+    name: RESULT_DIMENSIONS[:3] if name == "rms_at_rest" else RESULT_DIMENSIONS for name in VARIABLES
+}
+_MOTIONS_PER_CHUNK = 1024
+_PACKAGES = ("reliab", "numpy", "numba", "scipy", "xarray", "zarr")
+
+
+def array_of(group: zarr.Group, name: str) -> Any:  # noqa: ANN401 - arrays of many types
+    """Array of a group by its name."""
+    return group[name]
+
+
+def group_names(request: SweepRequest) -> list[str]:
+    """Group of each window: the root for the first, `window_…` for further ones."""
+    return ["", *(f"window_{window.label}" for window in request.windows[1:])]
+
+
+def create_store(path: Path, request: SweepRequest, names: Sequence[str], events: Sequence[str]) -> None:
+    """Create a store that is whole but empty, under another name first, which is then changed.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        Where the store is to be.
+    request : SweepRequest
+        What it will hold.
+    names, events : sequence of str
+        Ground motions and their earthquakes, in order.
+
+    Raises
+    ------
+    InputError
+        If there are no ground motions.
+    """
+    if not names:
+        raise InputError(
+            "A sweep needs ground motions", value="none", remedy="Name files, folders or a suite"
+        )
+    unfinished = path.with_name(path.name + ".unfinished")
+    shutil.rmtree(unfinished, ignore_errors=True)
+    root = zarr.create_group(unfinished, zarr_format=3)
+    chunk = min(len(names), _MOTIONS_PER_CHUNK)
+    for group_name, window in zip(group_names(request), request.windows, strict=True):
+        group = root.create_group(group_name) if group_name else root
+        group.attrs.update(_attributes(request, window.label))
+        _create_variables(group, request, len(names))
+        for name, values in (("motion", names), ("event", events)):
+            array = _create_array(group, name, (len(names),), (chunk,), str, (Dimension.MOTION,))
+            array[:] = np.array(values, dtype=np.dtypes.StringDType())
+        for name, dtype in RECORD_FIELDS.items():
+            _create_array(group, name, (len(names),), (chunk,), dtype, (Dimension.MOTION,))
+    _create_array(root, JOURNAL, (len(names),), (chunk,), str, (Dimension.MOTION,))
+    unfinished.rename(path)
+
+
+def _create_variables(group: zarr.Group, request: SweepRequest, motions: int) -> None:
+    coordinates = request.grid.coordinates(request.frequencies, request.damping_ratios)
+    axes = {
+        "f": ((Dimension.FREQUENCY,), np.array(request.frequencies)),
+        "xi": ((Dimension.DAMPING_RATIO,), np.array(request.damping_ratios)),
+        **{name: (tuple(map(str, axis.dims)), axis.values) for name, axis in coordinates.items()},
+    }
+    for name, (dims, values) in axes.items():
+        array = _create_array(group, name, values.shape, values.shape, "float64", dims)
+        array[...] = values
+    sizes = (
+        motions,
+        len(request.frequencies),
+        len(request.damping_ratios),
+        axes["kp"][1].shape[-1],
+        axes["tau"][1].shape[-1],
+    )
+    for name in VARIABLES:
+        over = sizes[: len(_DIMENSIONS[name])]
+        _create_array(group, name, over, (1, *over[1:]), _DTYPES[name], _DIMENSIONS[name])
+
+
+def _create_array(
+    group: zarr.Group,
+    name: str,
+    shape: tuple[int, ...],
+    chunks: tuple[int, ...],
+    dtype: type | str,
+    dims: Sequence[str],
+) -> "zarr.Array[Any]":
+    compressors = [Crc32cCodec()] if dtype is str else [BloscCodec(cname="zstd", clevel=1), Crc32cCodec()]
+    label = LABELS.get(name)
+    attributes: dict[str, Any] = {} if label is None else {"long_name": label.long_name, "units": label.units}
+    return group.create_array(
+        name,
+        shape=shape,
+        chunks=chunks,
+        dtype=dtype,
+        dimension_names=[str(dim) for dim in dims],
+        compressors=compressors,
+        fill_value=float("nan") if dtype in ("float32", "float64") else None,
+        attributes=attributes,
+    )
+
+
+def _attributes(request: SweepRequest, window: str) -> dict[str, Any]:
+    described = request.describe()
+    model = {"model": json.dumps(described["model"])} if "model" in described else {}
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "study_hash": request.digest(),
+        "window": window,
+        "windows": described["windows"],
+        "grid": described["grid"],
+        "engine": described["engine"],
+        "tolerance": described["tolerance"],
+        "experimental_fraction": described["experimental_fraction"],
+        **model,
+        "versions": json.dumps({name: version(name) for name in _PACKAGES}),
+    }
+
+
+def read_attributes(path: Path) -> dict[str, object]:
+    """Attributes of a store whose schema this version knows.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        The store.
+
+    Returns
+    -------
+    dict
+        Attributes of the root group.
+
+    Raises
+    ------
+    InputError
+        If there is no store, it is something else, or of another schema version.
+    """
+    rule = "Results are read from a Zarr store that 'reliab simulate' wrote"
+    with decoding(rule, remedy="Check the path, or simulate first", where=path):
+        for file in path.rglob("*"):
+            ordinary(file)
+        attributes: dict[str, object] = dict(zarr.open_group(path, mode="r").attrs)
+    if attributes.get("schema_version") != SCHEMA_VERSION:
+        raise InputError(
+            f"This version reads results of schema version {SCHEMA_VERSION}",
+            value=f"version {attributes.get('schema_version', 'none')} in {path}",
+            remedy="Simulate again, or use the version of reliab that wrote them",
+        )
+    return attributes

@@ -1,0 +1,108 @@
+"""Contours of equal error traced on the grid of a results dataset."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from reliab.boundary import Contour, Curve, trace_contours
+from reliab.boundary.contour import REACH, furthest_lead
+from reliab.boundary.surface import ErrorSurfaces
+from reliab.loop.structure import Structure
+from reliab.sweep.ellipse_dataset import curve_row
+from reliab.vocabulary import Side
+
+
+def surfaces_of(errors: xr.DataArray) -> ErrorSurfaces:
+    """Interpolate the errors of a dataset between its gains and delays.
+
+    Parameters
+    ----------
+    errors : xarray.DataArray
+        Errors [-] over (motion, kp, tau), as `at_structure` gives them.
+
+    Returns
+    -------
+    ErrorSurfaces
+        One surface a motion.
+    """
+    return ErrorSurfaces(
+        errors["kp"].values, errors["tau"].values, errors.transpose("motion", "kp", "tau").values
+    )
+
+
+def contours_of(
+    errors: xr.DataArray, structure: Structure, pairs: Sequence[tuple[float, Side]]
+) -> list[list[Contour | None]]:
+    """Contours of equal error of every motion.
+
+    Parameters
+    ----------
+    errors : xarray.DataArray
+        Errors [-] over (motion, kp, tau), as `at_structure` gives them.
+    structure : Structure
+        The structure of these errors.
+    pairs : sequence of (float, Side)
+        Error on the contour [-] and its side.
+
+    Returns
+    -------
+    list of list of Contour or None
+        By motion and pair; None where a contour leaves the grid.
+    """
+    surfaces = surfaces_of(errors)
+    motions = errors.sizes["motion"]
+    levels = np.tile(np.array([threshold for threshold, _ in pairs], dtype=np.float64), motions)
+    sides = [side for _ in range(motions) for _, side in pairs]
+    surface = np.repeat(np.arange(motions), len(pairs))
+
+    def error(
+        amplitude: NDArray[np.float64], delay: NDArray[np.float64], contour: NDArray[np.int64]
+    ) -> NDArray[np.float64]:
+        return surfaces.error(amplitude, delay, surface[contour])
+
+    contours = trace_contours(error, levels, structure, side=sides)
+    inside = np.stack([_inside_grid(errors, structure, *pair) for pair in pairs], axis=-1)
+    chosen = [contour if ok else None for contour, ok in zip(contours, inside.ravel(), strict=True)]
+    return [chosen[k : k + len(pairs)] for k in range(0, len(chosen), len(pairs))]
+
+
+def curve_table(
+    contours: Sequence[Sequence[Contour | None]], curves: Sequence[type[Curve]]
+) -> NDArray[np.float64]:
+    """Fit curves to contours and put their parameters into one array.
+
+    Parameters
+    ----------
+    contours : sequence of sequence of Contour or None
+        By motion and pair, as :func:`contours_of` gives them.
+    curves : sequence of type
+        Curves that stand for a contour.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (motion, pair, curve, column), the columns those of an ellipse dataset.
+    """
+    rows = [[[curve_row(contour, curve) for curve in curves] for contour in row] for row in contours]
+    return np.asarray(rows, dtype=np.float64)
+
+
+def _inside_grid(
+    errors: xr.DataArray, structure: Structure, threshold: float, side: Side
+) -> NDArray[np.bool_]:
+    """Whether contours end before the grid does; shape (motion,)."""
+    values = errors.transpose("motion", "kp", "tau").values
+    delays, gains = errors["tau"].values, errors["kp"].values
+    punctual = values[..., int(np.argmin(np.abs(delays)))]
+    offset = np.abs(np.log(gains))
+    reach = REACH * structure.damping_ratio * (1 - 1e-9)
+    wide = (offset[[0, -1]] >= reach) | (punctual[:, [0, -1]] >= threshold)
+    within = (offset <= reach) & (punctual < threshold)
+    if side is Side.LEAD:
+        followed = -delays[0] >= furthest_lead(structure, gains) * (1 - 1e-9)
+        high = ~within | (values[..., 0] >= threshold) | followed
+    else:
+        high = ~within | (values[..., -1] >= threshold)
+    return np.asarray(wide.all(axis=-1) & high.all(axis=-1))
