@@ -17,6 +17,7 @@ from reliab.errors import InputError
 from reliab.loop.transfer_systems.reading import read_matlab
 from reliab.sweep import open_ellipses, open_results
 from reliab.validation.assessment.readers import read_columns
+from reliab.validation.assessment.recording import Recording
 
 
 @pytest.mark.parametrize("name", TARGETS)
@@ -107,6 +108,15 @@ def test_chains_whose_random_state_is_damaged_are_not_resumed(tmp_path):
         file["run/ensemble_0"].attrs["random_state_0"] = "PCG64"
     with pytest.raises(InputError, match="The file of the chains"):
         TARGETS["chains"].read(tmp_path)
+
+
+@pytest.mark.parametrize("value", [1e308, -1e160])
+def test_a_displacement_that_no_sensor_reads_is_refused(value):
+    histories = corpus.test_histories()
+    command, measured = (histories[name].to_numpy(copy=True) for name in ("command_m", "measured_m"))
+    measured[300] = value
+    with pytest.raises(InputError, match="Every value must be a finite number below 1e"):
+        Recording(command=command, measured=measured, time_step=0.01)
 
 
 def campaign(folder: Path, **changes: bytes) -> Path:

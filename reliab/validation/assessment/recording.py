@@ -12,6 +12,9 @@ from reliab.stated_value import StatedValue
 FEWEST_SAMPLES = 64
 """Samples below which no index is evaluated."""
 
+_LARGEST, _SMALLEST = 1e30, 1e-30
+"""What no sensor reads in any unit, and whose squares are still numbers."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Recording:
@@ -69,7 +72,7 @@ class Recording:
             raise InputError("The time step must be positive", value=f"{self.time_step} s", where=self.name)
         for what, values in (("command", self.command), ("measured displacement", self.measured)):
             self._check_finite(what, values)
-            if np.ptp(values) <= 1e-9 * np.abs(values).max():
+            if np.ptp(values) <= max(1e-9 * np.abs(values).max(), _SMALLEST):
                 raise InputError(
                     f"The {what} must move",
                     value=f"{values[0]:g} throughout",
@@ -82,10 +85,11 @@ class Recording:
                 self._check_finite(what, extra)
 
     def _check_finite(self, what: str, values: NDArray[np.float64]) -> None:
-        if not np.isfinite(values).all():
-            row = int(np.flatnonzero(~np.isfinite(values))[0])
+        wrong = ~(np.abs(values) < _LARGEST)
+        if wrong.any():
+            row = int(np.flatnonzero(wrong)[0])
             raise InputError(
-                "Every value must be a finite number",
+                f"Every value must be a finite number below {_LARGEST:g}",
                 value=f"{values[row]} in the {what}, sample {row + 1}",
                 remedy="Repair the recording; a gap cannot be left empty",
                 where=self.name,
