@@ -129,5 +129,5 @@ def test_limits_that_cannot_be_promised_are_zero_with_a_caution_and_fit_no_law(e
     found = derive_criterion(ellipses, method="conformal", confidence=0.99)
     assert "no test is accepted" in found.provenance.warnings[0]
     assert float(found.limits(1.0, 0.02)[0]) == 0.0
-    with pytest.raises(InputError, match="promise something"):
+    with pytest.raises(InputError, match="limits that are positive at every structure"):
         derive_criterion(ellipses, method="conformal", confidence=0.99, law="dimensionless")

@@ -98,7 +98,7 @@ def test_stored_results_answer_only_for_their_structures(tmp_path, small_study):
     stored = small_study.motions.model_copy(update={"sources": None, "results": "real_suite"})
     structures = small_study.structures.model_copy(update={"f": (7.0,)})
     study = small_study.model_copy(update={"motions": stored, "structures": structures})
-    with pytest.raises(InputError, match="Stored results answer"):
+    with pytest.raises(InputError, match="stored results uses structures that they hold"):
         run_study(study, tmp_path / "run")
 
 

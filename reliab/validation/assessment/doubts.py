@@ -62,7 +62,7 @@ def verdict_of_error(
     if any(word_of_probability(restated.probability) is not word for restated in assumed):
         by_size = sorted(assumed, key=lambda restated: restated.of(error.metric).value)
         sizes = " to ".join(
-            f"{restated.of(error.metric).value:.2%} (ξ = {restated.damping_ratio:.2g})"
+            f"{100 * restated.of(error.metric).value:.2f} % (ξ = {restated.damping_ratio:.2g})"
             for restated in (by_size[0], by_size[-1])
         )
         reasons.append(f"No damping ratio was stated, and it decides the verdict: {name} is {sizes}.")
