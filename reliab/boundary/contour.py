@@ -4,8 +4,8 @@ The paper's protocol: the amplitude steps by 0.001 from 1 to both sides as far a
 and at each amplitude the delay is found at which the error reaches the threshold. Here a contour
 that is narrower than five such steps gets a finer step and one wider than a hundred a coarser one.
 
-A contour has two sides: actuators that are late, and actuators that are early. They are not alike, because
-a delay takes damping away and a lead adds it.
+A contour has two sides: actuators that are late, and actuators that are early. They differ, because a delay
+reduces the damping of the loop and a lead increases it.
 """
 
 from collections.abc import Callable, Sequence
@@ -21,7 +21,7 @@ from reliab.loop.structure import Structure
 from reliab.vocabulary import Side
 
 ErrorOfCells = Callable[[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]], NDArray[np.float64]]
-"""Error [-] of the whole test for amplitudes [-], delays [s] and the contour that asks, shape (cells,)."""
+"""Error [-] of the whole test for amplitudes [-], delays [s] and indices of contours, shape (cells,)."""
 
 AMPLITUDE_STEP = 0.001
 _FEWEST_STEPS, _MOST_STEPS = 5, 100
@@ -32,8 +32,8 @@ REACH = 5.0
 """A contour is cut where |ln A| exceeds this many damping ratios."""
 
 LEAD_REACH = 7.0
-"""A lead is followed up to this many ξ/ω₀, or to a quarter of the period where that is shorter: further out
-it damps the structure so much that the error no longer grows."""
+"""Leads are searched up to this many ξ/ω₀, or to a quarter of the period where that is shorter: a longer lead
+damps the structure so much that the error no longer grows."""
 
 _TOLERANCES = {"xrtol": 1e-7, "frtol": 1e-8, "xatol": 1e-12}
 
@@ -49,9 +49,9 @@ class Contour:
     delay : numpy.ndarray
         Delay d [s], shape (points,); negative on the side of leads.
     corners : numpy.ndarray, optional
-        Amplitudes [-] and delays [s] of what else bounds the region inside: the tips, at which the contour
-        meets d = 0 or is cut, and the longest lead that was followed where no lead reaches the
-        threshold; shape (2, corners).
+        Amplitudes [-] and delays [s] of the further points that bound the region inside the contour: the
+        tips, at which the contour meets d = 0 or is cut, and the longest lead searched where no lead reaches
+        the threshold; shape (2, corners).
     """
 
     amplitude: NDArray[np.float64]
@@ -60,7 +60,7 @@ class Contour:
 
     @property
     def outline(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Amplitudes [-] and delays [s] of all that bounds the region, points and corners together."""
+        """Amplitudes [-] and delays [s] of the whole outline of the region, points and corners together."""
         return (
             np.concatenate([self.amplitude, self.corners[0]]),
             np.concatenate([self.delay, self.corners[1]]),
@@ -68,7 +68,7 @@ class Contour:
 
 
 def furthest_lead(structure: Structure, gain: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Longest lead [s] that is followed, at amplitudes [-] of any shape."""
+    """Longest lead [s] that is searched, at amplitudes [-] of any shape."""
     reach = LEAD_REACH * structure.damping_ratio / structure.circular_frequency
     return np.minimum(reach, longest_lead(structure, gain))
 
@@ -86,8 +86,8 @@ def trace_contours(
     All contours advance together, so that the error is asked for many cells at once. A contour is
     cut at five damping ratios of amplitude error: further out the loop resonates at another
     frequency than the structure, the error no longer grows, and no ellipse describes the contour.
-    Below 10 % RMS^R hardly any contour comes so far. On the side of leads it is open where no lead, up to
-    the longest that is followed, reaches the threshold.
+    Below 10 % RMS^R hardly any contour reaches that far. On the side of leads a contour is open where no
+    lead, up to the longest that is searched, reaches the threshold.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ def _trace(
     structure: Structure,
     amplitude_step: float,
 ) -> list[Contour]:
-    """Trace contours that the perfect actuator lies inside of; the sign is that of their delays."""
+    """Trace contours that enclose the perfect actuator; the sign is that of their delays."""
     half_widths = _half_widths(error, thresholds, REACH * structure.damping_ratio)
     offsets = [_offsets(below, above, amplitude_step) for below, above in half_widths]
     owner = np.repeat(np.arange(thresholds.size), [offset.size for offset in offsets])
@@ -210,7 +210,7 @@ def _offsets(below: float, above: float, step: float) -> NDArray[np.float64]:
         step /= np.ceil((_FEWEST_STEPS + 1) * step / narrow)
     if wide > _MOST_STEPS * step:
         step *= np.ceil(wide / (_MOST_STEPS * step))
-    # A point at the very tip would have no delay left to find.
+    # At the tip itself the delay is zero, and there is nothing to search for.
     first, last = int(below / step - _TIP), int(above / step - _TIP)
     return step * np.arange(-first, last + 1, dtype=np.float64)
 
@@ -224,7 +224,7 @@ def _delays(
     structure: Structure,
     furthest: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Size of the delay on its contour at each amplitude, and whether it was found before the furthest."""
+    """Size of the delay on its contour at each amplitude, and whether one exists in the range searched."""
     offset, owner = places
 
     def excess(
@@ -251,5 +251,5 @@ def _delays(
 
 
 def _finite(error: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Put an error beyond any threshold where the loop grew beyond all numbers."""
+    """Replace errors of diverged loops, which are not finite, by an error above any threshold."""
     return np.nan_to_num(error, nan=1e300, posinf=1e300)

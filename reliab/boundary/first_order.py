@@ -1,4 +1,4 @@
-r"""The ellipse of small errors in closed form: what the record's spectrum alone says of a and b.
+r"""Closed form of the ellipse for small errors: a and b from the record's spectrum alone.
 
 To first order in the actuator's error u − 1 ≈ (k_p − 1) − iωτ, the measured displacement strays from the
 exact response by (u − 1) times
@@ -64,7 +64,7 @@ def first_order_ellipse(excitation: Excitation, structure: Structure) -> FirstOr
     Parameters
     ----------
     excitation : Excitation
-        The record and the window over which errors are taken.
+        The record and the window over which errors are computed.
     structure : Structure
         The structure under test.
 

@@ -1,4 +1,4 @@
-"""The boundary of one ground motion, traced straight from the loop."""
+"""The boundary of one ground motion, traced by solving the loop for each actuator."""
 
 from collections.abc import Sequence
 from typing import Protocol
@@ -57,8 +57,8 @@ def motion_contours(
     Returns
     -------
     list of Contour
-        Amplitude [-] and delay [s], negative for leads, along the contour of each threshold; those of the
-        actuator alone where the loop has effects beside it.
+        Amplitude [-] and delay [s], negative for leads, along the contour of each threshold; gain and delay
+        of the actuator alone where the loop has further effects.
     """
 
     def error(

@@ -3,7 +3,7 @@
 What depends on the actuator alone is computed for the actuators of all motions at once; the error under each
 motion is then a quadratic form (`loop/pole_plane`). An actuator and motion for which that is not precise
 enough are simulated. The reduction to the dominant pole is checked at the points of the resulting contours;
-a motion under which it does not hold there is traced by itself (`motion_boundary`).
+a motion for which it is not accurate enough there is traced separately (`motion_boundary`).
 """
 
 from collections.abc import Sequence
@@ -92,7 +92,7 @@ def _is_regular(loop: Loop) -> bool:
 
 
 def _is_reducible(loop: Loop, contours: Sequence[Contour]) -> bool:
-    """Whether the dominant pole may stand for the loop at all points of contours."""
+    """Whether the reduction to the dominant pole is accurate enough at all points of contours."""
     gain = np.concatenate([contour.amplitude for contour in contours])
     delay = np.concatenate([contour.delay for contour in contours])
     return gain.size == 0 or bool(loop.reducible(loop.cells(gain=gain, delay=delay)).all())

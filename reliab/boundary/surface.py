@@ -79,7 +79,7 @@ class ErrorSurfaces:
         amplitude, delay : numpy.ndarray
             Gain [-] and delay [s], shape (cells,).
         surface : numpy.ndarray
-            Which surface is asked, shape (cells,).
+            Index of the surface for each actuator, shape (cells,).
 
         Returns
         -------

@@ -9,9 +9,9 @@ displacement, at frequencies i = 1 … p, p half of the smallest power of two th
     f_eq = Σ w_i f_i                        (4)
     d = −φ / (2π f_eq)                      (5)
 
-A and d of x_m(t) = k_p x_c(t − τ) are k_p and τ to first order in the spread of the frequencies. The
-window makes the ends of the record harmless: with none ("boxcar"), a record that stops in full
-motion gives A and d an error of about the share of its last τ seconds in the whole.
+A and d of x_m(t) = k_p x_c(t − τ) are k_p and τ to first order in the spread of the frequencies. The window
+suppresses errors from the ends of the record. Without it ("boxcar"), a record that ends during strong motion
+gives A and d an error of about the share that its last τ seconds have in the whole record.
 """
 
 from dataclasses import dataclass

@@ -1,7 +1,7 @@
 """Established measures of actuator tracking in the time domain.
 
-All compare the measured displacement x_m with the command x_c. They say how well the actuator
-followed, not how reliable the test is: tracking errors accumulate in the loop.
+All compare the measured displacement x_m with the command x_c. They measure how well the actuator followed,
+not how reliable the test is: tracking errors accumulate in the loop.
 """
 
 from dataclasses import dataclass
@@ -126,8 +126,8 @@ def energy_error(
 ) -> NDArray[np.float64]:
     """Energy that the tracking error adds to the structure, Mosqueda and others 2007.
 
-    The specimen does the work ∫r dx_m; the numerical substructure reckons with ∫r dx_c. The
-    difference is taken up by the structure although no ground motion supplied it.
+    The specimen does the work ∫r dx_m; the numerical substructure assumes the work ∫r dx_c. The structure
+    receives the difference as energy that no ground motion supplied.
 
     Parameters
     ----------

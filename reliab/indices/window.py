@@ -1,4 +1,4 @@
-"""Stretch of the record over which the error of a test is taken."""
+"""Part of the record over which the error of a test is computed."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -25,8 +25,8 @@ class Window:
     kind : {"record", "seconds", "arias"}, optional
         The whole record by default, as in the paper.
     seconds : float, optional
-        Length of the window from the record's first sample [s], for `kind` "seconds"; a record
-        that is shorter is taken whole.
+        Length of the window from the record's first sample [s], for `kind` "seconds"; a shorter record is
+        used in full.
 
     Examples
     --------
@@ -68,7 +68,7 @@ class Window:
 
     @property
     def label(self) -> str:
-        """The text from which the window can be read again."""
+        """Text that `parse` turns back into this window."""
         return f"{self.seconds:g}" if self.kind == _Kind.SECONDS else str(self.kind)
 
     def bounds(self, acceleration: NDArray[np.float64], time_step: float) -> tuple[float, float]:

@@ -1,13 +1,12 @@
-"""The record cut into blocks of time that suit the structure instead of the record.
+"""The record divided into equal blocks of time whose length depends on the structure only.
 
 A stepping engine advances in equal blocks. In each block the record a_g is replaced by the straight
 line, from a₀ to a₁, that has exactly the same effect on the structure's own mode z' = pz + a_g::
 
     F₀a₀ + F₁a₁ = z(t + H) − e^(pH)z(t),   F₁ = ∫₀ᴴ (s/H)e^(p(H−s)) ds,   F₀ = ∫₀ᴴ e^(p(H−s)) ds − F₁
 
-(two real numbers for one complex one). A mode whose pole lies near p, as that of a structure with a
-small actuator error does, then feels the line as it feels the record. The exact response x_I follows
-from the same z.
+(two real numbers for one complex one). A mode whose pole lies near p, as it does for a small actuator error,
+then responds to the line nearly as to the record. The exact response x_I follows from the same z.
 """
 
 from dataclasses import dataclass
@@ -22,16 +21,15 @@ from reliab.loop.excitation import Excitation
 from reliab.loop.structure import Structure
 
 LARGEST_PHASE_STEP = 0.09
-"""Largest ω₀H of a block [rad]: the sampled peak of a harmonic is then within 1e-3 of the true one
-before, and within 1e-3 for any record after, the parabola through three samples."""
+"""Largest ω₀H of a block [rad]. The sampled peak of a harmonic is then within 1e-3 of the true one; for any
+record the peak of the parabola through three samples is."""
 
 LONGEST_BLOCK = 0.01
-"""Longest block [s], so that what a soft structure takes from the record above its own frequency
-is followed too."""
+"""Longest block [s], so that the response of a soft structure above its own frequency is resolved too."""
 
-_AT_SAMPLE = 1e-9  # of the record's step: closer than this a time is that of the sample
+_AT_SAMPLE = 1e-9  # of the record's step; a time closer than this to a sample counts as that sample's
 _NEAR_PEAK = 0.97  # a block that ends this high may hold the peak of the exact response
-_PARTS = 16  # in which it is then divided
+_PARTS = 16  # into which such a block is divided
 
 _Number = TypeVar("_Number", np.float64, np.complex128)
 
@@ -74,7 +72,7 @@ class Blocks:
 
     @property
     def most_ahead(self) -> int:
-        """Blocks that an actuator can look ahead at most, those of a quarter of the period."""
+        """Largest number of blocks that an actuator can look ahead: those in a quarter of the period."""
         return int(np.ceil(0.5 * np.pi / (abs(self.pole) * self.step))) + 1
 
     def prolonged(self, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -133,7 +131,7 @@ def block_length(structure: Structure) -> float:
 
 
 def cut(excitation: Excitation, structure: Structure, *, step: float | None = None) -> Blocks:
-    """Cut a record into equal blocks, one of which begins with the window.
+    """Cut a record into equal blocks, one of which starts where the window starts.
 
     Parameters
     ----------

@@ -92,7 +92,7 @@ class Cells:
 
     @cached_property
     def reduction(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """What the reduction loses and what is sought, by frequency band, shape (bands, cells)."""
+        """Squared error of the reduction and squared deviation, by frequency band, shape (bands, cells)."""
         parts = [
             reduction_loss(self.structure, self.gain[place], self.delay[place], loop)
             for place, loop in self.reduced

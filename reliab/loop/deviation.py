@@ -16,7 +16,7 @@ TRACKS = 6
 _SQUARES, _, _LATEST, _LEFT, _PEAK, _RIGHT = range(TRACKS)
 
 Track = tuple[float, float, float, float, float, float]
-"""Of one cell: sum of squares, the last two deviations, the largest with its two neighbours."""
+"""Numbers kept for one cell: sum of squares, the last two deviations, the largest with its two neighbours."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,7 +42,7 @@ class Deviation:
 def _higher(
     highest: tuple[float, float, float], latest: tuple[float, float, float]
 ) -> tuple[float, float, float]:
-    """Of two triples of neighbouring samples the one whose middle is larger in modulus."""
+    """Return whichever of two triples of neighbouring samples has the larger middle value in modulus."""
     up = abs(latest[1]) > abs(highest[1])
     return (
         latest[0] if up else highest[0],
@@ -53,7 +53,7 @@ def _higher(
 
 @compiled
 def follow(track: Track, now: float, weight: float) -> Track:
-    """Account for one deviation with its weight in the trapezoidal rule."""
+    """Add one deviation, with its weight in the trapezoidal rule, to the statistics."""
     squares, before, latest, left, peak, right = track
     left, peak, right = _higher((left, peak, right), (before, latest, now))
     return squares + weight * now * now, latest, now, left, peak, right
@@ -61,7 +61,7 @@ def follow(track: Track, now: float, weight: float) -> Track:
 
 @compiled
 def follow_four(track: Track, p: float, q: float, r: float, s: float) -> Track:
-    """Account for four deviations in a row inside the window."""
+    """Add four consecutive deviations inside the window to the statistics."""
     squares, w, x, left, peak, right = track
     triple = _higher((left, peak, right), (w, x, p))
     triple = _higher(triple, (x, p, q))

@@ -26,7 +26,7 @@ _NEWTON_STEPS = 60
 _CONVERGED = 1e-14
 _MOMENTS = 4
 _SHORT = 0.02  # ω₀τ below which the shape of the rest is that of a vanishing delay
-_NO_DEVIATION = 1e-9  # of the response: a perfect actuator leaves nothing to be lost
+_NO_DEVIATION = 1e-9  # of the response; below it an actuator counts as perfect
 # Reduced and exact loop are compared at these multiples of the natural frequency.
 _COMPARED = np.geomspace(0.1, 40.0, 61)
 
@@ -62,7 +62,7 @@ class ModalLoop:
 
 
 class ReducedLoop(Protocol):
-    """A loop that stands for the exact one."""
+    """A reduced loop that approximates the exact one."""
 
     def transfer(self, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """Transfer function from −a_g [s²]."""
@@ -84,7 +84,7 @@ def dominant_pole(
     -------
     numpy.ndarray
         The pole with positive imaginary part [1/s], shape (cells,); NaN where Newton's iteration
-        does not settle (delays of the order of the period, which the modal reduction refuses).
+        does not converge (delays of the order of the period, which the modal reduction refuses).
     """
     w0, xi = structure.circular_frequency, structure.damping_ratio
     alpha = structure.experimental_fraction
@@ -168,7 +168,7 @@ def _fast_pair(
     """Poles and residues of the Padé approximant of Taylor coefficients, shape (2, cells) each."""
     tau = np.maximum(delay, 1e-12)
     c = rest / tau ** np.arange(2, 2 + _MOMENTS)[:, np.newaxis]  # in units of the delay
-    # The higher coefficients of a very short delay drown in rounding; its shape is known.
+    # For a very short delay rounding errors dominate the higher coefficients; a known shape replaces them.
     shape = np.array([[1.0], [-1.0 / 3.0], [1.0 / 12.0], [-1.0 / 60.0]])
     c = np.where(short, c[0] * shape, c)
     with np.errstate(all="ignore"):  # cells without a delay have no fast pair

@@ -1,4 +1,4 @@
-"""The loop with effects before many actuators: what is asked of a linear loop, answered step by step."""
+"""The loop with further effects, stepped in time for many actuators."""
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
@@ -22,8 +22,7 @@ LARGEST_PHASE_STEP = 0.04
 """Largest ω₀h of a step [rad]: a and b of a linear loop are then within 1e-3 of those of the exact one."""
 
 LONGEST_STEP = 0.01
-"""Longest step [s], so that what a soft structure takes from the record above its own frequency is
-followed too."""
+"""Longest step [s], so that the response of a soft structure above its own frequency is resolved too."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +40,7 @@ class EffectLoop:
     excitation : Excitation
         Record and window.
     test : HybridTest
-        The model, with a structure; gain and delay of its own actuator do not count.
+        The model, with a structure; gain and delay of its own actuator are ignored.
     phase_step : float, optional
         Largest ω₀h of a step [rad].
 
@@ -79,7 +78,7 @@ class EffectLoop:
     def structure(self) -> Structure:
         """The structure under test."""
         if self.test.structure is None:
-            raise AssertionError  # checked when the loop was made
+            raise AssertionError  # checked when the loop was created
         return self.test.structure
 
     def cells(self, *, gain: object, delay: object) -> Cells:
@@ -125,7 +124,7 @@ class EffectLoop:
         Returns
         -------
         Deviation
-            Mean square and peak of each cell, in the order of the cells; NaN where the loop ran away.
+            Mean square and peak of each cell, in the order of the cells; NaN where the loop diverged.
 
         Raises
         ------
@@ -151,7 +150,7 @@ class EffectLoop:
         return Deviation(mean_square=errors[:, 0], peak=errors[:, 1], ideal_peak=peak_of_history(exact))
 
     def at_rest(self) -> Deviation:
-        """Deviation of an actuator that does not move: that of nothing from the perfect rig's response."""
+        """Deviation of an actuator that does not move: zero displacement against that of the perfect rig."""
         squares, peak = self.exact**2, peak_of_history(self.exact)
         mean_square = float(np.trapezoid(squares) / (squares.size - 1))
         return Deviation(mean_square=np.array([mean_square]), peak=np.array([peak]), ideal_peak=peak)

@@ -1,4 +1,4 @@
-"""The loop's engines behind one function: each question goes to the fastest that may answer it.
+"""The loop's engines behind one function: each cell is solved by the fastest engine that is accurate enough.
 
 `pole`
     dominant pole pair, fastest; valid while what it leaves out is below the tolerance for the
@@ -6,10 +6,11 @@
 `delay`
     the delay equation, for any delay
 `spectral`
-    frequency domain, exact below the stability limit and for leads; the oracle of the other two
+    frequency domain, exact below the stability limit and for leads; the reference against which the other two
+    are tested
 
-An actuator that leads asks for what is still to come, so that the delay equation cannot be stepped; its
-bounded solution is found by the dominant pole and in the frequency domain.
+An actuator that leads needs future values, so that the delay equation cannot be stepped in time; its bounded
+solution is computed with the dominant pole or in the frequency domain.
 """
 
 from dataclasses import dataclass
@@ -35,8 +36,8 @@ REDUCTION_TOLERANCE = 3e-5
 and with it MTE^R, then stays within 1e-3 of the exact one."""
 
 LEAD_TOLERANCE = 3e-3
-"""The same for leads. What the reduction leaves out of a lead lies above the structure's frequency, where
-the deviation has next to nothing: RMS^R errs by less than a tenth of this, and MTE^R by less than half."""
+"""The same for leads. For a lead the reduction neglects content above the structure's frequency, where the
+deviation is very small: RMS^R errs by less than a tenth of this, and MTE^R by less than half."""
 
 UNSTABLE_TOLERANCE = 2e-3
 """The same beyond the critical delay, where the error grows exponentially with the delay."""
@@ -111,8 +112,7 @@ class Loop:
         Returns
         -------
         numpy.ndarray
-            Error for this record, as if it were followed to rest; infinite where no dominant pole
-            was found.
+            Error for this record with free vibration until rest; infinite where no dominant pole was found.
         """
         lost, sought = cells.reduction
         with np.errstate(invalid="ignore"):  # infinite loss in a band without power
@@ -120,7 +120,7 @@ class Loop:
         return np.where(np.isnan(error), np.inf, error)
 
     def reducible(self, cells: Cells) -> NDArray[np.bool_]:
-        """Whether the dominant pole may stand for the loop, shape (cells,)."""
+        """Whether the dominant pole is accurate enough to replace the whole loop, shape (cells,)."""
         return self.reduction_error(cells) <= _tolerance(cells)
 
     def deviation(self, cells: Cells) -> Deviation:
@@ -203,7 +203,7 @@ class Loop:
         return delay_stepper.deviation(self.blocks, self.structure, gain, delay)
 
     def at_rest(self) -> Deviation:
-        """Deviation of an actuator that does not move: that of nothing from the exact response."""
+        """Deviation of an actuator that does not move: zero displacement against the exact response."""
         inside = self.blocks.ideal[self.blocks.before :]
         end = self.blocks.end
         squares = inside[:-1] ** 2

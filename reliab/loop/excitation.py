@@ -11,7 +11,7 @@ from reliab.errors import InputError
 
 @dataclass(frozen=True, kw_only=True)
 class Excitation:
-    """A piecewise-linear ground acceleration and the part of it over which errors are taken.
+    """A piecewise-linear ground acceleration and the part of it over which errors are computed.
 
     Parameters
     ----------

@@ -7,12 +7,12 @@ from −a_g to the measured displacement, ::
     k_p e^(sT)/Q(s),   Q(s) = s² + 2ξω₀s + (1−α)ω₀² + αk_pω₀²e^(sT)
 
 has one pole pair p, p̄ left of the imaginary axis and, for leads below `longest_lead`, all others far to
-the right of it, at about 5/T or more. The command therefore is the response of the pair plus what the others,
-which look ahead by less than T, pass through::
+the right of it, at about 5/T or more. The command is therefore the response of the pair plus a direct term
+for the other poles, which look ahead by less than T::
 
     1/Q(s) = r/(s − p) + r̄/(s − p̄) + c + O(sT³/1000),   r = 1/Q'(p),   c of the order of T²/200
 
-and the measured displacement is that, times k_p, a time T ahead: nothing but the shift is left to do.
+and the measured displacement is k_p times the command, shifted ahead by T.
 """
 
 from dataclasses import dataclass
@@ -34,7 +34,7 @@ class LeadingLoop:
         Pole p [1/s] and residue k_p r [s] of k_p times the command's response to −a_g, complex, shape
         (cells,); their conjugates belong to them.
     feedthrough : numpy.ndarray
-        k_p c, what the other poles pass through [s²], shape (cells,).
+        k_p c, direct term of the other poles [s²], shape (cells,).
     lead : numpy.ndarray
         Lead T by which the measured displacement is ahead [s], positive, shape (cells,).
     """

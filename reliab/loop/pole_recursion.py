@@ -12,9 +12,9 @@ so that y = −(rz + r'z') of two modes obeys a real recursion of two states and
 For the dominant and the fast pair a step costs twelve multiply-adds whatever the delay, and cells of
 any gain and delay advance side by side.
 
-An actuator that leads by T is asked for the mode at t + T, a time θ before the end of the block in which that
-lies: the same recursion with the residue r·e^(−pθ), and what the record does between the two times,
-takes the place of the fast pair. The exact response is read that number of blocks earlier.
+For an actuator that leads by T the mode is needed at t + T, a time θ before the end of the block that
+contains t + T: the same recursion is used with the residue r·e^(−pθ), and the effect of the record during θ
+replaces the fast pair. The exact response is read that number of blocks earlier.
 """
 
 from dataclasses import dataclass

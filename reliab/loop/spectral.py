@@ -25,7 +25,7 @@ from reliab.loop.structure import Structure
 
 _LONGEST_STEP = 1.0 / 512.0
 _WRAPAROUND = 1e-11  # what is left of a response after one period of the transform
-_PERIODS_OF_LEAD = 100.0  # so that what looks ahead has faded when the period comes round
+_PERIODS_OF_LEAD = 100.0  # so that the response ahead of the record has decayed within one period
 
 Transfer = Callable[[NDArray[np.complex128]], NDArray[np.complex128]]
 

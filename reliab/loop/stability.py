@@ -11,9 +11,9 @@ For α = 1 this is Ω² = ω₀²(−2ξ² + √(4ξ⁴ + k_p²)), τ_c = atan2(
 A lead, τ < 0, never loses stability in this way. At a root s = iΩ the imaginary part of the equation is
 2ξω₀Ω + αk_pω₀² sin(Ω|τ|) = 0, which asks for Ω|τ| > π, and its real part for Ω² ≤ (1−α+αk_p)ω₀². No root can
 therefore lie on the imaginary axis while |τ| < π/(ω₀√(1−α+αk_p)), half a period, and the pair that carries
-the response only gains damping, about αk_pω₀|τ|/2. The other roots lie far right of the axis: they belong to
-what is ahead, not to what grows, because an actuator cannot lead but by looking ahead. Leads are solved up
-to a quarter of a period, half of that range, within which no root lies in 0 ≤ Re s ≤ 1/|τ| either.
+the response only gains damping, about αk_pω₀|τ|/2. The other roots lie far right of the axis: they describe
+the dependence on future values, not growth in time. Leads are solved up to a quarter of a period, half of
+that range, within which no root lies in 0 ≤ Re s ≤ 1/|τ| either.
 """
 
 import numpy as np
@@ -49,7 +49,7 @@ def longest_lead(structure: Structure, gain: ArrayLike = 1.0) -> NDArray[np.floa
 
 
 def refuse_long_leads(structure: Structure, gain: NDArray[np.float64], delay: NDArray[np.float64]) -> None:
-    """Refuse leads beyond the longest that is solved.
+    """Refuse leads beyond the longest that can be solved.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ def critical_delay(structure: Structure, gain: ArrayLike = 1.0) -> NDArray[np.fl
 
 
 def stability_margin(structure: Structure, gain: ArrayLike, delay: ArrayLike) -> NDArray[np.float64]:
-    """Share of the critical delay that is still free, 1 − τ/τ_c [-]; negative when unstable.
+    """Unused share of the critical delay, 1 − τ/τ_c [-]; negative when unstable.
 
     Parameters
     ----------

@@ -135,7 +135,7 @@ def tracking_sums(pair: QuadraturePair, cells: TrackedCells) -> TrackingSums:
     Returns
     -------
     TrackingSums
-        One entry per cell, as far as the reduced loop stands for the loop.
+        One entry per cell, valid where the reduced loop is accurate.
     """
     structure, step = cells.structure, cells.step
     memory = _MEMORY / (structure.damping_ratio * structure.circular_frequency)

@@ -1,4 +1,4 @@
-"""What a curve that is fitted to a contour of equal error can do."""
+"""Base class of the curves that are fitted to a contour of equal error."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ class Curve(ABC):
     Attributes
     ----------
     a, b : float
-        Parameters; their meaning and units are the curve's own.
+        Parameters; each curve defines their meaning and units.
     sse : float
         Fitting error of equation (10), Σ(d̄² − d²)² [ms⁴].
     n : int
@@ -61,12 +61,12 @@ class Curve(ABC):
         Parameters
         ----------
         contour : Contour
-            At least three points, or none where no actuator keeps below the threshold.
+            At least three points, or none where no actuator keeps the error below the threshold.
 
         Returns
         -------
         Curve
-            The curve with its fitting error; a = b = 0 of a contour without points.
+            The curve with its fitting error; a = b = 0 for a contour without points.
 
         Raises
         ------
@@ -87,7 +87,7 @@ class Curve(ABC):
         return cls(a=a, b=b, sse=float(misfit @ misfit), n=offset.size)
 
     def delay(self, amplitude: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Delay on the curve [s] at given amplitudes [-]; NaN where the curve does not reach."""
+        """Delay on the curve [s] at given amplitudes [-]; NaN where the curve has no delay."""
         if self.n == 0:
             return np.full(np.shape(amplitude), np.nan)
         squared = self._squared_delay(np.asarray(amplitude) - 1.0, self.a, self.b)

@@ -1,4 +1,4 @@
-"""The largest ellipse inside a boundary: what a criterion may promise."""
+"""The largest ellipse that lies wholly inside a boundary."""
 
 from dataclasses import dataclass
 from typing import ClassVar, Self
@@ -14,12 +14,12 @@ from reliab.vocabulary import CurveName
 
 @dataclass(frozen=True, kw_only=True)
 class InscribedEllipse(Ellipse):
-    """Ellipse (A − 1)²/a + d²/b = 1 of the largest area that no point of the boundary lies inside of.
+    """Ellipse (A − 1)²/a + d²/b = 1 of the largest area that contains no point of the boundary.
 
     In the plane of (A − 1)² and d² an ellipse is a straight line, and the points of the boundary are to lie
     above it. The area is largest for a line along an edge of their lower convex hull, of which the tips of
-    the boundary, on d = 0, are part; so the largest of few candidates is exact. Where the boundary is cut (in
-    amplitude) or open (towards leads), the ellipse ends where the boundary was no longer followed.
+    the boundary, on d = 0, are part; so comparing these few edges gives the exact result. Where the boundary
+    is cut (in amplitude) or open (towards leads), the ellipse ends where the tracing of the boundary ended.
 
     Examples
     --------
@@ -47,7 +47,8 @@ class InscribedEllipse(Ellipse):
         -------
         InscribedEllipse
             The ellipse, with the misfit of equation (10) at the points of the boundary; a = b = 0
-            where there is neither a point nor a corner, because no actuator keeps below the threshold.
+            where there is neither a point nor a corner, because no actuator keeps the error below the
+            threshold.
         """
         amplitude, delay = contour.outline
         if amplitude.size == 0:

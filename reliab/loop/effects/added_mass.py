@@ -14,7 +14,7 @@ def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _
 
 @dataclass(frozen=True, kw_only=True)
 class AddedMass(SteppedEffect):
-    """An inertia force m·a that the load cell feels, as of a mass between it and the specimen.
+    """An inertia force m·a that the load cell measures because a mass moves between it and the specimen.
 
     Parameters
     ----------

@@ -5,7 +5,7 @@ import math
 from reliab.loop.effects.kernel import Kernel, Numbers
 
 _YIELDS = 1e-4  # of the elastic stiffness
-_LARGEST_PART = 0.1  # of the yield displacement, that the path is divided into
+_LARGEST_PART = 0.1  # of the yield displacement: largest part into which the path is divided
 _MOST_PARTS = 50
 _LARGEST_FORCE = 100.0  # of the yield force
 _SLIP_WIDTH = 0.2  # of the yield force

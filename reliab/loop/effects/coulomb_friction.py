@@ -23,7 +23,8 @@ class CoulombFriction(SteppedEffect):
         Friction force F [N].
     regularisation_velocity_m_per_s : float
         Velocity v_s [m/s] over which the force changes sign; vanishing for ideal friction, and fitted up to
-        2 % of the peak velocity only: what bends over more is :class:`PowerLawDamping`, no dry friction.
+        2 % of the peak velocity only: a force that changes more gradually is :class:`PowerLawDamping`, not
+        dry friction.
     """
 
     name = "coulomb_friction"

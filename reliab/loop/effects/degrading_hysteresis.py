@@ -19,7 +19,7 @@ class DegradingHysteresis(SteppedEffect):
     Parameters
     ----------
     force_n, displacement_m, gamma, exponent, lost_share : float
-        As of :class:`~reliab.loop.effects.hysteresis.Hysteresis`, before anything is lost.
+        As in :class:`~reliab.loop.effects.hysteresis.Hysteresis`, before anything is lost.
     stiffness_loss : float
         δ_η [-], growth of the flexibility with the energy.
     strength_loss : float

@@ -1,4 +1,4 @@
-"""What an effect is: one object that is simulated, fitted, named and reported."""
+"""Base classes of the effects that are simulated, fitted and reported."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields
@@ -20,7 +20,7 @@ class Role(StrEnum):
     DELAY = "delay"
     """Given the command's motion, returns a delay [s] that adds to the actuator's."""
     PISTON = "piston"
-    """Changes the motion on its way from the delayed command to the piston; returns nothing of interest."""
+    """Changes the motion on its way from the delayed command to the piston; its return value is ignored."""
     FORCE = "force"
     """Given the piston's motion, returns a force [N] that adds to that of the linear specimen."""
     DISPLACEMENT_READING = "displacement_reading"
@@ -35,7 +35,7 @@ class Role(StrEnum):
 
 @dataclass(frozen=True, kw_only=True)
 class Setting:
-    """What an effect may need to know of the test in which it acts.
+    """Properties of the test that an effect may need.
 
     Parameters
     ----------
@@ -74,10 +74,10 @@ class Effect(ABC):
     reported_name : str, optional
         Name under which a diagnosis reports it, where variants of an effect share one.
     position : str, optional
-        Where it acts along its block, where that tells variants apart.
+        Position within its block, given only where variants differ in it.
     refines : type, optional
-        Simpler effect, with its parameters first, of which this one is a special form; it is tried only in
-        the place of that one.
+        Simpler effect, with its parameters first, of which this one is a special form; it is tried only as a
+        replacement of that effect.
     limiting_cases : tuple of type, optional
         Simpler effects that this one resembles at an end of its parameters' ranges.
     """
@@ -125,7 +125,7 @@ class Effect(ABC):
         return cls(**dict(zip(names, map(float, values), strict=True)))
 
     def coefficients(self, setting: Setting) -> NDArray[np.float64]:
-        """Return what the kernel reads; the parameters themselves unless an effect prepares more."""
+        """Return the kernel's coefficients; the parameters themselves unless an effect overrides this."""
         del setting
         return self.values
 
@@ -141,7 +141,7 @@ class RecordEffect(Effect):
 
     @abstractmethod
     def applied(self, acceleration: NDArray[np.float64], step: float) -> NDArray[np.float64]:
-        """Return what truly shook, where `acceleration` [m/s²] was recorded at a step [s]; same shape."""
+        """Return the ground acceleration that acted [m/s²], given the recorded one and its step [s]."""
 
 
 class LinearEffect(SteppedEffect):

@@ -12,7 +12,7 @@ from reliab.vocabulary import Block
 
 @dataclass(frozen=True, kw_only=True)
 class ExcitationScale(RecordEffect):
-    """What shook was s·a_g, where a_g is recorded.
+    """The ground acceleration that acted was s·a_g, where a_g is the recorded one.
 
     Parameters
     ----------

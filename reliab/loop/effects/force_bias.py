@@ -14,7 +14,7 @@ def _reading(_motion: Numbers, _time: float, _step: float, coefficients: Numbers
 
 @dataclass(frozen=True, kw_only=True)
 class ForceBias(SteppedEffect):
-    """A load cell that reads b without load; the reading is what enters the loop.
+    """A load cell that reads b without load; this reading is fed back into the loop.
 
     Parameters
     ----------

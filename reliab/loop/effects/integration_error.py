@@ -12,7 +12,7 @@ from reliab.vocabulary import Block
 
 @dataclass(frozen=True, kw_only=True)
 class IntegrationError(Effect):
-    """A controller whose integration answers the demanded acceleration late, early or too weakly.
+    """A controller whose integration yields the demanded acceleration late, early or too small.
 
     The controller knows the acceleration u that the equation of motion demands at its own instants, a step Δ
     apart, and moves by Newmark's explicit scheme, x₁ = x₀ + Δv₀ + ½Δ²u₀, v₁ = v₀ + Δ((1 − γ)u₀ + γu₁). With
@@ -22,8 +22,8 @@ class IntegrationError(Effect):
 
     To first order x''(t) = u(t + s) with s = (γ − ½)Δ: a time shift, that adds the damping ratio ω₀s/2 to the
     structure. The central differences have γ = ½ and add none. Forward Euler is the same scheme with γ = −½,
-    but for the command, which moves in straight lines: H = 1 + (γ − ½)(1 − e⁻ᶻ) = e⁻ᶻ. Whatever takes
-    damping away is taken to move so.
+    but for the command, which moves in straight lines: H = 1 + (γ − ½)(1 − e⁻ᶻ) = e⁻ᶻ. An integration that
+    removes damping is assumed to be of this kind.
 
     Parameters
     ----------

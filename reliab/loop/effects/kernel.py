@@ -1,4 +1,4 @@
-"""How the mathematics of an effect is compiled: each kernel by itself, called by its address.
+"""Compiled functions of effects: each kernel is compiled separately and called by its address.
 
 A loop that calls kernels by address does not depend on which they are, so that a new effect compiles one
 small function and nothing else, and every kernel is cached on disk across processes.

@@ -1,4 +1,4 @@
-"""Parameters of effects: name, units, and what size of them is to be expected in a given campaign."""
+"""Parameters of effects: name, units, and the size to expect in a given campaign."""
 
 import math
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from reliab.errors import InputError
 
 @dataclass(frozen=True, kw_only=True)
 class Scales:
-    """How large things are in the tests at hand; every bound and prior is a multiple of these.
+    """Peak values of the tests at hand; every bound and prior is a multiple of these.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ class Parameter:
     name : str
         Name with the unit, as in files and on the effect itself ("force_n").
     units : str
-        Unit for people ("N").
+        Unit as it is displayed ("N").
     meaning : str
         What it is, in a few words.
     scale : tuple of (str, float), optional

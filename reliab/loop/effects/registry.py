@@ -81,7 +81,8 @@ def library() -> Registry[type[Effect]]:
     Raises
     ------
     InputError
-        When it is read: if another package adds something that is no effect, or a name that is taken.
+        When it is read: if another package adds something that is not an effect, or a name that is already in
+        use.
     """
     return _LIBRARY
 

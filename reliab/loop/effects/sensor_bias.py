@@ -14,7 +14,7 @@ def _reading(_motion: Numbers, _time: float, _step: float, coefficients: Numbers
 
 @dataclass(frozen=True, kw_only=True)
 class SensorBias(SteppedEffect):
-    """A displacement sensor that reads b when the piston is at zero.
+    """A displacement sensor that shows b when the piston is at zero.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A ground motion played with another time step than its own."""
+"""A ground motion that was played with a wrong time step."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ from reliab.vocabulary import Block
 
 @dataclass(frozen=True, kw_only=True)
 class TimeStepError(RecordEffect):
-    """What shook was a_g(t/q): the record was played with q times its time step.
+    """The ground acceleration that acted was a_g(t/q): the record was played with q times its time step.
 
     Parameters
     ----------

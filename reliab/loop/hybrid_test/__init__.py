@@ -1,4 +1,4 @@
-"""One simulator that runs a hybrid test as a laboratory does, closed or block by block."""
+"""Simulator of a hybrid test, as a closed loop or block by block."""
 
 from reliab.loop.hybrid_test.closed_loop import Histories, run_closed_loop
 from reliab.loop.hybrid_test.compensator import Compensator

@@ -1,8 +1,8 @@
 """The whole hybrid test, step by step: numerical substructure, compensator, actuator, specimen, load cell.
 
 At each step the integrator moves the structure with the force at the end of the step as far as it is known,
-the piston follows, the specimen answers, and the integrator corrects. A delay of a step or more makes the
-first answer final.
+the piston follows, the specimen answers, and the integrator corrects. With a delay of a step or more no
+correction is needed.
 """
 
 from dataclasses import dataclass
@@ -68,15 +68,15 @@ def run_closed_loop(
     parts : int, optional
         Steps of the simulation to each of the samples.
     integrator : Integrator, optional
-        How the numerical substructure is integrated; by default exactly, or as an integration error among
-        the effects says.
+        How the numerical substructure is integrated; by default exactly, or with the integration error that
+        is among the effects.
     compensator : Compensator, optional
-        What changes the command before the actuator; by default nothing.
+        Delay compensator, which changes the command before the actuator; none by default.
 
     Returns
     -------
     Histories
-        Motions, reading and force at the samples. A loop that grows beyond all numbers ends in NaN.
+        Motions, reading and force at the samples. Where the loop diverges, the remaining samples are NaN.
 
     Raises
     ------
@@ -114,7 +114,7 @@ def _run_coarsely(
     longest: float,
     compensator: Compensator | None,
 ) -> Histories:
-    """Run with a controller's own step, which steps of the loop divide, and return to the samples."""
+    """Run with a controller's own step, a multiple of the loop's, and return values at the samples."""
     if test.structure is None:
         raise AssertionError  # a closed loop has one
     coarse = max(effect.step_s, longest)

@@ -1,4 +1,4 @@
-"""The socket between command and actuator into which delay compensators plug."""
+"""Base class of delay compensators, which act between command and actuator."""
 
 from abc import ABC, abstractmethod
 from typing import ClassVar
@@ -10,7 +10,7 @@ from reliab.loop.effects.kernel import Kernel
 
 
 class Compensator(ABC):
-    """Something that changes the command before it is sent to the actuator.
+    """A delay compensator: it changes the command before it is sent to the actuator.
 
     A subclass is a frozen dataclass. Another package adds its own under the entry-point group
     ``reliab.compensators``.
@@ -22,7 +22,7 @@ class Compensator(ABC):
     kernel : Kernel
         Called once a step as `kernel(motion, measured, step, coefficients, state)` with the displacement,
         velocity and acceleration of the command, which it changes, and the last measured displacement [m].
-        Returns nothing of interest.
+        Its return value is ignored.
     """
 
     name: ClassVar[str]

@@ -41,8 +41,8 @@ class Integrator(ABC):
     ----------
     kernel : Kernel
         Called as `kernel(motion, u₀, u₁, coefficients, scratch)` with the motion at the begin of the step,
-        which it advances to the end; u₀ and u₁ [m/s²] are the loads at both ends. Returns nothing of
-        interest.
+        which it advances to the end; u₀ and u₁ [m/s²] are the loads at both ends. Its return value is
+        ignored.
     corrections : int
         How often the step is repeated with the force measured at its end.
     """

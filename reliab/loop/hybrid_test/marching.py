@@ -11,7 +11,7 @@ from reliab.loop.hybrid_test.stepping import call_all, read_delayed
 Array = NDArray[np.float64]
 
 BEYOND_ALL = 1e100
-"""Command [m] at which a loop has run away."""
+"""Command [m] beyond which a loop counts as diverged."""
 
 
 @compiled
@@ -43,7 +43,7 @@ def march(  # noqa: C901, PLR0912, PLR0915 - one compiled loop; what it calls co
     scheme : tuple of int
         Address of the integrator's kernel, and how often a step is corrected.
     scheme_coefficients : numpy.ndarray
-        What the integrator reads.
+        Coefficients of the integrator's kernel.
     socket : Plan
         The compensator, or nothing.
     actuator : tuple of float
@@ -58,7 +58,7 @@ def march(  # noqa: C901, PLR0912, PLR0915 - one compiled loop; what it calls co
     Returns
     -------
     command, piston : numpy.ndarray
-        Displacement [m], velocity and acceleration, shape (3, n); NaN from where the loop has run away.
+        Displacement [m], velocity and acceleration, shape (3, n); NaN after the loop has diverged.
     force : numpy.ndarray
         Force as the load cell reads it [N], shape (n,).
     """
@@ -76,7 +76,7 @@ def march(  # noqa: C901, PLR0912, PLR0915 - one compiled loop; what it calls co
     states = np.zeros((at_end + 1, width))
     kept = np.zeros_like(states)
     motion, scratch = np.zeros(3), np.zeros(width)
-    # After a step or more the command at its end has not reached the piston: the first answer is final.
+    # After a step or more the command at its end has not reached the piston: no correction is needed.
     final = delay >= h and at_elements == 0
     for i in range(n):
         if not final:

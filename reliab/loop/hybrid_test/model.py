@@ -27,7 +27,7 @@ class HybridTest:
     specimen : Specimen, optional
         The linear specimen; by default the structure's own spring αω₀²m.
     effects : tuple of Effect, optional
-        What else acts; within a block in the order of the library.
+        Further effects; within a block they act in the order of the library.
 
     Examples
     --------
@@ -65,7 +65,7 @@ class HybridTest:
         return tuple(effect for effect in self.effects if effect.role in roles)
 
     def setting(self, step: float) -> Setting:
-        """Return what effects may need to know of this test at a step [s]."""
+        """Properties of this test that effects need, for a step [s]."""
         specimen = self.specimen or Specimen(stiffness=0.0)
         return Setting(step=step, stiffness=specimen.stiffness, damping=specimen.damping)
 

@@ -44,7 +44,7 @@ class UpdatedModel:
         The model.
     deviations : mapping of str to float, optional
         Standard deviations, SI units, of "gain", "delay_s", "stiffness_n_per_m" and of effects' parameters by
-        "effect.parameter"; what is not there was not fitted.
+        "effect.parameter"; parameters that are missing here were not fitted.
     limits : tuple of str, optional
         Sentences on what limits these values, written as comments.
 

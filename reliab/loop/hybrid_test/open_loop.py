@@ -1,4 +1,4 @@
-"""Blocks of a hybrid test by themselves: actuator under a command, specimen under a motion, sensors."""
+"""Single blocks of a hybrid test: actuator under a command, specimen under a motion, sensors."""
 
 from dataclasses import dataclass
 
@@ -64,7 +64,7 @@ def drive(test: HybridTest, command: Motion3) -> Motion3:
     Parameters
     ----------
     test : HybridTest
-        The model; its actuator and the effects on the way to the piston count.
+        The model; only its actuator and the effects on the way to the piston are used.
     command : Motion3
         Motion of the command.
 
@@ -135,7 +135,7 @@ def load(test: HybridTest, piston: Motion3) -> Array:
     Parameters
     ----------
     test : HybridTest
-        The model; its specimen and the effects there count.
+        The model; only its specimen and the specimen's effects are used.
     piston : Motion3
         Motion of the piston.
 
@@ -168,14 +168,14 @@ def read_force(test: HybridTest, piston: Motion3, force: Array) -> Array:
 
 
 def follow(kernel: Kernel, coefficients: tuple[float, ...], piston: Motion3) -> Array:
-    """Follow a motion with one kernel.
+    """Evaluate one kernel along a motion.
 
     Parameters
     ----------
     kernel : Kernel
         Of an effect on the force or on a reading.
     coefficients : tuple of float
-        What it reads.
+        Its coefficients.
     piston : Motion3
         Motion of the piston.
 

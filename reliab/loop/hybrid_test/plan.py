@@ -1,4 +1,4 @@
-"""Effects as the compiled loops see them: addresses and coefficients."""
+"""Effects prepared for compiled loops: addresses and coefficients."""
 
 from functools import lru_cache
 from typing import NamedTuple
@@ -21,7 +21,7 @@ class Plan(NamedTuple):
     addresses : numpy.ndarray
         Addresses of the kernels, shape (effects,).
     coefficients : numpy.ndarray
-        What each reads, shape (effects, longest).
+        Coefficients of each kernel, shape (effects, longest).
     """
 
     addresses: NDArray[np.int64]

@@ -8,7 +8,7 @@ from reliab.errors import InputError
 
 @dataclass(frozen=True, kw_only=True)
 class Specimen:
-    """What stands in the laboratory, before any effect: force = k·x + c·v + m·a of the piston's motion.
+    """The specimen without further effects: force = k·x + c·v + m·a of the piston's motion.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """The virtual hybrid-simulation benchmark: three-storey frame, one actuator, four cases.
 
-Facts of Silva, Gomez, Maghareh, Dyke and Spencer (2020), *Mech. Syst. Signal Process.* 135, 106381, in our
-own words: structure, partition, plant with its uncertainty, sensors, converters and controllers.
+Data from Silva, Gomez, Maghareh, Dyke and Spencer (2020), *Mech. Syst. Signal Process.* 135, 106381:
+structure, partition, plant with its uncertainty, sensors, converters and controllers.
 """
 
 import math

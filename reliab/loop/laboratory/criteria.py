@@ -1,6 +1,6 @@
 """The nine criteria of the virtual hybrid-simulation benchmark, in the order of its code.
 
-The text of the benchmark numbers J5 to J7 otherwise (J5 there is J6 here, J6 is J7 and J7 is J5).
+The paper of the benchmark numbers J5 to J7 differently (its J5 is J6 here, its J6 is J7 and its J7 is J5).
 """
 
 from typing import Final

@@ -44,7 +44,7 @@ class Run:
     ground : numpy.ndarray
         Ground acceleration [m/s²], shape (samples,).
     lost : bool
-        Whether the test ran away; the histories then end where it did.
+        Whether the test diverged; the histories then end at that instant.
     """
 
     step: float
@@ -91,8 +91,8 @@ def run_laboratory(
         integrated by the classical Runge-Kutta method, as in block diagrams with derivative blocks; exact
         otherwise. Needs a specimen with a moving mass before a servo-hydraulic actuator, without effects.
     modelled : Partition, optional
-        What the computer takes the specimen for, where it differs from the true one; the numerical
-        substructure is then that of this partition, of the same frame.
+        The partition with the specimen that the computer assumes, where it differs from the true one; the
+        numerical substructure is then taken from this partition of the same frame.
 
     Returns
     -------

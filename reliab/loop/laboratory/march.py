@@ -1,8 +1,8 @@
 """The order of events in a digital laboratory, compiled.
 
 At t_k the target γᵀx is read from the numerical substructure and the displacement x_m from the sensor; the
-controller sends the command u_k, held over the step; the force f(t_k) is read, but the numerical
-substructure goes on with f(t_(k−1)), held over the step, as a target computer does that exchanges samples.
+controller sends the command u_k, held over the step; the force f(t_k) is read, but the numerical substructure
+is advanced with f(t_(k−1)), held over the step, as on a real-time target computer that exchanges samples.
 """
 
 from typing import NamedTuple
@@ -95,7 +95,7 @@ def march(  # noqa: C901, PLR0912, PLR0915 - one compiled loop; what it calls co
     memory = np.zeros((max(socket.addresses.size, 1), width))
     states_of_forces = np.zeros((max(forces.addresses.size, 1), 16))
     motion = np.zeros(3)
-    received = 0.0  # force with which the numerical substructure goes on
+    received = 0.0  # force with which the numerical substructure is advanced
     reading_before, arrived, nonlinear, nonlinear_before = 0.0, 0.0, 0.0, 0.0
     x_before, difference_before, sent_before = 0.0, 0.0, 0.0
     for k in range(samples):

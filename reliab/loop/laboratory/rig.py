@@ -44,7 +44,7 @@ class Sensors:
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """What the rig cannot exceed: the command is held at the first two, the force is cut off at the third.
+    """Limits of the rig: stroke and rate limit the command, the third limits the force.
 
     Parameters
     ----------

@@ -1,10 +1,10 @@
 """The exact critical delay of a partitioned structure of any number of degrees of freedom.
 
-With an actuator k_p e^(−sτ) the hybrid test is stable as long as no root of ``1 + k_p L(s) e^(−sτ) = 0`` has
-come to the right, L = Z(s) γᵀ(M_n s² + C_n s + K_n)⁻¹γ. A root crosses the imaginary axis at iΩ only where
-|k_p L(iΩ)| = 1, whatever the delay. These Ω are the imaginary eigenvalues of a Hamiltonian matrix made of a
-state-space model of L (Boyd, Balakrishnan and Kabamba 1989, *Math. Control Signals Systems* 2, 207-219), so
-that none can be missed, and the delay that belongs to each follows from the phase::
+With an actuator k_p e^(−sτ) the hybrid test is stable as long as no root of ``1 + k_p L(s) e^(−sτ) = 0`` lies
+in the right half-plane, L = Z(s) γᵀ(M_n s² + C_n s + K_n)⁻¹γ. A root crosses the imaginary axis at iΩ only
+where |k_p L(iΩ)| = 1, whatever the delay. These Ω are the imaginary eigenvalues of a Hamiltonian matrix made
+of a state-space model of L (Boyd, Balakrishnan and Kabamba 1989, *Math. Control Signals Systems* 2, 207-219),
+so that none is missed, and the corresponding delay follows from the phase::
 
     τ = (π + arg L(iΩ) mod 2π)/Ω
 

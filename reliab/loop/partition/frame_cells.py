@@ -1,4 +1,4 @@
-"""Actuators before one partitioned frame, and what the reduction to pole pairs costs each of them."""
+"""Actuators before one partitioned frame, and the error of the reduction to pole pairs for each."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 _COMPARED = 61
 
-_HIGHEST = 100.0  # Hz, above which records hold nothing
+_HIGHEST = 100.0  # Hz, above which the content of records is neglected
 
 _NO_DEVIATION = 1e-9
 
@@ -74,7 +74,7 @@ class FrameCells:
 
     @cached_property
     def reduction(self) -> tuple[Array, Array]:
-        """Squared modulus of what the reduction loses and of what is sought [s⁴], shape (bands, cells)."""
+        """Squared moduli of the reduction's error and of the deviation [s⁴], shape (bands, cells)."""
         s = (2j * np.pi * self.frequencies).astype(np.complex128)
         exact = transfer(self.partition, self.gain, self.delay, s, self.output)
         ideal = transfer(self.partition, np.ones(1), np.zeros(1), s, self.output)

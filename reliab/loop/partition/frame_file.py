@@ -60,14 +60,14 @@ class FrameUnderTest:
     Attributes
     ----------
     name : str
-        What the file calls it.
+        Name given in the file.
     partition : Partition
         Frame, interface and specimen.
     output : numpy.ndarray or None
         Weights of the degrees of freedom [-], shape (degrees of freedom,); None for the measured interface
         displacement.
     error_of : str
-        The same in words.
+        The response in words.
     """
 
     name: str

@@ -1,8 +1,8 @@
 """One partitioned frame under one ground motion, ready to be solved for any actuator.
 
-The pole pairs of the test answer for every cell (engine "pole"). Where what they leave out matters for the
-record at hand, and the test is stable, the cell is solved in the frequency domain (engine "spectral"), which
-is exact and the oracle of the other.
+Each cell is solved with the pole pairs of the test (engine "pole"). Where the part that they neglect matters
+for the record at hand, and the test is stable, the cell is solved in the frequency domain (engine
+"spectral"), which is exact and the reference against which the other engine is tested.
 """
 
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ REDUCTION_TOLERANCE = 3e-3
 """Largest relative error of RMS^R that the reduction to pole pairs may cause [-]."""
 
 _PHASE_STEP = 0.09  # rad of the governing mode in a step: its sampled peak is then within 1e-3
-_FASTEST_PHASE_STEP = 0.6  # rad of the highest mode, of which the response holds little
+_FASTEST_PHASE_STEP = 0.6  # rad of the highest mode, which contributes little to the response
 _SHORTEST_STEP = 0.002
 _LONGEST_STEP = 0.01
 _AT_REST = 1e-12  # gain of an actuator that does not move
@@ -137,7 +137,7 @@ class FrameLoop:
 
     @cached_property
     def step(self) -> float:
-        """Step [s], a part of the record's, that suits the modes."""
+        """Step [s]: the record's step divided so that the modes are resolved."""
         fastest = self.partition.frame.modes.circular_frequency[-1]
         longest = min(
             _LONGEST_STEP,

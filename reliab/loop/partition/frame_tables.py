@@ -1,4 +1,4 @@
-"""The tables of `frame.toml`: which keys they know, and the matrices that they stand for."""
+"""The tables of `frame.toml`: the keys allowed, and the matrices that they describe."""
 
 import math
 from typing import Annotated, Literal, Self
@@ -91,7 +91,7 @@ class FrameTable(_Table):
 
 
 class DampingTable(_Table):
-    """`[damping]`: one way of saying it."""
+    """`[damping]`: exactly one way of describing it."""
 
     ratio: NotNegative | None = None
     ratios: Row | None = None
@@ -146,7 +146,7 @@ class EffectTable(BaseModel):
 
 
 class SpecimenTable(_Table):
-    """`[specimen]`: what stands in the laboratory and where."""
+    """`[specimen]`: the specimen and where it is attached."""
 
     degree_of_freedom: str | int | None = None
     below: str | int | None = None

@@ -2,12 +2,12 @@
 
 With g = γᵀD⁻¹γ of the undivided structure, D = M s² + C s + K, and σ = k_p e^(−sτ), the poles of the test
 are the roots of ``1 + Z(s)(σ(s) − 1)g(s) = 0``. Each pole λ of the structure grows into one of them as the
-actuator's error grows, and is followed there by Newton's iteration on ``(s − λ)(1 + Z(σ − 1)g)``, which has
+actuator's error grows, and is traced by Newton's iteration on ``(s − λ)(1 + Z(σ − 1)g)``, which has
 no singularity at λ, so that a mode that the specimen does not drive stays where it is. At a pole p the
 response is that of the shape v with ``(D + Z(σ − 1)γγᵀ)v = 0``; since the matrix is symmetric the residue
-of the floors under −a_g is ``v vᵀMι / vᵀ(dD/ds + d(Z(σ − 1))/ds γγᵀ)v``. What all pairs leave of the
-transfer function is nearly constant over the frequencies of earthquakes; a first-order lag with its value
-and slope at s = 0 stands for it.
+of the floors under −a_g is ``v vᵀMι / vᵀ(dD/ds + d(Z(σ − 1))/ds γγᵀ)v``. The remainder of the transfer
+function is nearly constant over the frequencies of earthquakes; a first-order lag with its value and slope at
+s = 0 approximates it.
 """
 
 from dataclasses import dataclass
@@ -35,7 +35,7 @@ class PoleLoop:
     ----------
     poles, residues : numpy.ndarray
         Poles p [1/s] with positive imaginary part and residues r [s] of the response to −a_g, shape
-        (modes, cells); their conjugates belong to them. NaN where Newton's iteration did not settle.
+        (modes, cells); their conjugates belong to them. NaN where Newton's iteration did not converge.
     rest, rest_time : numpy.ndarray
         Static value R [s²] and time constant T [s] of the fast rest, shape (cells,): R/(1 + Ts), or for T <
         0 the ground ahead, R e^(−Ts).

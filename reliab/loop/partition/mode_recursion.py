@@ -36,9 +36,8 @@ def recursion(loop: PoleLoop, step: float) -> Array:
     -------
     numpy.ndarray
         Shape (modes + 1, 7, cells): of the last two displacements, of the ground at the end of this step, at
-        its begin and a step before, what the displacement a step before the record must be so that its
-        first sample is taken for a jump, and of the ground at the end of the next step. The last row is the
-        rest.
+        its begin and a step before, the displacement a step before the record for which its first sample acts
+        as a jump, and of the ground at the end of the next step. The last row is the rest.
     """
     early, late, decay = ramp_weights(loop.poles, step)
     r, back = loop.residues, loop.residues * decay.conj()

@@ -1,4 +1,4 @@
-"""A structure divided for hybrid simulation: which part stands in the laboratory, and where it is driven."""
+"""A structure divided for hybrid simulation: its specimen and the displacement that drives it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -36,7 +36,7 @@ class Partition:
     specimen : Specimen
         Linear part of the specimen.
     effects : tuple of Effect, optional
-        What the specimen does beyond its linear part; effects on the force only.
+        Effects of the specimen beyond its linear part; only effects on the force are allowed.
 
     Raises
     ------

@@ -73,7 +73,7 @@ def amplification_matrix(
     advance = _Advance.of(partition, step, gain, steps, scheme)
     size = 3 * n + 3 * memory
     states = np.eye(size)
-    # The map is linear: its columns are where it takes the unit vectors.
+    # The map is linear: its columns are the images of the unit vectors.
     motion, past = states[: 3 * n].reshape(3, n, size), states[3 * n :].reshape(memory, 3, size)
     after, newest = advance(motion, past)
     moved = np.concatenate([newest[np.newaxis], past[:-1]])
@@ -234,8 +234,8 @@ def discrete_critical_delay(
     Returns
     -------
     float
-        The critical delay; zero where the integration alone makes the test unstable, infinite where twice the
-        exact critical delay, or where there is none 400 steps, leave it stable.
+        The critical delay; zero where the integration alone makes the test unstable, infinite where the test
+        is still stable at twice the exact critical delay or, without such a delay, at 400 steps.
     """
 
     def growth(delay: float) -> float:

@@ -1,1 +1,1 @@
-"""All actuators before one structure from the responses of a few poles, for one ground motion."""
+"""Solutions for all actuators of one structure and ground motion from the responses of a few poles."""

@@ -1,4 +1,4 @@
-r"""A few poles whose responses stand for those of a whole plane of gains and delays.
+r"""A few poles whose responses represent those of a whole plane of gains and delays.
 
 Every actuator moves the structure's pole p₀ a little. The response 1/(s − p) of a moved pole p with
 Re p < 0 is expanded in the functions of Takenaka and Malmquist, in which each further pole p_k follows
@@ -8,12 +8,12 @@ an all-pass filter::
     1/(s − p) = Σ_{k<n} c_k φ_k(s) + γ_n/(s − p) · Π_{i<n} (s + p̄_i)/(s − p_i)
     γ_k = Π_{i<k} (p − p_i)/(p + p̄_i),     c_k = 2Re(p_k) γ_k/(p + p̄_k)
 
-The last term is what n functions leave out. The factors of its product have modulus 1 on the imaginary
+The last term is the error of n functions. The factors of its product have modulus 1 on the imaginary
 axis, so that its size is |γ_n|/|s − p| at **every** frequency: the share left out is |γ_n| for any record.
 All coefficients but the first are proportional to p − p₀, as the deviation is, so that no digits are lost.
 
-The poles are chosen one after the other among those of actuators with errors of interest, always the pole
-of which most is left out. Partial fractions give the functions from the responses of the single poles
+The poles are chosen one after the other among those of actuators with errors of interest: each time the pole
+with the largest error so far. Partial fractions give the functions from the responses of the single poles
 (`orthogonal`). The fast pair of a late actuator is expanded in those of a few delays by least squares.
 """
 
@@ -162,7 +162,7 @@ def pole_basis(structure: Structure) -> PoleBasis:
 
 def distance(pole: NDArray[np.complex128], from_pole: complex) -> NDArray[np.float64]:
     """Distance |p − p₀|/|p + p̄₀| of poles [-], shape (cells,); infinite right of the imaginary axis."""
-    with np.errstate(divide="ignore", invalid="ignore"):  # no pole where Newton's iteration did not settle
+    with np.errstate(divide="ignore", invalid="ignore"):  # no pole where Newton's iteration did not converge
         ratio = np.abs(pole - from_pole) / np.abs(pole + from_pole.conjugate())
         return np.where(pole.real < 0.0, ratio, np.inf)
 

@@ -6,7 +6,7 @@ deviation of a late actuator is ::
     x_m − x_I = −2Re Σ_k (r c_k − [k = 0] r₀) φ_k + fast pair
 
 For an actuator that leads by T = nH − θ the response of the pole is taken n blocks later and multiplied by
-e^(−pθ); the record's straight line in the last block makes up for what it did in the time θ
+e^(−pθ); the record's straight line in the last block corrects for the time θ
 (`pole_recursion.leading_recursion`). The first function n blocks later is split into the share that cancels
 the exact response, and what the record adds in these blocks::
 

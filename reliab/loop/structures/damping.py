@@ -1,4 +1,4 @@
-"""Damping matrices from what is known of a structure: ratios of modes, or two of Rayleigh's factors."""
+"""Damping matrices from damping ratios of the modes, or from two damping ratios by Rayleigh's method."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray

@@ -1,4 +1,4 @@
-"""What a matrix of a structure must be before anything is computed with it."""
+"""Checks of a structure's matrices before anything is computed with them."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -35,7 +35,7 @@ def square_matrix(values: ArrayLike, name: str) -> NDArray[np.float64]:
             f"The {name} must be square", value=f"shape {matrix.shape}", remedy="Give n rows of n numbers"
         )
     if not np.isfinite(matrix).all():
-        raise InputError(f"The {name} must be finite", remedy="Remove entries that are no numbers")
+        raise InputError(f"The {name} must be finite", remedy="Remove entries that are not numbers")
     difference = np.abs(matrix - matrix.T)
     if difference.max() > _SYMMETRY * np.abs(matrix).max():
         row, column = np.unravel_index(int(np.argmax(difference)), matrix.shape)

@@ -1,4 +1,4 @@
-"""Transfer systems: what stands between the sent command and the piston's motion."""
+"""Transfer systems: the equipment between the sent command and the piston's motion."""
 
 from reliab.loop.transfer_systems.plant import Plant, TransferSystem
 from reliab.loop.transfer_systems.reading import read_matlab, transfer_function_of

@@ -1,4 +1,4 @@
-"""What a laboratory needs of a transfer system: a linear model from the sent command to piston and force."""
+"""Linear model of a transfer system and its specimen, from the sent command to piston and force."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Identified models from elsewhere: objects of SciPy and python-control, and MATLAB files."""
+"""Identified models from other software: objects of SciPy and python-control, and MATLAB files."""
 
 from collections.abc import Mapping
 from pathlib import Path

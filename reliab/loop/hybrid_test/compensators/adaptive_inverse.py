@@ -1,4 +1,4 @@
-"""Adaptive inverse compensation of Chen and Ricles, steered by the tracking indicator."""
+"""Adaptive inverse compensation of Chen and Ricles, controlled by the tracking indicator."""
 
 import math
 from dataclasses import dataclass

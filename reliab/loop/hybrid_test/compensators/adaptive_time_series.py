@@ -81,9 +81,9 @@ def _compensate(
 class AdaptiveTimeSeries(Compensator):
     """Sends a₀x + a₁Dx + a₂D²x with factors fitted to what was commanded and measured in the last second.
 
-    Command and measurement pass the same Butterworth filter of fourth order; the factors are those with which
-    the measurement and its differences would have given the command, by least squares over a moving window.
-    They keep within bounds and change no faster than given rates.
+    Command and measurement pass the same Butterworth filter of fourth order; the factors are fitted by least
+    squares over a moving window, so that the measurement and its differences reproduce the command. The
+    factors stay within bounds and change no faster than the given rates.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ class AdaptiveTimeSeries(Compensator):
     trigger : float, optional
         Displacement [m] that the window must have seen before factors are fitted.
     samples : int, optional
-        Samples of the test to one of the window.
+        Samples of the test per sample of the window.
     window : float, optional
         Length of the window [s].
     cutoff : float, optional

@@ -23,10 +23,10 @@ def _compensate(motion: Numbers, _time: float, _step: float, coefficients: Numbe
 
 @dataclass(frozen=True, kw_only=True)
 class InverseCompensation(Compensator):
-    """Sends x_p = α_es x − (α_es − 1)x₋, the inverse of an actuator that covers 1/α of its way a step.
+    """Sends x_p = α_es x − (α_es − 1)x₋, the inverse of an actuator that moves 1/α of its way each step.
 
     The command is sent one step before it is due; an actuator that takes α steps from then on is
-    compensated to first order when α_es = α, and keeps a delay of about (α − α_es) steps else.
+    compensated to first order when α_es = α, and otherwise keeps a delay of about (α − α_es) steps.
 
     Parameters
     ----------

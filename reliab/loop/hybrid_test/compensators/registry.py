@@ -46,7 +46,8 @@ def compensators() -> Registry[type[Compensator]]:
     Raises
     ------
     InputError
-        When it is read: if another package adds something that is no compensator, or a name that is taken.
+        When it is read: if another package adds something that is not a compensator, or a name that is
+        already in use.
 
     Examples
     --------
@@ -62,6 +63,6 @@ def find_compensator(name: str) -> type[Compensator]:
     Raises
     ------
     InputError
-        If there is none; the message lists those there are.
+        If there is none; the message lists the known ones.
     """
     return _LIBRARY.find(name)

@@ -16,7 +16,7 @@ def filter_two(
     coefficients: Numbers,
     first: int,
 ) -> tuple[float, float]:
-    """Filter the command that was sent and the measurement alike, so that both are equally late.
+    """Filter the command that was sent and the measurement alike, so that both are delayed equally.
 
     Parameters
     ----------

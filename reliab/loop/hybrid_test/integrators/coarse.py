@@ -1,4 +1,4 @@
-"""A controller that integrates explicitly with steps of its own, coarser than those of the loop."""
+"""A controller that integrates explicitly with a coarser step than the loop's."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -36,7 +36,7 @@ def _advance(motion: Numbers, early: float, late: float, coefficients: Numbers, 
 
 @dataclass(frozen=True, kw_only=True)
 class CoarseExplicit(Integrator):
-    """Newmark's explicit scheme with one step to several of the loop, γ being free.
+    """Newmark's explicit scheme with any γ and a step of several steps of the loop.
 
     Between its instants the command follows the parabola of its step, or a straight line: with γ = −½ that
     is forward Euler. The substructure is at rest before the first step.
@@ -46,7 +46,7 @@ class CoarseExplicit(Integrator):
     gamma : float
         γ [-].
     steps : int
-        Steps of the loop to one of the controller.
+        Steps of the loop per step of the controller.
     straight : bool
         Whether the command moves in straight lines.
 
