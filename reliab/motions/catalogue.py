@@ -1,10 +1,10 @@
 """The catalogue of a suite: a file ``catalog.csv`` beside its records.
 
 Columns: ``motion`` (unique name) and ``file`` (path from the catalogue); optionally ``event`` (the
-earthquake, so that its components stay together), ``set``, ``dt_s`` (the true step [s], which corrects a
-header's rounded one), ``units`` (g, cm/s2 or m/s2) and ``channel`` (of a file with several, from 1).
-Columns ``header_npts`` and ``header_dt_s`` note what the header of the right file states and are compared
-with it. Further columns are ignored.
+earthquake, so that its components stay together), ``set``, ``dt_s`` (the true step [s], which replaces a
+rounded step in a header), ``units`` (g, cm/s2 or m/s2) and ``channel`` (of a file with several, from 1).
+Columns ``header_npts`` and ``header_dt_s`` hold the number of samples and the step that the file's header
+should state; they are compared with the header. Further columns are ignored.
 """
 
 import csv
@@ -38,9 +38,9 @@ def read_catalogue(path: Path, report: Report, given: Declared) -> list[RecordFi
     path : Path
         The catalogue.
     report : Report
-        Takes every fault of every row.
+        Receives every fault of every row.
     given : Declared
-        Step and units for rows that declare none.
+        Step and units for rows that give none.
 
     Returns
     -------
@@ -106,7 +106,7 @@ def _has_name(row: dict[str, str], seen: dict[str, int], line: int, report: Repo
 def _record(
     path: Path, row: dict[str, str], line: int, given: Declared, report: Report
 ) -> Iterator[RecordFile]:
-    """Yield the record of a row, if nothing is wrong with the row."""
+    """Yield the record of a row, unless the row has a fault."""
     faults_before = len(report.faults)
     file = path.parent / row["file"].replace("\\", "/")
     if not is_file(file):
@@ -136,7 +136,7 @@ def _record(
 
 
 def _one_of(noted: T | None, given: T | None, what: str, line: int, report: Report) -> T | None:
-    """Return what the catalogue notes or the caller gives, which must not differ."""
+    """Return the value from the catalogue or from the caller; the two must not differ."""
     if noted is not None and given is not None and noted != given:
         report.add(
             f"The {what} that are given must be those of the catalogue",

@@ -18,8 +18,8 @@ from reliab.motions.record import RecordFile
 from reliab.vocabulary import STANDARD_GRAVITY
 
 _LIKENESS = 50.0
-"""Factor from the median of a folder that a peak may have; g is 981 cm/s2, and m/s2 is 100 cm/s2."""
-_FEWEST = 3  # records from which a median says something about the others
+"""Largest factor between a peak and the median of its folder; g is 981 cm/s2, and m/s2 is 100 cm/s2."""
+_FEWEST = 3  # fewest records for which the peaks are compared with their median
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +33,7 @@ class Inspection:
     faults : list of Fault
         Everything that is wrong, in the order of the catalogue or of the paths.
     notes : list of Fault
-        What deserves a look and is not wrong: files in formats that are not read, and peaks that differ
+        Points to check that are not faults: files in formats that are not read, and peaks that differ
         much from the others although the files state their units.
     """
 
@@ -66,7 +66,7 @@ def check_folder(
     path : str or Path
         A folder with or without a catalogue, or one file.
     sets : sequence of str, optional
-        Sets of the catalogue to check; None checks all, the set ``held_out`` too.
+        Sets of the catalogue to check; None checks all, including the set ``held_out``.
     time_step : float, optional
         Step of the records [s], where their headers state none.
     units : str, optional
@@ -75,7 +75,7 @@ def check_folder(
     Returns
     -------
     list of Fault
-        Empty if all is well.
+        Empty if there is no fault.
 
     Raises
     ------
@@ -131,7 +131,7 @@ def inspect(
 
 
 def _records(source: Path, given: Declared, faults: list[Fault]) -> Iterator[tuple[RecordFile, Report]]:
-    """Find the records, each with a new report, and note the faults of catalogues and headers."""
+    """Find the records, each with a new report, and collect the faults of catalogues and headers."""
     catalogue = source / CATALOGUE
     if is_file(catalogue):
         report = Report(file=str(catalogue))

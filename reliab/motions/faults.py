@@ -17,7 +17,7 @@ class Fault:
     file : str
         The file, as the user named it.
     line : int or None
-        Line in the file, counted from 1, where that can be said.
+        Line in the file, counted from 1; None where the fault has no line.
     rule : str
         What must hold.
     value : str

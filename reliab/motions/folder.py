@@ -1,12 +1,12 @@
 """A folder of records without a catalogue.
 
-Every record below the folder is a motion. Its name is its path from the folder, without the ending if that
-is one of a record and no other motion is called the same; channels of one file are numbered.
+Every record below the folder is a motion. Its name is its path relative to the folder. The file extension is
+left out if it is one of a record format and the name stays unique; channels of one file are numbered.
 
 Events are known only where the headers say so: records share an event if they are channels of one file, or
 if their headers give the same earthquake and date (PEER), the same origin time and epicentre (K-NET), the
-same origin time (CSMIP, COSMOS) or the same line ``# event: NAME`` (text). Every other motion is an event
-of its own. To declare events, write a catalogue with a column ``event``.
+same origin time (CSMIP, COSMOS) or the same line ``# event: NAME`` (text). Every other motion counts as a
+separate event. To declare events, write a catalogue with a column ``event``.
 """
 
 from collections import Counter
@@ -54,7 +54,7 @@ def scan_folder(folder: Path, given: Declared) -> Iterator[tuple[Path, list[Reco
     Yields
     ------
     path : Path
-        A file that is a record or claims to be one, in the order of paths.
+        A file that is a record or has the extension of one, in the order of paths.
     records : list of RecordFile
         The motions in it.
     report : Report
@@ -101,7 +101,7 @@ def scan_file(path: Path, name: str, given: Declared, report: Report) -> list[Re
     given : Declared
         Step and units for the records.
     report : Report
-        Takes the faults of the header.
+        Receives the faults of the header.
 
     Returns
     -------
@@ -121,7 +121,7 @@ def scan_file(path: Path, name: str, given: Declared, report: Report) -> list[Re
 
 
 def _may_be_record(path: Path, folder: Path) -> bool:
-    """Tell whether a file ends like a record or is recognised as one by a header of its own."""
+    """Tell whether a file has the extension of a record or is recognised by its header."""
     inner = path.relative_to(folder)
     if any(part.startswith(".") for part in inner.parts) or not path.is_file():
         return False
@@ -145,7 +145,7 @@ def _names(paths: list[Path], folder: Path) -> dict[Path, str]:
 def motion_name(path: Path) -> str:
     """Name of a motion after its file: the path without the ending of a record.
 
-    Endings that tell a component, such as ``.NS`` and ``.EW`` of K-NET, stay.
+    Extensions that name a component, such as ``.NS`` and ``.EW`` of K-NET, are kept.
 
     Examples
     --------
@@ -153,4 +153,4 @@ def motion_name(path: Path) -> str:
     ('KOBE/NIS000', 'AOM001.EW')
     """
     name = (path.with_suffix("") if path.suffix.lower() in _STRIPPED else path).as_posix()
-    return name.encode(errors="backslashreplace").decode()  # bytes of a name that are no text
+    return name.encode(errors="backslashreplace").decode()  # bytes of a name that are not text

@@ -175,7 +175,8 @@ def significant_duration(
 def mean_period(acceleration: ArrayLike, time_step: float) -> float:
     """Mean period T_m = Σ(C²/f) / ΣC², C the Fourier amplitudes at frequencies f from 0.25 to 20 Hz.
 
-    The record is followed by zeros until frequencies lie 0.05 Hz apart or closer, as Rathje and others ask.
+    The record is followed by zeros until frequencies lie 0.05 Hz apart or closer, as Rathje and others
+    require.
 
     Parameters
     ----------

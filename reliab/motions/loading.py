@@ -18,10 +18,10 @@ from reliab.motions.units import parse_unit
 BUILT_IN = ("synthetic",)
 """Names of the suites that come with the package."""
 
-_NAMED = 3  # files that a warning names one by one
+_NAMED = 3  # largest number of files that a warning lists by name
 
 HELD_OUT = "held_out"
-"""The set of a catalogue that is used only when it is named."""
+"""The set of a catalogue that is left out unless the user names it."""
 
 
 def load_motions(
@@ -30,7 +30,7 @@ def load_motions(
     time_step: float | None = None,
     units: str | None = None,
 ) -> MotionSuite:
-    """Load a suite of motions; records are read when they are asked for.
+    """Load a suite of motions; each record is read only when it is needed.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def load_motions(
         Record files, folders with or without a ``catalog.csv``, or names of built-in suites
         (``"synthetic"``; a folder of that name is ``"./synthetic"``).
     sets : sequence of str, optional
-        Sets of the catalogues to take; None takes all but the set ``held_out``.
+        Sets of the catalogues to load; None loads all except the set ``held_out``.
     time_step : float, optional
         Step of the records [s], where their headers state none or round it.
     units : str, optional
@@ -52,13 +52,13 @@ def load_motions(
     Raises
     ------
     InputError
-        If a source does not exist or holds no motion, a catalogue is faulty, a file is no record, a set is
-        unknown, or two motions have one name.
+        If a source does not exist or holds no motion, a catalogue is faulty, a file is not a record, a set is
+        unknown, or two motions have the same name.
 
     Notes
     -----
-    In a folder without a catalogue, records are components of one event only if their headers say so beyond
-    doubt; `reliab.motions.folder` has the rule. A catalogue with a column ``event`` declares events.
+    In a folder without a catalogue, records are components of one event only if their headers identify the
+    event; `reliab.motions.folder` gives the rule. A catalogue with a column ``event`` declares events.
     """
     if not sources:
         raise InputError(
@@ -127,7 +127,7 @@ def read_motion(
 
 
 def declare(time_step: float | None, units: str | None) -> Declared:
-    """Check what a caller says about records.
+    """Check the step and the units that a caller gives.
 
     Parameters
     ----------

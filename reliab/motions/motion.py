@@ -11,7 +11,7 @@ from reliab.errors import InputError
 from reliab.vocabulary import STANDARD_GRAVITY
 
 PEAK_LIMIT_G = 5.0
-"""Largest believable peak [g]; the strongest record so far has about 4 g, and more is a mistake in units."""
+"""Largest peak accepted [g]; the strongest record so far has about 4 g, a larger one means wrong units."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -29,7 +29,7 @@ class Motion:
     time_step : float
         Interval between samples [s], positive.
     event : str, optional
-        The earthquake; empty makes the motion an event of its own, named like the motion.
+        The earthquake; if empty, the motion counts as a separate event with the motion's name.
     set_name : str, optional
         The set of a catalogue that the motion belongs to.
 

@@ -1,4 +1,4 @@
-"""A motion of a suite that is still in its file."""
+"""A motion of a suite whose record has not been read yet."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -21,13 +21,13 @@ class RecordFile:
     name : str
         Name of the motion.
     event : str, optional
-        The earthquake; empty takes it from the header, or else from the name.
+        The earthquake; if empty, it is taken from the header, or else from the name.
     set_name : str, optional
         Set of the catalogue.
     channel : int, optional
         Which record of a file that holds several, counted from 1.
     declared : Declared, optional
-        What a catalogue or a caller says about the record.
+        Step and units that a catalogue or a caller gives for the record.
     """
 
     path: Path

@@ -31,7 +31,7 @@ class MotionEntry(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class MotionInMemory:
-    """An entry whose motion is there already.
+    """An entry whose motion is already in memory.
 
     Parameters
     ----------
@@ -64,13 +64,13 @@ class MotionInMemory:
 class MotionSuite(Sequence[Motion]):
     """An ordered suite of motions with unique names.
 
-    Names, events and sets are known at once; a record is read when its motion is asked for and is not kept,
-    so that ten thousand motions stream in the memory of one.
+    Names, events and sets are known from the start; a record is read when its motion is needed and is not
+    kept, so that only one motion at a time is in memory.
 
     Parameters
     ----------
     entries : iterable of MotionEntry
-        What stands for each motion until it is read.
+        One entry for each motion, which reads it on demand.
 
     Raises
     ------
@@ -102,7 +102,7 @@ class MotionSuite(Sequence[Motion]):
 
     @property
     def entries(self) -> tuple[MotionEntry, ...]:
-        """What stands for each motion, in order."""
+        """Entries of the motions, in order."""
         return self._entries
 
     @property
@@ -165,7 +165,7 @@ class MotionSuite(Sequence[Motion]):
 
 
 def _known(wanted: Iterable[str] | None, present: tuple[str, ...], what: str) -> set[str]:
-    """Return the wanted ones, all of which must be present."""
+    """Return the names or sets asked for, all of which must be in the suite."""
     if wanted is None:
         return set(present)
     kept = {wanted} if isinstance(wanted, str) else set(wanted)

@@ -55,7 +55,7 @@ def find_unit(text: str) -> AccelerationUnit | None:
     Returns
     -------
     AccelerationUnit or None
-        The unit, or None when the text is none of acceleration.
+        The unit, or None when the text is not a unit of acceleration.
 
     Examples
     --------
@@ -84,7 +84,7 @@ def parse_unit(text: str) -> AccelerationUnit:
     Raises
     ------
     InputError
-        If the text is no known unit of acceleration.
+        If the text is not a known unit of acceleration.
     """
     unit = find_unit(text)
     if unit is None:

@@ -1,4 +1,4 @@
-"""Write a suite as a folder that reads back bit by bit."""
+"""Write a suite as a folder from which identical motions are read."""
 
 import csv
 import re
@@ -92,7 +92,7 @@ def write_motion(motion: Motion, path: Path) -> None:
 
 @contextmanager
 def _all_or_nothing(target: Path) -> Iterator[Path]:
-    """Give a folder beside the target that takes its place at the end, or vanishes."""
+    """Yield a temporary folder; at the end it is renamed to the target, or deleted on failure."""
     unfinished = target.parent / f".{target.name}.unfinished"
     shutil.rmtree(unfinished, ignore_errors=True)
     try:

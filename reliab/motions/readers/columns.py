@@ -1,4 +1,4 @@
-"""Text in columns: one of samples, or two with times first, from which the step follows."""
+"""Text in columns: samples alone, or times and samples; the times give the step."""
 
 from dataclasses import replace
 
@@ -13,19 +13,19 @@ from reliab.motions.readers.source import Source
 TWO_COLUMNS = 2
 """Numbers in a line that holds a time and a sample."""
 
-_JITTER = 0.01  # share of a step by which a time may be off; it moves the response by far less
+_JITTER = 0.01  # largest error of a time, as a share of the step
 _DIGITS = 12  # significant digits to which a step is known from times in double precision
 
 
 def check_columns(source: Source, header: Header, report: Report) -> bool:
-    """Tell whether every line has the columns that the header expects, and report the first that has not.
+    """Tell whether every line has the columns that the header expects; report the first that has not.
 
     Parameters
     ----------
     source, header : Source, Header
         The file and what its header says.
     report : Report
-        Takes the fault.
+        Receives the fault.
 
     Returns
     -------
@@ -57,7 +57,7 @@ def split_times(
 ) -> tuple[NDArray[np.float64] | None, Header]:
     """Separate times from samples and find the step.
 
-    Times may be off by what they round or by 1 % of the step; any start is allowed.
+    Times may differ from equal steps by their rounding or by 1 % of the step; any start time is allowed.
 
     Parameters
     ----------
@@ -66,14 +66,14 @@ def split_times(
     values : array of float, shape (2 n,)
         Times and samples in turn.
     report : Report
-        Takes a fault when the steps are not equal.
+        Receives a fault when the steps are not equal.
 
     Returns
     -------
     samples : array of float, shape (n,), or None
         The second column; None if there was a fault.
     header : Header
-        With the time step that the times tell, if the header states none of its own.
+        With the time step from the times, if the header states none.
     """
     times, samples = values[0::2], values[1::2]
     if times.size < 2:  # noqa: PLR2004 - a step needs two times
@@ -93,7 +93,7 @@ def split_times(
 
 
 def _first_unequal(times: NDArray[np.float64], step: float, place: float) -> int | None:
-    """Index of the first time that does not follow the one before it as it should."""
+    """Index of the first time that does not follow the previous one by one step."""
     backwards = np.flatnonzero(np.diff(times) <= 0)
     if backwards.size:
         return int(backwards[0]) + 1

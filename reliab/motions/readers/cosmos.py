@@ -59,7 +59,7 @@ def headers(source: Source, report: Report) -> list[Header]:
     source : Source
         The file.
     report : Report
-        Takes every fault of a header.
+        Receives every fault of a header.
 
     Returns
     -------

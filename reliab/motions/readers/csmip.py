@@ -1,11 +1,11 @@
 """CSMIP Volume 2 (``.V2``): for each channel a header, acceleration, velocity and displacement.
 
-One file holds all channels of a station. The line before the acceleration tells everything that is needed::
+One file holds all channels of a station. The line before the acceleration states everything that is needed::
 
     7500 points of accel data equally spaced at  .010 sec, in cm/sec2. (8f10.6)
 
-and the numbers after it may touch, so that the printed format tells where one ends. Velocity and
-displacement are skipped. The channels of one file are of one event.
+and the numbers after it may follow each other without blanks, so that the printed format is needed to
+separate them. Velocity and displacement are skipped. The channels of one file are of one event.
 
 References
 ----------
@@ -49,7 +49,7 @@ def headers(source: Source, report: Report) -> list[Header]:
     source : Source
         The file.
     report : Report
-        Takes every fault of a header.
+        Receives every fault of a header.
 
     Returns
     -------

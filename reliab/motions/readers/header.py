@@ -1,4 +1,4 @@
-"""What the header of a record says, whatever its format."""
+"""Contents of a record's header, the same for all formats."""
 
 import re
 from dataclasses import dataclass
@@ -10,8 +10,8 @@ from reliab.motions.units import AccelerationUnit, find_unit
 
 T = TypeVar("T")
 
-_CORRECTION = 0.05  # share of a step by which it may be off, zeros printed after it or not
-_SLACK = 1.001  # lets a step lie exactly on the edge of what a header rounds
+_CORRECTION = 0.05  # largest error of a printed step, as a share of the step, however many digits are printed
+_SLACK = 1.001  # admits a step exactly on the limit of a header's rounding
 
 NUMBER = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[EeDd][-+]?[0-9]+)?"
 """Pattern of a number as Fortran and everyone else print it."""
@@ -19,7 +19,7 @@ NUMBER = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[EeDd][-+]?[0-9]+)?"
 
 @dataclass(frozen=True, kw_only=True)
 class Statement(Generic[T]):
-    """Something that a header states.
+    """One value that a header states.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ class Header:
     scale : float, optional
         Factor from the numbers in the file to the units.
     remove_mean : bool, optional
-        Whether the mean of the whole record is an instrument's offset.
+        Whether the mean of the whole record is an instrument's offset and is subtracted.
     width : int, optional
         Columns that each number takes, where the format fixes it.
     columns : int, optional
@@ -65,7 +65,7 @@ class Header:
     missing : float, optional
         The number that marks a missing sample.
     event : str, optional
-        The earthquake, where the header identifies it beyond doubt.
+        The earthquake, where the header identifies it.
     channel : str, optional
         The component, as the header calls it.
     """
@@ -87,7 +87,7 @@ class Header:
 
 
 def number(text: str) -> float | None:
-    """Turn a printed number into a float; None if it is none."""
+    """Turn a printed number into a float; None if it is not a number."""
     return float(_decimal(text)) if re.fullmatch(NUMBER, text) else None
 
 
@@ -111,7 +111,7 @@ def _decimal(text: str) -> Decimal:
 
 
 def state_count(text: str, line: int, report: Report) -> Statement[int] | None:
-    """State a number of samples, or report that the text is none."""
+    """Read a number of samples, or report that the text is not one."""
     if re.fullmatch(r"\+?[0-9]{1,9}\.?", text):
         count = int(text.rstrip("."))
         if count > 1:
@@ -126,7 +126,7 @@ def state_count(text: str, line: int, report: Report) -> Statement[int] | None:
 
 
 def state_time_step(text: str, line: int, report: Report, *, factor: float = 1.0) -> Statement[float] | None:
-    """State a time step, or report that the text is none; the factor turns its unit into seconds."""
+    """Read a time step, or report that the text is not one; the factor turns its unit into seconds."""
     value = number(text)
     if value is not None and 0 < value * factor < float("inf"):
         return Statement(value=value * factor, line=line, tolerance=last_place(text) * factor)
@@ -140,7 +140,7 @@ def state_time_step(text: str, line: int, report: Report, *, factor: float = 1.0
 
 
 def state_units(text: str, line: int, report: Report) -> Statement[AccelerationUnit] | None:
-    """State the units of the samples, or report that the text names none."""
+    """Read the units of the samples, or report that the text names none."""
     unit = find_unit(text)
     if unit is not None:
         return Statement(value=unit, line=line)

@@ -1,6 +1,6 @@
 """K-NET and KiK-net ASCII: seventeen labelled lines, then counts of the instrument.
 
-Each component is a file of its own. A count times the scale factor of the header is acceleration in gal. The
+Each component is a separate file. A count times the scale factor of the header is acceleration in gal. The
 instrument has an offset; NIED, which publishes the records, subtracts the mean of the whole record before it
 states the largest acceleration, and so does this reader.
 
@@ -43,12 +43,12 @@ def headers(source: Source, report: Report) -> list[Header]:
     source : Source
         The file.
     report : Report
-        Takes every fault of the header.
+        Receives every fault of the header.
 
     Returns
     -------
     list of Header
-        The header of the one component; empty if a line is missing that it needs.
+        The header of the one component; empty if a required line is missing.
     """
     labelled = _labelled(source)
     missing = [label for label in ("rate", "duration", "scale", "memo") if label not in labelled]

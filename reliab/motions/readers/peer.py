@@ -46,7 +46,7 @@ def headers(source: Source, report: Report) -> list[Header]:
     source : Source
         The file.
     report : Report
-        Takes every fault of the header.
+        Receives every fault of the header.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""From a header and its samples to an acceleration record, with everything checked on the way."""
+"""Turn a header and its samples into an acceleration record, and check both."""
 
 from dataclasses import dataclass
 
@@ -17,7 +17,7 @@ from reliab.vocabulary import STANDARD_GRAVITY
 
 @dataclass(frozen=True, kw_only=True)
 class Declared:
-    """What a catalogue or a caller says about a record, whatever its own header says.
+    """Data on a record that a catalogue or a caller gives beside the record's own header.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ class Declared:
     header_time_step : float, optional
         Step that the header should state [s].
     where : str, optional
-        Where all this is said.
+        Source of these data, for messages.
     """
 
     time_step: float | None = None
@@ -71,11 +71,11 @@ def complete(source: Source, header: Header, declared: Declared, report: Report)
     source : Source
         The file.
     header : Header
-        What its header says.
+        Contents of its header.
     declared : Declared
-        What is said elsewhere.
+        Data from the catalogue or the caller.
     report : Report
-        Takes every fault.
+        Receives every fault.
 
     Returns
     -------
@@ -110,7 +110,7 @@ def complete(source: Source, header: Header, declared: Declared, report: Report)
 def _settle_units(
     header: Header, declared: Declared, report: Report, *, sound: bool
 ) -> AccelerationUnit | None:
-    """Find the units; a faulty header, which may have tried to state them, is not blamed twice."""
+    """Find the units; if the header already has a fault, missing units are not reported again."""
     stated = header.units
     if stated is not None and declared.units not in {None, stated.value}:
         report.add(

@@ -18,9 +18,9 @@ class Format:
     Parameters
     ----------
     name : str
-        What users call it.
+        Name shown to users.
     endings : tuple of str
-        Endings by which a file without recognisable content still claims to be one.
+        File extensions by which a file counts as this format although its content is not recognised.
     recognises : callable
         Tells from the content whether a file is one.
     headers : callable
@@ -83,7 +83,7 @@ def claims_to_be_record(path: Path) -> bool:
 
 
 def detect(source: Source) -> Format | None:
-    """Choose the format of a file by its content, and by its ending only where the content tells nothing.
+    """Choose the format of a file by its content, or by its extension where the content is not recognised.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def detect(source: Source) -> Format | None:
     Returns
     -------
     Format or None
-        The format; None if the file is no record.
+        The format; None if the file is not a record.
     """
     ending = source.path.suffix.lower()
     for form in FORMATS.values():
@@ -113,14 +113,14 @@ def open_records(path: Path, report: Report, *, whole: bool = True) -> tuple[Sou
     path : Path
         The file.
     report : Report
-        Takes every fault.
+        Receives every fault.
     whole : bool, optional
         Whether the samples are wanted too; if not, only the top is read where that is enough.
 
     Returns
     -------
     tuple of Source and list of Header, or None
-        The file and its headers; None if it cannot be opened or is no record.
+        The file and its headers; None if it cannot be opened or is not a record.
     """
     source = open_source(path, report, limit=None if whole else HEAD)
     if source is None:

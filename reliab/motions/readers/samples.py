@@ -1,4 +1,4 @@
-"""Parse the samples of a record: fast while nothing is wrong, line by line to say what is."""
+"""Parse the samples of a record: all at once, or line by line to locate faults."""
 
 import math
 import re
@@ -32,7 +32,7 @@ def parse_samples(source: Source, header: Header, report: Report) -> NDArray[np.
     header : Header
         Where the numbers stand and how they are printed.
     report : Report
-        Takes a fault for every run of lines that hold something else.
+        Receives a fault for every run of lines that hold something else.
 
     Returns
     -------
@@ -68,7 +68,7 @@ def _parse_plain(data: bytes) -> NDArray[np.float64] | None:
 
 @dataclass(frozen=True, kw_only=True)
 class _BadToken:
-    """A token that is no finite number."""
+    """A token that is not a finite number."""
 
     line: int
     rule: str
@@ -91,7 +91,7 @@ def _parse_lines(source: Source, header: Header, report: Report) -> NDArray[np.f
 
 
 def split_line(line: Line, header: Header) -> list[str]:
-    """Split a line into its numbers, glued ones included where that is certain."""
+    """Split a line into its numbers; blanks between them may be missing where the split is unambiguous."""
     text = line.text.replace(header.delimiter, " ") if header.delimiter else line.text
     tokens = text.split()
     if all(_NUMBER.fullmatch(token) for token in tokens):

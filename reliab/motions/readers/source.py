@@ -11,7 +11,7 @@ HEAD = 65_536
 """Bytes in which every header of a one-record file ends."""
 
 LONGEST_LINE = 1000
-"""Characters beyond which a line is no line of a header."""
+"""Largest length of a line of a header."""
 
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 _END_OF_FILE = b"\x1a"  # what old DOS programs put after the text
@@ -69,7 +69,7 @@ class Source:
 
 
 def is_file(path: Path) -> bool:
-    """Tell whether a path is a file, also where the system cannot even look."""
+    """Tell whether a path is a file; False where the system cannot access it."""
     try:
         return path.is_file()
     except OSError:
@@ -77,7 +77,7 @@ def is_file(path: Path) -> bool:
 
 
 def is_folder(path: Path) -> bool:
-    """Tell whether a path is a folder, also where the system cannot even look."""
+    """Tell whether a path is a folder; False where the system cannot access it."""
     try:
         return path.is_dir()
     except OSError:
@@ -94,16 +94,16 @@ def decode(raw: bytes) -> str:
 
 
 def open_source(path: Path, report: Report, *, limit: int | None = None) -> Source | None:
-    """Read a file as text, or report why it cannot be.
+    """Read a file as text, or report why it cannot be read.
 
     Parameters
     ----------
     path : Path
         The file.
     report : Report
-        Takes the fault, if there is one.
+        Receives the fault, if there is one.
     limit : int, optional
-        Read no more than so many bytes.
+        Largest number of bytes to read.
 
     Returns
     -------

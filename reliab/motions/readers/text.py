@@ -1,7 +1,7 @@
 """Plain text and CSV: samples in one column, or times and samples in two.
 
-Lines before the first number may say more, marked with ``#``, ``%``, ``!`` or ``//`` or beginning with a
-letter::
+Lines before the first number may give further data, marked with ``#``, ``%``, ``!`` or ``//`` or beginning
+with a letter::
 
     # time_step: 0.01        or  dt = 0.01 s,  dt: 10 ms,  sampling rate: 100 Hz
     # units: m/s2            or  time [s], acceleration [m/s2]  or  time_s,acceleration_g
@@ -69,7 +69,7 @@ def headers(source: Source, report: Report) -> list[Header]:
     source : Source
         The file.
     report : Report
-        Takes every fault of the header.
+        Receives every fault of the header.
 
     Returns
     -------
@@ -120,7 +120,7 @@ def _split_top(source: Source) -> tuple[list[Line], Line | None]:
 
 
 def _is_data(line: Line) -> bool:
-    """Tell whether every token of a line is a number, be it NaN or infinity."""
+    """Tell whether every token of a line is a number; NaN and infinity count as numbers."""
     tokens = re.split(r"[\s,;]+", line.text.strip(" \t\r\f,;"))
     return all(
         number(token) is not None or re.fullmatch(r"[-+]?(nan|inf|infinity)", token, _FLAGS)

@@ -13,7 +13,7 @@ with R' = √(R_rup² + 6²) [km], F = 1 for reverse faulting and 0 for strike-s
 V = min(V_S30, 1100) [m/s] and s the larger of the directivity lengths s and d [km]. The errors ε are jointly
 normal, with the standard deviations and the correlations below, and are cut at two standard deviations.
 
-The tables stand in two public programs of different hands (SimCenter's smelt, in C++, and J. Guo's
+The tables are taken from two public programs by different authors (SimCenter's smelt, in C++, and J. Guo's
 NearFaultMotionSim, in Python), which agree in all their 15 digits; the printed tables were not at hand, and
 the numbers of equations are as smelt cites them. Here the coefficients are rounded to five decimals and the
 correlations to four.

@@ -21,7 +21,7 @@ from reliab.motions.synthetic.shahi_baker_2014 import pulse_probability
 from reliab.vocabulary import STANDARD_GRAVITY
 
 QUANTUM: Final = 1e-6 * STANDARD_GRAVITY
-"""Accelerations are whole multiples of this [m/s²], so that the last bits of a processor leave no trace."""
+"""Accelerations are whole multiples of this [m/s²], so that rounding on other processors hardly matters."""
 
 
 class _Purpose(IntEnum):
@@ -61,7 +61,7 @@ class Recording:
 
 
 def simulate_event(seed: int, number: int) -> Iterator[Recording]:
-    """Simulate the recordings of one earthquake, one station after the other, without end.
+    """Simulate the recordings of one earthquake, one station after the other, without limit.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The errors of the regression: what the stations of one earthquake share, and what each has of its own."""
+"""Errors of the regression: a part common to all stations of an earthquake and a part for each station."""
 
 from collections.abc import Callable
 from math import sqrt
@@ -29,7 +29,7 @@ class EventErrors:
     """Draws the errors of the stations of one earthquake, one after the other.
 
     The error of a station is η + ε, of which η is the same for all stations of the earthquake. The first
-    station has exactly the published distribution, given that its motion is taken; η then follows from its
+    station has exactly the published distribution, given that its motion is accepted; η then follows from its
     error, so that what comes first does not depend on how many stations come after it.
 
     Parameters

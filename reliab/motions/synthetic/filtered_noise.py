@@ -1,4 +1,4 @@
-"""Noise whose frequency wanders: white noise through a filter with time-varying parameters."""
+"""Noise whose frequency varies in time: white noise through a filter with time-varying parameters."""
 
 from collections.abc import Iterator
 from itertools import pairwise
@@ -55,12 +55,13 @@ def filter_frequency(
 def filtered_noise(
     noise: NDArray[np.float64], frequency: NDArray[np.float64], bandwidth: float, time_step: float
 ) -> NDArray[np.float64]:
-    """Filter white noise through a damped oscillator whose frequency each impulse keeps from its own time.
+    """Filter white noise through a damped oscillator; each impulse keeps the frequency of its instant.
 
     x(t) = Σ h(t − τ, ω(τ)) w(τ) / √(Σ h(t − τ, ω(τ))²) over all earlier impulses τ, with h(t, ω) = ω/√(1 −
     ζ²) exp(−ζωt) sin(ω√(1 − ζ²) t) (Rezaeian & Der Kiureghian 2010; Dabaghi & Der Kiureghian 2017). The
     variance of x is 1 at every time but the first, where x is 0. Neighbouring impulses of nearly the same
-    frequency share one recursion; that makes ω a staircase whose steps are narrow against the filter's peak.
+    frequency share one recursion; ω is therefore a staircase whose steps are small compared with the width of
+    the filter's peak.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Post-processing: no long waves that the process has and earthquakes have not, and rest at the end."""
+"""Post-processing: removal of spurious long-period content, and zero velocity and displacement at the end."""
 
 from math import ceil
 from typing import Final
@@ -37,7 +37,7 @@ def padding(magnitude: float, time_step: float) -> int:
 
 
 def high_pass(acceleration: NDArray[np.float64], magnitude: float, time_step: float) -> NDArray[np.float64]:
-    """Take out the waves below the corner frequency, without a shift in phase.
+    """Remove the content below the corner frequency, without a phase shift.
 
     The amplitude response of the Butterworth filter is √(r / (1 + r)) with r = (f/f_c)⁸, so that neither the
     velocity nor the displacement keeps a residual.
@@ -65,7 +65,7 @@ def high_pass(acceleration: NDArray[np.float64], magnitude: float, time_step: fl
 
 
 def settle(acceleration: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Bring the ground to rest where it was: subtract the least straight line that does so.
+    """Subtract the smallest straight line that leaves no velocity or displacement at the end.
 
     Parameters
     ----------

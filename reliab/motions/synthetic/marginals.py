@@ -1,7 +1,7 @@
 """From the normal variables of the regression back to the physical parameters of a motion.
 
 Dabaghi & Der Kiureghian (2018) fit a marginal distribution to each parameter and regress on ν = Φ⁻¹(F(θ)), so
-that θ = F⁻¹(Φ(ν)). A lognormal parameter is its own logarithm; the four others stand here.
+that θ = F⁻¹(Φ(ν)). For a lognormal parameter ν is its logarithm; the four other distributions are given here.
 """
 
 from math import exp, expm1, log

@@ -1,4 +1,4 @@
-"""How strong the motion is at each time: the modulating function and its fit to the durations."""
+"""Intensity of the motion over time: the modulating function and its fit to the durations."""
 
 from dataclasses import dataclass
 from math import log, log1p, pi
@@ -15,7 +15,7 @@ _ONSET: Final = 0.05
 _RISE: Final = 0.30
 _END: Final = 0.95
 _GENTLEST: Final = 1.0
-"""Largest 1 / (2α + 1); more would let the motion start at its strongest (α < 0)."""
+"""Largest 1 / (2α + 1); with more the motion would be strongest at its start (α < 0)."""
 
 
 @dataclass(frozen=True, kw_only=True)

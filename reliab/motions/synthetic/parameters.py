@@ -1,4 +1,4 @@
-"""The physical parameters of one recording, and how a scenario and an error give them."""
+"""The physical parameters of one recording, and their computation from the regression's variables."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ _CENTIMETRE = 0.01
 
 @dataclass(frozen=True, kw_only=True)
 class ComponentParameters:
-    """What one horizontal component is built from.
+    """Parameters of one horizontal component.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ class ComponentParameters:
 
 @dataclass(frozen=True, kw_only=True)
 class PulseParameters:
-    """What the velocity pulse of a recording is built from.
+    """Parameters of the velocity pulse of a recording.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ class PulseParameters:
 
 @dataclass(frozen=True, kw_only=True)
 class RecordingParameters:
-    """What both components of one recording are built from.
+    """Parameters of both components of one recording.
 
     Parameters
     ----------

@@ -100,7 +100,8 @@ def trimmed(motion: NDArray[np.float64]) -> NDArray[np.float64]:
     """Cut off the quiet time before and after a motion, and bring what is left to rest.
 
     Both components are cut where the displacement of the first to move, and of the last to rest, is 1 % of
-    its largest (Dabaghi & Der Kiureghian 2018); `settle` takes out the little that the cut leaves.
+    its largest (Dabaghi & Der Kiureghian 2018); `settle` removes the small residual velocity and displacement
+    after the cut.
 
     Parameters
     ----------

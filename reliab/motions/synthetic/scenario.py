@@ -1,4 +1,4 @@
-"""What earthquake, how far, on what ground: the input of the ground-motion model."""
+"""Earthquake, distance and site: the input of the ground-motion model."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -8,7 +8,7 @@ from reliab.errors import InputError
 
 
 class Mechanism(StrEnum):
-    """Style of faulting; a normal fault counts as strike-slip, for lack of records of its own."""
+    """Style of faulting; the model has no class for normal faults, which count as strike-slip."""
 
     STRIKE_SLIP = "strike_slip"
     REVERSE = "reverse"
@@ -36,7 +36,7 @@ class Scenario:
     mechanism : Mechanism
         Style of faulting.
     depth_to_top : float
-        Depth of the top of the rupture Z_TOR [km]; no rupture is nearer to the station than its top is deep.
+        Depth of the top of the rupture Z_TOR [km]; the rupture distance is at least this depth.
     rupture_distance : float
         Closest distance from the station to the rupture R_rup [km], 0.07 to 31.
     shear_wave_velocity : float

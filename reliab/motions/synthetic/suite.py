@@ -1,4 +1,4 @@
-"""The suite itself: names, order, and motions that are simulated when they are asked for."""
+"""The synthetic suite: names, order, and motions that are simulated when they are needed."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -93,7 +93,7 @@ def _event(seed: int, number: int) -> _RecordingsOfEvent:
 def synthetic_entries(
     *, count: int = 100, seed: int = 2017, stations_per_event: int = 1
 ) -> list[SyntheticEntry]:
-    """List what the suite of the same arguments holds, see `synthetic_suite`.
+    """List the entries of the suite that `synthetic_suite` makes of the same arguments.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ def synthetic_entries(
 def synthetic_suite(*, count: int = 100, seed: int = 2017, stations_per_event: int = 1) -> MotionSuite:
     """Make the built-in suite of synthetic near-fault ground motions.
 
-    Each event has a scenario of its own, drawn from a distribution like that of the FEMA P-695 records, and
+    For each event a scenario is drawn from a distribution like that of the FEMA P-695 records, and
     two horizontal components of the stochastic model of Dabaghi & Der Kiureghian (2018), along the axes of an
     instrument of random orientation. Recordings too weak for FEMA P-695 are drawn again.
 
