@@ -1,6 +1,6 @@
 """From a grid of actuators to a labelled dataset: storage, resume, clusters.
 
-What needs the library of the store is imported when it is first asked for.
+Functions that need the storage library are imported on first use.
 """
 
 from importlib import import_module

@@ -1,4 +1,4 @@
-"""Sweeps on a dask.distributed cluster (optional extra `cluster`): one task a motion."""
+"""Sweeps on a dask.distributed cluster (optional extra `cluster`): one task per motion."""
 
 from collections.abc import Iterator
 from itertools import islice
@@ -10,7 +10,7 @@ from reliab.sweep.job import Solved, SweepJob
 if TYPE_CHECKING:
     from distributed import Client
 
-_AHEAD = 4  # tasks a worker thread has in hand; bounds the memory of the cluster
+_AHEAD = 4  # tasks submitted per worker thread; limits the memory of the cluster
 _RETRIES = 3  # of a task whose worker died
 _CONNECT_SECONDS = 10
 
@@ -25,7 +25,7 @@ def solved(address: str, job: SweepJob, missing: list[int]) -> Iterator[Solved]:
     job : SweepJob
         Suite and request.
     missing : list of int
-        Which motions.
+        Indices of the motions to solve.
 
     Yields
     ------

@@ -1,9 +1,9 @@
-"""Results of a sweep in one small NetCDF file, to be shipped or sent.
+"""Results of a sweep in one small NetCDF file.
 
 The errors are kept from 0.001 % to 100 %, rounded to steps of 5e-4 in their logarithm (2.5e-4 relative); the
-indices are left out. What remains answers every question about thresholds, metrics and confidences. The file
+indices are left out. The file is enough to derive criteria for any threshold, metric and confidence. The file
 holds the differences of these steps between neighbouring delays and gains: small whole numbers, which
-compress to two thirds of what rounded errors take.
+compress to two thirds of the size of rounded errors.
 """
 
 from pathlib import Path
@@ -33,7 +33,7 @@ def write_compact(results: xr.Dataset, path: str | Path) -> None:
     Parameters
     ----------
     results : xarray.Dataset
-        As `open_results` gives it.
+        As returned by `open_results`.
     path : str or pathlib.Path
         The file, overwritten.
     """
@@ -71,7 +71,7 @@ def open_compact(path: Path) -> xr.Dataset:
     Raises
     ------
     InputError
-        If it is no such file, or of another schema version.
+        If the file is not one that `write_compact` wrote, or has another schema version.
     """
     dataset = read_netcdf(path, _RULE, _REMEDY)
     if dataset.attrs.get("schema_version") != SCHEMA_VERSION:

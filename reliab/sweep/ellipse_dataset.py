@@ -1,7 +1,7 @@
-"""The labelled dataset of ellipses: curves that stand for the boundaries of many ground motions.
+"""The labelled dataset of ellipses and other curves fitted to the boundaries of many ground motions.
 
 One row is one side of one boundary. A side has no ellipse for the reasons that `reliab.vocabulary.NoEllipse`
-lists; a and b are then NaN, or zero where the loop's other effects leave no room at all, and
+lists; a and b are then NaN, or zero where the loop's other effects alone exceed the threshold, and
 the variable `no_ellipse` gives the reason. Nowhere is a or b negative or infinite.
 """
 
@@ -16,10 +16,10 @@ from reliab.sweep.labels import with_labels
 from reliab.vocabulary import ELLIPSE_DIMENSIONS, Dimension, Metric, NoEllipse, Side
 
 COLUMNS = ("a", "b", "sse", "n", "no_ellipse")
-"""What is kept of a curve; shape of a table is (motion, f, xi, threshold, metric, curve, side, columns)."""
+"""Values stored for a curve; shape of a table is (motion, f, xi, threshold, metric, curve, side, columns)."""
 
 CURVES: tuple[type[Curve], ...] = (Ellipse, InscribedEllipse)
-"""Curves that stand for a boundary unless others are asked for."""
+"""Curves fitted to a boundary by default."""
 
 _REST_DIMENSIONS = (
     Dimension.MOTION,
@@ -31,20 +31,20 @@ _FEWEST_POINTS = 3
 
 
 def curve_row(contour: Contour | None, curve: type[Curve]) -> list[float]:
-    """Parameters of the curve that stands for one side of a boundary.
+    """Parameters of the curve fitted to one side of a boundary.
 
     Parameters
     ----------
     contour : Contour or None
         The side of the boundary; None where it leaves the stored grid.
     curve : type
-        Which curve. One that is fitted by least squares needs a boundary that is closed on this side; the
-        inscribed ellipse does not.
+        Type of the curve. One that is fitted by least squares needs a boundary that is closed on this side;
+        the inscribed ellipse does not.
 
     Returns
     -------
     list of float
-        a, b, sse, n and the reason for which there is none.
+        a, b, sse, n and the reason if there is no curve.
     """
     if contour is None:
         return _without(NoEllipse.OUTSIDE_GRID, 0)
@@ -85,7 +85,7 @@ def ellipse_dataset(
     coordinates : mapping
         Coordinates of motions, f [Hz] and xi [-].
     thresholds, metrics, curves, sides
-        What the table holds along these dimensions.
+        Coordinates of the table along these dimensions.
     attributes : mapping
         Attributes, the window and the experimental fraction among them.
     error_at_rest : numpy.ndarray, optional
@@ -126,13 +126,14 @@ def ellipse_dataset(
 def share_at_rest(ellipses: xr.Dataset) -> xr.DataArray:
     """Share of the motions under which an actuator that does not move keeps the error below a threshold.
 
-    Where it is more than a few percent the error of the whole test says nothing: a test that moved nothing
-    would pass. So it is at 20 % RMS^R for many a structure, since RMS^R is taken over the peak.
+    Where it is more than a few percent the error of the whole test is no useful measure: a test in which
+    nothing moved would pass. This happens at 20 % RMS^R for many structures, since RMS^R is normalised by the
+    peak.
 
     Parameters
     ----------
     ellipses : xarray.Dataset
-        As `trace_ellipses` makes it.
+        As returned by `trace_ellipses`.
 
     Returns
     -------

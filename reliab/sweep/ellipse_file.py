@@ -21,7 +21,7 @@ def write_ellipses(ellipses: xr.Dataset, path: str | Path) -> None:
     Parameters
     ----------
     ellipses : xarray.Dataset
-        As `trace_ellipses` makes it.
+        As returned by `trace_ellipses`.
     path : str or pathlib.Path
         The NetCDF file, overwritten.
 
@@ -46,15 +46,15 @@ def write_ellipses(ellipses: xr.Dataset, path: str | Path) -> None:
 def open_ellipses(path: str | Path, *, window: str | None = None) -> xr.Dataset:
     """Read a dataset of ellipses.
 
-    A file of an older version, without curves or sides, holds ellipses of least squares for delays.
+    A file of an older version, without curves or sides, holds least-squares ellipses for delays only.
 
     Parameters
     ----------
     path : str or pathlib.Path
         A file that `write_ellipses` wrote.
     window : str, optional
-        Where errors were taken, "record", "arias" or seconds; by default the only window of the file, or
-        else the whole record.
+        Part of the record over which the errors were computed: "record", "arias" or a number of seconds; by
+        default the only window of the file, or else the whole record.
 
     Returns
     -------
@@ -65,7 +65,7 @@ def open_ellipses(path: str | Path, *, window: str | None = None) -> xr.Dataset:
     Raises
     ------
     InputError
-        If it is no such file, or holds no such window.
+        If the file is not a file of ellipses, or does not hold the window.
     """
     return _in_window(_read(path), window, path)
 
@@ -81,12 +81,12 @@ def open_windows(path: str | Path) -> dict[str, xr.Dataset]:
     Returns
     -------
     dict of str to xarray.Dataset
-        By window, "record", "arias" or seconds, what `open_ellipses` returns.
+        For each window ("record", "arias" or a number of seconds) the dataset that `open_ellipses` returns.
 
     Raises
     ------
     InputError
-        If it is no such file.
+        If the file is not a file of ellipses.
     """
     dataset = _read(path)
     return {window: _in_window(dataset, window, path) for window in ellipse_windows(path)}
@@ -127,7 +127,7 @@ def ellipse_windows(path: str | Path) -> tuple[str, ...]:
 
 
 def with_sides(dataset: xr.Dataset) -> xr.Dataset:
-    """Give ellipses without curves or sides those dimensions: of least squares, and for delays.
+    """Add the dimensions curve and side to ellipses without them: least squares, and delays.
 
     Parameters
     ----------

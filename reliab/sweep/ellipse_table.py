@@ -1,4 +1,4 @@
-"""Ellipses of many ground motions, traced straight from the loop without a stored grid."""
+"""Ellipses of many ground motions, traced by solving the loop, without a stored grid."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -24,12 +24,12 @@ from reliab.sweep.request import check_model, loop_of
 from reliab.vocabulary import Dimension, Metric, Side
 
 _TOGETHER = 32
-"""Motions that are traced together; bounds the memory."""
+"""Number of motions that are traced together; limits the memory."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class EllipseRequest:
-    """For which structures, errors and curves boundaries are wanted.
+    """Structures, errors and curves for which boundaries are traced.
 
     Parameters
     ----------
@@ -40,25 +40,25 @@ class EllipseRequest:
     thresholds : tuple of float, optional
         Errors on the boundary [-].
     metrics : tuple of Metric, optional
-        Which errors.
+        RMS^R, MTE^R or both.
     curves : tuple of type, optional
-        Curves that stand for the boundary; the ellipse of least squares and the inscribed one by default.
+        Curves fitted to the boundary; the least-squares ellipse and the inscribed ellipse by default.
     sides : tuple of Side, optional
         Sides of the boundary: actuators that are late, early, or both, which is the default.
     window : Window, optional
-        Stretch of the record over which the error is taken.
+        Part of the record over which the error is computed.
     experimental_fraction : float, optional
         Share of the stiffness in the laboratory [-].
     engine : Engine, optional
         How the loop is solved.
     model : HybridTest, optional
-        A model with effects of the one structure that is asked for; the boundary is then one of gain
-        and delay of the actuator alone, which may not lead.
+        A model with effects of the one structure requested; the boundary then refers to gain and delay of the
+        actuator alone, and leads are not allowed.
 
     Raises
     ------
     InputError
-        If the model is of another structure, or leads are asked for with a model.
+        If the model has another structure, or leads are requested together with a model.
     """
 
     frequencies: tuple[float, ...]
@@ -94,7 +94,7 @@ class EllipseRequest:
 def trace_ellipses(
     motions: Sequence[Motion], request: EllipseRequest, *, progress: Progress = silent
 ) -> xr.Dataset:
-    """Trace the boundaries of many ground motions and let curves stand for them.
+    """Trace the boundaries of many ground motions and fit curves to them.
 
     Parameters
     ----------
@@ -184,14 +184,14 @@ def labelled(
     headers : sequence of dict
         Coordinates of each motion.
     request : EllipseRequest
-        What the table holds.
+        The request that the table answers.
     error_at_rest : numpy.ndarray, optional
         Error of an actuator that does not move [-], shape (motion, f, xi, metric).
 
     Returns
     -------
     xarray.Dataset
-        As `trace_ellipses` gives it.
+        As returned by `trace_ellipses`.
     """
     along = {
         name: (Dimension.MOTION, np.concatenate([header[name].values for header in headers]))

@@ -20,7 +20,7 @@ CAUTION = (
     "These ellipses are predicted to first order from the records' spectra and are too generous: of 100 real "
     "records at an error of 5 %, the simulated a is 5 % smaller and the simulated b 16 to 44 % smaller."
 )
-"""What such a dataset says of itself in the attribute `caution`, and a criterion derived from it repeats."""
+"""Warning in the attribute `caution` of such a dataset, repeated by every criterion derived from it."""
 
 
 def predict_ellipses(
@@ -36,20 +36,20 @@ def predict_ellipses(
     motions : sequence of Motion
         The ground motions; read one at a time.
     request : EllipseRequest
-        Structures, thresholds and window; of RMS^R and ellipses only, without a model.
+        Structures, thresholds and window; only RMS^R and ellipses are allowed, and no model.
     progress : callable, optional
         Called after each motion.
 
     Returns
     -------
     xarray.Dataset
-        As `trace_ellipses` gives it, with `sse` NaN and `n` zero, since there are no points, and with the
+        As returned by `trace_ellipses`, with `sse` NaN and `n` zero, since there are no points, and with the
         attribute `caution`.
 
     Raises
     ------
     InputError
-        If another metric, curve or a model is asked for.
+        If another metric, another curve or a model is requested.
 
     Examples
     --------
@@ -71,7 +71,7 @@ def predict_ellipses(
         ]
         structures = len(request.frequencies), len(request.damping_ratios)
         table = np.reshape(rows, (*structures, len(request.thresholds), 1, 1, 1, len(COLUMNS)))
-        # To first order a lead spoils a test as much as a lag, and the boundary is an ellipse itself.
+        # To first order a lead causes the same error as a lag, and the boundary itself is an ellipse.
         tables.append(np.tile(table, (len(request.curves), len(request.sides), 1)))
         headers.append(motion_coordinates([motion]))
         progress(done, len(motions))

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FrameRequest:
-    """For which errors boundaries of a frame are wanted.
+    """Errors and curves for which boundaries of a frame are traced.
 
     Parameters
     ----------
@@ -38,9 +38,9 @@ class FrameRequest:
     thresholds : tuple of float, optional
         Errors on the boundary [-].
     metrics : tuple of Metric, optional
-        Which errors.
+        RMS^R, MTE^R or both.
     curves : tuple of type, optional
-        Curves that stand for the boundary.
+        Curves fitted to the boundary.
     sides : tuple of Side, optional
         Sides of the boundary: actuators that are late, early, or both.
     window : Window, optional
@@ -72,7 +72,7 @@ class FrameRequest:
 def trace_frame_ellipses(
     motions: Sequence[Motion], request: FrameRequest, *, progress: Progress = silent
 ) -> xr.Dataset:
-    """Trace the boundaries of a frame under many ground motions and let curves stand for them.
+    """Trace the boundaries of a frame under many ground motions and fit curves to them.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def trace_frame_ellipses(
     Returns
     -------
     xarray.Dataset
-        As `trace_ellipses` gives it, with one f [Hz] and one xi [-], those of the mode that governs the
+        As returned by `trace_ellipses`, with one f [Hz] and one xi [-], those of the mode that governs the
         error. The attribute `experimental_fraction` is the specimen's share in that mode, `frame` the
         frame's name and `error_of` the response whose error counts.
     """

@@ -122,9 +122,9 @@ class ScaledGrid(Grid):
     """Gains that scale with ξ and delays that scale with ξ/ω₀, as the boundaries do.
 
     Around the perfect actuator the spacing is fine enough for the 1 % boundary of MTE^R; outwards it
-    grows in proportion, as far as contours are traced in amplitude, and in delay to four critical
-    delays, where the 20 % boundary of RMS^R lies for the most tolerant of motions. Leads go as far as they
-    are followed along a boundary, or to a quarter of the shortest period.
+    grows in proportion, in amplitude as far as contours are traced, and in delay up to four critical delays,
+    where the 20 % boundary of RMS^R lies for the most tolerant motions. Leads go as far as a boundary is
+    traced, or to a quarter of the shortest period.
 
     Parameters
     ----------
@@ -194,7 +194,7 @@ class ScaledGrid(Grid):
         late = _spaced(self._CORE, DELAY_SCALE * self._LONGEST, self._LONGEST, self.delay_steps)
         if self.lead_steps == 0:
             return scale * late
-        # Of all experimental fractions the loop without numerical stiffness has the shortest period.
+        # The loop without numerical stiffness has the shortest period of all experimental fractions.
         structure = Structure(frequency=frequency, damping_ratio=damping_ratio)
         highest_gain = np.exp(REACH * damping_ratio)
         furthest = float(furthest_lead(structure, np.array(highest_gain))) / scale

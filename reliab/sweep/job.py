@@ -12,7 +12,7 @@ Solved = tuple[int, Motion, list[MotionResults]]
 
 @dataclass(frozen=True, kw_only=True)
 class SweepJob:
-    """A suite and what is asked of it.
+    """A suite of motions and the request for it.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ class SweepJob:
         Parameters
         ----------
         index : int
-            Which motion.
+            Index of the motion.
 
         Returns
         -------

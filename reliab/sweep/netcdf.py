@@ -1,4 +1,4 @@
-"""Reading NetCDF files, also damaged ones."""
+"""Reading NetCDF files; damaged files give an error for the user."""
 
 from pathlib import Path
 
@@ -16,14 +16,14 @@ def read_netcdf(path: str | Path, rule: str, remedy: str) -> xr.Dataset:
     path : str or pathlib.Path
         The file.
     rule : str
-        What must hold of it, for an error.
+        Rule that the file must fulfil, for the error message.
     remedy : str
-        What to do otherwise.
+        Remedy, for the error message.
 
     Returns
     -------
     xarray.Dataset
-        All that it holds, in memory.
+        Contents of the file, in memory.
 
     Raises
     ------
@@ -38,5 +38,5 @@ def read_netcdf(path: str | Path, rule: str, remedy: str) -> xr.Dataset:
 
 
 def _look_at(item: h5py.HLObject) -> None:
-    """Read what describes a part of a file; h5netcdf would print a traceback where that fails."""
+    """Read the description of a part of a file; h5netcdf would print a traceback where this fails."""
     dict(item.attrs)

@@ -1,4 +1,4 @@
-"""What a dataset remembers of the ground motions it was computed from."""
+"""Data stored in a dataset about the ground motions that it was computed from."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""What a sweep is asked for, and the hash by which a store knows it again."""
+"""The request for a sweep, and the hash that identifies it in a store."""
 
 import hashlib
 import json
@@ -27,22 +27,22 @@ class SweepRequest:
     damping_ratios : tuple of float
         Damping ratios [-], increasing.
     grid : Grid, optional
-        Which actuators; scaled to the structures by default.
+        Actuators to simulate; scaled to the structures by default.
     windows : tuple of Window, optional
-        Stretches of the record over which errors are taken; the whole record by default.
+        Parts of the record over which errors are computed; the whole record by default.
     experimental_fraction : float, optional
         Share of the stiffness in the laboratory [-].
     engine : Engine, optional
         How the loop is solved.
     model : HybridTest, optional
-        A model with effects of the one structure that is asked for; A and d of the results are then
-        those of the actuator alone.
+        A model with effects of the one structure requested; A and d of the results are then those of the
+        actuator alone.
 
     Raises
     ------
     InputError
-        If frequencies, damping ratios or windows are missing, repeated or not increasing, or the
-        model is of another structure.
+        If frequencies, damping ratios or windows are missing, repeated or not increasing, or the model has
+        another structure.
     """
 
     frequencies: tuple[float, ...]
@@ -103,14 +103,14 @@ class SweepRequest:
 
 
 def check_model(model: HybridTest | None, structures: list[Structure]) -> None:
-    """Refuse a model with effects of another structure than the one that is asked for.
+    """Refuse a model with effects whose structure is not the one requested.
 
     Parameters
     ----------
     model : HybridTest or None
         The model, if there is one.
     structures : list of Structure
-        What is asked for.
+        Structures requested.
 
     Raises
     ------

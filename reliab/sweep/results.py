@@ -1,4 +1,4 @@
-"""Stored results, opened: a Zarr store, or the NetCDF file that was made of one."""
+"""Opening stored results: a Zarr store, or a NetCDF file derived from one."""
 
 from pathlib import Path
 
@@ -20,15 +20,15 @@ def open_results(path: str | Path, *, window: str | None = None) -> xr.Dataset:
     Parameters
     ----------
     path : str or pathlib.Path
-        The Zarr store, or the NetCDF file that `write_compact` made of one.
+        The Zarr store, or a NetCDF file that `write_compact` derived from one.
     window : str, optional
-        Which of the stored windows; the first by default.
+        One of the stored windows; the first by default.
 
     Returns
     -------
     xarray.Dataset
-        `rms`, `mte`, `A` [-], `d` [s] and `stable` over (motion, f, xi, kp, tau), read from disk
-        when they are asked for; of a NetCDF file `rms` and `mte`.
+        `rms`, `mte`, `A` [-], `d` [s] and `stable` over (motion, f, xi, kp, tau), read from disk when they
+        are used; from a NetCDF file only `rms` and `mte`.
 
     Raises
     ------

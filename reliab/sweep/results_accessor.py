@@ -1,4 +1,4 @@
-"""Questions to stored results, as the accessor `dataset.reliab`: errors, contours, ellipses."""
+"""Evaluation of stored results by the accessor `dataset.reliab`: errors, contours, ellipses."""
 
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
@@ -23,7 +23,7 @@ _OF_RECORDS_AND_STRUCTURES = ("motion", "f", "xi", "event", "duration", "dt", "p
 
 @xr.register_dataset_accessor("reliab")  # type: ignore[no-untyped-call]
 class ResultsAccessor:
-    """Questions to a results dataset, as `dataset.reliab`."""
+    """Methods of a results dataset, available as `dataset.reliab`."""
 
     def __init__(self, dataset: xr.Dataset) -> None:
         absent = [name for name in RESULT_DIMENSIONS if name not in dataset.dims]
@@ -92,7 +92,7 @@ class ResultsAccessor:
             return np.asarray(gains.values, dtype=np.float64), np.asarray(delays.values, dtype=np.float64)
 
     def _sound(self) -> AbstractContextManager[None]:
-        """Explain damage to what is read from disk only now."""
+        """Turn damage found while reading from disk into an error for the user."""
         return decoding(STORED, remedy=MEND, where=self._dataset.encoding.get("source", ""))
 
     def at_structure(self, f: float, xi: float) -> xr.Dataset:
@@ -121,7 +121,7 @@ class ResultsAccessor:
         return with_labels(chosen.assign(floats).assign_coords(kp=gains, tau=delays))
 
     def nearest(self, *, f: float, xi: float, gain: float, delay: float) -> xr.Dataset:
-        """Results of the cell that is nearest to given gain [-] and delay [s], over the motions.
+        """Results of the cell nearest to a given gain [-] and delay [s], for every motion.
 
         Parameters
         ----------
@@ -204,7 +204,7 @@ class ResultsAccessor:
         Raises
         ------
         InputError
-            If leads are asked for that were not simulated.
+            If leads are requested that were not simulated.
         """
         self._check_sides((side,))
         results = self.at_structure(f, xi)
@@ -220,7 +220,7 @@ class ResultsAccessor:
         sides: Sequence[Side] | None = None,
         progress: Progress = silent,
     ) -> xr.Dataset:
-        """Curves that stand for the contours of every motion and structure, at any threshold.
+        """Curves fitted to the contours of every motion and structure, at any threshold.
 
         Parameters
         ----------
@@ -229,7 +229,7 @@ class ResultsAccessor:
         metrics : sequence of Metric, optional
             RMS^R, MTE^R or both.
         curves : sequence of type, optional
-            Curves; the ellipse of least squares and the inscribed one by default.
+            Curves; the least-squares ellipse and the inscribed ellipse by default.
         sides : sequence of Side, optional
             Actuators that are late, early, or both; by default all that were simulated.
         progress : callable, optional
@@ -238,13 +238,13 @@ class ResultsAccessor:
         Returns
         -------
         xarray.Dataset
-            As `reliab.sweep.trace_ellipses` gives it, `a` [-] and `b` [ms²] over (motion, f, xi, threshold,
-            metric, curve, side); NaN also where a contour leaves the grid.
+            As returned by `reliab.sweep.trace_ellipses`: `a` [-] and `b` [ms²] over (motion, f, xi,
+            threshold, metric, curve, side); NaN also where a contour leaves the grid.
 
         Raises
         ------
         InputError
-            If leads are asked for that were not simulated.
+            If leads are requested that were not simulated.
         """
         sides = self.sides if sides is None else tuple(sides)
         self._check_sides(sides)
@@ -295,6 +295,6 @@ class ResultsAccessor:
         if "rms_at_rest" not in self._dataset:
             return None
         rms = self._dataset["rms_at_rest"].transpose("motion", "f", "xi").values.astype(np.float64)
-        # Nothing strays from the exact response by that response, whose peak is what MTE^R is relative to.
+        # Without motion the deviation is the exact response, whose peak normalises MTE^R, so that MTE^R is 1.
         by_metric = {Metric.RMS: rms, Metric.MTE: np.ones_like(rms)}
         return np.stack([by_metric[metric] for metric in metrics], axis=-1)

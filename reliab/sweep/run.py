@@ -1,4 +1,4 @@
-"""Sweeps over many ground motions: here with threads, or on a cluster with one task a motion."""
+"""Sweeps over many ground motions: with threads here, or on a cluster with one task per motion."""
 
 import os
 from collections.abc import Iterator
@@ -12,7 +12,7 @@ from reliab.sweep.job import SweepJob
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.store import ResultsStore
 
-_AHEAD = 2  # tasks in hand for each worker; bounds the memory
+_AHEAD = 2  # tasks submitted per worker; limits the memory
 
 
 def run_sweep(
@@ -36,7 +36,7 @@ def run_sweep(
     path : str or pathlib.Path
         The Zarr store to write.
     resume : bool, optional
-        Whether to continue a store that was begun.
+        Whether to continue an unfinished store.
     workers : int, optional
         Threads; one for each processor by default.
     scheduler : str, optional
@@ -54,7 +54,7 @@ def run_sweep(
     InputError
         If a record is bad or the store cannot be written to.
     IncompleteError
-        If the disk is full; what is stored is safe.
+        If the disk is full; results stored before remain valid.
     """
     path = Path(path)
     with ResultsStore.opened(path, request, motions.names, motions.events, resume=resume) as store:
@@ -100,7 +100,7 @@ def _solve_and_store(job: SweepJob, store: ResultsStore, index: int) -> None:
 
 
 def _on_cluster(address: str, job: SweepJob, store: ResultsStore, missing: list[int]) -> Iterator[None]:
-    """Solve motions on a cluster and store them here."""
+    """Solve motions on a cluster and store the results on this computer."""
     from reliab.sweep.cluster import solved
 
     for solution in solved(address, job, missing):

@@ -1,4 +1,4 @@
-"""One ground motion through a whole grid: the unit of work, of resume and of distribution."""
+"""Solution of a whole grid for one ground motion: the unit of work, of resuming and of distribution."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -56,7 +56,7 @@ VARIABLES = ("rms", "mte", "A", "d", "stable", "rms_at_rest")
 
 @lru_cache(maxsize=256)
 def _cells(grid: Grid, structure: Structure) -> Cells:
-    """Cells of a structure, worked out once for all motions."""
+    """Cells of a structure, computed once for all motions."""
     return grid.cells(structure)
 
 
@@ -115,7 +115,7 @@ def _evaluate(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Amplitude [-] and equivalent delay [s] over the grid, from sums at a few of its nodes.
 
-    Lags and leads have nodes of their own. Beyond the critical delay, and beyond twice the damping ratio of
+    Lags and leads have separate nodes. Beyond the critical delay, and beyond twice the damping ratio of
     amplitude error, the shares A/k_p and d/τ are those of the last node.
     """
     amplitude, equivalent = np.empty((2, grid.gains(structure).size, grid.delays(structure).size))
@@ -133,7 +133,7 @@ def _evaluate(
 
 @dataclass(frozen=True, kw_only=True)
 class _Nodes:
-    """Cells at which the evaluation index is summed, and the weights that carry it to the grid.
+    """Cells at which the evaluation index is computed, and the weights that interpolate it to the grid.
 
     Attributes
     ----------
@@ -142,7 +142,7 @@ class _Nodes:
     gains, delays : numpy.ndarray
         Gains [-] and delays [s] of the grid that the nodes serve, shapes (kp,) and (tau,).
     columns : slice
-        Where these delays stand in the grid.
+        Indices of these delays in the grid.
     over_gain, over_delay : numpy.ndarray
         Weights of the nodes along each axis, shapes (kp, gain nodes) and (tau, delay nodes).
     """
@@ -157,7 +157,7 @@ class _Nodes:
 
 @lru_cache(maxsize=256)
 def _nodes(grid: Grid, structure: Structure) -> list[_Nodes]:
-    """Nodes of the lags, the punctual actuator among them, and of the leads where the grid has any."""
+    """Nodes of the lags, including the actuator without delay, and of the leads if the grid has any."""
     gains, delays = grid.gains(structure), grid.delays(structure)
     central = np.abs(np.log(gains)) <= _CENTRAL * structure.damping_ratio
     at_gains = _evenly(gains[central])
@@ -183,12 +183,12 @@ def _nodes(grid: Grid, structure: Structure) -> list[_Nodes]:
 
 
 def _distinct(delays: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Leave out delays so short that what the sums neglect, some 10 µs, is a share of them."""
+    """Leave out delays so short that the error of the sums, some 10 µs, is not small against them."""
     return np.asarray(delays[np.abs(delays) >= _SHORTEST * np.abs(delays).max()])
 
 
 def _evenly(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Choose a few of the values, as evenly spaced as they come."""
+    """Choose a few of the values, as evenly spaced as possible."""
     wanted = np.linspace(values[0], values[-1], _NODES)
     nearest = np.unique(np.argmin(np.abs(values[:, np.newaxis] - wanted), axis=0))
     return np.asarray(values[nearest])

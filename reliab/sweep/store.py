@@ -1,12 +1,11 @@
-"""Results on disk: a Zarr store with one chunk a motion, safe against an interruption.
+"""Results on disk: a Zarr store with one chunk per motion that an interruption does not damage.
 
-A store is first made whole but empty under another name and then renamed, so that it is there
-completely or not at all. Every chunk carries a checksum (CRC-32C) and is written at once or not at
-all. After a motion's results its entry in the journal is written: what is known of the record, and
-the digest of the results, which says that they are complete; `--resume` verifies each digest and
-solves again what does not match. When all are there, the journal is copied into the coordinates. A
-store that was interrupted and resumed holds the same bytes as one that was not: nothing in it
-depends on time or order.
+A store is first created empty under a temporary name and then renamed, so that it never exists in part. Every
+chunk carries a checksum (CRC-32C) and is written at once or not at all. After a motion's results its entry in
+the journal is written: data on the record, and the digest of the results, which shows that they are complete;
+`--resume` verifies each digest and solves again what does not match. When all motions are done, the journal
+is copied into the coordinates. A store that was interrupted and resumed holds the same bytes as one that was
+not: nothing in it depends on time or order.
 """
 
 import contextlib
@@ -65,9 +64,9 @@ class ResultsStore:
         Parameters
         ----------
         path : pathlib.Path
-            Where the store is, or is to be.
+            Path of the store.
         request : SweepRequest
-            What it holds.
+            The request that the store answers.
         names, events : sequence of str
             Ground motions and their earthquakes, in order.
         resume : bool
@@ -101,7 +100,7 @@ class ResultsStore:
             yield cls(path, request)
 
     def complete(self) -> list[bool]:
-        """Tell for each motion whether its results are there and undamaged."""
+        """Tell for each motion whether its results are complete and undamaged."""
         with decoding(_RULE, remedy=_REMEDY, where=self.path):
             return [
                 bool(entry) and json.loads(entry)["digest"] == self._stored_digest(index)
@@ -114,7 +113,7 @@ class ResultsStore:
         Parameters
         ----------
         index : int
-            Its place in the store.
+            Index of the motion in the store.
         motion : Motion
             The ground motion.
         results : sequence of MotionResults
@@ -123,7 +122,7 @@ class ResultsStore:
         Raises
         ------
         IncompleteError
-            If the disk is full or fails; what was written before is safe.
+            If the disk is full or fails; results written before remain valid.
         """
         entry = {
             "duration": motion.duration,
@@ -140,7 +139,7 @@ class ResultsStore:
                 self._journal_array[index] = json.dumps(entry)
 
     def finish(self) -> None:
-        """Copy what the journal knows of the records into the coordinates."""
+        """Copy the journal's data on the records into the coordinates."""
         entries = [json.loads(entry) for entry in self._journal()]
         with self._safe("at its end"):
             for group in self._windows:
@@ -150,7 +149,7 @@ class ResultsStore:
 
     @contextlib.contextmanager
     def _safe(self, where: str) -> Iterator[None]:
-        """Turn a failure of the disk into an error that says what is safe."""
+        """Turn a failure of the disk into an error that states which results are stored."""
         try:
             yield
         except OSError as error:
@@ -179,7 +178,7 @@ class ResultsStore:
         return [{name: array_of(group, name) for name in VARIABLES} for group in self._windows]
 
     def _stored_digest(self, index: int) -> str:
-        """Digest of what is stored of one motion; empty where a chunk is damaged."""
+        """Digest of the stored results of one motion; empty where a chunk is damaged."""
         try:
             return _digest([[array[index] for array in arrays.values()] for arrays in self._arrays])
         except (ValueError, RuntimeError, OSError):

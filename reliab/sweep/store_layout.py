@@ -19,7 +19,7 @@ from reliab.vocabulary import LABELS, RESULT_DIMENSIONS, Dimension
 
 SCHEMA_VERSION = 1
 JOURNAL = "journal"
-"""Array of the entries that say which motions are done."""
+"""Array of the entries that show which motions are done."""
 
 RECORD_FIELDS: dict[str, type | str] = {
     "duration": "float64",
@@ -27,11 +27,11 @@ RECORD_FIELDS: dict[str, type | str] = {
     "pga": "float64",
     "checksum": str,
 }
-"""What is stored of each record, with its type."""
+"""Data stored for each record, with their types."""
 
 STORED = "Stored results must be as `reliab simulate` wrote them, with every checksum right"
 MEND = "Mend the store with `reliab simulate --resume`, or simulate again to another store"
-"""What must hold of stored results, and what to do where it does not."""
+"""Rule for stored results, and the remedy where it is broken."""
 
 _DTYPES = {name: "bool" if name == "stable" else "float32" for name in VARIABLES}
 _DIMENSIONS = {
@@ -52,14 +52,14 @@ def group_names(request: SweepRequest) -> list[str]:
 
 
 def create_store(path: Path, request: SweepRequest, names: Sequence[str], events: Sequence[str]) -> None:
-    """Create a store that is whole but empty, under another name first, which is then changed.
+    """Create an empty store with all its arrays, under a temporary name that is then changed.
 
     Parameters
     ----------
     path : pathlib.Path
-        Where the store is to be.
+        Path of the new store.
     request : SweepRequest
-        What it will hold.
+        The request that the store will answer.
     names, events : sequence of str
         Ground motions and their earthquakes, in order.
 
@@ -152,7 +152,7 @@ def _attributes(request: SweepRequest, window: str) -> dict[str, Any]:
 
 
 def read_attributes(path: Path) -> dict[str, object]:
-    """Attributes of a store whose schema this version knows.
+    """Attributes of a store, whose schema must be known to this version.
 
     Parameters
     ----------

@@ -25,7 +25,7 @@ def surfaces_of(errors: xr.DataArray) -> ErrorSurfaces:
     Returns
     -------
     ErrorSurfaces
-        One surface a motion.
+        One surface per motion.
     """
     return ErrorSurfaces(
         errors["kp"].values, errors["tau"].values, errors.transpose("motion", "kp", "tau").values
@@ -78,7 +78,7 @@ def curve_table(
     contours : sequence of sequence of Contour or None
         By motion and pair, as :func:`contours_of` gives them.
     curves : sequence of type
-        Curves that stand for a contour.
+        Curves fitted to each contour.
 
     Returns
     -------
