@@ -1,4 +1,4 @@
-"""`reliab explore`: one page on which the tolerable region follows sliders and a dropped test is judged."""
+"""`reliab explore`: a web page with sliders for the tolerable region, which also judges a test file."""
 
 from pathlib import Path
 from typing import Annotated
@@ -15,7 +15,7 @@ Ellipses = Annotated[
     typer.Option(
         "--ellipses",
         metavar="FILE.nc",
-        help="Ellipses of `reliab ellipses`, or real_suite, shipped: 100 real ground motions.",
+        help="Ellipses from `reliab ellipses`, or real_suite: 100 real ground motions (shipped).",
     ),
 ]
 Frequency = Annotated[
@@ -49,7 +49,7 @@ def explore(
     confidence: Confidence = 0.95,
     metric: MetricName = None,
 ) -> None:
-    """Write a page that shows what a test may afford and judges a test that is dropped on it, offline."""
+    """Write a web page that shows tolerable errors and judges the test files dropped on it, offline."""
     from reliab.explore import Settings, write_page
     from reliab.shipped import or_shipped
     from reliab.sweep import open_windows

@@ -1,4 +1,4 @@
-"""`reliab info`: what a report of a fault should say of the installation."""
+"""`reliab info`: the facts about an installation that a bug report needs."""
 
 import os
 import platform
@@ -21,7 +21,7 @@ _MEGABYTE = 1e6
 
 
 def info(*, json_target: JsonTarget = None) -> None:
-    """Print versions, what ships and where compiled code is kept, for a report of a fault."""
+    """Print versions, shipped data and where compiled code is kept, for a bug report."""
     content = describe()
     if write_json(content, json_target):
         return

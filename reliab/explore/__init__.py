@@ -1,4 +1,4 @@
-"""The explorer: one page on which the tolerable region follows sliders, and a dropped test is judged."""
+"""The explorer: one page with sliders for the tolerable region, which also judges a test file."""
 
 from reliab.explore.page import Settings, write_page
 

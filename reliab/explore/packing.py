@@ -1,4 +1,4 @@
-"""Ellipses of ground motions as a page carries them: 16-bit codes, compressed, in letters.
+"""Ellipses of ground motions as the page stores them: 16-bit codes, compressed and written as text.
 
 A float32 whose mantissa was rounded to eleven binary digits, as in the ellipses that ship, is its sign, eight
 bits of exponent and eleven of mantissa. The sign is plus, and a as well as b span less than 32 powers of two:
@@ -61,7 +61,7 @@ def pack(ellipses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
             value=f"{(codes.max() + 1) / 2**11:.0f}",
             remedy="Trace fewer thresholds or structures",
         )
-    codes[1:] = (codes[1:] - codes[0]) % (_LARGEST_CODE + 1)  # windows are much alike
+    codes[1:] = (codes[1:] - codes[0]) % (_LARGEST_CODE + 1)  # differences between windows are small
     planes = codes.astype("<u2").reshape(-1, 1).view(np.uint8).T
     return {
         "windows": list(ellipses),
@@ -80,7 +80,7 @@ def pack(ellipses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
 
 
 def _inscribed(ellipses: xr.Dataset) -> xr.Dataset:
-    """Inscribed ellipses, or those of least squares where there are no others, in the page's order."""
+    """Inscribed ellipses, or least-squares ones where no inscribed ones are stored, in the page's order."""
     curves = names_along(ellipses, "curve")
     if "curve" in ellipses.dims:
         chosen = CurveName.INSCRIBED if CurveName.INSCRIBED in curves else curves[0]
@@ -91,7 +91,7 @@ def _inscribed(ellipses: xr.Dataset) -> xr.Dataset:
 
 
 def _meaningless(ellipses: xr.Dataset) -> list[list[list[float]]] | None:
-    """Least threshold [-] that an actuator at rest keeps under too many motions, over (metric, f, xi)."""
+    """Smallest threshold [-] that an actuator at rest meets under too many motions, over (metric, f, xi)."""
     if REST not in ellipses:
         return None
     errors = np.sort(ellipses[REST].transpose("motion", "metric", "f", "xi").values.astype(float), axis=0)

@@ -1,9 +1,9 @@
-"""One page that answers without a network: JavaScript, style and ellipses written into one HTML file.
+"""One page that works without a network: JavaScript, style and ellipses written into one HTML file.
 
-The scripts in `web/` are modules that import each other. In the page they stand one below the other in one
-script, each after what it imports and as a function that returns what it exports. A content security policy
-allows this very script and this very style by their checksums, and nothing else: no request, no other
-script, whatever a dropped file holds.
+The scripts in `web/` are modules that import each other. The page holds all of them in one script: each
+module follows those that it imports, as a function that returns its exports. A content security policy allows
+only this script and this style, by their checksums: no network request and no other script, whatever a test
+file contains.
 """
 
 import base64
@@ -79,7 +79,7 @@ def write_page(
     Raises
     ------
     InputError
-        If a setting lies outside of what the ellipses hold, or the file cannot be written.
+        If a setting lies outside the range of the ellipses, or the file cannot be written.
     """
     content = render(pack(ellipses), settings or Settings(), source=source)
     try:
@@ -111,7 +111,7 @@ def render(packed: Mapping[str, Any], settings: Settings, *, source: str) -> str
     Raises
     ------
     InputError
-        If a setting lies outside of what the ellipses hold.
+        If a setting lies outside the range of the ellipses.
     """
     data = {
         "ellipses": dict(packed),
@@ -164,7 +164,7 @@ def _checksum(text: str) -> str:
 
 
 def _opening(packed: Mapping[str, Any], settings: Settings) -> dict[str, Any]:
-    """Return the settings by the page's names, checked and with what is not given filled in."""
+    """Return the checked settings by the page's names, with defaults for those not given."""
     for name, value in (("share", settings.experimental_fraction), ("confidence", settings.confidence)):
         if not 0.0 < value <= 1.0:
             raise InputError(f"The {name} must lie between 0 and 1", value=value)
@@ -186,13 +186,13 @@ def _opening(packed: Mapping[str, Any], settings: Settings) -> dict[str, Any]:
 
 
 def _within(name: str, value: float | None, held: list[float], usual: float) -> float:
-    """Return a value that must lie among those of the ellipses, or the nearest to a usual one."""
+    """Return a value within the range of the ellipses; by default the one nearest to a usual value."""
     low, high = min(held), max(held)
     if value is None:
         return min(max(usual, low), high)
     if not low * (1.0 - _ROUNDING) <= value <= high * (1.0 + _ROUNDING):
         raise InputError(
-            f"The page opens with a {name} of the ellipses, {low:g} to {high:g}",
+            f"The {name} must lie in the range of the ellipses, {low:g} to {high:g}",
             value=value,
             remedy="Choose one in that range, or give other ellipses",
         )

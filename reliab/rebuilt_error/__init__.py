@@ -2,10 +2,10 @@
 
 The error e = x_c − x_I of a hybrid test obeys the whole structure's own equation of motion, driven only
 by the restoring force that was wrong: M e'' + C e' + K e = γ(Z x_c − f), e'' + 2ξω₀e' + ω₀²e = αω₀²(x_c −
-x_m) for one degree of freedom, and x_m − x_I = e − (x_c − x_m). :func:`rebuild` is the way in::
+x_m) for one degree of freedom, and x_m − x_I = e − (x_c − x_m). Start with :func:`rebuild`::
 
     error = rebuild(command, measured, time_step, structure, tolerances=Tolerances(frequency=0.01))
-    error.rms.value, error.rms.low, error.rms.high      RMS^R and its 90 % interval; error.mte alike
+    error.rms.value, error.rms.low, error.rms.high      RMS^R and its 90 % interval; error.mte likewise
     error.probability(threshold, metric)                P(error < threshold), capped by the draws
     error.error, error.smooth_error, error.reference    x_m − x_I and x_I [m], shape (n,)
     error.low, error.high                               90 % band of x_m − x_I [m], shape (n,)
@@ -17,7 +17,7 @@ x_m) for one degree of freedom, and x_m − x_I = e − (x_c − x_m). :func:`re
 
 `structure` is a :class:`~reliab.loop.structure.Structure` (one degree of freedom, share α), a
 :class:`~reliab.loop.partition.partition.Partition`, or a :class:`WholeStructure` (matrices M, C, K with an
-interface and a linear specimen). Beside it stand
+interface and a linear specimen). Further tools:
 
 - :func:`identify`: f, ξ, α and the lag of the fed-back force from the loop's own equation where the ground
   acceleration (and the force) are recorded, and `disagreements()` with what was stated;
@@ -25,12 +25,12 @@ interface and a linear specimen). Beside it stand
 - :func:`rebuild_with_specimen`: the error of a test whose specimen is nonlinear and has a calibrated model;
 - :class:`Monitor`: the same numbers while the test runs, and the damping that the actuator leaves.
 
-What is assumed: the structure is linear with the stated properties (or its specimen has a model), the
-command solves its equation of motion, and the loop felt the true piston, not the sensor's noise and
-offset. An offset that the sensor shows before the test moves is the sensor's and is taken away;
-`sensor_offset=0.0` says that the loop felt it. A reading whose scale is wrong, a channel that is shifted
-in time, or a force that comes late cannot be told from an actuator that does the same: their tolerances
-are in the interval, where they are stated.
+What is assumed: the structure is linear with the stated properties (or its specimen has a model), the command
+solves its equation of motion, and the fed-back force is that of the piston's true displacement, without the
+sensor's noise and offset. An offset that the sensor shows before the test moves is the sensor's and is taken
+away; `sensor_offset=0.0` says that the loop felt it. A sensor with a wrong scale, a channel that is shifted
+in time, or a force that is fed back late looks exactly like an actuator error: state a tolerance for each,
+and the interval includes it.
 """
 
 from reliab.rebuilt_error.force_form import Form

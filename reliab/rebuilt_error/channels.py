@@ -1,4 +1,4 @@
-"""The channels of a test as the room takes them: checked, and with their beginning examined."""
+"""Checks of the recorded channels, and of how the recording begins, before an error is rebuilt."""
 
 from dataclasses import replace
 
@@ -13,7 +13,7 @@ from reliab.rebuilt_error.whole_structure import WholeStructure
 Array = NDArray[np.float64]
 
 FEWEST_SAMPLES = 64
-"""Samples below which no error is rebuilt."""
+"""Smallest number of samples from which an error is rebuilt."""
 
 _FEWEST_PER_PERIOD = 10.0
 
@@ -62,7 +62,7 @@ def checked_histories(
         raise InputError(
             f"A period of the structure must hold at least {_FEWEST_PER_PERIOD:.0f} samples",
             value=f"{1.0 / (lowest * step):.3g}",
-            remedy="Record at a higher rate; between samples the error is not known",
+            remedy="Record at a higher rate: the error between samples is unknown",
         )
     return command, measured
 
@@ -75,7 +75,7 @@ def stated_start(
     noise: SensorNoise,
     sensor_offset: float | None,
 ) -> Start:
-    """Examine the beginning of a test, with the sensor's offset as stated where it is.
+    """Examine how a test begins; a stated sensor offset is used as given.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def stated_start(
     noise : SensorNoise
         The sensor's noise.
     sensor_offset : float or None
-        Offset [m] that the user states; None where it is to be found.
+        Offset [m] that the user states; None to estimate it.
 
     Returns
     -------

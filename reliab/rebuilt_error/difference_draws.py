@@ -1,17 +1,18 @@
-"""Histories of x_c − x_m that a reading and its noise leave open.
+"""Histories of x_c − x_m that are compatible with the noisy sensor reading.
 
-The sensor shows y = d + n, with d = x_c − x_m and its noise n. An actuator errs by what follows the command,
-and by something beside it: d = a x_c + b x_c' + c x_c'' + r, where a and b may change slowly over the test.
-In a lapped transform the coefficients of r and n are nearly independent: n has a known variance s, and r the
-variance q(f) P(t, f), where P is the local power of the command, since an actuator errs by a share of what
-it is asked to do. The level q of each band of frequencies is not known. Its logarithm follows a Markov chain
-from band to band, with steps of the Laplace distribution and now and then a jump. Levels are drawn by forward
-filtering and backward sampling (Carter and Kohn 1994, Biometrika 81, 3), then a, b and c by generalised
-least squares, and then r, which is normal about q P (y − a x_c − …)/(q P + s). What the noise may explain is
-thus not taken for an error.
+The sensor shows y = d + n, with d = x_c − x_m and its noise n. The actuator's error has a part that follows
+the command and a remainder r: d = a x_c + b x_c' + c x_c'' + r, where a and b may change slowly over the
+test. In a lapped transform the coefficients of r and n are nearly independent: n has a known variance s, and
+r the variance q(f) P(t, f), where P is the local power of the command, since an actuator's error is about
+proportional to its command. The level q of each band of frequencies is not known. Its logarithm follows a
+Markov chain from band to band, with steps of the Laplace distribution and now and then a jump. Levels are
+drawn by forward filtering and backward sampling (Carter and Kohn 1994, Biometrika 81, 3), then a, b and c by
+generalised least squares, and then r, which is normal about q P (y − a x_c − …)/(q P + s). Differences that
+noise can explain are thus not counted as error.
 
-What looks like slow noise may be an actuator's error, play for example. Every second draw therefore takes
-none of it for noise; the others multiply the slow noise of each band by a factor, drawn with its level.
+Slow noise cannot be distinguished from some actuator errors, such as play. Every second draw therefore
+assumes that there is no slow noise; the others multiply the slow noise of each band by a factor that is drawn
+together with the level.
 """
 
 from dataclasses import dataclass, replace
@@ -54,8 +55,8 @@ class Reading:
     observed : numpy.ndarray
         Coefficients of x_c − x_m as read [m], shape (frames, hop).
     following : numpy.ndarray
-        Those of what follows the command, each of mean square one: acceleration, and command and velocity by
-        themselves and times polynomials of time, shape (rows, frames, hop).
+        Coefficients of the histories that follow the command, each of mean square one: acceleration, command
+        and velocity, and the last two times polynomials of time, shape (rows, frames, hop).
     command_power : numpy.ndarray
         Power of the command about each of them [m²], shape (frames, hop).
     noise : numpy.ndarray
@@ -79,7 +80,7 @@ def draw_differences(
     Parameters
     ----------
     command, measured : numpy.ndarray
-        x_c and x_m as read, its offset taken away [m], shape (n,).
+        x_c, and x_m as read minus the sensor's offset [m], shape (n,).
     noise : SensorNoise
         The sensor's noise.
     frequency : float
@@ -94,8 +95,8 @@ def draw_differences(
     Returns
     -------
     numpy.ndarray
-        x_c − x_m [m] at each `every`-th sample, shape (draws, ceil(n/every)); in rows 0, 2, … nothing that
-        passes for slow noise is taken for noise.
+        x_c − x_m [m] at each `every`-th sample, shape (draws, ceil(n/every)); rows 0, 2, … assume that there
+        is no slow noise.
     """
     generator = np.random.default_rng(seed)
     reading = _reading(command, measured, noise, frequency, every)
@@ -107,7 +108,7 @@ def draw_differences(
 
 
 def _drawn_twice(reading: Reading, draws: int, generator: np.random.Generator) -> Array:
-    """Draw coefficients, the level of what is beside the command from draws of what follows it."""
+    """Draw coefficients; levels of the remainder follow from draws of the part that follows the command."""
     first = _least_squares(reading, reading.noise[-1] + _FIRST_LEVEL * reading.command_power)[0]
     begun = _drawn(reading, _filtered(reading, first), _DRAWS_OF_FOLLOWING, generator)
     return _drawn(reading, _filtered(reading, begun.follows.mean(axis=0)), draws, generator).coefficients

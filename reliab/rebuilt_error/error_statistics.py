@@ -52,7 +52,7 @@ def sweep_draws(
     inputs : numpy.ndarray
         x_m, x_m' and one, shape (3, n).
     shifts : numpy.ndarray
-        What each draw adds of them to x_c − x_m, shape (draws, 3).
+        Factors by which each draw adds these inputs to x_c − x_m, shape (draws, 3).
     fed_back_late : numpy.ndarray
         What the known lag of the fed-back force adds to the input of the recursion [m], shape (n,).
     velocity : numpy.ndarray

@@ -1,4 +1,4 @@
-"""The force that was fed back late: the displacement whose force the loop felt."""
+"""A force that is fed back late: the earlier displacement to which the fed-back force belongs."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ def delayed(values: Array, lag: float, time_step: float) -> Array:
     Parameters
     ----------
     values : numpy.ndarray
-        A history, shape (n,); before its first sample it rests there.
+        A history, shape (n,); before its first sample it is constant.
     lag : float
         Lag [s], not negative.
     time_step : float

@@ -1,12 +1,12 @@
-"""The recorded force as a second reading of what the specimen felt.
+"""The recorded force as a second measurement of the specimen's displacement.
 
-A linear specimen turns the displacement y into f = Z y, Z = k_e + c_e s + m_e s², so that a recorded
-force says which displacement was felt, y = f/Z (a proper transfer function). In the *force form* of the
-error equation, γ(Z x_c − f), that y takes the place of the measured displacement: a force that comes late
-or is wrong is then seen, but an error of a few per cent in k_e passes for an error of the actuator and
-drowns it. In the *combined* form the force's scale is taken from the measured displacement itself, and
-the two readings are averaged with weights that make their noise least: the stated k_e does not matter, a
-force that is wrong is not seen, and the quieter channel counts more.
+A linear specimen turns the displacement y into f = Z y, Z = k_e + c_e s + m_e s², so that the displacement
+follows from the recorded force, y = f/Z (a proper transfer function). In the *force form* of the error
+equation, γ(Z x_c − f), that y takes the place of the measured displacement: a force that is late or wrong
+then shows in the error, but a stiffness k_e that is wrong by a few per cent looks like an actuator error and
+can hide the real one. In the *combined* form the force's scale is taken from the measured displacement
+itself, and the two readings are averaged with the weights that minimise noise: the stated k_e then has no
+influence, a wrong scale of the force is not detected, and the channel with less noise counts more.
 """
 
 from enum import StrEnum
@@ -25,7 +25,7 @@ _TINY = 1e-12
 
 
 class Form(StrEnum):
-    """Which channel tells what the specimen felt."""
+    """The channel from which the specimen's displacement is taken."""
 
     DISPLACEMENT = "displacement"
     FORCE = "force"
@@ -65,7 +65,7 @@ def felt_displacement(force: Array, structure: WholeStructure, time_step: float)
     stiffness = structure.specimen_stiffness
     if not stiffness > 0.0:
         raise InputError(
-            "A force tells a displacement only where the specimen is stiff",
+            "The displacement follows from the force only if the specimen has stiffness",
             value=f"k_e = {stiffness}",
             remedy="Use the displacement form",
         )
@@ -83,7 +83,7 @@ def combined_reading(command: Array, measured: Array, felt: Array, time_step: fl
     command, measured : numpy.ndarray
         x_c and x_m [m], shape (n,).
     felt : numpy.ndarray
-        Displacement that the force tells [m], shape (n,); its scale and zero are taken from x_m.
+        Displacement that follows from the force [m], shape (n,); its scale and zero are taken from x_m.
     time_step : float
         Step between samples [s].
 

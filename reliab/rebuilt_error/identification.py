@@ -1,4 +1,4 @@
-"""The structure's parameters from the test itself, by the loop's own equation.
+"""The structure's parameters, estimated from the test by the loop's equation of motion.
 
 The command solves the numerical substructure's equation of motion for the recorded ground acceleration and
 the force per unit mass p that was fed back ::
@@ -6,10 +6,10 @@ the force per unit mass p that was fed back ::
     x_c'' + c x_c' + k x_c + p(t − τ) = −a_g,   c = 2ξω₀,   k = (1 − α)ω₀²
 
 With the force recorded, c and k follow from least squares, and ω₀² = k + αω₀² with αω₀² the specimen's
-stiffness from the force and the measured displacement. Without a force the specimen is taken as linear in
-the measured displacement, p = αω₀²x_m, and the equation gives c and ω₀² for the stated α. A force that
-comes late by τ acts as a damping ratio of −αω₀τ/2 (expand p(t − τ)): damping ratio and lag are seen
-together only, so that each is estimated for the stated value of the other.
+stiffness from the force and the measured displacement. Without a force the specimen is taken as linear in the
+measured displacement, p = αω₀²x_m, and the equation gives c and ω₀² for the stated α. A force that comes late
+by τ acts as a damping ratio of −αω₀τ/2 (expand p(t − τ)): only their combined effect can be identified, so
+that each is estimated for the stated value of the other.
 
 Nothing is differentiated. Each history is convolved with a smooth kernel φ of finite length, and the
 derivatives are put on the kernel (weak form: Messenger and Bortz 2021, Multiscale Model. Simul. 19, eq.
@@ -35,7 +35,7 @@ _MATTERS = {"frequency": 0.005, "damping_ratio": 0.10, "experimental_fraction": 
 
 @dataclass(frozen=True, kw_only=True)
 class Identified:
-    """A parameter as the test shows it.
+    """A parameter estimated from the test, beside its stated value.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class Identified:
 
 @dataclass(frozen=True, kw_only=True)
 class Identification:
-    """What the loop's own equation says of the structure.
+    """Parameters of the structure by the loop's equation of motion.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class Identification:
         α [-], and the lag of the fed-back force [s] if the stated damping ratio is right; None without a
         recorded force.
     misfit : float
-        RMS of what the equation leaves over, over the RMS of the ground acceleration, both seen through the
+        RMS of the equation's residual over the RMS of the ground acceleration, both seen through the
         kernel [-].
     """
 
@@ -78,7 +78,7 @@ class Identification:
     misfit: float
 
     def disagreements(self) -> tuple[str, ...]:
-        """Names of stated values that the test contradicts, by more than matters."""
+        """Names of stated values from which the test differs significantly and not negligibly."""
         return tuple(
             name
             for name, least in _MATTERS.items()

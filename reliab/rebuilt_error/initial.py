@@ -1,13 +1,14 @@
 """What is known before the first sample: the sensor's offset and how the error begins.
 
-A displacement sensor is read from an arbitrary zero. Where a test begins at rest, what the channels differ
-by is either the sensor's offset, or a piston that stands off its command. The two are told apart by what the
-command answers: the restoring force of a piston that stands off by b pushes the structure away from zero, by
-−b times the specimen's share of the static stiffness, and a ground acceleration has no mean to do the same.
-An offset that the loop did not feel is taken away, one that it felt is left; where the command does not tell,
-it is taken away and its whole size is left open. A command that stands at that place from the first sample
-on has felt the offset before the recording began: the error then begins in equilibrium and not from zero.
-Where a test begins in motion nothing tells how the error was moving: that goes into the interval.
+A displacement sensor is read from an arbitrary zero. Where a test begins at rest, a constant difference
+between the channels is either the sensor's offset or a real distance between piston and command. The command
+shows which: a piston that is displaced by b from its command adds a constant restoring force, which shifts
+the structure's mean position by −b times the specimen's share of the static stiffness; a ground acceleration
+has no mean and causes no such shift. An offset without effect on the loop is subtracted; one with an effect
+is kept. Where the command does not show which it is, the offset is subtracted and its whole size is added to
+the uncertainty. A command that already has the shifted mean at the first sample shows that the offset acted
+before the recording began: the error then begins in equilibrium and not from zero. Where a test begins in
+motion the initial error is unknown, and the interval includes it.
 """
 
 from dataclasses import dataclass
@@ -49,9 +50,9 @@ class Start:
     offset : float
         Offset of the sensor that was taken away, measured minus command at rest [m].
     offset_deviation : float
-        Standard deviation of what may be left of it [m].
+        Standard deviation of the offset that may remain [m].
     standing : float
-        Measured minus command [m] that the loop had felt, and come to rest under, before the first sample.
+        Measured minus command [m] under which the structure was already at rest before the first sample.
     """
 
     at_rest: bool
@@ -70,7 +71,7 @@ def examine_start(
     slow: float = 0.0,
     share: float = 1.0,
 ) -> Start:
-    """Find offset and state of motion at the begin of a recording.
+    """Find the sensor's offset and the state of motion at the start of a recording.
 
     Parameters
     ----------
@@ -135,7 +136,7 @@ def examine_start(
 
 
 def _stands(command: Array, offset: float, deviation: float, share: float) -> bool:
-    """Whether a command that does not move yet stands where an offset that the loop felt would hold it."""
+    """Whether a command that is still at rest has the shift that an offset in the loop would cause."""
     place = float(np.mean(command)) + share * offset
     return abs(offset) > _SIGNIFICANT * deviation and abs(place) <= _STANDS * share * abs(offset)
 
@@ -163,7 +164,7 @@ def _amplitude(command: Array, time_step: float, frequency: float) -> float:
 
 
 def _constant(command: Array, measured: Array, time_step: float) -> float:
-    """Return what measured and command differ by beside a gain and a delay [m]."""
+    """Return measured minus command [m] after a gain and a delay are fitted."""
     rows = np.stack([command, np.gradient(command, time_step), np.ones(command.size)])
     scale = np.abs(rows).max(axis=1)
     rows = rows / scale[:, np.newaxis]
@@ -174,9 +175,9 @@ def _constant(command: Array, measured: Array, time_step: float) -> float:
 def _felt(command: Array, measured: Array, offset: float, share: float) -> _Answer:
     """Whether the loop felt an offset, by the place about which the command moved.
 
-    Of x_c + share (x_m − x_c) the tapered mean is zero where the loop felt what was read, and share times the
-    offset where it did not, but for what the ground moved slowly; neighbouring bins of the spectrum tell how
-    much that is.
+    The tapered mean of x_c + share (x_m − x_c) is zero where the offset acted in the loop, and share times
+    the offset where it did not, apart from slow ground motion, whose size is estimated from neighbouring bins
+    of the spectrum.
     """
     taper = np.hanning(command.size)
     spectrum = np.fft.rfft(taper * (command + share * (measured - command))) / taper.sum()

@@ -1,8 +1,8 @@
-"""What tolerances, noise and the unknown beginning leave open of the error.
+"""Uncertainty of the rebuilt error from tolerances, noise and an unknown initial state.
 
 Parameters are drawn from their tolerances (scrambled Sobol points through the normal quantile function), the
-histories of x_c − x_m from what the noise leaves open of them, and the error is rebuilt for each draw.
-Nothing is linearised, and no noise is subtracted from a mean square or a peak.
+histories of x_c − x_m from those that the noise allows, and the error is rebuilt for each draw. Nothing is
+linearised, and no noise is subtracted from a mean square or a peak.
 """
 
 from dataclasses import dataclass
@@ -48,14 +48,14 @@ class Estimate:
 
 @dataclass(frozen=True, kw_only=True)
 class Unknown:
-    """How far everything that is not known may be off, as standard deviations.
+    """Standard deviations of everything that is uncertain.
 
     Attributes
     ----------
     tolerances : Tolerances
         Of what is stated.
     offset : float
-        Of what is left of the sensor's offset [m].
+        Of the sensor offset that remains [m].
     error_at_start : float
         Of the error at the first sample [m]; zero where the test begins at rest.
     """
@@ -73,7 +73,7 @@ class Unknown:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Histories:
-    """What the error is rebuilt from, without the sensor's offset.
+    """Histories from which the error is rebuilt, without the sensor's offset.
 
     Attributes
     ----------

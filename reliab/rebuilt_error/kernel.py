@@ -14,7 +14,7 @@ _PER_PERIOD = 24.0  # samples of the equation in a period
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Kernel:
-    """φ and its first two derivatives, and how densely what it sees is sampled."""
+    """φ and its first two derivatives, and the sampling of the convolved histories."""
 
     values: tuple[Array, Array, Array]
     time_step: float
@@ -37,5 +37,5 @@ class Kernel:
         )
 
     def seen(self, history: Array, order: int) -> Array:
-        """Convolve a history with φ⁽ᵏ⁾: its derivative as the kernel sees it."""
+        """Convolve a history with φ⁽ᵏ⁾, which gives its smoothed k-th derivative."""
         return np.asarray(fftconvolve(history, self.values[order], mode="valid"))[:: self.every]

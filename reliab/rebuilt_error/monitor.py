@@ -1,7 +1,8 @@
-"""A test while it runs: its error sample by sample, and the damping that its actuator leaves.
+"""A test while it runs: its error sample by sample, and the net damping with its actuator.
 
-The error history is the one that is rebuilt afterwards. At stretches that grow with the test the whole of
-`rebuild` is asked, which gives intervals; between them errors are those of the histories so far.
+The error history equals the one that `rebuild` gives after the test. From time to time, at spacings that grow
+with the test, `rebuild` is called with all samples so far, which gives intervals; in between, errors are
+computed from the histories so far, without intervals.
 """
 
 from dataclasses import dataclass
@@ -47,7 +48,7 @@ class Now:
     rms, mte : float
         RMS^R and MTE^R so far [-], sensor noise included; zero while nothing moves.
     damping : NetDamping or None
-        Damping that the actuator leaves; None before the motion has settled.
+        Net damping of the loop with its actuator; None before enough motion was recorded.
     """
 
     samples: int
@@ -130,7 +131,7 @@ class Monitor:
         return self._result
 
     def feed(self, command: Array, measured: Array) -> None:
-        """Go on with the next samples.
+        """Add the next samples.
 
         Parameters
         ----------
@@ -154,7 +155,7 @@ class Monitor:
             If there is no sample yet.
         """
         if self._running.size == 0:
-            raise InputError("A running test must have a sample", remedy="Feed one first")
+            raise InputError("A running test must have a sample", remedy="Pass a sample first")
         square, ends, peak, ideal, error = self._running.sums
         mean = max(square - ends, 0.0) / max(self._running.size - 1, 1)
         return Now(

@@ -1,7 +1,7 @@
-"""The noise of the displacement sensor, estimated from the test, and the filter that keeps it out.
+"""The noise of the displacement sensor, estimated from the test, and the filter that removes it.
 
-What the measured displacement holds beyond the command's motion is noise in two places: above the motion,
-where the command has died away, and anywhere that a smooth spectrum which fits those places reaches. The
+The noise is read at frequencies where the command's motion makes up only a small share of the residual,
+mostly above the motion. A smooth spectrum that is fitted there extends it to all other frequencies. The
 spectrum is a sum, with coefficients that are not negative, of white noise and of first-order autoregressive
 noises with fixed corner frequencies, of highest Whittle likelihood (multiplicative updates, as for the
 Itakura–Saito divergence: Févotte, Bertin and Durrieu 2009, Neural Computation 21, eq. 2.16). Narrow lines

@@ -4,10 +4,9 @@ Subtracting the equations of motion of the test and of the undisturbed structure
 
     m e'' + c e' + k e = −(f − r[x_I]),   x_I = x_c − e
 
-with the numerical substructure's c and k. The force that the loop felt is taken from the same model under
-the measured motion, f = r[x_m], so that what the model gets wrong is wrong on both sides and cancels to
-first order. The demand is what the test itself reveals: the structure with a perfect actuator is simulated
-under
+with the numerical substructure's c and k. The force that was fed back is computed with the same model under
+the measured motion, f = r[x_m], so that errors of the model cancel to first order. The demand is computed
+from the test itself: the structure with a perfect actuator is simulated under
 
     a(t) = −(x_c'' + c x_c'/m + k x_c/m + r[x_m]/m)
 
@@ -36,7 +35,7 @@ from reliab.rebuilt_error.whole_structure import WholeStructure
 Array = NDArray[np.float64]
 
 DRAWS = 64
-"""Draws of the specimen and of what else is not known."""
+"""Number of draws of the specimen and of everything else that is uncertain."""
 
 _DRAWS_AS_STATED = 16  # of the noise alone, behind the value
 _LEAST_RATE = 200.0  # samples in a second, and in a period, that are simulated of each draw
@@ -185,7 +184,7 @@ def tangent_structure(test: HybridTest) -> WholeStructure:
 
 
 def _reference(perfect: HybridTest, histories: Histories) -> Array:
-    """x_I: the model with a perfect actuator under the demand that the test reveals."""
+    """x_I: the model with a perfect actuator under the demand that is computed from the test."""
     step, numerical = histories.time_step, perfect.substructure
     moved = Motion3.through(histories.command, step).values
     force = load(perfect, Motion3.through(histories.measured, step))

@@ -1,13 +1,13 @@
 """Where the error comes from: amplitude, delay, neither, and a force that was fed back late.
 
 The measured displacement is written as x_m = k x_c − τ x_c' + rest, with k and τ of least squares over the
-test. The error is linear in what is wrong, so that each part is rebuilt by itself ::
+test. The error is linear in x_c − x_m, so that each part is rebuilt by itself ::
 
     amplitude (1 − k) x_c,   delay τ x_c',   neither: the rest,   fed-back force x_m(t) − x_m(t − lag)
 
 and the parts add up to the error. The share of a part is its projection on the whole, ⟨part, whole⟩/⟨whole,
-whole⟩; shares sum to one, and one that works against the others is negative. What would remain without a part
-is to first order: a better actuator also changes the command.
+whole⟩; shares sum to one, and one that works against the others is negative. The error that would remain
+without a part holds to first order only, because a better actuator also changes the command.
 """
 
 from dataclasses import dataclass
@@ -55,7 +55,7 @@ class Part:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Parts:
-    """The error divided.
+    """The error divided into parts.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class Parts:
 
     @property
     def first(self) -> str:
-        """The part to improve first: without it the least error remains."""
+        """The part to improve first: the one whose removal leaves the smallest error."""
         return min(self.by_name, key=lambda name: self.by_name[name].remaining_rms)
 
     def over_time(self, time_step: float, length: float) -> dict[str, Array]:
@@ -113,7 +113,7 @@ class Parts:
 
 
 def divide(histories: Histories, structure: WholeStructure) -> Parts:
-    """Divide a rebuilt error in its parts.
+    """Divide a rebuilt error into its parts.
 
     Parameters
     ----------

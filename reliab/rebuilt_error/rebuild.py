@@ -8,8 +8,8 @@ equation, driven only by the restoring force that was wrong ::
     one degree of freedom:   e'' + 2ξω₀e' + ω₀²e = αω₀²(x_c − x_m)
     x_m − x_I = e − (x_c − x_m)
 
-Neither the ground motion nor a reference is needed, and the actuator may do anything. It holds for a linear
-structure whose properties are the stated ones (derivation: subtract the two equations of motion).
+Neither the ground motion nor a reference is needed, and the actuator may do anything. The equation holds for
+a linear structure with the stated properties (derivation: subtract the two equations of motion).
 """
 
 import numpy as np
@@ -34,7 +34,7 @@ from reliab.rebuilt_error.whole_structure import WholeStructure, whole_structure
 Array = NDArray[np.float64]
 
 DRAWS = 256
-"""Draws of what is not known; a power of two."""
+"""Number of draws of the uncertain quantities, a power of two."""
 
 
 def rebuild(
@@ -65,7 +65,7 @@ def rebuild(
         Recorded force of the specimen at the interface [N], per unit mass [m/s²] for one degree of freedom,
         shape (n,); needed by the forms that use it.
     form : Form, optional
-        Which channel tells what the specimen felt; the displacement by default.
+        The channel from which the specimen's displacement is taken; the measured displacement by default.
     feedback_lag : float, optional
         Time by which the force was fed back late [s].
     sensor_offset : float, optional
@@ -87,7 +87,7 @@ def rebuild(
     ------
     InputError
         If histories differ in length, are too short, do not move or are not finite, or if the step is too
-        long for the structure, or if a form needs a force that is not there.
+        long for the structure, or if a form needs a force that is not given.
 
     Examples
     --------
@@ -140,7 +140,7 @@ def rebuild(
 
 
 def _unknown(start: Start, tolerances: Tolerances, response: Array, command: Array) -> Unknown:
-    """Return the standard deviations of all that is not known."""
+    """Return the standard deviations of everything that is uncertain."""
     relative = float(np.sqrt(mean_square(response) / mean_square(command)))
     return Unknown(
         tolerances=tolerances,
@@ -152,7 +152,7 @@ def _unknown(start: Start, tolerances: Tolerances, response: Array, command: Arr
 def _felt(
     command: Array, read: Array, force: Array | None, form: Form, structure: WholeStructure, time_step: float
 ) -> Array:
-    """Displacement that the specimen felt, as the chosen form reads it."""
+    """Displacement of the specimen by the chosen form."""
     if form is Form.DISPLACEMENT:
         return read
     if force is None or force.shape != read.shape or not np.isfinite(force).all():

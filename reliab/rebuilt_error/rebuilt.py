@@ -1,4 +1,4 @@
-"""What is known of a test's error once it has been rebuilt."""
+"""The rebuilt error of a test: histories, RMS^R and MTE^R, intervals and probabilities."""
 
 from dataclasses import dataclass
 
@@ -28,7 +28,7 @@ _WIDENING_DRAWS = 128
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RebuiltError:
-    """The error of a test with what is uncertain about it.
+    """The error of a test with its uncertainty.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class RebuiltError:
     unknown : Unknown
         Standard deviations that went into the intervals.
     histories : Histories
-        Smoothed histories from which everything follows.
+        Smoothed histories from which the error is rebuilt.
     differences : numpy.ndarray
         Draws of x_c − x_m that the noise leaves open [m], shape (draws, ceil(n/every)).
     every : int
@@ -99,12 +99,12 @@ class RebuiltError:
         Returns
         -------
         float
-            Never 0 or 1: no nearer to them than half a draw.
+            Never 0 or 1: the distance to both is at least that of half a draw.
         """
         return probability_below(self.draws.rms if metric is Metric.RMS else self.draws.mte, threshold)
 
     def parts(self) -> Parts:
-        """Divide the error in amplitude, delay, what is neither, and the fed-back force."""
+        """Divide the error into amplitude, delay, what is neither, and the fed-back force."""
         return divide(self.histories, self.structure)
 
     def widenings(self, metric: Metric = Metric.RMS) -> tuple[Widening, ...]:
@@ -136,7 +136,7 @@ def conclude(
     start: Start,
     seed: int,
 ) -> RebuiltError:
-    """Bring histories, noise and draws together.
+    """Combine histories, noise and draws into a rebuilt error.
 
     Parameters
     ----------
@@ -150,7 +150,7 @@ def conclude(
         Errors of the draws with everything as stated, so that only noise is open, and with all that is not
         known.
     structure, noise, differences, every, unknown, start, seed
-        What the attributes of the same names say.
+        As the attributes of the same names.
 
     Returns
     -------

@@ -1,7 +1,8 @@
 """A sensor that reads in steps: how large they are, and what noise they make.
 
-Rounding is neither white nor steady: it follows the motion, and vanishes into a drift where nothing moves.
-What it adds is therefore taken from the motion itself, rounded with the steps laid differently.
+Rounding noise is neither white nor stationary: it depends on the motion, and becomes a constant where nothing
+moves. It is therefore computed from the motion itself, which is rounded on grids of steps that are shifted
+against each other.
 """
 
 from collections.abc import Iterator
@@ -28,7 +29,7 @@ def rounding_step(measured: Array) -> float:
     Returns
     -------
     float
-        The distance of which all levels are multiples apart.
+        The distance between levels: all levels differ by multiples of it.
 
     Examples
     --------
@@ -52,7 +53,7 @@ def rounding_step(measured: Array) -> float:
 
 
 def rounded_differently(motion: Array, step: float) -> Iterator[Array]:
-    """Yield the noise [m] of rounding a motion with the steps laid differently, shape (n,) each.
+    """Yield the noise [m] of rounding a motion on shifted grids of steps, shape (n,) each.
 
     Parameters
     ----------

@@ -1,8 +1,9 @@
 """The error history of a running test, sample by sample.
 
-The recursion of `rebuild` goes on from chunk to chunk. Two more responses run beside it: that to a constant,
-with which a sensor offset that is found later is taken away from all samples so far, and the decay from the
-state in which a constant x_c − x_m holds the structure, for tests that began in equilibrium under an offset.
+The recursion of `rebuild` continues from chunk to chunk. Two more responses are computed with it: the
+response to a constant, with which a sensor offset that is found later is subtracted from all samples so far,
+and the decay from the static state under a constant x_c − x_m, for tests that began in equilibrium under an
+offset.
 """
 
 import numpy as np
@@ -22,7 +23,7 @@ _CAPACITY = 4096
 
 
 class RunningError:
-    """Histories of a running test and what is summed over them.
+    """Histories of a running test and sums over them.
 
     Parameters
     ----------
@@ -87,7 +88,7 @@ class RunningError:
         return np.asarray(rows[0] + self.offset * rows[1] + self.standing * rows[2])
 
     def feed(self, command: Array, measured: Array) -> None:
-        """Go on with the next samples.
+        """Add the next samples.
 
         Parameters
         ----------
@@ -131,7 +132,7 @@ class RunningError:
         )
 
     def begin_anew(self, offset: float, standing: float) -> None:
-        """Take another offset and beginning for all samples so far.
+        """Change the offset and the initial equilibrium for all samples so far.
 
         Parameters
         ----------

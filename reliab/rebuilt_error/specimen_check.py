@@ -1,12 +1,11 @@
-"""Does the specimen look nonlinear? What the force holds beyond a spring, a dashpot and a mass.
+"""Check for a nonlinear specimen: force that no spring, dashpot or mass explains.
 
 The recorded force is explained twice, first by displacement, velocity and acceleration of the measured
-motion, then with shapes that a nonlinear specimen would show besides: powers of displacement and
-velocity, friction, and elastic–plastic springs in series (Jenkins elements, whose sums approximate any
-rate- independent hysteresis: Iwan 1966, J. Appl. Mech. 33). Each explanation is fitted on one half of the
-test, in short blocks, and judged on the other half; of the kinds of shapes, alone and together, the best
-counts. Noise, a late sensor or a late force are not predicted better by such shapes; a nonlinear specimen
-is.
+motion, then with additional shapes that a nonlinear specimen would show: powers of displacement and velocity,
+friction, and elastic–plastic springs in series (Jenkins elements, whose sums approximate any rate-independent
+hysteresis: Iwan 1966, J. Appl. Mech. 33). Each explanation is fitted on one half of the test, in short
+blocks, and judged on the other half; of all kinds of shapes, used singly and together, the best fit is taken.
+Noise, a late sensor or a late force are not predicted better by such shapes; a nonlinear specimen is.
 """
 
 from dataclasses import dataclass
@@ -72,7 +71,7 @@ def examine_specimen(measured: Array, force: Array, time_step: float, frequency:
     Returns
     -------
     SpecimenCheck
-        The answer with what it rests on.
+        The answer with the numbers on which it rests.
 
     Raises
     ------
@@ -159,7 +158,7 @@ def slipped(displacement: Array, limit: float) -> Array:
 
 
 def _left_over(rows: Array, target: Array, half: NDArray[np.bool_]) -> float:
-    """Sum of squares that is left on each half with coefficients of the other."""
+    """Sum of squared residuals on each half with the coefficients fitted to the other half."""
     scale = np.maximum(np.sqrt((rows**2).mean(axis=1, keepdims=True)), np.finfo(float).tiny)
     scaled = rows / scale
     total = 0.0

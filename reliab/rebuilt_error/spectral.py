@@ -1,4 +1,4 @@
-"""The same error by the discrete Fourier transform: the recursion's oracle.
+"""The same error by the discrete Fourier transform, as an independent check of the recursion.
 
 The transform is taken on the line s = σ + iω a little right of the imaginary axis, along which the periodic
 repetition decays. An input that is a straight line between samples has the transform ::

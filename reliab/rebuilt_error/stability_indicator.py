@@ -1,7 +1,7 @@
-"""Does the loop gain energy? The damping ratio that the actuator leaves, while the test runs.
+"""Net damping ratio of the loop with its actuator while the test runs: below zero the loop gains energy.
 
-The actuator's error puts the restoring force k(x_m − x_c) into the loop. What of it is in phase with the
-velocity is damping that the structure does not have, or lacks: with x_m − x_c = a x_c + b x_c' + c ::
+The actuator's error puts the restoring force k(x_m − x_c) into the loop. The part in phase with the velocity
+acts as added damping, positive or negative: with x_m − x_c = a x_c + b x_c' + c ::
 
     ξ_net = ξ + αω₀b/2
 
@@ -35,7 +35,7 @@ _SINGULAR = 1e-12
 
 @dataclass(frozen=True, kw_only=True)
 class NetDamping:
-    """Damping that the actuator leaves.
+    """Net damping of the loop with its actuator.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class NetDamping:
 
 @dataclass(frozen=True, kw_only=True)
 class Damping:
-    """First-mode damping as the indicator needs it.
+    """Properties of the first mode that the indicator needs.
 
     Attributes
     ----------
@@ -98,7 +98,7 @@ class Damping:
         )
 
     def net(self, moments: Array, motion: Array) -> NetDamping | None:
-        """Return the damping that the actuator leaves.
+        """Return the net damping of the loop with its actuator.
 
         Parameters
         ----------

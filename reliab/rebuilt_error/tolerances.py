@@ -1,4 +1,4 @@
-"""How far stated values may be off."""
+"""Standard deviations of stated values."""
 
 import math
 from dataclasses import dataclass, fields
@@ -8,7 +8,7 @@ from reliab.errors import InputError
 
 @dataclass(frozen=True, kw_only=True)
 class Tolerances:
-    """Standard deviations of what is stated about a test.
+    """Standard deviations of the values that are stated for a test.
 
     Parameters
     ----------

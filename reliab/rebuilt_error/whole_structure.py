@@ -1,4 +1,4 @@
-"""The whole structure as the error sees it: matrices, the interface, and the linear specimen."""
+"""The whole structure for the equation of the error: matrices, the interface, and the linear specimen."""
 
 from dataclasses import dataclass, replace
 
@@ -197,7 +197,7 @@ class WholeStructure:
 
 
 def whole_structure(structure: Structure | Partition | WholeStructure) -> WholeStructure:
-    """Return the whole structure of what describes one."""
+    """Convert any supported description of a structure to a whole structure."""
     if isinstance(structure, WholeStructure):
         return structure
     if isinstance(structure, Partition):

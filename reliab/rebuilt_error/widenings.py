@@ -1,4 +1,4 @@
-"""Which of the things that are not known widens the interval of a rebuilt error most."""
+"""Which uncertain quantity widens the interval of a rebuilt error most."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -17,7 +17,7 @@ _HALVINGS = 6
 
 @dataclass(frozen=True, kw_only=True)
 class Widening:
-    """What one thing that is not known does to the interval.
+    """Effect of one uncertain quantity on the interval.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ def widenings(
     draws: int,
     seed: int,
 ) -> tuple[Widening, ...]:
-    """Which unknowns widen the interval most, and what would halve it.
+    """Find which uncertain quantities widen the interval most, and what would halve it.
 
     Parameters
     ----------

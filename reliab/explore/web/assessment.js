@@ -12,7 +12,7 @@ export function examine({ command, measured, step, notes }) {
   const reason = refusal(x, y);
   if (reason) throw new RangeError(reason);
   const count = bridged[0].count + bridged[1].count;
-  const spikes = count ? [`Spikes of ${count} samples were bridged: no actuator moves so.`] : [];
+  const spikes = count ? [`Spikes of ${count} samples were replaced by straight lines: no actuator moves like that.`] : [];
   const tracking = track(x, y, step);
   return {
     command: x, measured: y, step, notes: [...notes, ...spikes], broken: brokenChannels(command, measured),

@@ -19,7 +19,7 @@ export function limits(ellipses, question, without = null) {
   return interpolated(ellipses, question, (row, column) => limitsAtNode(ellipses, question, row, column, without));
 }
 
-// Every motion's own limits [a, b] at a structure, carried over between nodes as those of the criterion are.
+// Every motion's own limits [a, b] at a structure, interpolated between nodes like those of the criterion.
 export function motionLimits(ellipses, question) {
   const nodes = nodesAround(ellipses, question).map((node) => ({ ...node, ...nodeMotions(ellipses, question, node.row, node.column) }));
   const own = scales(question.frequency, question.dampingRatio);
@@ -92,12 +92,12 @@ export function jointLimits(rows, confidence) {
   return means.map((mean, k) => Math.exp(mean + spreads[k] * depth));
 }
 
-// Highest confidence that so many earthquakes carry.
+// Highest confidence that a number of earthquakes supports.
 export function carriedConfidence(earthquakes) {
   return (1 - (2 / (earthquakes + 1)) ** 2) * (1 + 1e-12);
 }
 
-// Least and greatest limits when one earthquake after the other is left out: how far the data carry.
+// Smallest and largest limits when each earthquake is left out in turn.
 export function band(ellipses, question) {
   const all = [...new Set(ellipses.events)].map((event) => limits(ellipses, question, event));
   return [0, 1].map((k) => [Math.min(...all.map((pair) => pair[k])), Math.max(...all.map((pair) => pair[k]))]);

@@ -1,4 +1,4 @@
-// Axes, curves and marks in SVG. Text is set as text only, so that nothing that a file holds is ever markup.
+// Axes, curves and marks in SVG. Text is inserted as plain text, so that no content of a file can act as markup.
 
 const NAMESPACE = "http://www.w3.org/2000/svg";
 

@@ -46,7 +46,7 @@ export function isMeaningless(ellipses, { metric, threshold, duration }, row, co
   return table !== null && threshold >= table[ellipses.metrics.indexOf(metric)][row][column];
 }
 
-// Weighted mean of two values; the second is not asked for where it has no weight.
+// Weighted mean of two values; the second is not computed where its weight is zero.
 function mix(weight, first, second) {
   return weight === 0 ? first() : (1 - weight) * first() + weight * second();
 }

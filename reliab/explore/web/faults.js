@@ -42,7 +42,7 @@ function spikes(values) {
   return marked;
 }
 
-// Mean and rise of the command, and of what gain and delay leave of the measured displacement; null for a test
+// Mean and rise of the command, and of the measured displacement's residual after gain and delay; null for a test
 // that is too short to tell.
 export function slowLines(command, measured, step, tracking) {
   const n = command.length, blocks = Math.min(Math.floor(((n - 1) * step * tracking.frequency) / 2), 40);
@@ -91,7 +91,7 @@ function feltBy([size, error], force) {
 export function brokenChannels(command, measured) {
   const peak = largest(command), sentences = [];
   if (largest(command.map((value, i) => measured[i] - value)) <= 1e-6 * peak) {
-    sentences.push("Command and measured displacement are identical, as no sensor reads: was one channel exported twice?");
+    sentences.push("Command and measured displacement are identical, which no sensor reading is: was one channel exported twice?");
   }
   for (const [name, history, other] of [["measured displacement", measured, command], ["command", command, measured]]) {
     if (standsStill(history, other, peak)) {

@@ -1,7 +1,7 @@
 // The value that a further motion exceeds with a stated probability: the recommended method "dirichlet".
 //
 // The same as reliab/criterion/motion_predictive.py: the motions themselves, weighted by how many independent
-// motions their earthquakes are worth, and a skew-normal shape of their first three moments, which counts
+// motions their earthquakes amount to, and a skew-normal shape of their first three moments, which counts
 // twenty.
 
 import { normalCumulative, normalQuantile, owensT, studentCumulative } from "./special_functions.js";

@@ -64,7 +64,7 @@ function comparedLimits(now) {
   if (choice === "printed") {
     const pair = printedLimits(now);
     if (pair === null) hint.textContent = "Equation (18) holds for 5 % RMS, 0.25 to 2 Hz and 2 to 10 % damping.";
-    else hint.textContent = "As printed, for 95 %; it counts a lead as a lag.";
+    else hint.textContent = "As printed, for 95 % of ground motions; a lead is treated like a lag of the same size.";
     return pair && bySide(() => pair);
   }
   if (state.kept === null) {
@@ -87,8 +87,8 @@ function explain() {
   field("answer").textContent = a > 0
     ? `Up to ${late} ms late${early}, or ${(100 * Math.sqrt(a)).toPrecision(3)} % of amplitude error, but not both at once.`
     : thresholdIsMeaningless(ellipses, now)
-      ? "At this error an actuator that does not move would pass under more than one motion in twenty: choose a smaller one."
-      : `${new Set(ellipses.events).size} earthquakes carry at most ${(100 * carried).toFixed(1)} %: at this confidence no test is accepted.`;
+      ? "With this error limit, even an actuator that does not move would pass under more than one motion in twenty: choose a smaller limit."
+      : `${new Set(ellipses.events).size} earthquakes support a confidence of at most ${(100 * carried).toFixed(1)} %: at the chosen one no test is accepted.`;
   field("meaning").textContent = `A test inside the region has an error below ${inWords(now).split(" for ")[0]} with a ` +
     `predictive probability of ${Number((100 * now.confidence).toFixed(1))} % for a motion of a further earthquake, learned from ` +
     `${ellipses.motions.length} motions of ${new Set(ellipses.events).size} earthquakes.`;

@@ -1,5 +1,5 @@
 // The error of one test, rebuilt from its command and measured displacement; histories as reliab/rebuilt_error/.
-// What noise adds is taken from noise histories that run through the same recursion, simpler than there.
+// The effect of noise is computed more simply than there, from noise histories that pass the same recursion.
 //
 //     e'' + 2 xi w0 e' + w0^2 e = alpha w0^2 (x_c - x_m),      x_m - x_I = e - (x_c - x_m)
 

@@ -138,7 +138,7 @@ export class TestPanel {
       ["Amplitude A", tracking.amplitude.toFixed(5)],
       ["Equivalent delay d", `${(1e3 * tracking.delay).toFixed(4)} ms`],
       ["Index by the criterion", `${this.index.toPrecision(4)}: ${this.index <= 1 ? "inside" : "outside"}`],
-      ["Offset of the sensor that the loop did not feel", `${(1e3 * rebuilt.start.offset).toPrecision(3)} mm`],
+      ["Sensor offset without effect on the loop", `${(1e3 * rebuilt.start.offset).toPrecision(3)} mm`],
       ["Length and sampling rate", `${this.test.duration.toFixed(2)} s at ${(1 / this.test.step).toPrecision(5)} Hz`],
     ];
     field("numbers").replaceChildren(...rows.map(([name, value]) => {

@@ -2,8 +2,8 @@
 
 A test's file seldom begins with the record: it may hold a part of it, or seconds before and after it. The
 place is found by the recorded ground acceleration where the test's file has it, else by the response: the
-exact response of the structure to the record is compared, at every place, with the response that the test
-itself reveals, in size and shape and, should that fail, in shape alone.
+exact response of the structure to the record is compared, at every place, with the exact response computed
+from the test, in size and shape and, if that fails, in shape alone.
 """
 
 from dataclasses import dataclass
@@ -62,7 +62,7 @@ def align(recording: Recording, reference: Array, structure: Structure, motion: 
     recording : Recording
         The test.
     reference : numpy.ndarray
-        Response of the structure without actuator errors, as the test reveals it [m], shape (n,).
+        Response of the structure without actuator errors, computed from the test [m], shape (n,).
     structure : Structure
         The structure.
     motion : Motion

@@ -65,7 +65,8 @@ def assess(
         the part of the record that the test saw, as the error of the test is.
     criterion : Criterion, optional
         The criterion; by default the one that ships with the package, for the threshold, metric and
-        confidence given and for tests of this length. A criterion that is given brings its own.
+        confidence given and for tests of this length. A given criterion has its own threshold, metric and
+        confidence.
     threshold : float, optional
         Error of the whole test [-].
     confidence : float, optional
@@ -75,8 +76,8 @@ def assess(
     model : UpdatedModel, optional
         Calibrated model of a nonlinear specimen, as `reliab diagnose` writes it.
     assumed : tuple of str, optional
-        That no damping ratio was stated and one had to be assumed, in sentences; repeated among the warnings.
-        The verdict then stands only if it is the same with each of seven ratios from 0.5 to 10 %.
+        Sentences saying that no damping ratio was stated and which one is assumed; repeated among the
+        warnings. The verdict then stands only if it is the same with each of seven ratios from 0.5 to 10 %.
     taper : str, optional
         Window of the evaluation index.
     seed : int, optional
@@ -144,7 +145,7 @@ def _placed(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Judged:
-    """The error with what could change it."""
+    """The error, and the circumstances that could change it."""
 
     error: ErrorOfTest
     effects: tuple[FaultEffect, ...]
@@ -157,7 +158,7 @@ class _Judged:
 
 
 def _judged(recording: Recording, clean: Recording, faults: tuple[Fault, ...], question: Question) -> _Judged:
-    """Error of the test; with the structure that it shows, where it contradicts the stated one."""
+    """Error of the test; where the test contradicts the stated structure, with the identified one."""
     error, effects = _errors(recording, faults, question)
     if question.model is not None:
         return _Judged(error=error, effects=effects, equation=OwnEquation(), otherwise=())
@@ -192,7 +193,7 @@ def _errors(
 def _otherwise_stated(
     recording: Recording, equation: OwnEquation, question: Question
 ) -> tuple[ErrorOfTest, ...]:
-    """Error with the damping ratio that the test shows, where it contradicts the stated one."""
+    """Error with the identified damping ratio, where it contradicts the stated one."""
     if equation.identified is None or "xi" not in equation.wrong:
         return ()
     ratio = equation.identified.damping_ratio.value

@@ -17,7 +17,7 @@ class Assessment(Findings):
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
-        """What should be known before the verdict is relied on, in sentences."""
+        """Warnings to read before relying on the verdict, in sentences."""
         return cautions(self)
 
     def to_dict(self) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Uncertainty of the index, from blocks of what a gain and a delay leave of the measured displacement.
+"""Uncertainty of the index, from blocks of the residual that a gain and a delay leave of the displacement.
 
 The index is linear in the measured displacement, so that each stretch of the remainder contributes to its
 error on its own. Blocks of contributions, long enough that neighbours are unrelated, get random weights

@@ -1,4 +1,4 @@
-"""What should be known before the verdict on a test is relied on, in plain sentences."""
+"""Warnings to read before relying on the verdict on a test, in plain sentences."""
 
 from collections.abc import Iterator
 
@@ -24,7 +24,7 @@ _MILLISECONDS = 1e3
 
 
 def cautions(findings: Findings) -> tuple[str, ...]:
-    """Say what limits a verdict.
+    """List what limits a verdict.
 
     Parameters
     ----------
@@ -65,14 +65,14 @@ def _consequence(effect: FaultEffect, findings: Findings) -> Iterator[str]:
     fault = effect.fault
     if fault.in_loop is True:
         yield (
-            f"The command answers it, so that the structure felt it: {name} is {counted:.2%} with it and "
+            f"The command responds to it, so that the structure felt it: {name} is {counted:.2%} with it and "
             f"would be {otherwise:.2%} without."
         )
     elif fault.in_loop is False:
         why = (
             ""
             if fault.kind == "spike"
-            else "The command does not answer it, so that only the reading is off: "
+            else "The command does not respond to it, so that only the sensor reading is wrong: "
         )
         yield f"{why}{name} is {counted:.2%} without it; had the structure felt it, {otherwise:.2%}."
     else:
@@ -99,14 +99,14 @@ def _of_error(findings: Findings) -> Iterator[str]:
         else "a gain and a delay alone"
     )
     why = (
-        f"the rig does something besides ({findings.tracking.unexplained_share:.2%} of its motion)"
+        f"gain and delay leave {findings.tracking.unexplained_share:.2%} of the rig's motion unexplained"
         if findings.tracking.unexplained_share > _UNEXPLAINED * float(np.sqrt(findings.limits[0]))
-        else "this test's ground motion and length ask more or less than those do"
+        else "this test's ground motion and length are more or less demanding than those"
     )
     yield (
         f"The error of this very test ({size:.2%}) and the index ({findings.index:.3g} against 1) "
         "disagree: the "
-        f"index speaks of {basis}, the error of what happened; {why}. The verdict is that of the error."
+        f"index describes {basis}, the error this test; {why}. The verdict follows the error."
     )
 
 
@@ -154,7 +154,7 @@ def _of_signal(findings: Findings) -> Iterator[str]:
         yield (
             f"A gain and a delay leave {tracking.unexplained_share:.2%} of the measured motion unexplained, "
             f"where an amplitude error of {limit:.2%} is tolerable: the rig has another fault (friction, "
-            "backlash, saturation) or slow noise, and its error may be a quarter from what A and d tell."
+            "backlash, saturation) or slow noise, and its error may differ by a quarter from that of A and d."
         )
 
 
@@ -166,7 +166,7 @@ def _of_constancy(findings: Findings) -> Iterator[str]:
         first, last = (_MILLISECONDS * delay for delay in (windows.delay.min(), windows.delay.max()))
         yield (
             f"The delay varies over the test, from {first:.3g} to {last:.3g} ms. A and d are averages; the "
-            "error of a test whose delay drifts by half either way was within 12 % of what its average tells."
+            "error of a test whose delay drifts by half either way was within 12 % of that of its average."
         )
     if windows.amplitude_range > _VARYING * np.sqrt(a):
         yield (
@@ -180,8 +180,8 @@ def _of_validity(findings: Findings) -> Iterator[str]:
     if carried is not None and findings.placement is None:
         yield (
             f"The structure ({structure.frequency:g} Hz, ξ = {structure.damping_ratio:g}) lies outside of "
-            f"the criterion's validity; the verdict is carried over from {carried[0]:g} Hz, "
-            f"ξ = {carried[1]:g} by dimensionless errors. Give the ground motion with --motion for an exact "
+            f"the criterion's validity; the limits are scaled from those at {carried[0]:g} Hz, "
+            f"ξ = {carried[1]:g} by dimensionless errors. Give the ground motion with --motion for exact "
             "one."
         )
     ratio = findings.tracking.plain.equivalent_frequency / structure.frequency
@@ -193,7 +193,7 @@ def _of_validity(findings: Findings) -> Iterator[str]:
     if structure.experimental_fraction < 1.0 and findings.placement is None:
         yield (
             "The criterion is for a structure that stands wholly in the laboratory (α = 1); for "
-            f"α = {structure.experimental_fraction:g} it is on the safe side."
+            f"α = {structure.experimental_fraction:g} it is conservative."
         )
     if findings.stability_margin <= 0.0:
         yield "The delay exceeds the critical one: the loop is unstable."

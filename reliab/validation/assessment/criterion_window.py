@@ -1,4 +1,4 @@
-"""Which window of the shipped ellipses suits a test of a length.
+"""Choice of the window of the shipped ellipses for a test of a given length.
 
 RMS^R falls with every quiet second, so that limits grow with the window.
 """

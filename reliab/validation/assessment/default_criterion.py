@@ -40,7 +40,7 @@ def default_criterion(
     metric : str, optional
         Which error, "rms" or "mte".
     without : str, optional
-        Earthquake that is not learned from, where its motions are to be judged.
+        Earthquake to leave out of the derivation, because its motions are to be judged.
     duration : float, optional
         Length of the tests that are to be judged [s]; by default errors are those over whole records.
 

@@ -1,4 +1,4 @@
-"""The verdict by the error of the test, with what leaves it open."""
+"""The verdict by the error of the test, and what makes it undecided."""
 
 from reliab.validation.assessment.error_of_test import ErrorOfTest
 from reliab.validation.assessment.findings import FaultEffect
@@ -26,18 +26,18 @@ def verdict_of_error(
     effects : tuple of FaultEffect
         Faults of the recording.
     equation : OwnEquation
-        What the test's own equation of motion says of the structure.
+        What the test's equation of motion shows about the structure.
     otherwise : tuple of ErrorOfTest
-        Error of the test with what was stated, or could be stated, instead.
+        Errors of the test with other values of the structure that were stated or are possible.
     assumed : tuple of ErrorOfTest, optional
         Errors of the test with damping ratios of structures, where none was stated.
 
     Returns
     -------
     Verdict
-        Undecided where the interval holds the threshold, where a fault of the recording would turn the
-        verdict round, where the test contradicts what was stated of it, and where another damping ratio
-        than the assumed one would turn it round.
+        Undecided where the interval contains the threshold, where a fault of the recording would change the
+        verdict, where the test contradicts its stated structure, and where another damping ratio than the
+        assumed one would change the verdict.
     """
     size = error.of(error.metric)
     word = word_of_probability(error.probability)
@@ -58,14 +58,14 @@ def verdict_of_error(
         remedies.append("Calibrate a model of the specimen with `reliab diagnose`, and give it with --model.")
     if any(word_of_probability(rebuilt.probability) is not word for rebuilt in otherwise):
         reasons.extend(equation.contradictions)
-        remedies.append("Find out why the structure differs from what was stated; it decides the verdict.")
+        remedies.append("Find out why the structure differs from the stated one: the verdict depends on it.")
     if any(word_of_probability(restated.probability) is not word for restated in assumed):
         by_size = sorted(assumed, key=lambda restated: restated.of(error.metric).value)
         sizes = " to ".join(
             f"{100 * restated.of(error.metric).value:.2f} % (ξ = {restated.damping_ratio:.2g})"
             for restated in (by_size[0], by_size[-1])
         )
-        reasons.append(f"No damping ratio was stated, and it decides the verdict: {name} is {sizes}.")
+        reasons.append(f"No damping ratio was stated, and the verdict depends on it: {name} is {sizes}.")
         remedies.append("State the damping ratio of the structure with --xi.")
     return verdict.doubted(reasons, remedies)
 
@@ -95,7 +95,7 @@ def _doubts(effects: tuple[FaultEffect, ...], word: Word) -> tuple[list[str], li
             continue
         if effect.fault.in_loop is None and word_of_probability(effect.otherwise.probability) is not word:
             reasons.append(
-                f"{effect.fault.finding} It decides the verdict, and whether the structure felt it is not "
+                f"{effect.fault.finding} The verdict depends on it, and whether the structure felt it is not "
                 "known."
             )
             remedies.append("Mend the recording, or find out whether the loop felt it, and assess it again.")

@@ -1,4 +1,4 @@
-"""The error of this very test, rebuilt from its command and measured displacement."""
+"""The error of one test, rebuilt from its command and measured displacement."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -43,19 +43,19 @@ _SPOKEN = {
     "sensor_offset": "the offset of the displacement sensor",
     "time_shift": "the shift between the two channels",
     "feedback_lag": "the lag of the fed-back force",
-    "initial_state": "how the error moved when the recording began",
+    "initial_state": "the error's initial value and velocity",
     "sensor_noise": "the noise of the displacement sensor",
 }
 _REMEDIES = {
-    "initial_state": "Record from rest: how the error moved at first widens the interval most.",
-    "sensor_noise": "A quieter displacement sensor narrows the interval most.",
-    "sensor_offset": "Record from rest, which gives the sensor's offset: it widens the interval most.",
+    "initial_state": "Record from rest: the unknown initial error widens the interval most.",
+    "sensor_noise": "A displacement sensor with less noise narrows the interval most.",
+    "sensor_offset": "Record from rest, which shows the sensor's offset: it widens the interval most.",
 }
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Question:
-    """What is asked of a test.
+    """Structure, metric and threshold by which a test is judged.
 
     Attributes
     ----------
@@ -104,7 +104,7 @@ class ErrorOfTest:
     metric : Metric
         Which error is asked about.
     threshold : float
-        Error that it is held against [-].
+        Error with which it is compared [-].
     damping_ratio : float
         ξ of the structure with which it was rebuilt [-].
     """
@@ -125,12 +125,12 @@ class ErrorOfTest:
 
     @property
     def reference(self) -> Array:
-        """Response without actuator errors, as the test reveals it [m], shape (n,)."""
+        """Response without actuator errors, computed from the test [m], shape (n,)."""
         return self.rebuilt.reference
 
     @cached_property
     def parts(self) -> Parts:
-        """What amplitude, delay, neither, and a late force cause."""
+        """Parts of the error: amplitude, delay, neither, and a late force."""
         return self.rebuilt.parts()
 
     @cached_property
@@ -148,9 +148,9 @@ class ErrorOfTest:
             return (_REMEDIES[widest.name],)
         spoken = _SPOKEN[widest.name]
         if widest.deviation_for_half is None or widest.name in ("time_shift", "feedback_lag"):
-            return (f"Know {spoken} better: it widens the interval most.",)
+            return (f"Determine {spoken} better: its uncertainty widens the interval most.",)
         half = _PERCENT * widest.deviation_for_half
-        return (f"Know {spoken} to {half:.2g} %, and the interval is half as wide.",)
+        return (f"Determine {spoken} to {half:.2g} %: the interval is then half as wide.",)
 
 
 def error_of_test(

@@ -1,4 +1,4 @@
-"""What the faults of a recording do to the error of the test."""
+"""Effects of the faults of a recording on the error of the test."""
 
 from collections.abc import Callable, Sequence
 
@@ -13,7 +13,7 @@ def error_with_faults(
     faults: Sequence[Fault],
     rebuilt: Callable[[Recording, float | None], ErrorOfTest],
 ) -> tuple[ErrorOfTest, tuple[FaultEffect, ...]]:
-    """Error of the test without what the loop did not feel, and what each fault does to it.
+    """Error of the test without the faults that the loop did not feel, and the effect of each fault on it.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ def error_with_faults(
     error : ErrorOfTest
         The error.
     effects : tuple of FaultEffect
-        For each fault the error without it, or with it where `error` is already without.
+        For each fault the error without it, or with it where `error` already excludes it.
     """
     unfelt = [fault for fault in faults if fault.in_loop is False]
     known = 0.0 if any(fault.kind == "offset" for fault in faults) else None

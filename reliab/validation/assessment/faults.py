@@ -1,8 +1,8 @@
-"""Faults of a recording that gain and delay do not show: offset, drift, spikes, standstill, a copied channel.
+"""Faults of a recording that A and d do not show: offset, drift, spikes, standstill, a copied channel.
 
-Each fault is stated with the recording as it would be without it, so that its effect on the error of the
-test can be computed. Whether the loop felt an offset shows in the command: a structure whose restoring
-force is off by a constant rests beside zero.
+Each fault is stated with the recording as it would be without it, so that its effect on the error of the test
+can be computed. Whether the loop felt an offset shows in the command: a constant error of the restoring force
+shifts the structure's mean position.
 """
 
 from collections.abc import Iterable, Iterator
@@ -26,7 +26,7 @@ _FEWEST_BLOCKS, _MOST_BLOCKS = 6, 40
 _PERIODS_OF_A_BLOCK = 2.0
 _SIGNIFICANT = 4.0  # standard errors
 _STANDSTILL_SHARE = 0.05  # of the command's peak
-_SAME = 1e-9  # of the peak: a step below which a reading has not moved
+_SAME = 1e-9  # of the peak: a smaller step between samples counts as standstill
 _FELT, _NOT_FELT = (0.7, 1.3), (-0.3, 0.3)
 _LEAST_SHARE = 0.1  # of the threshold: an offset or drift below which nothing is said
 _PERCENT, _MILLI = 100.0, 1e3
@@ -46,8 +46,8 @@ class Fault:
         What it added to the measured displacement and to the command [m], shape (n,); None where it left
         a channel as it was, or where nothing can be known of it.
     in_loop : bool or None
-        Whether the loop felt it: no for spikes, which no actuator follows, else as far as the command shows;
-        None where it does not.
+        Whether the loop felt it: False for spikes, which no actuator follows; otherwise decided from the
+        command; None where the command does not show it.
     """
 
     kind: str
@@ -63,7 +63,7 @@ class Fault:
 
 
 def repaired(recording: Recording, faults: Iterable[Fault]) -> Recording:
-    """Take faults off a recording.
+    """Remove faults from a recording.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def find_faults(
     tracking : TrackingIndex
         Amplitude and delay of the test without its spikes.
     threshold : float
-        Error of the whole test [-]; what is below a tenth of it is not stated.
+        Error of the whole test [-]; offsets and drifts below a tenth of it are not reported.
     experimental_fraction : float
         Share α of the stiffness in the laboratory [-].
 
@@ -140,7 +140,7 @@ def _spikes(
                 kind="spike",
                 finding=(
                     f"The {name} jumps and returns within {lasting:.3g} ms in all, first at {first:.4g} s, "
-                    f"by up to {size:.1%} of the command's peak: no actuator moves so."
+                    f"by up to {size:.1%} of the command's peak: no actuator moves like that."
                 ),
                 in_command=added if name == "command" else None,
                 in_measured=None if name == "command" else added,
@@ -154,8 +154,8 @@ def _copy(recording: Recording) -> Iterator[Fault]:
         yield Fault(
             kind="copy",
             finding=(
-                "Command and measured displacement are identical, as no sensor reads: was one channel "
-                "exported twice?"
+                "Command and measured displacement are identical, which no sensor reading is: was one "
+                "channel exported twice?"
             ),
         )
 
@@ -228,7 +228,7 @@ def _slow(
         in_loop = _answered(recording.command, experimental_fraction * size, kind, blocks)
         yield Fault(
             kind=kind,
-            finding=f"The measured displacement is off by {share} on average."
+            finding=f"The measured displacement has an offset of {share}."
             if kind == "offset"
             else f"The measured displacement drifts by {share} from beginning to end.",
             in_measured=size * shape,
@@ -262,7 +262,7 @@ def _line(values: Array, blocks: int) -> _Line:
 
 
 def _answered(command: Array, force_offset: float, kind: str, blocks: int) -> bool | None:
-    """Whether the command rests where a loop that felt the offset would, or moves as if it had not."""
+    """Whether the command's mean is that of a loop which felt the offset, or of one which did not."""
     line = _line(command, blocks)
     size, error = (line.offset, line.offset_error) if kind == "offset" else (line.drift, line.drift_error)
     answer, spread = -size / force_offset, _SIGNIFICANT / 2.0 * error / abs(force_offset)

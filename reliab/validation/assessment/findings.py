@@ -22,11 +22,11 @@ from reliab.validation.assessment.verdict import Verdict, Word, verdict_by_index
 from reliab.vocabulary import Metric
 
 LARGEST_PROBABILITY: Final = 0.99
-"""Largest probability that is stated of a population of ground motions; no more was checked on others."""
+"""Largest probability stated for a population of ground motions: higher ones were not validated."""
 
 
 def capped(probability: float | None) -> float | None:
-    """Probability no nearer to 0 and 1 than was checked; None where it is not known.
+    """Probability limited to the range that was validated; None where it is not known.
 
     Examples
     --------
@@ -47,8 +47,8 @@ class FaultEffect:
     fault : Fault
         The fault.
     otherwise : ErrorOfTest or None
-        Error of the test without the fault, or, where the verdict is already without it because the loop
-        did not feel it, with it; None where that is not known.
+        Error of the test without the fault; where the verdict already excludes the fault because the loop did
+        not feel it, the error with the fault; None where that is not known.
     """
 
     fault: Fault
@@ -80,11 +80,11 @@ class Findings:
     placement : OwnPlacement or None
         The test against its own ground motion's boundary, where that is known.
     error : ErrorOfTest
-        The error of this very test, rebuilt from its command and measured displacement.
+        The error of this test, rebuilt from its command and measured displacement.
     faults : tuple of FaultEffect
         Faults of the recording.
     equation : OwnEquation
-        What the test's own equation of motion says of the structure.
+        What the test's equation of motion shows about the structure.
     otherwise_stated : tuple of ErrorOfTest
         Error with the structure as stated, or with another damping ratio, where the test contradicts it.
     verdict : Verdict
@@ -118,7 +118,7 @@ class Findings:
     def index(self) -> float | None:
         """Index of the test: by its own motion where that is known, else by the population.
 
-        None where the test leads and the criterion says nothing of leads.
+        None where the test leads and the criterion has no limits for leads.
         """
         return self.population.index if self.placement is None else self.placement.index
 
@@ -155,7 +155,7 @@ class Findings:
 
     @property
     def stability_margin(self) -> float:
-        """Share of the critical delay that is still free [-]."""
+        """Stability margin: one minus the delay over the critical delay [-]."""
         late = max(self.tracking.delay, 0.0)
         return float(stability_margin(self.structure, self.tracking.amplitude, late))
 

@@ -24,8 +24,8 @@ def summarise_frame(assessment: FrameAssessment) -> dict[str, Any]:
     Returns
     -------
     dict
-        With the keys of every other assessment where they mean the same, and `structure`, `error_of`, `modes`
-        of the frame; None where a value is infinite or unknown.
+        With the keys of other assessments where they have the same meaning, and `structure`, `error_of`,
+        `modes` of the frame; None where a value is infinite or unknown.
     """
     tracking, error, plain = assessment.tracking, assessment.error, assessment.tracking.plain
     partition = assessment.frame.partition

@@ -36,7 +36,7 @@ _SAME_SHARE = 1e-3
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FrameAssessment:
-    """What a test of a partitioned frame reveals.
+    """Assessment of a test of a partitioned frame.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ class FrameAssessment:
 
     @property
     def stability_margin(self) -> float | None:
-        """Share of the critical delay that is free, 1 − d/τ_c [-]; None where no delay leaves it stable."""
+        """Stability margin 1 − d/τ_c [-]; None where the loop is unstable with any delay."""
         if math.isinf(self.critical_delay):
             return 1.0
         if self.critical_delay <= 0.0:
@@ -89,7 +89,7 @@ class FrameAssessment:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What to know about the recording and the loop, in sentences."""
+        """Warnings about the recording and the loop, in sentences."""
         sentences = [effect.fault.finding for effect in self.faults]
         if self.stability_margin is None or self.stability_margin <= 0.0:
             sentences.append("The delay exceeds the critical one: the loop is unstable.")
@@ -97,7 +97,7 @@ class FrameAssessment:
 
 
 def whole_structure(partition: Partition) -> WholeStructure:
-    """Matrices of a partition as the rebuilt error takes them."""
+    """Matrices of a partition in the form that the rebuilt error needs."""
     frame, specimen = partition.frame, partition.specimen
     return WholeStructure(
         mass=np.array(frame.mass),
@@ -120,7 +120,7 @@ def assess_frame(
     feedback_lag: StatedValue | None = None,
     scale: StatedValue | None = None,
 ) -> FrameAssessment:
-    """Judge a test of a partitioned frame by the error that its displacements reveal.
+    """Judge a test of a partitioned frame by the error computed from its displacements.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ def assess_frame(
     frame : FrameUnderTest
         The frame; its specimen must be linear.
     criterion : Criterion, optional
-        A criterion that was derived for this frame; it brings its threshold and metric, and the test's index
+        A criterion that was derived for this frame. Its threshold and metric are used, and the test's index
         is stated beside the error.
     threshold : float, optional
         Largest error of a reliable test [-].
@@ -148,8 +148,8 @@ def assess_frame(
     Raises
     ------
     InputError
-        If the specimen is nonlinear, the error asked about is another than that of the interface, the
-        criterion is of another structure, or the recording cannot be judged.
+        If the specimen is nonlinear, the error asked for is not that of the interface, the criterion is for
+        another structure, or the recording cannot be judged.
     """
     _check_frame(frame)
     mode = governing_mode(frame)
@@ -222,7 +222,7 @@ def _check_frame(frame: FrameUnderTest) -> None:
         )
     if frame.output is not None:
         raise InputError(
-            "A test reveals the error of its measured interface displacement",
+            "Only the error of the measured interface displacement can be computed from a test",
             value=frame.error_of,
             remedy='Leave [error] out, or give of = "interface"',
         )

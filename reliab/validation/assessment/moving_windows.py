@@ -1,4 +1,4 @@
-"""A and d in moving windows: whether the rig behaved alike from beginning to end."""
+"""A and d in moving windows: whether the rig behaved the same from beginning to end."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ from reliab.validation.assessment.tracking_index import TrackingIndex, track
 _PERIODS = 8.0  # of the equivalent frequency in a window
 _MOST_WINDOWS = 40
 _FEWEST_WINDOWS = 3
-_QUIET = 0.05  # share of the liveliest window's mean square below which a window says nothing
+_QUIET = 0.05  # share of the largest mean square of a window; windows below it are left out
 _DRAWS = 400
 _DEVIATIONS = 2.5
 

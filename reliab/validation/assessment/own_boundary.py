@@ -18,7 +18,7 @@ from reliab.vocabulary import Metric, Side
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class OwnBoundary:
-    """One ground motion and structure, asked about tests.
+    """The boundary for one ground motion and structure, against which tests are placed.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a test's own equation of motion says of the structure that was stated."""
+"""Check of the stated structure by the test's own equation of motion."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from reliab.validation.assessment.recording import Recording
 Array = NDArray[np.float64]
 
 _LARGEST_MISFIT = 0.3
-"""Share of the ground acceleration that the equation may leave over; more, and it is another channel."""
+"""Largest residual over ground acceleration; above it the channel is not this test's ground motion."""
 
 _FEWEST_PERIODS = 5.0
 _AGREES = 2.0  # stated standard deviations
@@ -30,7 +30,7 @@ _QUANTITIES = {
 
 @dataclass(frozen=True, kw_only=True)
 class OwnEquation:
-    """What the test shows of its structure.
+    """What the test shows about its structure.
 
     Attributes
     ----------
@@ -54,9 +54,9 @@ class OwnEquation:
     notes: tuple[str, ...] = ()
 
     def structure(self, stated: Structure) -> Structure:
-        """Structure with frequency and share as the test shows them, where it contradicts the stated ones.
+        """Structure with the identified frequency and share, where they contradict the stated ones.
 
-        Damping ratio and feedback lag act alike on a test, and stay as stated.
+        Damping ratio and feedback lag have the same effect on a test, and stay as stated.
         """
         if self.identified is None:
             return stated
@@ -76,7 +76,7 @@ def examine_equation(
     stated: Mapping[str, StatedValue],
     smoothed: Array,
 ) -> OwnEquation:
-    """Compare a test with what is stated of it.
+    """Compare a test with the values stated for it.
 
     Parameters
     ----------
@@ -151,8 +151,8 @@ def _sentence(name: str, estimate: Identified) -> str:
 
 def _other_ground(misfit: float) -> str:
     return (
-        "The recorded ground acceleration does not drive this test (its equation of motion leaves "
-        f"{misfit:.0%} of it over): check the channel and its unit. The structure was not identified from it."
+        "The recorded ground acceleration does not belong to this test (the equation of motion leaves "
+        f"{misfit:.0%} of it unexplained): check channel and unit. The structure was not identified from it."
     )
 
 
@@ -166,5 +166,5 @@ def _nonlinear(recording: Recording, structure: Structure, smoothed: Array) -> s
     return (
         f"The specimen looks nonlinear: {nonlinearity.share:.1%} of its force follows no spring, dashpot "
         "or mass. "
-        "The error is that of a linear one."
+        "The error was computed for a linear specimen."
     )

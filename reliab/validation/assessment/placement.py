@@ -22,8 +22,8 @@ class Placement:
     a, b : float
         Limits [-] and [ms²] of the structure, on the test's side where the criterion has limits for it.
     index : float or None
-        (A − 1)²/a + d²/b; the test is accepted up to 1. None where the test leads and the criterion says
-        nothing of leads.
+        (A − 1)²/a + d²/b; the test is accepted up to 1. None where the test leads and the criterion has no
+        limits for leads.
     index_interval : tuple of float, or None
         95 % interval of the index; None likewise.
     probability : float or None
@@ -43,7 +43,7 @@ class Placement:
 
 @dataclass(frozen=True, kw_only=True)
 class _Carried:
-    """The valid structure that is nearest, and what errors there are worth the same."""
+    """The nearest valid structure, and the scaling of errors from one structure to the other."""
 
     frequency: float
     damping_ratio: float

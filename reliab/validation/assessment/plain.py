@@ -31,7 +31,7 @@ def assess(
     model: str | Path | UpdatedModel | None = None,
     **options: Any,  # noqa: ANN401 - handed on as they are
 ) -> Assessment:
-    """Judge a test by the error that its command and measured displacement reveal.
+    """Judge a test by the error computed from its command and measured displacement.
 
     Parameters
     ----------
@@ -106,12 +106,12 @@ def _read_criterion(path: str | Path) -> Criterion:
 def _stated(
     recording: Recording, structure: Structure | None, given: dict[str, Quantity | None]
 ) -> dict[str, StatedValue]:
-    """Return what is stated of the structure, with standard deviations; nothing where it is given whole."""
+    """Return the stated values of the structure with standard deviations; empty for a given `structure`."""
     numbers = {name: value for name, value in given.items() if value is not None}
     if structure is not None:
         if numbers:
             raise InputError(
-                "The structure is given once",
+                "The structure must be stated once only",
                 value=f"a structure and {', '.join(numbers)}",
                 remedy="Leave either out",
             )

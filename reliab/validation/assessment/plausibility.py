@@ -1,4 +1,4 @@
-"""Recordings that cannot be judged: too short or coarse, of two signs or units, or with nothing in common."""
+"""Recordings that cannot be judged: too short or coarse, opposite signs, two units, or unrelated."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +12,8 @@ _OPPOSITE = -0.8
 """Correlation below which the measured displacement runs against the command."""
 
 _UNRELATED = 0.2
-"""Correlation, at the best lag, below which it does not follow the command; a rig that loses a test follows
-it late, but better."""
+"""Correlation at the best lag below which the measured displacement does not follow the command; in an
+unstable test it follows late, but with a higher correlation."""
 
 _FEWEST_PERIODS = 2.0
 _LONGEST_STEP = 0.2  # of a period

@@ -1,4 +1,4 @@
-"""How the verdict on a test shows itself: a table for notebooks, and the histories."""
+"""Display of the verdict on a test: a table for notebooks, and a plot of the error."""
 
 from typing import TYPE_CHECKING
 

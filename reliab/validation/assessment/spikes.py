@@ -1,4 +1,4 @@
-"""Samples that leave a history and come back within moments, which no actuator can do."""
+"""Spikes and dropouts: samples that jump away from a history and back faster than any actuator can move."""
 
 from dataclasses import replace
 

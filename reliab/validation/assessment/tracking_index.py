@@ -1,4 +1,4 @@
-"""A and d of a measured test, free of the ends of the record and with the uncertainty that noise leaves.
+"""A and d of a measured test, without effects of the record's ends, and with their uncertainty from noise.
 
 Four things are done beyond equations (1)–(5):
 
@@ -9,8 +9,8 @@ Four things are done beyond equations (1)–(5):
 - The index of a constant gain and delay is not exactly that gain and delay: the window weighs earlier
   and later samples differently, and the frequencies spread. A and d are therefore those of the gain and
   delay whose own index, evaluated on the test's command, is the measured one.
-- What the gain and delay leave of the measured displacement is noise and whatever else the rig does; from
-  it follows how uncertain A and d are (`reliab.validation.assessment.block_bootstrap`).
+- The residual of the measured displacement after gain and delay is noise and other behaviour of the rig; it
+gives the uncertainty of A and d (`reliab.validation.assessment.block_bootstrap`).
 """
 
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""Reliable, undecided or not reliable, with the reasons and with what would decide."""
+"""The verdict: reliable, undecided or not reliable, with its reasons and what would decide it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -41,7 +41,7 @@ class Verdict:
     would_decide: tuple[str, ...] = ()
 
     def doubted(self, reasons: Sequence[str], would_decide: Sequence[str]) -> "Verdict":
-        """Leave it undecided for further reasons; unchanged where there are none."""
+        """Return the verdict as undecided for further reasons; unchanged where there are none."""
         if not reasons:
             return self
         return Verdict(
@@ -77,7 +77,8 @@ def verdict_by_index(
     Parameters
     ----------
     index : float or None
-        Index of reliability, accepted up to 1; None where the criterion says nothing of a test that leads.
+        Index of reliability, accepted up to 1; None where the test leads and the criterion has no limits for
+        leads.
     interval : tuple of float, or None
         Its 95 % interval.
     probability : float or None
@@ -96,10 +97,8 @@ def verdict_by_index(
     if index is None or interval is None:
         return Verdict(
             word=Word.UNDECIDED,
-            reasons=("The test leads, and the criterion says nothing of leads.",),
-            would_decide=(
-                "Its own ground motion decides it (--motion), or a criterion that has limits for leads.",
-            ),
+            reasons=("The test leads, and the criterion has no limits for leads.",),
+            would_decide=("Give its ground motion with --motion, or a criterion that has limits for leads.",),
         )
     low, high = interval
     if high <= 1.0:
@@ -121,5 +120,5 @@ def verdict_by_index(
                 "and too many to call it bad."
             ),
         ),
-        would_decide=("Its own ground motion decides it: give it with --motion.",),
+        would_decide=("Give the test's ground motion with --motion; it decides the index.",),
     )

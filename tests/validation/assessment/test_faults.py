@@ -82,7 +82,7 @@ def test_a_spike_is_stated_and_not_counted(good, channel, samples, size):
     found = judged(good, **{channel: spoilt})
     assert kinds(found) == {"spike"}
     assert found.error.rebuilt.rms.value == pytest.approx(good.rms, rel=0.06)
-    assert any("no actuator moves so" in warning for warning in found.warnings)
+    assert any("no actuator moves like that" in warning for warning in found.warnings)
 
 
 def test_a_standstill_that_turns_the_verdict_leaves_it_open(good):

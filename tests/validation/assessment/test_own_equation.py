@@ -53,7 +53,7 @@ def test_a_wrong_damping_ratio_that_decides_leaves_the_verdict_open(judged):
     assert any("damping ratio of 0.0" in reason for reason in found.verdict.reasons)
 
 
-@pytest.mark.parametrize(("sign", "words"), [(-1.0, "opposite sign"), (0.1, "does not drive this test")])
+@pytest.mark.parametrize(("sign", "words"), [(-1.0, "opposite sign"), (0.1, "does not belong to this test")])
 def test_another_ground_acceleration_is_said(judged, sign, words):
     _, found = judged(sign=sign)
     assert any(words in warning for warning in found.warnings)
