@@ -16,7 +16,7 @@ def test_sound_files_are_read(name):
 
 
 @pytest.mark.parametrize("name", TARGETS)
-@settings(max_examples=10, suppress_health_check=list(HealthCheck))
+@settings(max_examples=5, suppress_health_check=list(HealthCheck))
 @given(choice=st.data())
 def test_damaged_files_are_read_or_refused(name, choice):
     target = TARGETS[name]
