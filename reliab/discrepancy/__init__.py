@@ -1,4 +1,4 @@
-"""Measured campaigns: locate the discrepancy, name what is missing, add it, prove that the gap shrank."""
+"""Measured campaigns: locate a discrepancy, name the missing effect, add it, verify on held-out tests."""
 
 from reliab.discrepancy.adding.adding import Addition, add
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest

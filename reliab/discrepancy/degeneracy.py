@@ -1,4 +1,4 @@
-"""What campaigns cannot tell apart, and the test that would."""
+"""Effects that a campaign cannot distinguish, and the further test that would."""
 
 _TELLS = {
     frozenset({"first_order_lag", "second_order_dynamics"}):
@@ -21,17 +21,17 @@ _TELLS = {
         "Slow cycles of the same amplitude leave the inertia out",
 }  # fmt: skip
 
-_OTHERWISE = "A test with another input, stronger and with a wider band, on all four channels would tell"
+_OTHERWISE = "A test with a stronger input of wider band, recorded on all four channels, would decide it"
 
 
 def telling_test(effect: str, rival: str) -> str:
-    """Return the test that would tell two effects apart, as a sentence without its final full stop."""
+    """Return the test that would distinguish two effects, as a sentence without its final full stop."""
     pair = {str(effect), str(rival)}
     return next((text for names, text in _TELLS.items() if {str(n) for n in names} == pair), _OTHERWISE)
 
 
 def remark(name: str, probability: float, rival: tuple[str, float] | None) -> str:
-    """Say what an effect cannot be told from.
+    """State from which other effect an effect cannot be distinguished.
 
     Parameters
     ----------

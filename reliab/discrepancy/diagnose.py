@@ -1,4 +1,4 @@
-"""The whole workflow: observe the blocks of a campaign, search each for what is missing, prove it."""
+"""The whole workflow: observe the blocks of a campaign, search each for missing effects, verify them."""
 
 import itertools
 import math
@@ -35,7 +35,7 @@ _STEPS = 6  # of the search of a block
 
 
 def diagnose(campaign: Campaign, *, progress: Progress = silent) -> Diagnosis:
-    """Find where a campaign's model fails, name what is missing and prove it on held-out tests.
+    """Find where a campaign's model fails, name the missing effects and verify them on held-out tests.
 
     Parameters
     ----------
@@ -52,13 +52,13 @@ def diagnose(campaign: Campaign, *, progress: Progress = silent) -> Diagnosis:
     Raises
     ------
     InputError
-        If no block is observed or nothing moves.
+        If no block is observed or no displacement moves.
     """
     kinds = _observed(campaign)
     motions = motions_of(campaign)
     scales = scales_of(campaign, motions)
     diagnoses: list[BlockDiagnosis] = []
-    # Products are small and fits run side by side: threads of their own would only wait for each other.
+    # Matrix products are small and fits run in parallel: further threads would only wait for each other.
     with threadpool_limits(limits=1, user_api="blas"):
         whole = _STEPS * len(kinds)
         steps = itertools.count(1)
@@ -70,7 +70,7 @@ def diagnose(campaign: Campaign, *, progress: Progress = silent) -> Diagnosis:
 
 
 def _observed(campaign: Campaign) -> list[type[ObservedBlock]]:
-    """Blocks that the channels let us see, in the order of the loop."""
+    """Blocks whose input and output are recorded, in the order of the loop."""
     channels = campaign.channels
     seen: list[type[ObservedBlock]] = []
     if channels >= _ACTUATOR:
@@ -85,7 +85,7 @@ def _observed(campaign: Campaign) -> list[type[ObservedBlock]]:
         seen.append(LoopBlock)
     if not seen:
         raise InputError(
-            "The columns and tables of a campaign must show at least one block: command_m and measured_m, or"
+            "The columns and tables of a campaign must cover at least one block: command_m and measured_m, or"
             " measured_m and force_n, or ground_acceleration_mps2 and measured_m with a [structure] table of"
             " one degree of freedom",
             value=", ".join(sorted(channels)) or "no channel that all tests have",

@@ -1,4 +1,4 @@
-"""The proof on held-out tests: what is left of the signal before and after effects are added."""
+"""Verification on held-out tests: residual over signal before and after effects are added."""
 
 from collections.abc import Sequence
 
@@ -52,7 +52,7 @@ def errors_by_test(proof: Problem, residual: dict[int, Array]) -> dict[str, floa
 
 
 def gap(proof: Problem, before: dict[int, Array], after: dict[int, Array]) -> Gap:
-    """Compare residuals before and after with what the recordings do not repeat.
+    """Compare residuals before and after with the part of the recordings that is not repeatable.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""Does the criterion hold: cross-validation, other rigs, and the verdict on a test."""
+"""Validation of the criterion: cross-validation, other rigs, and the verdict on a test."""

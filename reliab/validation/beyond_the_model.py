@@ -1,9 +1,9 @@
-"""Verdicts through A and d on actuators that are no constant gain and delay.
+"""Verdicts by A and d on actuators that are not a constant gain and delay.
 
-Each test is simulated with its actuator, A and d are evaluated from command and measured displacement
-as a laboratory would, and the error of the whole test is known. The criterion's premise is that the
-error is that of a constant gain A and delay d; how far it is, and whether a verdict is wrong because
-of it, is what is reported.
+Each test is simulated with its actuator, A and d are evaluated from command and measured displacement as a
+laboratory would, and the error of the whole test is known. The criterion's premise is that the error is that
+of a constant gain A and delay d; the study reports how far this holds, and whether a verdict is wrong where
+it does not.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -53,9 +53,9 @@ class Rig:
     actuator : Actuator, optional
         Gain and delay.
     effects : tuple of Effect, optional
-        What else the actuator does.
+        Further effects of the actuator.
     compensator : Compensator, optional
-        What changes the command.
+        Compensator that changes the command.
     """
 
     name: str

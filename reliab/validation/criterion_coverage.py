@@ -1,4 +1,4 @@
-"""What a bound really contains: the true share of motions above it, over many synthetic suites.
+"""True coverage of a criterion's limits: the share of motions above them, over many synthetic suites.
 
 The logarithms of a and b of a suite are drawn from a known population, in which motions of one earthquake
 are alike; a method derives limits from the suite, and the share of the *population* that contains them is
@@ -109,7 +109,7 @@ def simulate_coverage(
     Parameters
     ----------
     method : BoundMethod
-        What the confidence means.
+        The method, which defines the meaning of the confidence.
     truth : Truth
         The population and the size of a suite.
     confidence : float

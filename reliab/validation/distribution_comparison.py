@@ -1,4 +1,4 @@
-"""Scores of distributions on the motions of an earthquake that they have not seen."""
+"""Scores of distributions on the motions of held-out earthquakes."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

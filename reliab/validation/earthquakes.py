@@ -1,8 +1,8 @@
-"""Which earthquake of a suite a ground motion is of, however its file names it.
+"""Identification of the earthquake of a ground motion among those of a suite, despite different names.
 
-Motions of one earthquake are alike, so that a motion must not be judged by a criterion that was learned
+Motions of one earthquake are similar, so that a motion must not be judged by a criterion that was learned
 from its own earthquake. A catalogue says "KOBE" where a header says "KOBE JAPAN 1995-01-16"; they are
-recognised by what they share: the record itself, the date, or the name.
+recognised by the same record, date or name.
 """
 
 import datetime as dt

@@ -1,4 +1,4 @@
-"""Laws put to the test on earthquakes that they have not seen, frequency by frequency."""
+"""Comparison of laws on earthquakes that were held out, frequency by frequency."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

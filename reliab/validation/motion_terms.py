@@ -1,4 +1,4 @@
-"""Whether something that is known of a motion earns its place in a law: its gain on held-out earthquakes."""
+"""Whether a property of the ground motion improves a law: its gain on held-out earthquakes."""
 
 from collections.abc import Mapping
 

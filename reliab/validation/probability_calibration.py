@@ -1,4 +1,4 @@
-"""Whether stated probabilities come true: how many tests said to be good with 80 % are good."""
+"""Check of stated probabilities: how many of the tests stated to be good with 80 % are good."""
 
 from collections.abc import Sequence
 from itertools import product
@@ -29,7 +29,7 @@ def probability_calibration(
     trials: int = 256,
     progress: Progress = silent,
 ) -> pd.DataFrame:
-    """Compare probabilities stated for tests with what becomes of the tests under unseen motions.
+    """Compare probabilities stated for tests with the share of good tests under unseen motions.
 
     Parameters
     ----------

@@ -48,7 +48,7 @@ _PUBLISHED_MOTION: Final = "elcentro"
 
 @dataclass(frozen=True, kw_only=True)
 class BenchmarkRequest:
-    """What of the benchmark is run.
+    """The part of the benchmark to run.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What tells suites of ground motions apart: intensity measures and response spectra, motion by motion."""
+"""Comparison of suites of ground motions: intensity measures and response spectra, motion by motion."""
 
 from collections.abc import Iterable, Sequence
 

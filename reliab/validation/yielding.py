@@ -1,9 +1,10 @@
-"""What a criterion for linear structures is worth once the specimen yields.
+"""Validity of a criterion for linear structures once the specimen yields.
 
 Each test stands on a motion's own linear boundary: its actuator has the gain and the delay at which a linear
 structure reaches the threshold exactly. The same actuator then drives an elastoplastic specimen, and the
-error of that test is compared with the threshold. Yielding adds damping, but it also lets the displacement
-of test and exact response drift apart for good, so that neither of the two is the more demanding everywhere.
+error of that test is compared with the threshold. Yielding adds damping, but it also lets the displacement of
+test and exact response drift apart for good, so that neither the linear nor the yielding test is always the
+more demanding one.
 """
 
 from collections.abc import Iterable, Sequence

@@ -56,7 +56,7 @@ def test_a_frame_is_read_with_its_interface_and_specimen(small_campaign):
         (
             FRAME + '[[structure.specimen.effects]]\nname = "cubic_stiffness"\ncubic_n_per_m3 = 1.0\n',
             "",
-            "nominal specimen of a campaign is linear",
+            "nominal specimen of a campaign must be linear",
         ),
     ],
 )

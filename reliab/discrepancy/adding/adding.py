@@ -19,7 +19,7 @@ from reliab.progress import Progress, silent
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Addition:
-    """A diagnosis with all that follows from it.
+    """A diagnosis with its posteriors, its updated model and its effect on the criterion.
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ def add(diagnosis: Diagnosis, *, out: Path | None = None, progress: Progress = s
 
 
 def _sampled(block: BlockDiagnosis, posterior: Posterior | None) -> BlockDiagnosis:
-    """Take over standard deviations and intervals of a converged posterior; values stay the most probable."""
+    """Use standard deviations and intervals of a converged posterior; values stay the most probable ones."""
     if posterior is None:
         return block
     if not posterior.converged:
@@ -106,5 +106,5 @@ def _shift(diagnosis: Diagnosis, model: UpdatedModel) -> dict[str, float] | None
         return None
     try:
         return criterion_shift(model.test, shaking_of(diagnosis.campaign)).as_dict()
-    except InputError:  # no boundary under these motions: there is no criterion to be shifted
+    except InputError:  # no boundary under these motions, hence no criterion
         return None

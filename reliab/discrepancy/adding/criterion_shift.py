@@ -1,4 +1,4 @@
-"""What added effects do to the criterion: how much less, or more, the actuator may err."""
+"""Effect of the added effects on the criterion: how its limits for the actuator shrink or grow."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -18,7 +18,7 @@ from reliab.motions import load_motions
 Array = NDArray[np.float64]
 
 THRESHOLD, CONFIDENCE = 0.05, 0.95
-"""Error on the boundary [-] and share of the motions that the criterion serves: the paper's."""
+"""Error on the boundary [-] and share of the motions for which the criterion holds, as in the paper."""
 
 _MOST_MOTIONS = 6
 _COARSE = 1.0  # amplitude step: eleven points a contour are enough for a ratio
@@ -49,11 +49,11 @@ def criterion_shift(
 ) -> CriterionShift:
     """Compare the criterion of a model with that of the same model without its effects.
 
-    The criterion is the paper's, the 5 % quantile of a lognormal distribution of a and of b over the
-    ground motions. Both criteria are those of an actuator's gain and delay, see
-    :class:`reliab.loop.effect_loop.EffectLoop`: an effect of the specimen or of the shaking belongs to
-    the behaviour under test and may make a test more tolerant; any other uses up part of the error that
-    the actuator may cause.
+    The criterion is the paper's, the 5 % quantile of a lognormal distribution of a and of b over the ground
+    motions. Both criteria are those of an actuator's gain and delay, see
+    :class:`reliab.loop.effect_loop.EffectLoop`: an effect of the specimen or of the shaking belongs to the
+    behaviour under test and may make a test more tolerant; any other effect uses part of the tolerable error,
+    so that less is left for the actuator.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The likelihood around a fitted model, from a few simulations.
+"""The likelihood near a fitted model, approximated from a few simulations.
 
 A simulation takes some ten milliseconds and an ensemble sampler asks for a hundred thousand. The whitened
 residual is therefore written as a quadratic polynomial of the parameters, exact where effects enter

@@ -1,1 +1,1 @@
-"""The blocks of a hybrid test that a campaign lets us see, each replayed by itself."""
+"""The blocks of a hybrid test whose input and output a campaign records, each simulated separately."""

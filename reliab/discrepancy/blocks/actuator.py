@@ -32,7 +32,7 @@ class ActuatorBlock(ObservedBlock):
     campaign : Campaign
         A campaign with both channels.
     scales : Scales
-        How large things are.
+        Typical sizes of motion and force.
     """
 
     block = Block.ACTUATOR
@@ -60,7 +60,7 @@ class ActuatorBlock(ObservedBlock):
         self.motions = tuple(command.at_each(parts) for command in commands)
 
     def command(self, motions: Sequence[Motion3], parts: int) -> None:
-        """Let the command move in every test, so many steps to each prediction."""
+        """Compute the motion of the command in every test, at a number of steps for each prediction."""
         self._commands, self._parts = tuple(motions), parts
         self._driven = lru_cache(maxsize=6 * len(self.tests))(self._drive)
 

@@ -3,9 +3,9 @@
 The command is exact, so that its derivatives are, too: the force that must have come back to the controller
 follows from the equation of motion and is compared with the measured one. An error of the integration is a
 transfer function from the demanded to the command's acceleration, which is inverted. Above half of the
-controller's rate the command says nothing of what was demanded; there the nominal specimen stands in. Natural
-frequency and damping ratio are calibrated, because an operator may state them wrongly; a wrong value would
-otherwise pass for an error of the integration.
+controller's rate the command contains no information on the demanded acceleration; there the nominal specimen
+is used. Natural frequency and damping ratio are calibrated, because an operator may state them wrongly; a
+wrong value would otherwise look like an error of the integration.
 """
 
 import numpy as np
@@ -34,7 +34,7 @@ class BalanceBlock(ObservedBlock):
     campaign : Campaign
         A campaign with a structure, ground acceleration, command and force.
     scales : Scales
-        How large things are.
+        Typical sizes of motion and force.
     """
 
     block = Block.NUMERICAL

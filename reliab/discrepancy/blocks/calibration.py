@@ -1,4 +1,4 @@
-"""What is calibrated in every model: not an effect, and never reported as one."""
+"""Parameters that are calibrated in every model; they are not effects and are not reported as such."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -109,7 +109,7 @@ def stiffness(nominal: HybridTest, spread: float = 0.05, reach: float = 0.1) -> 
 
 
 def unknown_stiffness() -> Calibration:
-    """Stiffness of a specimen of which nothing is stated [N/m]."""
+    """Stiffness of a specimen without a stated stiffness [N/m]."""
     parameter = Parameter(
         name="stiffness_n_per_m", units="N/m", meaning="stiffness of the specimen", signed=True,
         scale=(("force", 1.0), ("displacement", -1.0)),
@@ -162,11 +162,11 @@ def structure_damping() -> Calibration:
 def scale_of_excitation(expected: float, spread: float = 0.5) -> Calibration:
     """Scale of the ground motion over what a linear model expects of it, where no rig states it.
 
-    A nonlinear specimen may be off that by any factor: the scale has no bound that data could reach.
+    With a nonlinear specimen it may differ from that by any factor: its bounds are wider than any data need.
     """
     return Calibration(
         parameter=Parameter(
-            name="excitation_scale", units="-", meaning="factor on the ground acceleration over what is due",
+            name="excitation_scale", units="-", meaning="ground acceleration over its expected value",
             typical=1.0, spread=spread, lower=1e-3, upper=1e3, starts=(1.0,),
         ),
         nominal=lambda _model: 1.0 / expected,

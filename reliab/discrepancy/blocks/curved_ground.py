@@ -1,4 +1,4 @@
-"""How the ground acceleration runs between its samples, which no recording tells."""
+"""Course of the ground acceleration between its samples, which no recording shows."""
 
 from dataclasses import dataclass
 

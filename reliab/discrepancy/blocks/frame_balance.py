@@ -117,14 +117,14 @@ def _balance(
 class FrameBalanceBlock(ObservedBlock):
     """(ground acceleration, command) → force, with a frame as the numerical substructure.
 
-    Effects on the record are looked for here; an error of the integration of a frame is not.
+    Effects on the record are searched for here; errors of the integration of a frame are not.
 
     Parameters
     ----------
     campaign : Campaign
         A campaign with a frame, ground acceleration, command and force.
     scales : Scales
-        How large things are.
+        Typical sizes of motion and force.
 
     Raises
     ------

@@ -24,7 +24,7 @@ from reliab.vocabulary import Block
 
 Array = NDArray[np.float64]
 
-_COARSEST_RATE = 500.0  # Hz; at half of this the error of the integration passes for an added mass at 50 dB
+_COARSEST_RATE = 500.0  # Hz; at half of this the error of the integration looks like an added mass at 50 dB
 _FEWEST_STEPS = 60.0  # of the integration in a natural period; what they miss is 70 dB below the signal
 _ROUNDING = 0.05
 _SPRINGS = 9
@@ -45,7 +45,7 @@ class LoopBlock(ObservedBlock):
     campaign : Campaign
         A campaign with a structure, ground acceleration and measured displacement.
     scales : Scales
-        How large things are.
+        Typical sizes of motion and force.
     motions : tuple of Motion3
         Smoothed motions.
     """
@@ -102,7 +102,7 @@ class LoopBlock(ObservedBlock):
 
     @property
     def removable(self) -> dict[type[Effect], float]:
-        """What there is of damping and mass; those of the controller's own structure are exact."""
+        """Damping and mass that are present; those of the controller's own structure are exact."""
         effects = super().removable
         if not self._rig:
             effects[ViscousDamping] += self.nominal.mass * self.nominal.substructure.damping

@@ -1,4 +1,4 @@
-"""What an observed block can do: predict its channel from its input, for any model."""
+"""An observed block: it predicts its channel from its input, for any model."""
 
 from abc import ABC, abstractmethod
 from typing import ClassVar
@@ -37,7 +37,7 @@ class ObservedBlock(ABC):
     every : int
         Predictions are made at each `every`-th sample only.
     scales : Scales
-        How large things are.
+        Typical sizes of motion and force.
     nominal : HybridTest
         The model before calibration.
     calibrations : tuple of Calibration
@@ -49,7 +49,8 @@ class ObservedBlock(ABC):
     outside : tuple of type
         Terms outside the library that are tried where something is left.
     motions : tuple of Motion3
-        Motion of the piston in every test as far as it is known without a model, to locate what is left.
+        Motion of the piston in every test as far as it is known without a model, to locate the remaining
+        error.
     """
 
     block: ClassVar[Block]
@@ -98,7 +99,7 @@ class ObservedBlock(ABC):
 
     @property
     def removable(self) -> dict[type[Effect], float]:
-        """What there is of damping [N·s/m] and mass [kg], so that no more of it can be missing."""
+        """Damping [N·s/m] and mass [kg] that are present; no more than these can be missing."""
         specimen = self.nominal.specimen
         return {
             ViscousDamping: specimen.damping if specimen else 0.0,

@@ -36,7 +36,7 @@ class SpecimenBlock(ObservedBlock):
     campaign : Campaign
         A campaign with a force.
     scales : Scales
-        How large things are.
+        Typical sizes of motion and force.
     pistons : sequence of Motion3
         Motion of the piston in every test, as the actuator's model or a smoother gives it.
     smoothed : bool, optional
@@ -71,7 +71,7 @@ class SpecimenBlock(ObservedBlock):
         self.move(pistons)
 
     def move(self, pistons: Sequence[Motion3]) -> None:
-        """Let the piston move in every test."""
+        """Compute the motion of the piston in every test."""
         self.motions = tuple(pistons)
         self._followed = lru_cache(maxsize=_KEPT * len(self.tests))(self._follow_one)
 
@@ -123,7 +123,7 @@ class SpecimenBlock(ObservedBlock):
         return force
 
     def _follow_one(self, kernel: Kernel, numbers: tuple[float, ...], test: int) -> Array:
-        """Force that one effect adds [N]; under a given motion effects do not know of each other."""
+        """Force that one effect adds [N]; under a given motion the effects are independent of each other."""
         return follow(kernel, numbers, self.motions[test])
 
     def _expected_load(self, model: HybridTest, piston: Motion3, test: int) -> Array:
@@ -137,7 +137,7 @@ class SpecimenBlock(ObservedBlock):
 
 
 def _without_reading(model: HybridTest, seen: Motion3) -> Motion3:
-    """Motion of the piston where a reading of it was smoothed, what the sensor adds taken off."""
+    """Motion of the piston where a reading of it was smoothed, with the sensor's own effects removed."""
     added = read_displacement(model, seen) - seen.values[0]
     values = seen.values.copy()
     values[0] -= added

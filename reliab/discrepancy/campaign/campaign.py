@@ -1,4 +1,4 @@
-"""A measured campaign: what the operator believes, and the tests."""
+"""A measured campaign: the operator's nominal model, and the tests."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -34,7 +34,7 @@ class MeasuredTest:
     motion : str
         What the test was driven by.
     held_out : bool
-        Whether it is kept for the proof.
+        Whether it is held out to verify the found effects.
     channels : dict of Channel to numpy.ndarray
         Samples in SI units, each of shape (n,).
     """
@@ -98,7 +98,7 @@ class Campaign:
             raise InputError(
                 "At least one test must not be held out",
                 value=f"{len(self.tests)} tests, all held out",
-                remedy="Keep one test for the proof and the others for finding the effect",
+                remedy="Hold out one test to verify the effect, and leave the others to find it",
             )
 
     @property
@@ -108,7 +108,7 @@ class Campaign:
 
     @cached_property
     def nominal(self) -> HybridTest:
-        """The model that the operator believes."""
+        """The operator's nominal model."""
         return HybridTest(
             structure=self.structure,
             mass=self.mass,
@@ -130,7 +130,7 @@ class Campaign:
 
     @property
     def proof(self) -> tuple[Stretch, ...]:
-        """Stretches of tests kept for the proof."""
+        """Stretches of tests that are held out to verify the effects."""
         if len(self.tests) == 1:
             size = self.tests[0].size
             return (Stretch(test=0, begin=2 * size // 3, end=size),)

@@ -3,7 +3,7 @@
 The numerical substructure is a structure of one degree of freedom::
 
     [structure]
-    frequency_hz = 1.0                       # nominal values: what the operator believes
+    frequency_hz = 1.0                       # nominal values, as the operator assumes them
     damping_ratio = 0.02
     mass_kg = 1000.0                         # scales force; absent: force per unit mass
     experimental_fraction = 1.0
@@ -86,7 +86,7 @@ class _Test(_Table):
 
 
 def _kind_of_structure(table: object) -> str:
-    """Tell a frame from a structure of one degree of freedom by its tables."""
+    """Distinguish a frame from a structure of one degree of freedom by its tables."""
     return "frame" if isinstance(table, dict) and "frame" in table else "one_mode"
 
 
@@ -138,7 +138,7 @@ def read_campaign(folder: Path | str) -> Campaign:
 
 
 def _check_files(names: list[str]) -> None:
-    """Refuse files outside the folder, and a file for two tests: a model is not proved on its own data."""
+    """Refuse files outside the folder, and one file for two tests: data that fit a model cannot verify it."""
     for place, name in enumerate(names, start=1):
         path = PurePath(name)
         if path.is_absolute() or ".." in path.parts:
@@ -158,7 +158,7 @@ def _check_files(names: list[str]) -> None:
 
 
 def _held_out(tests: list[_Test]) -> list[bool]:
-    """Which tests are held out: those marked, else the last; of a single test its end is, not itself."""
+    """Which tests are held out: those marked, else the last; of a single test only its end is held out."""
     marked = [test.held_out for test in tests]
     if len(tests) == 1:
         return [False]
@@ -181,7 +181,7 @@ def _campaign(described: _CampaignFile, tests: tuple[MeasuredTest, ...], folder:
 
 
 def _as_partition(table: _Frame, described: _CampaignFile) -> Partition:
-    """Build the frame with its specimen, and refuse what is said twice or has no meaning."""
+    """Build the frame with its specimen, and refuse entries that are repeated or have no meaning."""
     if described.specimen is not None:
         raise InputError(
             "The specimen of a frame is described in [structure.specimen]",
@@ -192,7 +192,7 @@ def _as_partition(table: _Frame, described: _CampaignFile) -> Partition:
     partition = frame_of_tables(table.model_dump(), CAMPAIGN_FILE).partition
     if partition.effects:
         raise InputError(
-            "The nominal specimen of a campaign is linear; a diagnosis finds what it does beyond that",
+            "The nominal specimen of a campaign must be linear; a diagnosis finds its nonlinear effects",
             value=", ".join(effect.name for effect in partition.effects),
             remedy="Leave [[structure.specimen.effects]] out",
             where=CAMPAIGN_FILE,
@@ -231,7 +231,7 @@ def _described(path: Path) -> _CampaignFile:
 
 
 def _explained(error: ValidationError, text: str, path: Path) -> InputError:
-    """Turn the first complaint of pydantic into a rule with its line."""
+    """Turn the first validation error into a rule with its line."""
     first = error.errors()[0]
     location = [str(part) for part in first["loc"]]
     key = ".".join(location)
@@ -252,7 +252,7 @@ def _explained(error: ValidationError, text: str, path: Path) -> InputError:
 
 
 def _line_of(text: str, location: list[str]) -> int | None:
-    """Line of a key, as far as its name and the order of its table tell."""
+    """Line of a key, as far as it follows from its name and the order of its table."""
     names = [part for part in location if not part.isdigit()]
     counts = [int(part) for part in location if part.isdigit()]
     if not names:

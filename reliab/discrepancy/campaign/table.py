@@ -66,7 +66,7 @@ def _read_columns(path: Path) -> dict[str, NDArray[np.float64]]:
 
 
 def _is_rectangular(path: Path, columns: int) -> bool:
-    """Tell whether every line has so many cells; pandas would drop what a line has too many."""
+    """Check that every line has the right number of cells; pandas would drop surplus cells silently."""
     with path.open("rb") as file:
         return all(line.count(b",") == columns - 1 for line in file if line.strip())
 

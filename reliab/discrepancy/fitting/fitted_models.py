@@ -1,4 +1,4 @@
-"""All models that were fitted to a block: how credible they are, and whether what they hold matters."""
+"""All models that were fitted to a block: how credible they are, and whether their effects matter."""
 
 from collections.abc import Iterable
 from weakref import WeakKeyDictionary
@@ -25,25 +25,26 @@ OUTSIDE_COST = 7.0
 LEAST_SHARE = 0.01
 """Share of the gap's energy that an effect must close to be named beside others.
 
-No model of a machine is exact: long records make errors of a tenth of the largest effect significant."""
+No model of a machine is exact: in long records even model errors of a tenth of the largest effect are
+significant."""
 
 AUDIBLE = 0.02
 """Share of the noise's energy that an effect outside the library must have.
 
-Every recording has traces far below its noise that no library holds."""
+Every recording contains traces far below its noise that no effect of the library explains."""
 
 MATERIAL = 0.19
-"""Share of the error's energy on left-out tests, a tenth of its RMS, that an effect must take away where what
-is left is no noise.
+"""Share of the error's energy on left-out tests, a tenth of its RMS, that an effect must remove where the
+remainder is not noise.
 
-An error of the model follows the motion, so that nearly anything explains some of it; by evidence alone,
-which takes it for noise, a trifle of it decides with certainty."""
+An error of the model follows the motion, so that nearly any effect explains some of it. The evidence treats
+this error as noise, so that a tiny improvement would appear certain."""
 
 BESIDE = 0.5
-"""Share of the error's energy on left-out tests that an effect must take off a model with other effects.
+"""Share of the error's energy on left-out tests that an effect must remove from a model with other effects.
 
-It then explains more of what those leave than remains unexplained. What an effect takes off less than that is
-as likely a part of the model's error that happens to resemble the effect."""
+It then explains more than half of the error that the others leave. An effect that explains less may as likely
+be a part of the model's error that happens to resemble it."""
 
 _LEAST_BESIDE, _LEAST_OUTSIDE = 0.03, 0.05
 # shares of the whole gap's energy that an effect beside others, and a term outside the library, must close
@@ -85,7 +86,7 @@ class FittedModels:
         return self.fitted[key]
 
     def _reject(self, candidate: Fit) -> None:
-        """Take a model out of the search for good: something in it does not matter."""
+        """Exclude a model from the search permanently, because one of its effects does not matter."""
         key = frozenset(candidate.space.names)
         self.rejected.add(key)
         self.fitted.pop(key, None)
@@ -93,8 +94,9 @@ class FittedModels:
     def score(self, candidate: Fit) -> float:
         """Logarithm of how credible a fitted model is, up to a constant.
 
-        Evidence and prior odds where noise judges; else the predictive likelihood of tests that are left out
-        one at a time, of normal errors of unknown size, which has paid for the model's parameters already.
+        Where models are judged against noise, evidence and prior odds; else the predictive likelihood of
+        tests that are left out one at a time, for normal errors of unknown size, which already penalises
+        parameters.
         """
         if not self.problem.flat:
             return candidate.log_evidence - cost(candidate.space.effects)
@@ -117,7 +119,7 @@ class FittedModels:
         return self._errors[candidate]
 
     def plain(self) -> Fit:
-        """Calibrate by least squares, as a laboratory would that knows nothing of noise."""
+        """Calibrate by ordinary least squares, without a noise model, as a laboratory would."""
         variance = float(
             np.mean(self.null.noise.density(np.linspace(0.0, 0.5 * self.problem.block.rate, 99)))
         )
@@ -130,7 +132,7 @@ class FittedModels:
         return max(self.fitted.values(), key=self.score)
 
     def _matters(self, candidate: Fit, smaller: Fit, *, beside: float = MATERIAL) -> bool:
-        """Whether what a model has over a smaller one is not negligible.
+        """Whether the additional effects of a model over a smaller one are not negligible.
 
         `beside` is the share of the error's energy on left-out tests that it must take off a smaller model
         that has effects, where errors judge.
@@ -158,7 +160,7 @@ class FittedModels:
         return self.error(candidate).energy <= most * self.error(smaller).energy
 
     def supported(self, candidate: Fit) -> bool:
-        """Whether a model may be named: everything in it matters against each model that goes without it.
+        """Whether a model may be named: each of its effects matters against the models without it.
 
         Where errors judge, an effect beside others must explain more of what they leave than remains; so
         must terms outside the library of what the library's best model leaves. An effect that has a simpler

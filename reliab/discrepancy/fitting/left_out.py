@@ -1,6 +1,6 @@
 """The error of a model on each test when its parameters are fitted to the others, in the channel's own unit.
 
-This is the second judge beside the evidence. It knows nothing of a noise model: what a model gains at
+This is the second measure beside the evidence. It uses no noise model: what a model gains at
 frequencies at which the channel hardly moves does not count, and a parameter that only follows one test
 costs on the next. Where noise judges, refitting without a test is one Newton step from the fit to all of
 them, within the bounds; where errors judge, models are refitted in full, because one step may lead far
@@ -55,7 +55,7 @@ class LeftOut:
 
     @property
     def nrmse(self) -> float:
-        """RMS of the residuals over that of the channel."""
+        """RMS of the residuals over the RMS of the channel."""
         return float(np.sqrt(self.energies.sum() / max(self.signals.sum(), 1e-300)))
 
     def undecided(self, rival: "LeftOut") -> bool:

@@ -17,7 +17,7 @@ _LOWEST = 0.2  # Hz
 
 
 def line_terms(problem: Problem, fitted: Fit) -> tuple[type[Disturbance], ...]:
-    """Make a term of the strongest line that a model leaves over, if one stands out; pickup is none.
+    """Make a term of the strongest line in a model's residual, if one stands out and is not mains pickup.
 
     Parameters
     ----------

@@ -5,7 +5,7 @@ import numpy as np
 from reliab.discrepancy.fitting.problem import Problem
 
 MOST_OF_A_TEST = 24.0
-"""Observations of one test at most: its swings repeat what the ones before have shown."""
+"""Largest number of observations in one test: later swings repeat the earlier ones."""
 
 _FEWEST = 4.0
 

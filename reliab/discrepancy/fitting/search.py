@@ -1,4 +1,4 @@
-"""Searching for what a block hides: forward by screening, backward by removal, judged by evidence."""
+"""Search for missing effects of a block: forward by screening, backward by removal, judged by evidence."""
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -104,7 +104,7 @@ class Search(FittedModels):
         return self.score(candidate) > 0.5 * (self.score(first) + self.score(self.null))
 
     def whole(self, begin: Fit | None = None) -> Fit:
-        """Search the library, and beyond it where something is left that a term outside would explain."""
+        """Search the library, and terms outside it where one of them would explain the remainder."""
         block = self.problem.block
         inside = self.forward(begin or self.null, block.candidates)
         outside = (*block.outside, *line_terms(self.problem, inside)) if block.outside else ()
@@ -185,7 +185,7 @@ class Search(FittedModels):
             self._keep(refined_fit)
 
     def settle(self) -> None:
-        """Reject every model that may be named and holds what does not matter."""
+        """Reject every model that may be named and contains an effect that does not matter."""
         checked: set[frozenset[str]] = set()
         while True:
             best = self.score(self.best)

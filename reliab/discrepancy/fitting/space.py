@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 MODEL_ERROR = 1e-4
 """Relative standard deviation that is added to every parameter, because simulation and machine differ too.
 
-Long records determine parameters to a few parts in a million if the simulation were exact. Independent
+If the simulation were exact, long records would determine parameters to a few parts in a million. Independent
 simulators of the same equations differ by some parts in ten thousand, from how the motion runs between
 samples.
 """

@@ -1,1 +1,1 @@
-"""Where a model fails: what its residual goes along with."""
+"""Where a model fails: the motion quantities with which its residual is correlated."""

@@ -1,9 +1,9 @@
-"""Where a calibrated model fails: what its residual goes along with.
+"""Where a calibrated model fails: the motion quantities with which its residual is correlated.
 
-Each test projects the whitened residual on what a family of causes would add to the channel (columns of the
-motion, whitened alike, the calibration's own directions taken out). Under noise alone the projected energy
-is χ²-distributed with as many degrees of freedom as the family has columns; Bonferroni's factor corrects for
-the number of families.
+Each test projects the whitened residual on the signals that a family of causes would add to the channel
+(columns of the motion, whitened alike, the calibration's own directions taken out). Under noise alone the
+projected energy is χ²-distributed with as many degrees of freedom as the family has columns; Bonferroni's
+factor corrects for the number of families.
 """
 
 from collections.abc import Callable
@@ -57,7 +57,7 @@ _FAMILIES = (
         lambda _t, x, _v, _a: (x**2, x**3, x * np.abs(x)),
     ),
     _Family(
-        "acceleration", "the residual goes with the acceleration", lambda _t, _x, _v, a: (a,)
+        "acceleration", "the residual is proportional to the acceleration", lambda _t, _x, _v, a: (a,)
     ),
     _Family(
         "state_plane",
@@ -68,7 +68,7 @@ _FAMILIES = (
 
 
 def locate(problem: Problem, calibrated: Fit, noise: NoiseModel) -> tuple[Finding, ...]:
-    """Find what the residual of the calibrated model goes along with.
+    """Find the motion quantities with which the residual of the calibrated model is correlated.
 
     Parameters
     ----------

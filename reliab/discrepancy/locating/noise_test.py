@@ -1,10 +1,10 @@
-"""Whether what a model leaves is noise: its energy must be spread evenly over time and frequency.
+"""Whether a model's residual is noise: its energy must be spread evenly over time and frequency.
 
 The whitened spectrum of a residual that is noise is a sequence of independent complex normal numbers, and so
 is its transform over any band to instants within that band. The energy in each cell of such a division is
 exponentially distributed, whatever the size of the cells. The error of a model lies where the motion was: in
-lines under a sine, on a ridge under a sweep, in the strong phase under an earthquake; there cells hold
-far more than noise ever would. The share of the energy in such cells is what this test measures.
+lines under a sine, on a ridge under a sweep, in the strong phase under an earthquake; cells there hold far
+more energy than noise would. The share of the energy in such cells is what this test measures.
 """
 
 import numpy as np
@@ -18,10 +18,10 @@ Array = NDArray[np.float64]
 Spectrum = NDArray[np.complex128]
 
 LARGEST_STRUCTURED_SHARE = 0.02
-"""Share of what a model leaves that may lie in cells that noise would not fill, where it passes for noise."""
+"""Largest share of a residual's energy in cells that noise would not fill for it to count as noise."""
 
 _DOMINANT = 0.05
-"""Share from which an error of the model, not noise, decides."""
+"""Share from which the residual counts as an error of the model."""
 
 _STEPS = 1.0  # of a converter: within this RMS what is left is its own error, which is structured, too
 
@@ -30,7 +30,7 @@ _ABOVE = 7.0  # times the mean energy; noise has a thousandth of its energy abov
 
 
 def structured_share(problem: Problem, fitted: Fit) -> float:
-    """Share of a residual's energy that is concentrated as no noise is.
+    """Share of a residual's energy that is more concentrated than noise would be.
 
     Parameters
     ----------
@@ -49,12 +49,12 @@ def structured_share(problem: Problem, fitted: Fit) -> float:
 
 
 def is_model_error(problem: Problem, fitted: Fit) -> bool:
-    """Whether what a model leaves is an error of the model rather than noise."""
+    """Whether a model's residual is an error of the model rather than noise."""
     return structured_share(problem, fitted) > _DOMINANT and not _within_steps(problem, fitted)
 
 
 def is_noise(problem: Problem, fitted: Fit) -> bool:
-    """Whether what a model leaves passes for noise, or for the error of a converter."""
+    """Whether a model's residual is compatible with noise, or with the error of a converter."""
     return structured_share(problem, fitted) <= LARGEST_STRUCTURED_SHARE or _within_steps(problem, fitted)
 
 

@@ -2,8 +2,8 @@
 
 Noise and motion make every sample differ from the one before it. A run of equal samples is an event where the
 model that explains the tests best moves on, at frequencies at which it is judged, by much more than the
-reading usually changes from one sample to the next, or the model misses it. Equal samples at the begin or at
-the end of a record are rest, and a few events that hold next to nothing of what is left are no explanation.
+reading usually changes from one sample to the next, or the model misses it. Equal samples at the start or end
+of a record are rest, and a few events that contain almost none of the residual are no explanation.
 """
 
 from dataclasses import dataclass

@@ -33,7 +33,7 @@ _RIVALS = 4
 
 
 def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
-    """Say what a searched block shows.
+    """Draw the conclusions from the search of a block.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What else could pass for an offset of a sensor: the best effect in its place."""
+"""The best effect that could explain the data in place of a sensor's offset."""
 
 from copy import copy
 from dataclasses import dataclass, replace

@@ -59,7 +59,7 @@ def _softmax(scores: Array) -> Array:
 
 
 def _place(search: Search, ordered: list[Fit]) -> None:
-    """Let the likelihood of all tests tell where along the block the effects of the first model act.
+    """Decide by the likelihood of all tests where along the block the effects of the first model act.
 
     Models that differ in nothing but that have the same names and as many parameters. A test in which the
     place shows best is missing where it is left out, so that left-out tests often do not tell; the other

@@ -1,4 +1,4 @@
-"""What acts in a block and is no member of the library."""
+"""Effects in a block that are not in the library."""
 
 from collections.abc import Sequence
 
@@ -25,7 +25,7 @@ SMALLEST_GAP = 0.1
 
 
 def unexplained(judged: tuple[Problem, Fit], best: Fit, proved: Gap, *, noise: bool) -> Unknown | None:
-    """Return what acts and is none of the library, or a remainder that is too large beside what was found."""
+    """Return an effect outside the library, or a remainder that is too large beside the found effects."""
     problem = judged[0]
     outside = [kind for kind in best.space.effects if issubclass(kind, OutsideTerm)]
     interrupted = _interrupted(problem, judged[1], proved.after)
@@ -40,14 +40,14 @@ def unexplained(judged: tuple[Problem, Fit], best: Fit, proved: Gap, *, noise: b
 
 
 def _remainder(problem: Problem, best: Fit, proved: Gap) -> Unknown | None:
-    """Return an error of the model that is large beside what was found, or beside the signal."""
+    """Return an error of the model that is large beside the found effects, or beside the signal."""
     large = proved.unexplained_share > LARGEST_REMAINDER if best.space.effects else True
     if not (large and proved.model_error > SMALLEST_GAP):
         return None
     return Unknown(
         block=str(problem.block.block),
         expression="",
-        description="what remains follows the motion, and no effect or term that was tried explains it",
+        description="the remainder follows the motion, and no effect or term that was tried explains it",
         held_out_nrmse=proved.after,
     )
 
@@ -67,7 +67,7 @@ def _unknown(outside: Sequence[type[OutsideTerm]], best: Fit, error: float) -> U
 
 
 def _interrupted(problem: Problem, best: Fit, error: float) -> Unknown | None:
-    """Return what is seen of a reading that stands still now and then.
+    """Describe a reading that stands still now and then.
 
     The force that the numerical substructure would balance is no prediction of the load cell: it is computed
     back from the command, which a controller with steps of its own holds, too.
@@ -85,7 +85,7 @@ def _interrupted(problem: Problem, best: Fit, error: float) -> Unknown | None:
 
 
 def _disturbance(problem: Problem, best: Fit, error: float) -> Unknown | None:
-    """Return what is seen of a disturbance at frequencies that are too high to judge models."""
+    """Describe a disturbance at frequencies that are too high to judge models."""
     line = line_above(problem, best)
     if line is None:
         return None

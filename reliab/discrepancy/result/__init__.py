@@ -1,1 +1,1 @@
-"""What a diagnosis says, as objects and as the JSON that `reliab diagnose` writes."""
+"""The results of a diagnosis, as objects and as the JSON that `reliab diagnose` writes."""

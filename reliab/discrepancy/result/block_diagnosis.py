@@ -1,4 +1,4 @@
-"""What one observed block says."""
+"""The results for one observed block."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 
 class Verdict(StrEnum):
-    """What a campaign says as a whole."""
+    """The verdict on a campaign."""
 
     NAMED = "named"
     NO_MISSING_EFFECT = "no_missing_effect"
@@ -43,7 +43,7 @@ class BlockDiagnosis:
     block : ObservedBlock
         The block.
     problem, proof : Problem
-        It on the tests that are not held out, and on those that are.
+        The block's data on the tests that are not held out, and on those that are.
     calibrated : Fit
         Calibration and offsets alone.
     best : Fit
@@ -57,7 +57,7 @@ class BlockDiagnosis:
     uncertain_offsets : tuple of MissingEffect
         Offsets that are calibrated and not named, because another effect could stand in their place.
     unknown : Unknown or None
-        What is none of the library.
+        The effect outside the library.
     findings : tuple of Finding
         Where the calibrated model fails.
     residuals_before, residuals_after : dict of str to numpy.ndarray
@@ -65,7 +65,8 @@ class BlockDiagnosis:
     gap : Gap
         The same in numbers.
     structured_share : float
-        Share of what the best model leaves of the tests it was fitted to that is concentrated as no noise is.
+        Share of the best model's residual, on the tests to which it was fitted, that is more concentrated
+        than noise.
     leaves_noise : bool
         Whether that passes for noise, or for the error of a converter.
     calibration : tuple of Estimate

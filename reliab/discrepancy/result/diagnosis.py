@@ -1,4 +1,4 @@
-"""What a campaign says as a whole."""
+"""The results for a whole campaign."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -25,7 +25,7 @@ SHORT_RECORD = 256
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Diagnosis:
-    """What a campaign says.
+    """The results for a campaign.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class Diagnosis:
 
     @property
     def unknown(self) -> Unknown | None:
-        """What is none of the library, in the first block that has it."""
+        """The effect outside the library, in the first block that has one."""
         return next((diagnosed.unknown for diagnosed in self.blocks if diagnosed.unknown is not None), None)
 
     @property
@@ -67,7 +67,7 @@ class Diagnosis:
 
     @property
     def gap(self) -> Gap:
-        """The gap in the block where it was widest over what is left of it."""
+        """The gap in the block where it shrank by the largest factor."""
         return max(
             (diagnosed.gap for diagnosed in self.blocks), key=lambda gap: gap.before / max(gap.after, 1e-300)
         )

@@ -1,4 +1,4 @@
-"""The proof in numbers: the gap between model and measurement, and the error to expect on a further test."""
+"""The gap between model and measurement on held-out tests, and the error to expect on a further test."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -20,8 +20,8 @@ class Gap:
     before, after : float
         RMS of the difference over RMS of the signal, calibrated model and model with the effects.
     floors : mapping of str to float
-        The same of what the recordings do not repeat, by where it was taken from, the most telling first;
-        empty where the recordings do not tell.
+        RMS of the part that is not repeatable over RMS of the signal, by its source, the most reliable first;
+        empty where the recordings do not show it.
     tests_before, tests_after : mapping of str to float
         `before` and `after` of each held-out test, by file.
     """

@@ -1,4 +1,4 @@
-"""What a block lacks: an effect of the library with its parameters and rivals, or a term of none."""
+"""A missing effect: one of the library with its parameters and rivals, or a term outside the library."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -53,7 +53,7 @@ class MissingEffect:
     estimates : tuple of Estimate
         Its parameters.
     rivals : tuple of Rival
-        What else was tried in its place, the most probable first.
+        Other effects that were tried in its place, the most probable first.
     error_with, error_without : float
         Error on held-out tests of the model with it, and of the same model refitted without it: RMS over
         that of the signal.
@@ -76,7 +76,7 @@ class MissingEffect:
 
     @property
     def remark(self) -> str:
-        """What it cannot be told from, in a sentence, and the test that would tell."""
+        """The effect from which it cannot be distinguished, and the test that would distinguish them."""
         rival = self.rivals[0] if self.rivals else None
         return remark(self.name, self.probability, None if rival is None else (rival.name, rival.probability))
 
@@ -97,7 +97,7 @@ class MissingEffect:
 
 @dataclass(frozen=True, kw_only=True)
 class Unknown:
-    """What is missing and is none of the known effects.
+    """A missing effect that is none of the known ones.
 
     Attributes
     ----------

@@ -1,1 +1,1 @@
-"""What the channels hold at which frequency: noise, segments, smoothing, conversion, scales."""
+"""Spectra of the channels: noise, segments, smoothing, conversion, scales."""

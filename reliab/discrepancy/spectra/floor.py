@@ -1,4 +1,4 @@
-"""How much of a channel no model could explain, from the recordings alone, never from what a model leaves."""
+"""The part of a channel that no model could explain, estimated from the recordings without any model."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ _WHITE = 1.25  # ratio of the power in both halves of a band of white noise
 
 
 class Source(StrEnum):
-    """Where a floor comes from, the most telling first."""
+    """Where a floor comes from, the most reliable source first."""
 
     REPEATED_TESTS = "repeated tests"
     REPEATED_CYCLES = "repeated cycles"
@@ -32,7 +32,7 @@ class Source(StrEnum):
 
 @dataclass(frozen=True, kw_only=True)
 class Floor:
-    """Mean square of what is not repeatable in a channel.
+    """Mean square of the part of a channel that is not repeatable.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def floors(
     rate: float,
     highest: float,
 ) -> tuple[Floor, ...]:
-    """Take the floor of a channel from all that the recordings offer.
+    """Estimate the floor of a channel from every source that the recordings offer.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def floors(
     Returns
     -------
     tuple of Floor
-        The most telling first; empty where the recordings do not tell.
+        The most reliable first; empty where the recordings do not show it.
     """
     proof = list(held_out)
     ways = (

@@ -1,10 +1,10 @@
-"""The noise of a channel: a smooth spectrum fitted to what a model leaves over.
+"""The noise of a channel: a smooth spectrum fitted to the residual of a model.
 
 The power spectral density of the noise is taken as a sum, with coefficients that are not negative, of white
-noise and first-order autoregressive noises of fixed corner frequencies. Their maximum-likelihood
-coefficients under Whittle's approximation follow from a multiplicative iteration (majorise–minimise for the
-Itakura–Saito divergence). A smooth spectrum cannot imitate the narrow lines of a structure's response, so
-that an effect does not pass for noise.
+noise and first-order autoregressive noises of fixed corner frequencies. Their maximum-likelihood coefficients
+under Whittle's approximation follow from a multiplicative iteration (majorise–minimise for the Itakura–Saito
+divergence). A smooth spectrum cannot imitate the narrow lines of a structure's response, so that an effect is
+not mistaken for noise.
 """
 
 from collections.abc import Sequence

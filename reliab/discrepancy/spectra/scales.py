@@ -1,4 +1,4 @@
-"""How large things are in a campaign: what bounds, priors and starts are multiples of."""
+"""Typical sizes of motion and force in a campaign; bounds, priors and starts are multiples of them."""
 
 from collections.abc import Sequence
 
@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 
 def motions_of(campaign: Campaign) -> tuple[Motion3, ...]:
-    """Motion of the piston in every test as the channels tell: the command, else the smoothed reading.
+    """Motion of the piston in every test from the channels: the command, else the smoothed reading.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def scales_of(campaign: Campaign, motions: Sequence[Motion3]) -> Scales:
     Raises
     ------
     InputError
-        If nothing moves in any test.
+        If no test has a displacement that moves.
     """
     kept = [k for k, test in enumerate(campaign.tests) if not test.held_out]
     centred = [motions[k].values - [[motions[k].values[0].mean()], [0.0], [0.0]] for k in kept]

@@ -1,4 +1,4 @@
-"""Records that do not start at rest: the stretch in which a model finds the state that nobody recorded."""
+"""Records that do not start at rest: the stretch in which the model forgets its unknown initial state."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -17,11 +17,11 @@ _LARGEST_SHARE = 0.2  # of a record
 def settled(
     stretches: Sequence[Stretch], motions: Sequence[Motion3], memory: float = 0.0
 ) -> tuple[Stretch, ...]:
-    """Leave out the begin of records that start while the piston moves.
+    """Leave out the start of records that begin while the piston moves.
 
-    What happened before the record has left a state in the rig, in a lag or in a hysteresis, that the record
-    does not tell. A simulation that starts without it has forgotten the difference after a swing, that of an
-    oscillator after its free vibration has died away.
+    Motion before the record leaves the rig in a state, of a lag or of a hysteresis, that is not recorded. The
+    error of a simulation that starts without this state vanishes after one swing, that of an oscillator after
+    its free vibration has died away.
 
     Parameters
     ----------

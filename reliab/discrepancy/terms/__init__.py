@@ -1,4 +1,4 @@
-"""What may act beside the library: physical terms that give an unknown effect an expression."""
+"""Physical terms outside the library, which give an unknown effect an expression."""
 
 from reliab.discrepancy.terms.outside_term import OutsideTerm, is_outside
 from reliab.discrepancy.terms.outside_terms import outside_terms

@@ -1,4 +1,4 @@
-"""What a term is that is no member of the library: an effect that brings an expression."""
+"""A term outside the library: an effect with an expression."""
 
 from dataclasses import dataclass
 from typing import ClassVar

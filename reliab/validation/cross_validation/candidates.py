@@ -1,4 +1,4 @@
-"""Criteria that are put to the test: derived anew in each fold, or printed once and for all."""
+"""Criteria under test: derived anew in each fold, or fixed as printed."""
 
 import math
 from abc import ABC, abstractmethod
@@ -25,14 +25,14 @@ class Limits:
     law : Law
         Limits a [-] and b [ms²] of actuators that are late.
     lead_law : Law, optional
-        The same of actuators that are early; None where the candidate says nothing of leads.
+        The same of actuators that are early; None where the candidate has no limits for leads.
     """
 
     law: Law
     lead_law: Law | None = None
 
     def regions(self, cell: Cell) -> list[Region]:
-        """List what is accepted of a structure; empty where the law does not hold or promises nothing.
+        """List the accepted regions of a structure; empty where the law does not hold or has no limits.
 
         Parameters
         ----------
@@ -42,7 +42,7 @@ class Limits:
         Returns
         -------
         list of Region
-            One for lags, and one for leads where the candidate says something of them.
+            One for lags, and one for leads where the candidate has limits for them.
         """
         regions = []
         for side, law in ((Side.LAG, self.law), (Side.LEAD, self.lead_law)):
@@ -64,7 +64,7 @@ def _holds(law: Law, cell: Cell) -> bool:
 
 @dataclass(frozen=True, kw_only=True)
 class Candidate(ABC):
-    """A way to arrive at the limits a and b.
+    """A way to derive the limits a and b.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ class Derived(Candidate):
     Parameters
     ----------
     method : Method
-        What the confidence means.
+        The method, which defines the meaning of the confidence.
     joint : bool, optional
         Whether a and b hold together; by default as the method means it.
     law : type, optional
@@ -126,7 +126,8 @@ class Derived(Candidate):
         Raises
         ------
         InputError
-            If the motions carry none of the confidences; the reason at the first.
+            If there are too few motions for any of the confidences; the message gives the reason for the
+            first.
         """
         learned: dict[float, Limits] = {}
         refusals: list[InputError] = []
@@ -148,7 +149,7 @@ class Derived(Candidate):
 
 @dataclass(frozen=True, kw_only=True)
 class Printed(Candidate):
-    """Limits that are printed, whatever the motions.
+    """Printed limits, independent of the motions.
 
     Parameters
     ----------

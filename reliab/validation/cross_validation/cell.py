@@ -1,4 +1,4 @@
-"""One structure and one error: what a criterion is put to the test for."""
+"""One structure and one error, for which a criterion is tested."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Counts of what criteria did on motions from which they were not learned, and the rates that follow."""
+"""Counts of right and wrong verdicts on motions from which the criteria were not learned, and their rates."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,15 +14,15 @@ COUNTS: Final = (
     *("contained", "judged", "unresolved", "within_ellipse", "fitted"),
     *("tried", "accepted", "accepted_bad", "accepted_good", "good"),
 )
-"""What is counted."""
+"""Kinds of counts."""
 
 DIMENSIONS: Final = ("candidate", "confidence", "side", "f", "xi", "motion")
-"""Over what it is counted."""
+"""Dimensions of the counts."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CrossValidation:
-    """Counts of what happened to each judged motion, and the rates that follow.
+    """Counts for each judged motion, and the rates that follow.
 
     Attributes
     ----------

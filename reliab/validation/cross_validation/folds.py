@@ -1,7 +1,7 @@
 """Divisions of the ground motions into those that are learned from and those that are judged.
 
-Motions of one earthquake are alike, so that they are never divided: a motion is judged by what was
-learned from other earthquakes only.
+Motions of one earthquake are similar, so that they are never divided: a motion is judged only by criteria
+learned from other earthquakes.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -25,8 +25,8 @@ class Fold:
         Which motions, boolean, shape (motions,); no earthquake is both. Where another suite is learned from,
         the first is about the motions of that suite.
     left_out : tuple of str and float, optional
-        A dimension, "f" or "xi", and its value that is judged and not learned from; all structures
-        are both by default.
+        A dimension, "f" or "xi", and its value that is judged but not learned from; by default all structures
+        are learned from and judged.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Confidence intervals of rates over motions that come in earthquakes."""
+"""Confidence intervals of rates over motions that are grouped by earthquake."""
 
 import numpy as np
 from numpy.typing import NDArray

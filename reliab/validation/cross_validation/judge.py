@@ -1,7 +1,7 @@
-"""Cross-validation: what criteria do on motions from which they were not learned.
+"""Cross-validation: performance of criteria on motions from which they were not learned.
 
-For each fold, structure and confidence the limits are derived from the learned motions and held
-against the judged ones. Reported are
+For each fold, structure and confidence the limits are derived from the learned motions and checked on the
+judged ones. Reported are
 
 containment
     share of judged motions under which the true error stays below the threshold along the whole edge of the

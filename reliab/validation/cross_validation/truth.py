@@ -1,9 +1,10 @@
-"""What the error of a test really is: from the loop itself, from stored results, or from fitted ellipses.
+"""The true error of a test: from the loop itself, from stored results, or from fitted ellipses.
 
-Criteria are derived from curves fitted to the motions' boundaries. Whether they hold is asked of the
-error itself, so that a curve that fits badly cannot vouch for itself: the loop is solved for the very
-actuator, or its error is read from the stored grid of simulations where that resolves it. Only where
-neither ground motions nor results are at hand, as for a printed table of ellipses, do the ellipses answer.
+Criteria are derived from curves fitted to the motions' boundaries. Whether they hold is checked on the error
+itself, so that a badly fitting curve is not checked against itself: the loop is solved for the actuator of
+each test, or its error is read from the stored grid of simulations where that resolves it. Only where neither
+ground motions nor results are at hand, as for a printed table of ellipses, is the error taken from the
+ellipses.
 """
 
 from abc import ABC, abstractmethod
@@ -35,7 +36,7 @@ class Truth(ABC):
     Attributes
     ----------
     name : str
-        What the answers rest on: "simulated" or "ellipse".
+        Source of the errors: "simulated" or "ellipse".
     """
 
     name: str
@@ -136,7 +137,7 @@ class StoredTruth(Truth):
 
 
 class EllipseTruth(Truth):
-    """Errors as fitted ellipses have them: what is left where nothing was simulated.
+    """Errors from fitted ellipses, for use where nothing was simulated.
 
     The error over the threshold is taken for √((A−1)²/a + d²/b), which is 1 on the ellipse.
 

@@ -20,7 +20,7 @@ _STICKING = 0.02  # of the peak velocity, over which friction changes its sign
 
 
 class SpecimenKind(StrEnum):
-    """What a specimen does beyond its linear spring."""
+    """Kinds of nonlinear behaviour of a specimen."""
 
     BILINEAR = "bilinear"
     BOUC_WEN = "bouc_wen"
@@ -35,7 +35,7 @@ class NonlinearSpecimen:
     Parameters
     ----------
     kind : SpecimenKind
-        What it does beyond its spring.
+        Its nonlinear behaviour.
     level : float
         For `bilinear` and `bouc_wen` the peak of the linear response over the yield displacement, R [-]; for
         `coulomb` the friction force, for `cubic` the cubic force, over the force of the linear spring at the

@@ -1,4 +1,4 @@
-"""What many tests with nonlinear specimens say together."""
+"""Summary of many tests with nonlinear specimens."""
 
 from typing import Any, Final
 

@@ -1,8 +1,7 @@
-"""What predicts the error of a partitioned test: laws, tracking over frequency, or the test itself.
+"""Comparison of predictions of a partitioned test's error: laws, tracking over frequency, rebuilt error.
 
-Tests are run in the digital laboratory: structures that differ in what of them stands there, under servos
-that are drawn at random, compensated well, too little or too much. Each prediction is held against the
-simulated error.
+Tests are run in the digital laboratory: structures with different parts in the laboratory, with random servos
+that are compensated well, too little or too much. Each prediction is held against the simulated error.
 """
 
 from reliab.validation.partitioned_structures.drawing import PartitionedTest, draw_tests

@@ -1,4 +1,4 @@
-"""The tests of a round: simulated with an error that is aimed at, and judged under every condition."""
+"""The tests of a round: simulated with errors near target values, and judged under every condition."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -41,11 +41,11 @@ LONGEST: Final = 40.0
 """Length up to which a record is used [s]."""
 
 _DRAWS = 64
-_SMALLEST, _LARGEST = 0.2, 3.0  # true errors that are aimed at, as shares of the threshold
+_SMALLEST, _LARGEST = 0.2, 3.0  # target values of the true error, as shares of the threshold
 _STARTING_SIZE = 0.1
 _ATTEMPTS = 6
 _RAN_AWAY = 1.0  # relative error of a test that nobody would take for good
-_NEAR = 0.15  # relative: near enough to the error that is aimed at
+_NEAR = 0.15  # relative: near enough to the target value of the error
 _MODEL_OFF = 0.01  # standard deviation of a model's parameters, relative
 _GAIN_AND_DELAY = 0  # of RIGS: what drives nonlinear specimens
 
@@ -204,7 +204,7 @@ def _judged(
 
 
 def _with_model(bench: _Bench, command: Array, measured: Array, nonlinear: NonlinearSpecimen) -> RebuiltError:
-    """Rebuild with a model whose every parameter is off by about 1 %, and says so."""
+    """Rebuild with a model whose every parameter is wrong by about 1 %, with that tolerance stated."""
     effect, specimen = nonlinear.effect, nonlinear.specimen()
     free = effect.values * np.array([parameter.units != "-" for parameter in effect.parameters])
     values = effect.values + _MODEL_OFF * bench.rng.standard_normal(free.size) * free

@@ -1,4 +1,4 @@
-"""Under what a test is judged: its displacement sensor, and what is stated of its structure."""
+"""Conditions under which a test is judged: its displacement sensor, and the stated structure."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -23,7 +23,7 @@ _DECIBELS: Final[Mapping[str, float]] = MappingProxyType(
 
 @dataclass(frozen=True, kw_only=True)
 class Condition:
-    """A sensor, and what the laboratory states.
+    """A sensor, and the structure as the laboratory states it.
 
     Parameters
     ----------
@@ -31,7 +31,8 @@ class Condition:
         White noise so many decibels below the RMS of the motion, "20 dB" to "60 dB", or a sensor whose steps
         are as coarse, "quantised, 40 dB".
     quantity : str, optional
-        What is stated wrongly: "frequency", "damping_ratio" or "experimental_fraction"; nothing by default.
+        The quantity that is stated wrongly: "frequency", "damping_ratio" or "experimental_fraction"; nothing
+        by default.
     wrong_by : float, optional
         By how much, relative [-]; stated as the tolerance too.
     """

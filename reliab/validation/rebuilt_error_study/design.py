@@ -91,12 +91,12 @@ class Design:
 
     @property
     def question(self) -> Question:
-        """What is asked of every test."""
+        """The error and threshold by which every test is judged."""
         return Question(threshold=self.threshold, metric=self.metric, confidence=self.confidence)
 
     @property
     def digest(self) -> str:
-        """What the rows of a study are known by."""
+        """Identification of the study in its rows."""
         content = {
             "version": version("reliab"),
             "motions": [motion.checksum for motion in self.motions],

@@ -1,4 +1,4 @@
-"""Who judges a test: its rebuilt error, and A and d with criteria and with the motion's own boundary."""
+"""Methods that judge a test: its rebuilt error, and A and d with criteria or the motion's own boundary."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -56,7 +56,7 @@ class Question:
 
 @dataclass(frozen=True, kw_only=True)
 class Judgement:
-    """What one judge says of a test.
+    """The verdict of one method on a test.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def by_verdict(error: RebuiltError, question: Question, *, looks_nonlinear: bool
 
 @dataclass(frozen=True, kw_only=True)
 class ByIndices:
-    """Judges that know A and d of a test only, and its structure and ground motion.
+    """Methods that use only A and d of a test, its structure and its ground motion.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ class ByIndices:
         return Loop(excitation=self.excitation, structure=self.structure)
 
     def judge(self, command: Array, measured: Array, time_step: float) -> Iterator[Judgement]:
-        """Judge a test by what A and d of its histories tell.
+        """Judge a test by A and d of its histories.
 
         Parameters
         ----------
@@ -165,7 +165,7 @@ class ByIndices:
         ------
         Judgement
             Of each criterion, and of the own boundary: the error of a constant gain A and delay d under this
-            very motion. A criterion that says nothing of leads accepts none.
+            motion. A criterion without limits for leads accepts no lead.
         """
         index = frequency_evaluation(command, measured, time_step)
         for name, criterion in self.criteria.items():

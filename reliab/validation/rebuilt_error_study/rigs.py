@@ -30,7 +30,7 @@ _LARGEST = 0.999  # share of a peak that an actuator may fail to reach
 
 @dataclass(frozen=True, kw_only=True)
 class Scales:
-    """What a size is relative to.
+    """Reference values by which sizes are scaled.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ class Scales:
     duration, step : float
         Length of the test and step between samples [s].
     lean : float
-        Between −1 and 1: how an actuator's gain errs beside its delay.
+        Between −1 and 1: size and sign of an actuator's gain error beside its delay.
     """
 
     structure: Structure
@@ -127,7 +127,7 @@ class NonlinearSpecimen:
     stiffness : float
         Of its linear spring [1/s²].
     effect : Effect
-        What it does besides.
+        Its further effect.
     """
 
     stiffness: float

@@ -16,7 +16,7 @@ _TAIL = 0.025
 
 
 def shares(tests: pd.DataFrame, by: Sequence[str]) -> pd.DataFrame:
-    """Count what judges accepted.
+    """Count the tests that each method accepted.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def shares(tests: pd.DataFrame, by: Sequence[str]) -> pd.DataFrame:
 
 
 def summarised(tests: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """Bring a study into the tables that are printed and reported.
+    """Summarise a study in the tables that are printed and reported.
 
     Parameters
     ----------

@@ -72,7 +72,7 @@ def _kept(path: Path | None, digest: str) -> pd.DataFrame:
         ) from error
     if list(table.columns) != list(STUDY_COLUMNS) or not (table["study"] == digest).all():
         raise InputError(
-            "A study goes on in the file of the same study",
+            "An interrupted study can only be resumed with its own file",
             value="other motions, structures, errors, or another version",
             remedy="Name another file",
             where=str(path),
