@@ -70,7 +70,7 @@ def diagnose(campaign: Campaign, *, progress: Progress = silent) -> Diagnosis:
 
 
 def _observed(campaign: Campaign) -> list[type[ObservedBlock]]:
-    """Blocks whose input and output are recorded, in the order of the loop."""
+    """Blocks whose input and output follow from the recorded channels, in the order of the loop."""
     channels = campaign.channels
     seen: list[type[ObservedBlock]] = []
     if channels >= _ACTUATOR:

@@ -1,1 +1,1 @@
-"""The blocks of a hybrid test whose input and output a campaign records, each simulated separately."""
+"""The blocks of a hybrid test whose input and output follow from the records, each simulated separately."""

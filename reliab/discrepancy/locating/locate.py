@@ -57,7 +57,7 @@ _FAMILIES = (
         lambda _t, x, _v, _a: (x**2, x**3, x * np.abs(x)),
     ),
     _Family(
-        "acceleration", "the residual is proportional to the acceleration", lambda _t, _x, _v, a: (a,)
+        "acceleration", "the residual is correlated with the acceleration", lambda _t, _x, _v, a: (a,)
     ),
     _Family(
         "state_plane",

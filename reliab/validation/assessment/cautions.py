@@ -182,7 +182,7 @@ def _of_validity(findings: Findings) -> Iterator[str]:
             f"The structure ({structure.frequency:g} Hz, ξ = {structure.damping_ratio:g}) lies outside of "
             f"the criterion's validity; the limits are scaled from those at {carried[0]:g} Hz, "
             f"ξ = {carried[1]:g} by dimensionless errors. Give the ground motion with --motion for exact "
-            "one."
+            "ones."
         )
     ratio = findings.tracking.plain.equivalent_frequency / structure.frequency
     if not _OFF_RESONANCE[0] <= ratio <= _OFF_RESONANCE[1]:
