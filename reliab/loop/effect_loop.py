@@ -129,11 +129,11 @@ class EffectLoop:
         Raises
         ------
         InputError
-            If an actuator leads: a loop with effects is marched in time and cannot look ahead.
+            If an actuator leads: a loop with effects is marched in time and has no future values.
         """
         if cells.leads.any():
             raise InputError(
-                "A loop with effects is solved for delays only, not for a lead, which looks ahead",
+                "A loop with effects is solved for delays only; a lead needs future values",
                 value=f"a lead of {-1e3 * cells.delay.min():.4g} ms",
                 remedy="Give delays of zero or more, or leave the effects out",
             )

@@ -146,7 +146,7 @@ class Loop:
         if self.engine is Engine.DELAY:
             if cells.leads.any():
                 raise InputError(
-                    "The delay equation can be stepped for delays only, not for a lead, which looks ahead",
+                    "The delay equation can be stepped for delays only; a lead needs future values",
                     value=f"a lead of {-1e3 * cells.delay.min():.4g} ms",
                     remedy="Use the engine 'automatic', 'pole' or 'spectral'",
                 )
@@ -158,7 +158,7 @@ class Loop:
         if self.engine is Engine.POLE:
             worst = int(np.argmax(error / tolerance))
             raise InputError(
-                "The dominant pole may stand for the loop only where the error of RMS^R that this causes "
+                "The dominant pole may replace the loop only where the error of RMS^R that this causes "
                 f"is at most {tolerance[worst]:g}",
                 value=f"{error[worst]:.2g} at k_p = {cells.gain[worst]:g}, τ = {cells.delay[worst]:g} s",
                 remedy="Use the engine 'automatic'",

@@ -71,7 +71,10 @@ def read_catalogue(path: Path, report: Report, given: Declared) -> list[RecordFi
             records.extend(_record(path, row, line, given, report))
     if not seen and not report.faults:
         report.add(
-            "A catalogue must name a motion", line=1, value="no rows", remedy="Add a row for each record"
+            "A catalogue must hold at least one motion",
+            line=1,
+            value="no rows",
+            remedy="Add a row for each record",
         )
     return records
 

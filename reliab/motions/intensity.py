@@ -129,7 +129,9 @@ def arias_times(acceleration: ArrayLike, time_step: float, fractions: Sequence[f
     samples = samples / (np.abs(samples).max() or 1.0)
     reached = np.concatenate([[0.0], np.cumsum(_segment_energies(samples, time_step))])
     if not reached[-1] > 0:
-        raise InputError("A record must move to have an Arias intensity", value="nothing but zeros")
+        raise InputError(
+            "The Arias intensity needs a record that is not zero throughout", value="nothing but zeros"
+        )
     target = wanted * reached[-1]
     segment = np.clip(np.searchsorted(reached, target, side="left") - 1, 0, samples.size - 2)
     energy = (target - reached[segment]) / time_step
@@ -209,7 +211,7 @@ def mean_period(acceleration: ArrayLike, time_step: float) -> float:
     power = np.abs(fft.rfft(samples / (np.abs(samples).max() or 1.0), count)[in_band]) ** 2
     total = float(power.sum())
     if not total > 0:
-        raise InputError("A record must have content from 0.25 to 20 Hz to have a mean period", value="none")
+        raise InputError("The mean period needs a record with content from 0.25 to 20 Hz", value="none")
     return float((power / frequencies[in_band]).sum() / total)
 
 

@@ -45,7 +45,7 @@ def write_suite(suite: MotionSuite, folder: str | Path, *, event: str | None = N
     """
     target = Path(folder)
     if not len(suite):
-        raise InputError("A suite to be written must hold a motion", value="none")
+        raise InputError("Only a suite with at least one motion can be written", value="none")
     if target.exists() and (not target.is_dir() or any(target.iterdir())):
         raise InputError(
             "The folder to write to must be new or empty",

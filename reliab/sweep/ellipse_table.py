@@ -76,8 +76,8 @@ class EllipseRequest:
         check_model(self.model, self.structures)
         if self.model is not None and Side.LEAD in self.sides:
             raise InputError(
-                "A model with effects is marched in time, so that its boundary is one of delays only",
-                value="leads asked for",
+                "A model with effects is marched in time, so that its boundary holds for delays only",
+                value="a request for leads",
                 remedy="Ask for the side of the lag",
             )
 

@@ -61,7 +61,11 @@ class SweepRequest:
                 )
         labels = [window.label for window in self.windows]
         if not labels or len(set(labels)) < len(labels):
-            raise InputError("A sweep needs windows, each once", value=labels, remedy="Give each window once")
+            raise InputError(
+                "A sweep needs at least one window, and no window twice",
+                value=labels,
+                remedy="Give each window once",
+            )
         check_model(self.model, self.structures)
         if self.model is not None and self.grid.leads:
             raise InputError(
@@ -119,9 +123,9 @@ def check_model(model: HybridTest | None, structures: list[Structure]) -> None:
     """
     if model is not None and structures != [model.structure]:
         raise InputError(
-            "A model with effects is of one structure, and only that can be asked for",
+            "A model with effects holds for its own structure only",
             value=f"{len(structures)} structures, the first of {structures[0].frequency:g} Hz",
-            remedy="Leave the structures to the model",
+            remedy="Leave out the structures; the model contains its own",
         )
 
 

@@ -29,7 +29,7 @@ class ResultsAccessor:
         absent = [name for name in RESULT_DIMENSIONS if name not in dataset.dims]
         if absent or "rms" not in dataset:
             raise InputError(
-                "The accessor 'reliab' belongs to a results dataset",
+                "The accessor 'reliab' works on a results dataset only",
                 value=f"a dataset without {', '.join(absent) or 'rms'}",
                 remedy="Open one with reliab.open_results",
             )

@@ -38,7 +38,7 @@ from reliab.sweep.store_layout import (
     read_attributes,
 )
 
-_RULE = "A store that is resumed must be whole but for results of motions"
+_RULE = "A store can be resumed only if it is complete except for results of motions"
 _REMEDY = "Simulate again to another store"
 
 
@@ -89,7 +89,7 @@ class ResultsStore:
         except filelock.Timeout:
             raise InputError(
                 "Only one process may write to a results store",
-                value=f"{path} in use by another",
+                value=f"{path} in use by another process",
                 remedy="Wait until it is done, or write to another store",
             ) from None
         with lock:
@@ -220,7 +220,7 @@ def _check_resumable(path: Path, request: SweepRequest, names: Sequence[str], *,
         raise InputError(
             "Only the same sweep can be resumed",
             value=f"{path} holds a sweep of other structures, actuators, windows or engine",
-            remedy="Give the options that it was begun with, or name another store",
+            remedy="Give the options of the first run, or name another store",
         )
     with decoding(_RULE, remedy=_REMEDY, where=path):
         stored = [str(name) for name in np.asarray(array_of(zarr.open_group(path, mode="r"), "motion")[:])]
@@ -228,5 +228,5 @@ def _check_resumable(path: Path, request: SweepRequest, names: Sequence[str], *,
         raise InputError(
             "Only a sweep of the same ground motions can be resumed",
             value=f"{path} holds {len(stored)} motions that are not the {len(names)} given",
-            remedy="Give the motions that it was begun with, or name another store",
+            remedy="Give the motions of the first run, or name another store",
         )

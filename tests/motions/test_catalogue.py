@@ -68,7 +68,7 @@ def test_channels_of_a_file_are_chosen_by_number(records: dict[str, str], write:
     [
         ("motion,path\nx,a.AT2\n", 1, "columns motion and file; found no column file"),
         ("a,b\n", 1, "found no column motion or file"),
-        ("motion,file\n", 1, "must name a motion; found no rows"),
+        ("motion,file\n", 1, "must hold at least one motion; found no rows"),
         ("motion,file\nx,a.AT2\nx,a.AT2\n", 3, "must differ; found x, as in line 2"),
         ("motion,file\nx,gone.AT2\n", 2, "file of a catalogue must exist; found gone.AT2"),
         ("motion,file\nx,.\n", 2, "file of a catalogue must exist"),

@@ -82,5 +82,5 @@ def test_a_folder_that_cannot_be_made_is_explained(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("x")
     with pytest.raises(InputError, match="must be writable; found Not a directory"):
         write_suite(MotionSuite.from_motions([motion()]), tmp_path / "file" / "out")
-    with pytest.raises(InputError, match="must hold a motion"):
+    with pytest.raises(InputError, match="at least one motion"):
         write_suite(MotionSuite([]), tmp_path / "out")

@@ -93,13 +93,13 @@ class Partition:
         require_positive_semidefinite(
             self.numerical_stiffness,
             "stiffness matrix that is left to the computer",
-            "The specimen is stiffer than the structure that it is a part of: the frame's stiffness includes "
+            "The specimen is stiffer than the frame that contains it: the frame's stiffness includes "
             "it, and the partition would be unstable",
         )
         require_positive_semidefinite(
             self.numerical_damping,
             "damping matrix that is left to the computer",
-            "The specimen damps more than the structure that it is a part of; add its damping to the frame's",
+            "The specimen has more damping than the frame that contains it; add its damping to the frame's",
         )
 
     @classmethod

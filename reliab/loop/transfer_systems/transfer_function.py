@@ -151,7 +151,7 @@ class TransferFunction(TransferSystem):
         if relative < needed:
             raise InputError(
                 f"Before a specimen with {'mass' if needed > 1 else 'damping'} a transfer system needs "
-                f"at least {needed} more poles than zeros, for a sampled command jumps and the piston cannot",
+                f"at least {needed} more poles than zeros, since a sampled command jumps and a piston cannot",
                 value=f"{relative} more",
                 remedy="Add the pole of the servo-valve, at some 100 Hz",
             )

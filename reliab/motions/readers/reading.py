@@ -144,7 +144,7 @@ def _settle_time_step(header: Header, declared: Declared, report: Report, *, sou
         return stated.value
     if not may_round(declared.time_step, stated):
         report.add(
-            "A declared time step must be the header's, give or take what the header rounds",
+            "A declared time step must be the header's, except for rounding in the header",
             line=stated.line,
             value=f"{stated.value:g} s in the header, {declared.time_step:g} s in {declared.where}",
             remedy="Correct whichever is wrong",
@@ -212,7 +212,7 @@ def _in_si(
     acceleration = values * (header.scale * units.in_si)
     if not acceleration.any():
         report.add(
-            "A record must move",
+            "A record must hold a sample other than zero",
             line=source.line_number(header.start),
             value="nothing but zeros",
             remedy="Leave it out",

@@ -43,8 +43,8 @@ def test_adding_a_specimen_and_taking_it_out_again_is_the_bare_frame(frame):
     ("specimen", "sentence"),
     [
         (Specimen(stiffness=1e5, mass=1000.0), "mass must be smaller than the mass that moves"),
-        (Specimen(stiffness=3e6), "stiffer than the structure"),
-        (Specimen(stiffness=1e5, damping=1e6), "damps more than the structure"),
+        (Specimen(stiffness=3e6), "stiffer than the frame"),
+        (Specimen(stiffness=1e5, damping=1e6), "more damping than the frame"),
         (Specimen(stiffness=0.0), "needs stiffness, damping or mass"),
     ],
 )

@@ -87,7 +87,7 @@ def test_a_fault_is_told_with_its_line(
 
 def test_a_dead_channel_is_refused(knet: str, write: Write) -> None:
     head = knet[: knet.index("   13186")]
-    with pytest.raises(InputError, match="must move"):
+    with pytest.raises(InputError, match="a sample other than zero"):
         read_motion(write("a.NS", head + " 13190" * 10))
 
 

@@ -118,7 +118,7 @@ def test_an_event_can_be_declared_in_the_header(write: Write) -> None:
         ("# units: g\n# dt = 1\n0.5\nnan\n", 4, "must be finite; found 'nan'"),
         ("# units: g\n# dt = 1\ninf\n0.5\n", 3, "must be finite; found 'inf'"),
         ("# units: g\n# dt = 1\n0.5\n350.0\n", 4, "must not exceed 5 g; found 350 g with samples in g"),
-        ("# units: g\n# dt = 1\n0\n0\n", 3, "must move"),
+        ("# units: g\n# dt = 1\n0\n0\n", 3, "a sample other than zero"),
         ("only words\nand more\n", 1, "must hold samples"),
         ("# nothing but comments\n", 1, "must hold samples"),
         (",,,\n", 1, "one column, or two with times first; found 0 columns"),
