@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from reliab.criterion.laws import OF_MANY_MOTIONS
+from reliab.paper.cases import DELAY_STEPS
 from reliab.paper.item import MISSING, Item
 from reliab.paper.printed import (
     APPLICATION_PEAK,
@@ -17,6 +18,7 @@ from reliab.paper.printed import (
     FRAME_STIFFNESS,
     MASSES,
     ONE_HERTZ,
+    RATE_HZ,
     SPECIMEN_STIFFNESS,
     TWO_PERCENT,
     PrintedTables,
@@ -25,7 +27,6 @@ from reliab.paper.records import Records
 from reliab.vocabulary import STANDARD_GRAVITY
 
 _PERCENT, _MILLISECONDS = 100.0, 1e3
-_LATE_STEPS, _RATE = 4.0, 1024.0
 
 
 def equation_18() -> Iterator[Item]:
@@ -108,7 +109,7 @@ def table_6(printed: PrintedTables, records: Records) -> Iterator[Item]:
         amplitude, delay = (_of_case(records, name, number) for name in "Ad")
         simulated = (amplitude - 1.0) ** 2 / a + (_MILLISECONDS * delay) ** 2 / b
         of_table = (case["A"] - 1.0) ** 2 / a + case["d_ms"] ** 2 / b
-        late = _MILLISECONDS * (_LATE_STEPS - case["alpha_es"]) / _RATE
+        late = _MILLISECONDS * (DELAY_STEPS - case["alpha_es"]) / RATE_HZ
         for quantity, value, tables, recomputed, unit in (
             ("A − 1", case["A"] - 1.0, case["amplitude_error"] - 1.0, amplitude - 1.0, "1"),
             ("d", case["d_ms"], late, _MILLISECONDS * delay, "ms"),

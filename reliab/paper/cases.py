@@ -22,11 +22,19 @@ from reliab.loop.hybrid_test.closed_loop import run_closed_loop
 from reliab.loop.hybrid_test.model import HybridTest
 from reliab.loop.structure import Structure
 from reliab.motions import Motion, resample, truncate
-from reliab.paper.equipment import RATE_HZ, compensator_of, integrator_of
-from reliab.paper.printed import FIVE_PERCENT, FRAME_STIFFNESS, SPECIMEN_STIFFNESS, PrintedTables
+from reliab.paper.equipment import compensator_of, integrator_of
+from reliab.paper.printed import (
+    FIVE_PERCENT,
+    FRAME_STIFFNESS,
+    RATE_HZ,
+    SPECIMEN_STIFFNESS,
+    PrintedTables,
+)
 
 _MILLISECONDS = 1e3
 DELAY_STEPS = 4
+"""Steps by which the actuator is late; not printed, but in Table 6 d is this less α_es, in steps."""
+
 RECORD_SECONDS = 40.0
 """Length of the record that reproduces Table 6; the full record gives about half the RMS^R."""
 

@@ -8,11 +8,9 @@ from reliab.loop.hybrid_test import Compensator, ExactIntegrator, Integrator
 from reliab.loop.hybrid_test.compensators import Feedforward, InverseCompensation, PolynomialExtrapolation
 from reliab.loop.hybrid_test.integrators import CentralDifference, ChenRicles, OperatorSplitting
 from reliab.loop.structure import Structure
+from reliab.paper.printed import RATE_HZ
 
 Maker = TypeVar("Maker")
-
-RATE_HZ: Final = 1024.0
-"""Rate at which the cases are run."""
 
 INTEGRATORS: Final[Mapping[str, Callable[[Structure], Integrator]]] = {
     "chen_ricles": lambda structure: ChenRicles(structure=structure),

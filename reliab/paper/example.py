@@ -20,20 +20,24 @@ from reliab.loop.excitation import Excitation
 from reliab.loop.stability import critical_delay
 from reliab.loop.structure import Structure
 from reliab.motions import Motion
-from reliab.paper.printed import FIVE_PERCENT
+from reliab.paper.printed import (
+    AMPLITUDES,
+    DELAYS_OF_FIGURE_4,
+    DELAYS_OF_FIGURE_8,
+    FIVE_PERCENT,
+    ONE_HERTZ,
+    SHOWN_TESTS,
+    TWO_PERCENT,
+)
 from reliab.vocabulary import Metric
 
-SHOWN_TESTS: Final = ((1.0, 0.0), (1.0, 5e-3), (0.99, 0.0), (1.02, 2e-3))
-"""Gain [-] and delay [s] of Figures 2, 3, 5 and 7."""
-
-_DELAYS: Final = np.linspace(0.0, 8e-3, 81)
-_GAINS: Final = np.linspace(0.98, 1.02, 41)
-_MAP_DELAYS: Final = np.linspace(0.0, 2e-3, 21)
 _SLACK: Final = 1e-6  # of a step, by which the end of a contour may lie beyond it
 _METRICS: Final = (Metric.MTE, Metric.RMS)
 
 
-def run_paper_example(motion: Motion, *, frequency: float = 1.0, damping_ratio: float = 0.02) -> xr.Dataset:
+def run_paper_example(
+    motion: Motion, *, frequency: float = ONE_HERTZ, damping_ratio: float = TWO_PERCENT
+) -> xr.Dataset:
     """Simulate the example.
 
     Parameters
@@ -57,7 +61,11 @@ def run_paper_example(motion: Motion, *, frequency: float = 1.0, damping_ratio: 
     excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step)
     loop = Loop(excitation=excitation, structure=structure)
     variables = {**_histories(excitation, structure), **_errors(loop), **_contours(loop)}
-    coordinates = {"metric": [str(metric) for metric in _METRICS], "gain": _GAINS, "delay": _MAP_DELAYS}
+    coordinates = {
+        "metric": [str(metric) for metric in _METRICS],
+        "gain": AMPLITUDES,
+        "delay": DELAYS_OF_FIGURE_8,
+    }
     coordinates["end"] = ["low", "high"]
     attributes = {
         "critical_delay": float(critical_delay(structure)),
@@ -65,7 +73,9 @@ def run_paper_example(motion: Motion, *, frequency: float = 1.0, damping_ratio: 
         "f": frequency,
         "xi": damping_ratio,
     }
-    example = xr.Dataset(variables, coords={**coordinates, "long_delay": _DELAYS}, attrs=attributes)
+    example = xr.Dataset(
+        variables, coords={**coordinates, "long_delay": DELAYS_OF_FIGURE_4}, attrs=attributes
+    )
     gains, delays = zip(*SHOWN_TESTS, strict=True)
     return example.assign_coords(test_gain=("test", list(gains)), test_delay=("test", list(delays)))
 
@@ -79,11 +89,14 @@ def _histories(excitation: Excitation, structure: Structure) -> dict[str, tuple[
 
 
 def _errors(loop: Loop) -> dict[str, tuple[Sequence[str], object]]:
-    gain, delay = np.meshgrid(_GAINS, _MAP_DELAYS, indexing="ij")
+    gain, delay = np.meshgrid(AMPLITUDES, DELAYS_OF_FIGURE_8, indexing="ij")
     both = _relative(loop, gain, delay).reshape(len(_METRICS), *gain.shape)
     return {
-        "error_of_delay": (("metric", "long_delay"), _relative(loop, np.ones_like(_DELAYS), _DELAYS)),
-        "error_of_gain": (("metric", "gain"), _relative(loop, _GAINS, np.zeros_like(_GAINS))),
+        "error_of_delay": (
+            ("metric", "long_delay"),
+            _relative(loop, np.ones_like(DELAYS_OF_FIGURE_4), DELAYS_OF_FIGURE_4),
+        ),
+        "error_of_gain": (("metric", "gain"), _relative(loop, AMPLITUDES, np.zeros_like(AMPLITUDES))),
         "error": (("metric", "gain", "delay"), both),
     }
 

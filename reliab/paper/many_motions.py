@@ -9,10 +9,13 @@ from reliab.criterion.goodness_of_fit import SIGNIFICANCE
 from reliab.paper.fits import exponential, quantile
 from reliab.paper.item import CLOSE, MISSING, Item
 from reliab.paper.printed import (
+    CORRELATION_OF_FIGURE_11,
     EQUATION_12,
     EQUATION_15,
     ONE_HERTZ,
     RANGES_OF_TEXT,
+    ROOTS_ABOVE_EQUATION_12,
+    SLOPE_OF_FIGURE_11,
     TOO_LARGE,
     TWO_PERCENT,
     PrintedTables,
@@ -20,6 +23,7 @@ from reliab.paper.printed import (
 from reliab.paper.records import Records
 
 _UNITS = {"a": "1", "b": "ms2", "error": "ms4"}
+_ROOT_UNITS = {"a": "1", "b": "ms"}
 _VARIABLES = {"a": "a", "b": "b", "error": "sse"}
 
 
@@ -96,14 +100,14 @@ def figure_11(printed: PrintedTables, records: Records) -> Iterator[Item]:
     yield Item(
         item="Figure 11",
         quantity="correlation of a and b",
-        printed=0.9774,
+        printed=CORRELATION_OF_FIGURE_11,
         from_tables=float(np.corrcoef(a, b)[0, 1]),
         from_records=float(np.corrcoef(of_a, of_b)[0, 1]) if known else MISSING,
     )
     yield Item(
         item="Figure 11",
         quantity="b over a",
-        printed=1.65e4,
+        printed=SLOPE_OF_FIGURE_11,
         from_tables=float(np.polyfit(a, b, 1)[0]),
         from_records=float(np.polyfit(of_a, of_b, 1)[0]) if known else MISSING,
         unit="ms2",
@@ -148,7 +152,6 @@ def equation_12(printed: PrintedTables, records: Records) -> Iterator[Item]:
     """Recompute the 5 % quantiles of lognormal distributions, and without three rows that are too large."""
     table = printed.table2
     too_large = table["record"].isin(TOO_LARGE).to_numpy()
-    roots = {"a": (0.0073, "1"), "b": (1.02, "ms")}
     for name, number in zip("ab", EQUATION_12, strict=True):
         values = table[name].to_numpy(dtype=np.float64)
         of_tables, of_records = quantile(values), quantile(records.of_motions(name, ONE_HERTZ))
@@ -174,10 +177,10 @@ def equation_12(printed: PrintedTables, records: Records) -> Iterator[Item]:
         yield Item(
             item="Text above equation (12)",
             quantity=f"√{name}",
-            printed=roots[name][0],
+            printed=ROOTS_ABOVE_EQUATION_12[name],
             from_tables=float(np.sqrt(number)),
             from_records=float(np.sqrt(of_records)),
-            unit=roots[name][1],
+            unit=_ROOT_UNITS[name],
         )
 
 

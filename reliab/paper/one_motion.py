@@ -9,11 +9,24 @@ from reliab.loop.structure import Structure
 from reliab.paper.fits import exponential, proportional
 from reliab.paper.item import MISSING, Item
 from reliab.paper.printed import (
+    AMPLITUDES,
+    CRITICAL_DELAY,
+    DELAYS_OF_FIGURE_8,
+    DISPLACEMENT_OF_FIGURE_2,
+    DISPLACEMENT_OF_FIGURE_3,
     EQUATION_11,
     EQUATION_14,
     EQUATION_16,
+    ERRORS_AT_CRITICAL_DELAY,
+    ERRORS_OF_AMPLITUDE,
+    INSTANT_OF_FIGURE_3,
+    INTERVAL_OF_FIGURE_2,
     ONE_HERTZ,
     POINTS_OF_FIT,
+    RAISED_PEAK_OF_FIGURE_7,
+    RANGES_OF_FIGURE_14,
+    SHOWN_TESTS,
+    SIMULATIONS_OF_FIGURE_8,
     TABLE_1,
     TWO_PERCENT,
     PrintedTables,
@@ -97,8 +110,8 @@ def figures_2_to_9(records: Records) -> Iterator[Item]:
     yield Item(
         item="Figure 8",
         quantity="simulations",
-        printed=800.0,
-        from_tables=41.0 * 21.0,
+        printed=SIMULATIONS_OF_FIGURE_8,
+        from_tables=float(AMPLITUDES.size * DELAYS_OF_FIGURE_8.size),
         from_records=cells,
         remark="41 amplitudes × 21 delays are 861",
     )
@@ -114,33 +127,39 @@ def _histories(records: Records) -> Iterator[Item]:
     peak, late, raised = MISSING, MISSING, MISSING
     if records.example is not None:
         displacement = _MILLISECONDS * abs(records.example["displacement"])
-        peak = float(displacement.isel(test=0).sel(time=slice(14.0, 30.0)).max())
-        late = float(displacement.isel(test=1).sel(time=slice(39.0, 41.0)).max())
+        peak = float(displacement.isel(test=0).sel(time=slice(*INTERVAL_OF_FIGURE_2)).max())
+        around = slice(INSTANT_OF_FIGURE_3 - 1.0, INSTANT_OF_FIGURE_3 + 1.0)
+        late = float(displacement.isel(test=1).sel(time=around).max())
         raised = float(displacement.isel(test=3).max() / displacement.isel(test=0).max())
     for item, quantity, value, reproduced, unit in (
-        ("Figure 2", "displacement, 14 to 30 s", 50.0, peak, "mm"),
-        ("Figure 3", "displacement at 40 s, delay 5 ms", 50.0, late, "mm"),
-        ("Figure 7", "peak over that of Figure 2", 1.1, raised, "1"),
+        ("Figure 2", "displacement, 14 to 30 s", DISPLACEMENT_OF_FIGURE_2, peak, "mm"),
+        ("Figure 3", "displacement at 40 s, delay 5 ms", DISPLACEMENT_OF_FIGURE_3, late, "mm"),
+        ("Figure 7", "peak over that of Figure 2", RAISED_PEAK_OF_FIGURE_7, raised, "1"),
     ):
         yield Item(item=item, quantity=quantity, printed=value, from_records=reproduced, unit=unit)
 
 
 def _errors(records: Records) -> Iterator[Item]:
     example = records.example
+    amplitude, _ = SHOWN_TESTS[2]
     critical = _MILLISECONDS * critical_delay(Structure(frequency=ONE_HERTZ, damping_ratio=TWO_PERCENT))
     yield Item(
-        item="Figure 4", quantity="critical delay", printed=6.4, from_tables=float(critical), unit="ms"
+        item="Figure 4",
+        quantity="critical delay",
+        printed=_MILLISECONDS * CRITICAL_DELAY,
+        from_tables=float(critical),
+        unit="ms",
     )
-    for name, unstable, accurate in (("mte", 280.0, 9.2), ("rms", 96.0, 4.2)):
+    for name in ERRORS_OF_AMPLITUDE:
         late, small = MISSING, MISSING
         if example is not None:
             errors = example.sel(metric=name)
-            late = _PERCENT * float(errors["error_of_delay"].sel(long_delay=6.4e-3, method="nearest"))
-            small = _PERCENT * float(errors["error_of_gain"].sel(gain=0.99, method="nearest"))
+            late = _PERCENT * float(errors["error_of_delay"].sel(long_delay=CRITICAL_DELAY, method="nearest"))
+            small = _PERCENT * float(errors["error_of_gain"].sel(gain=amplitude, method="nearest"))
         yield Item(
             item="Figure 4",
             quantity=f"{name.upper()}^R at 6.4 ms",
-            printed=unstable,
+            printed=ERRORS_AT_CRITICAL_DELAY[name],
             from_records=late,
             unit="%",
             remark="the exact loop gives less; unexplained" if np.isfinite(late) else "",
@@ -148,7 +167,7 @@ def _errors(records: Records) -> Iterator[Item]:
         yield Item(
             item="Figure 5" if name == "rms" else "Figure 6",
             quantity=f"{name.upper()}^R at an amplitude of 0.99",
-            printed=accurate,
+            printed=ERRORS_OF_AMPLITUDE[name],
             from_records=small,
             unit="%",
         )
@@ -161,10 +180,10 @@ def equation_14(records: Records) -> Iterator[Item]:
     k1, k2 = exponential(records.frequencies, b)
     extremes = (a.min(), a.max(), b.min(), b.max()) if known else (MISSING,) * 4
     for item, quantity, value, reproduced, unit in (
-        ("Figure 14", "least a", 5.8e-5, extremes[0], "1"),
-        ("Figure 14", "greatest a", 7e-4, extremes[1], "1"),
-        ("Figure 14", "least b", 0.8, extremes[2], "ms2"),
-        ("Figure 14", "greatest b", 40.4, extremes[3], "ms2"),
+        ("Figure 14", "least a", RANGES_OF_FIGURE_14["a"][0], extremes[0], "1"),
+        ("Figure 14", "greatest a", RANGES_OF_FIGURE_14["a"][1], extremes[1], "1"),
+        ("Figure 14", "least b", RANGES_OF_FIGURE_14["b"][0], extremes[2], "ms2"),
+        ("Figure 14", "greatest b", RANGES_OF_FIGURE_14["b"][1], extremes[3], "ms2"),
         ("Equation (14)", "a", EQUATION_14[0], extremes[0], "1"),
         ("Equation (14)", "k1", EQUATION_14[1], k1, "ms2"),
         ("Equation (14)", "k2", EQUATION_14[2], k2, "s"),

@@ -32,6 +32,39 @@ FIVE_PERCENT: Final = 0.05
 SHARE: Final = 0.05
 """The quantile that the paper calls 95 % confidence."""
 
+SHOWN_TESTS: Final = ((1.0, 0.0), (1.0, 5e-3), (0.99, 0.0), (1.02, 2e-3))
+"""Gain [-] and delay [s] of Figures 2, 3, 5 and 7."""
+
+INTERVAL_OF_FIGURE_2: Final = (14.0, 30.0)
+DISPLACEMENT_OF_FIGURE_2: Final = 50.0
+"""Greatest displacement [mm] in an interval [s]."""
+
+INSTANT_OF_FIGURE_3: Final = 40.0
+DISPLACEMENT_OF_FIGURE_3: Final = 50.0
+"""Greatest displacement [mm] around an instant [s], with a delay of 5 ms."""
+
+RAISED_PEAK_OF_FIGURE_7: Final = 1.1
+"""Peak of Figure 7 over that of Figure 2 [-]."""
+
+CRITICAL_DELAY: Final = 6.4e-3
+"""Delay from which the example is unstable [s], with Figure 4."""
+
+ERRORS_AT_CRITICAL_DELAY: Final[Mapping[str, float]] = MappingProxyType({"mte": 280.0, "rms": 96.0})
+"""MTE^R and RMS^R of Figure 4 [%]."""
+
+ERRORS_OF_AMPLITUDE: Final[Mapping[str, float]] = MappingProxyType({"mte": 9.2, "rms": 4.2})
+"""MTE^R of Figure 6 and RMS^R of Figure 5 at an amplitude of 0.99 [%]."""
+
+SIMULATIONS_OF_FIGURE_8: Final = 800.0
+"""Simulations of the grid of Figure 8, as the text counts them."""
+
+AMPLITUDES: Final = np.linspace(0.98, 1.02, 41)
+"""Gains [-] of Figures 5, 6 and 8."""
+
+DELAYS_OF_FIGURE_4: Final = np.linspace(0.0, 8e-3, 81)
+DELAYS_OF_FIGURE_8: Final = np.linspace(0.0, 2e-3, 21)
+"""Delays [s]; the paper's begin at 0.1 ms in Figure 4."""
+
 TOO_LARGE: Final = ("IMPVALL/H-E11230", "LOMAP/CAP000", "SUPERST/B-ICC000")
 """Rows of Table 2 that are five to twenty times as large as their records give."""
 
@@ -59,13 +92,32 @@ AXIAL_STIFFNESS: Final = 4.17e-3
 APPLICATION_PEAK: Final = 0.707
 """Peak acceleration of KOBE/KJM000 [g], as the text says."""
 
+RATE_HZ: Final = 1024.0
+"""Rate at which the four cases are run."""
+
 EQUATION_11: Final = (1.3e-4, 2.3)
 EQUATION_12: Final = (5.3e-5, 1.04)
 """a [-] and b [ms²]."""
 
+ROOTS_ABOVE_EQUATION_12: Final[Mapping[str, float]] = MappingProxyType({"a": 0.0073, "b": 1.02})
+"""√a [-] and √b [ms] of the text above equation (12)."""
+
+CORRELATION_OF_FIGURE_11: Final = 0.9774
+SLOPE_OF_FIGURE_11: Final = 1.65e4
+"""Correlation of a and b [-], and b over a [ms²]."""
+
+RANGES_OF_FIGURE_14: Final[Mapping[str, tuple[float, float]]] = MappingProxyType(
+    {"a": (5.8e-5, 7e-4), "b": (0.8, 40.4)}
+)
+"""Least and greatest a [-] and b [ms²]."""
+
 EQUATION_14: Final = (5.8e-5, 97.0, 3.4)
 EQUATION_15: Final = (5.6e-5, 121.6, 6.6)
 """a [-], k₁ [ms²] and k₂ [1/Hz]."""
+
+AMPLITUDE_LIMIT_BELOW_EQUATION_15: Final = 0.0073
+DELAY_LIMITS_BELOW_EQUATION_15: Final = ((0.25, 4.8), (2.0, 0.6))
+"""√a [-]; frequency [Hz] and √b [ms]."""
 
 EQUATION_16: Final = (0.046, 100.0)
 """k₃ [-] and k₄ [ms²], also of equation (17)."""
@@ -73,10 +125,22 @@ EQUATION_16: Final = (0.046, 100.0)
 EQUATION_18: Final = (0.021, 6080.0)
 """Factors of ξ in a [-] and of ξ e^(−6.6 f) in b [ms²]."""
 
+MULTIPLE_ABOVE_EQUATION_18: Final = 1000.0
+FACTOR_ABOVE_EQUATION_18: Final = 46080.0
+"""Multiple of ξ that is 2.3 [ms²], and factor of ξ e^(−6.6 f) [ms²], in the text above equation (18)."""
+
+SETS_OF_MOTIONS: Final = (24, 28)
+"""Far-field and near-field sets of two components, from which the text takes Table 2."""
+
 RANGES_OF_TEXT: Final[Mapping[str, tuple[float, float]]] = MappingProxyType(
     {"a": (5.5e-5, 6.6e-4), "b": (1.1, 7.6)}
 )
 """Least and greatest a [-] and b [ms²] that the text quotes from Table 2."""
+
+ROOTS_OF_TEXT: Final[Mapping[str, tuple[float, float]]] = MappingProxyType(
+    {"a": (7.4e-3, 2.3e-2), "b": (1.05, 2.76)}
+)
+"""Amplitude errors √a [-] and delays √b [ms] that the text gives for these."""
 
 _FILES: Final = {
     "table2": "table2.csv",

@@ -23,6 +23,7 @@ from reliab.loop.structure import Structure
 from reliab.motions import Motion
 from reliab.paper.hidden_difference import Difference, differences, logarithms, simulated_ellipse
 from reliab.paper.item import CLOSE
+from reliab.paper.printed import ONE_HERTZ, TWO_PERCENT
 from reliab.progress import Progress, silent
 
 Array = NDArray[np.float64]
@@ -33,7 +34,7 @@ LARGEST_CHANCE = 0.05
 NONE_FOUND = "none found"
 """Name for a row that no difference explains."""
 
-_STRUCTURE = Structure(frequency=1.0, damping_ratio=0.02)
+_STRUCTURE = Structure(frequency=ONE_HERTZ, damping_ratio=TWO_PERCENT)
 _CLOSE_QUANTILE = 0.9
 _FEWEST_AGREEING = 5
 

@@ -6,7 +6,19 @@ from typing import Final
 import numpy as np
 
 from reliab.paper.item import CLOSE, Item
-from reliab.paper.printed import EQUATION_15, EQUATION_16, EQUATION_18, RANGES_OF_TEXT, PrintedTables
+from reliab.paper.printed import (
+    AMPLITUDE_LIMIT_BELOW_EQUATION_15,
+    DELAY_LIMITS_BELOW_EQUATION_15,
+    EQUATION_15,
+    EQUATION_16,
+    EQUATION_18,
+    FACTOR_ABOVE_EQUATION_18,
+    MULTIPLE_ABOVE_EQUATION_18,
+    RANGES_OF_TEXT,
+    ROOTS_OF_TEXT,
+    SETS_OF_MOTIONS,
+    PrintedTables,
+)
 
 SLIPS: Final[tuple[tuple[str, str], ...]] = (
     ("Equation (8)", "b′² should be b′."),
@@ -32,14 +44,14 @@ def _around_table_2(printed: PrintedTables) -> Iterator[Item]:
         item="Text above Table 2",
         quantity="components of 24 far-field and 28 near-field sets",
         printed=float(len(printed.table2)),
-        from_tables=2.0 * (24 + 28),
+        from_tables=2.0 * sum(SETS_OF_MOTIONS),
         remark="two components each of 24 + 28 sets are 104; Table 2 has 100",
     )
     for quantity, value, square, unit in (
-        ("amplitude error of the least a", 7.4e-3, RANGES_OF_TEXT["a"][0], "1"),
-        ("amplitude error of the greatest a", 2.3e-2, RANGES_OF_TEXT["a"][1], "1"),
-        ("delay of the least b", 1.05, RANGES_OF_TEXT["b"][0], "ms"),
-        ("delay of the greatest b", 2.76, RANGES_OF_TEXT["b"][1], "ms"),
+        ("amplitude error of the least a", ROOTS_OF_TEXT["a"][0], RANGES_OF_TEXT["a"][0], "1"),
+        ("amplitude error of the greatest a", ROOTS_OF_TEXT["a"][1], RANGES_OF_TEXT["a"][1], "1"),
+        ("delay of the least b", ROOTS_OF_TEXT["b"][0], RANGES_OF_TEXT["b"][0], "ms"),
+        ("delay of the greatest b", ROOTS_OF_TEXT["b"][1], RANGES_OF_TEXT["b"][1], "ms"),
     ):
         root = float(np.sqrt(square))
         wrong = abs(root / value - 1.0) > CLOSE
@@ -58,11 +70,11 @@ def _below_equation_15() -> Iterator[Item]:
     yield Item(
         item="Text below equation (15)",
         quantity="amplitude limit",
-        printed=0.0073,
+        printed=AMPLITUDE_LIMIT_BELOW_EQUATION_15,
         from_tables=float(np.sqrt(a)),
         remark="√a of equation (12); equation (15) gives 0.0075",
     )
-    for at, value in ((0.25, 4.8), (2.0, 0.6)):
+    for at, value in DELAY_LIMITS_BELOW_EQUATION_15:
         limit = float(np.sqrt(k1 * np.exp(-k2 * at)))
         yield Item(
             item="Text below equation (15)",
@@ -78,8 +90,18 @@ def _below_equation_15() -> Iterator[Item]:
 
 def _above_equation_18() -> Iterator[Item]:
     for quantity, value, meant, remark in (
-        ("multiple of ξ that is 2.3", 1000.0, EQUATION_16[1], "1000ξ should be 100ξ, as in equation (17)"),
-        ("factor of ξ e^(−6.6f)", 46080.0, EQUATION_18[1], "46080 should be 6080, as in equation (18)"),
+        (
+            "multiple of ξ that is 2.3",
+            MULTIPLE_ABOVE_EQUATION_18,
+            EQUATION_16[1],
+            "1000ξ should be 100ξ, as in equation (17)",
+        ),
+        (
+            "factor of ξ e^(−6.6f)",
+            FACTOR_ABOVE_EQUATION_18,
+            EQUATION_18[1],
+            "46080 should be 6080, as in equation (18)",
+        ),
     ):
         yield Item(
             item="Text above equation (18)",
