@@ -66,14 +66,11 @@ def headers(source: Source, report: Report) -> list[Header]:
     list of Header
         One header for each acceleration channel.
     """
-    channels: list[Header] = []
-    begin = 0
-    for match in _SAMPLES.finditer(source.content):
-        end = _END.search(source.content, match.end())
-        stop = end.start() if end else len(source.content)
-        if match[2].lower().startswith(b"accel"):
-            channels.append(_channel(source, match, begin, stop, report))
-        begin = stop
+    channels = [
+        _channel(source, match, begin, stop, report)
+        for match, begin, stop in source.channels(_SAMPLES, _END)
+        if match[2].lower().startswith(b"accel")
+    ]
     if not channels:
         report.add(
             "A COSMOS file must hold acceleration",

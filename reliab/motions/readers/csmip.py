@@ -56,13 +56,10 @@ def headers(source: Source, report: Report) -> list[Header]:
     list of Header
         One header for each acceleration channel.
     """
-    channels: list[Header] = []
-    begin = 0
-    for match in _SAMPLES.finditer(source.content):
-        after = _AFTER.search(source.content, match.end())
-        stop = after.start() if after else len(source.content)
-        channels.append(_channel(source, match, begin, stop, report))
-        begin = stop
+    channels = [
+        _channel(source, match, begin, stop, report)
+        for match, begin, stop in source.channels(_SAMPLES, _AFTER)
+    ]
     if not channels:
         report.add(
             "A CSMIP Volume 2 file must announce its points of accel data",

@@ -1,5 +1,6 @@
 """The bytes of a record file, and where its lines are."""
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -66,6 +67,30 @@ class Source:
             after = end if newline < 0 else newline + 1
             yield Line(number=number, start=start, stop=after, text=decode(self.content[start:after]))
             start, number = after, number + 1
+
+    def channels(
+        self, announcement: re.Pattern[bytes], end: re.Pattern[bytes]
+    ) -> Iterator[tuple[re.Match[bytes], int, int]]:
+        """Go through the channels of a file of several.
+
+        Parameters
+        ----------
+        announcement : re.Pattern
+            The line before the samples of a channel.
+        end : re.Pattern
+            What stands after its samples; without it they go on to the end of the file.
+
+        Yields
+        ------
+        tuple of (re.Match, int, int)
+            The announcement, where the header of its channel begins, and where its samples stop [bytes].
+        """
+        begin = 0
+        for match in announcement.finditer(self.content):
+            after = end.search(self.content, match.end())
+            stop = after.start() if after else len(self.content)
+            yield match, begin, stop
+            begin = stop
 
 
 def is_file(path: Path) -> bool:
