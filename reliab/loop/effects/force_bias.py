@@ -3,13 +3,8 @@
 from dataclasses import dataclass
 
 from reliab.loop.effects.effect import Role, SteppedEffect
-from reliab.loop.effects.kernel import Kernel, Numbers
-from reliab.loop.effects.parameter import Parameter
+from reliab.loop.effects.offset import OFFSET, offset_parameter
 from reliab.vocabulary import Block
-
-
-def _reading(_motion: Numbers, _time: float, _step: float, coefficients: Numbers, _state: Numbers) -> float:
-    return coefficients[0]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,19 +21,7 @@ class ForceBias(SteppedEffect):
     block = Block.SENSOR
     role = Role.FORCE_READING
     description = "the load cell has a zero offset"
-    parameters = (
-        Parameter(
-            name="bias_n",
-            units="N",
-            meaning="offset of the reading",
-            scale=(("force", 1.0),),
-            signed=True,
-            typical=0.3,
-            lower=-10.0,
-            upper=10.0,
-            starts=(0.0,),
-        ),
-    )
-    kernel = Kernel(function=_reading)
+    parameters = (offset_parameter(name="bias_n", units="N", quantity="force"),)
+    kernel = OFFSET
 
     bias_n: float
