@@ -65,6 +65,27 @@ def _without(reason: NoEllipse, points: int) -> list[float]:
     return [np.nan, np.nan, np.nan, float(points), float(reason)]
 
 
+def curve_table(
+    contours: Sequence[Sequence[Contour | None]], curves: Sequence[type[Curve]]
+) -> NDArray[np.float64]:
+    """Fit curves to contours and put their parameters into one array.
+
+    Parameters
+    ----------
+    contours : sequence of sequence of Contour or None
+        By motion or metric, and by pair of threshold and side; None where one leaves the stored grid.
+    curves : sequence of type
+        Curves fitted to each contour.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (motion or metric, pair, curve, column), the columns those of an ellipse dataset.
+    """
+    rows = [[[curve_row(contour, curve) for curve in curves] for contour in row] for row in contours]
+    return np.asarray(rows, dtype=np.float64)
+
+
 def ellipse_dataset(
     table: NDArray[np.float64],
     coordinates: Mapping[str, object],

@@ -13,15 +13,15 @@ from reliab.indices.response_error import relative_error
 from reliab.indices.window import Window
 from reliab.loop.effect_loop import EffectLoop
 from reliab.loop.engine import Engine, Loop
-from reliab.loop.excitation import Excitation
 from reliab.loop.hybrid_test import HybridTest
 from reliab.loop.structure import Structure
 from reliab.motions import Motion
 from reliab.progress import Progress, silent
-from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_row, ellipse_dataset
-from reliab.sweep.records import motion_coordinates
+from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_dataset
+from reliab.sweep.excitation import excitation_of
+from reliab.sweep.records import joined_coordinates, motion_coordinates
 from reliab.sweep.request import check_model, loop_of
-from reliab.vocabulary import Dimension, Metric, Side
+from reliab.vocabulary import Metric, Side
 
 _TOGETHER = 32
 """Number of motions that are traced together; limits the memory."""
@@ -131,7 +131,7 @@ def _tables(
 
     Shapes (motion, f, xi, threshold, metric, curve, side, columns) and (motion, f, xi, metric).
     """
-    excitations = [_excitation(motion, request.window) for motion in motions]
+    excitations = [excitation_of(motion, request.window) for motion in motions]
     rows, rests = [], []
     for structure in request.structures:
         loops = [loop_of(request.model, excitation, structure, request.engine) for excitation in excitations]
@@ -146,11 +146,6 @@ def _tables(
     return table, np.moveaxis(rest, 2, 0)
 
 
-def _excitation(motion: Motion, window: Window) -> Excitation:
-    bounds = window.bounds(motion.acceleration, motion.time_step)
-    return Excitation(acceleration=motion.acceleration, time_step=motion.time_step, window=bounds)
-
-
 def _rows(loops: Sequence[Loop | EffectLoop], metric: Metric, request: EllipseRequest) -> NDArray[np.float64]:
     """Curves of one structure and metric, shape (motion, threshold, side, curve, columns)."""
     pairs = [(threshold, side) for threshold in request.thresholds for side in request.sides]
@@ -160,12 +155,8 @@ def _rows(loops: Sequence[Loop | EffectLoop], metric: Metric, request: EllipseRe
         contours = suite_contours(linear, levels, sides)
     else:
         contours = [motion_contours(loop, levels, metric, side=sides) for loop in loops]
-    rows = [
-        [[curve_row(contour, curve) for curve in request.curves] for contour in of_motion]
-        for of_motion in contours
-    ]
     sizes = len(request.thresholds), len(request.sides), len(request.curves), len(COLUMNS)
-    return np.reshape(rows, (len(loops), *sizes))
+    return curve_table(contours, request.curves).reshape(len(loops), *sizes)
 
 
 def labelled(
@@ -193,13 +184,9 @@ def labelled(
     xarray.Dataset
         As returned by `trace_ellipses`.
     """
-    along = {
-        name: (Dimension.MOTION, np.concatenate([header[name].values for header in headers]))
-        for name in headers[0]
-    }
     return ellipse_dataset(
         table,
-        {**along, "f": list(request.frequencies), "xi": list(request.damping_ratios)},
+        {**joined_coordinates(headers), "f": list(request.frequencies), "xi": list(request.damping_ratios)},
         thresholds=request.thresholds,
         metrics=request.metrics,
         curves=request.curves,

@@ -8,11 +8,11 @@ import xarray as xr
 from reliab.boundary import Ellipse
 from reliab.boundary.first_order import first_order_ellipse
 from reliab.errors import InputError
-from reliab.loop.excitation import Excitation
 from reliab.motions import Motion
 from reliab.progress import Progress, silent
 from reliab.sweep.ellipse_dataset import COLUMNS
 from reliab.sweep.ellipse_table import EllipseRequest, labelled
+from reliab.sweep.excitation import excitation_of
 from reliab.sweep.records import motion_coordinates
 from reliab.vocabulary import Metric
 
@@ -62,8 +62,7 @@ def predict_ellipses(
     _check(request)
     tables, headers = [], []
     for done, motion in enumerate(motions, start=1):
-        bounds = request.window.bounds(motion.acceleration, motion.time_step)
-        excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step, window=bounds)
+        excitation = excitation_of(motion, request.window)
         fits = [first_order_ellipse(excitation, structure) for structure in request.structures]
         rows = [
             [(*fit.parameters(threshold), np.nan, 0.0, 0.0) for threshold in request.thresholds]

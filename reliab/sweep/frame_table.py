@@ -12,16 +12,16 @@ from reliab.boundary import Curve, motion_contours
 from reliab.errors import InputError
 from reliab.indices.response_error import relative_error
 from reliab.indices.window import Window
-from reliab.loop.excitation import Excitation
 from reliab.loop.partition.critical_delay import critical_delay
 from reliab.loop.partition.frame_file import FrameUnderTest
 from reliab.loop.partition.frame_loop import FrameLoop
 from reliab.loop.structure import Structure
 from reliab.motions import Motion
 from reliab.progress import Progress, silent
-from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_row, ellipse_dataset
-from reliab.sweep.records import motion_coordinates
-from reliab.vocabulary import Dimension, Metric, Side
+from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_dataset
+from reliab.sweep.excitation import excitation_of
+from reliab.sweep.records import joined_coordinates, motion_coordinates
+from reliab.vocabulary import Metric, Side
 
 if TYPE_CHECKING:
     from reliab.boundary.motion_boundary import SolvedLoop
@@ -93,22 +93,18 @@ def trace_frame_ellipses(
     mode = governing_mode(request.frame)
     tables, rests, headers = [], [], []
     for done, motion in enumerate(motions, start=1):
-        bounds = request.window.bounds(motion.acceleration, motion.time_step)
-        excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step, window=bounds)
         loop = FrameLoop(
-            excitation=excitation, partition=request.frame.partition, output=request.frame.output
+            excitation=excitation_of(motion, request.window),
+            partition=request.frame.partition,
+            output=request.frame.output,
         )
         rests.append([[[relative_error(loop.at_rest(), metric)[0] for metric in request.metrics]]])
         tables.append(_table(loop, request))
         headers.append(motion_coordinates([motion]))
         progress(done, len(motions))
-    along = {
-        name: (Dimension.MOTION, np.concatenate([header[name].values for header in headers]))
-        for name in headers[0]
-    }
     return ellipse_dataset(
         np.stack(tables)[:, np.newaxis, np.newaxis],
-        {**along, "f": [mode.frequency], "xi": [mode.damping_ratio]},
+        {**joined_coordinates(headers), "f": [mode.frequency], "xi": [mode.damping_ratio]},
         thresholds=request.thresholds,
         metrics=request.metrics,
         curves=request.curves,
@@ -138,15 +134,9 @@ def _table(loop: FrameLoop, request: FrameRequest) -> NDArray[np.float64]:
     """Curves of one motion, shape (threshold, metric, curve, side, columns)."""
     pairs = [(threshold, side) for threshold in request.thresholds for side in request.sides]
     levels, sides = zip(*pairs, strict=True)
-    rows = []
-    for metric in request.metrics:
-        contours = motion_contours(cast("SolvedLoop", loop), levels, metric, side=sides)
-        rows.append([[curve_row(contour, curve) for curve in request.curves] for contour in contours])
-    shape = (
-        len(request.metrics),
-        len(request.thresholds),
-        len(request.sides),
-        len(request.curves),
-        len(COLUMNS),
-    )
-    return np.asarray(np.reshape(rows, shape)).transpose(1, 0, 3, 2, 4)
+    contours = [
+        motion_contours(cast("SolvedLoop", loop), levels, metric, side=sides) for metric in request.metrics
+    ]
+    sizes = len(request.thresholds), len(request.sides), len(request.curves), len(COLUMNS)
+    table = curve_table(contours, request.curves).reshape(len(request.metrics), *sizes)
+    return table.transpose(1, 0, 3, 2, 4)

@@ -1,6 +1,6 @@
 """Data stored in a dataset about the ground motions that it was computed from."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -31,3 +31,22 @@ def motion_coordinates(motions: Sequence[Motion]) -> dict[str, xr.Variable]:
         "checksum": np.array([motion.checksum for motion in motions], dtype=np.str_),
     }
     return {name: xr.Variable((Dimension.MOTION,), values) for name, values in columns.items()}
+
+
+def joined_coordinates(batches: Sequence[Mapping[str, xr.Variable]]) -> dict[str, xr.Variable]:
+    """Join the coordinates of several batches of ground motions.
+
+    Parameters
+    ----------
+    batches : sequence of mapping
+        At least one, each as :func:`motion_coordinates` gives it.
+
+    Returns
+    -------
+    dict of str to xarray.Variable
+        The coordinates of all of them, in order.
+    """
+    return {
+        name: xr.Variable((Dimension.MOTION,), np.concatenate([batch[name].values for batch in batches]))
+        for name in batches[0]
+    }

@@ -12,10 +12,10 @@ from reliab.errors import InputError
 from reliab.files import decoding
 from reliab.loop.structure import Structure
 from reliab.progress import Progress, silent
-from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, ellipse_dataset
+from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_dataset
 from reliab.sweep.labels import with_labels
 from reliab.sweep.store_layout import MEND, STORED
-from reliab.sweep.stored_contours import contours_of, curve_table, surfaces_of
+from reliab.sweep.stored_contours import contours_of, surfaces_of
 from reliab.vocabulary import RESULT_DIMENSIONS, Dimension, Metric, Side
 
 _OF_RECORDS_AND_STRUCTURES = ("motion", "f", "xi", "event", "duration", "dt", "pga", "checksum")

@@ -16,6 +16,7 @@ from reliab.loop.stability import critical_delay
 from reliab.loop.structure import Structure
 from reliab.loop.tracking_sums import QuadraturePair, TrackedCells, tracking_sums
 from reliab.motions import Motion
+from reliab.sweep.excitation import excitation_of
 from reliab.sweep.grid import Grid
 from reliab.sweep.request import SweepRequest, loop_of
 from reliab.vocabulary import Metric
@@ -79,8 +80,7 @@ def solve_motion(motion: Motion, request: SweepRequest) -> list[MotionResults]:
 
 
 def _solve_window(motion: Motion, request: SweepRequest, window: Window) -> MotionResults:
-    bounds = window.bounds(motion.acceleration, motion.time_step)
-    excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step, window=bounds)
+    excitation = excitation_of(motion, window)
     pair = QuadraturePair.of(excitation)
     tables = [_solve_structure(excitation, pair, request, structure) for structure in request.structures]
     shape = (len(request.frequencies), len(request.damping_ratios))

@@ -6,11 +6,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.boundary import Contour, Curve, trace_contours
+from reliab.boundary import Contour, trace_contours
 from reliab.boundary.contour import REACH, furthest_lead
 from reliab.boundary.surface import ErrorSurfaces
 from reliab.loop.structure import Structure
-from reliab.sweep.ellipse_dataset import curve_row
 from reliab.vocabulary import Side
 
 
@@ -66,27 +65,6 @@ def contours_of(
     inside = np.stack([_inside_grid(errors, structure, *pair) for pair in pairs], axis=-1)
     chosen = [contour if ok else None for contour, ok in zip(contours, inside.ravel(), strict=True)]
     return [chosen[k : k + len(pairs)] for k in range(0, len(chosen), len(pairs))]
-
-
-def curve_table(
-    contours: Sequence[Sequence[Contour | None]], curves: Sequence[type[Curve]]
-) -> NDArray[np.float64]:
-    """Fit curves to contours and put their parameters into one array.
-
-    Parameters
-    ----------
-    contours : sequence of sequence of Contour or None
-        By motion and pair, as :func:`contours_of` gives them.
-    curves : sequence of type
-        Curves fitted to each contour.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (motion, pair, curve, column), the columns those of an ellipse dataset.
-    """
-    rows = [[[curve_row(contour, curve) for curve in curves] for contour in row] for row in contours]
-    return np.asarray(rows, dtype=np.float64)
 
 
 def _inside_grid(

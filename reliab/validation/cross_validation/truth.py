@@ -21,9 +21,9 @@ from reliab.criterion.ellipse_sample import names_along
 from reliab.indices.response_error import relative_error
 from reliab.indices.window import Window
 from reliab.loop.engine import Loop
-from reliab.loop.excitation import Excitation
 from reliab.loop.structure import Structure
 from reliab.motions import Motion
+from reliab.sweep.excitation import excitation_of
 from reliab.validation.cross_validation.cell import Cell
 from reliab.vocabulary import Metric, Side
 
@@ -97,12 +97,8 @@ class SimulatedTruth(Truth):
         self, cell: Cell, motion: int, gain: NDArray[np.float64], delay: NDArray[np.float64]
     ) -> NDArray[np.float64]:
         """Solve the loop for each test."""
-        record = self.motions[motion]
-        bounds = self.window.bounds(record.acceleration, record.time_step)
         loop = Loop(
-            excitation=Excitation(
-                acceleration=record.acceleration, time_step=record.time_step, window=bounds
-            ),
+            excitation=excitation_of(self.motions[motion], self.window),
             structure=Structure(
                 frequency=cell.frequency,
                 damping_ratio=cell.damping_ratio,
