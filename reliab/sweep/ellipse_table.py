@@ -20,7 +20,7 @@ from reliab.progress import Progress, silent
 from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_dataset
 from reliab.sweep.excitation import excitation_of
 from reliab.sweep.records import joined_coordinates, motion_coordinates
-from reliab.sweep.request import check_model, loop_of
+from reliab.sweep.request import check_model, loop_of, structures_of
 from reliab.vocabulary import Metric, Side
 
 _TOGETHER = 32
@@ -84,11 +84,7 @@ class EllipseRequest:
     @property
     def structures(self) -> list[Structure]:
         """Every structure, the damping ratio varying fastest."""
-        return [
-            Structure(frequency=f, damping_ratio=xi, experimental_fraction=self.experimental_fraction)
-            for f in self.frequencies
-            for xi in self.damping_ratios
-        ]
+        return structures_of(self.frequencies, self.damping_ratios, self.experimental_fraction)
 
 
 def trace_ellipses(

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 
 import numpy as np
@@ -77,11 +78,7 @@ class SweepRequest:
     @property
     def structures(self) -> list[Structure]:
         """Every structure, the damping ratio varying fastest."""
-        return [
-            Structure(frequency=f, damping_ratio=xi, experimental_fraction=self.experimental_fraction)
-            for f in self.frequencies
-            for xi in self.damping_ratios
-        ]
+        return structures_of(self.frequencies, self.damping_ratios, self.experimental_fraction)
 
     def describe(self) -> dict[str, object]:
         """Everything that determines the results for a given record, as plain values."""
@@ -104,6 +101,17 @@ class SweepRequest:
     def digest(self) -> str:
         """SHA-256 of everything that determines the results for a given record, in hexadecimal."""
         return hashlib.sha256(json.dumps(self.describe(), sort_keys=True).encode()).hexdigest()
+
+
+def structures_of(
+    frequencies: Sequence[float], damping_ratios: Sequence[float], experimental_fraction: float
+) -> list[Structure]:
+    """Every pair of frequency [Hz] and damping ratio [-] as a structure, the damping ratio fastest."""
+    return [
+        Structure(frequency=f, damping_ratio=xi, experimental_fraction=experimental_fraction)
+        for f in frequencies
+        for xi in damping_ratios
+    ]
 
 
 def check_model(model: HybridTest | None, structures: list[Structure]) -> None:
