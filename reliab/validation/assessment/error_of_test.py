@@ -187,22 +187,17 @@ def error_of_test(
             tolerances=question.tolerances,
             seed=question.seed,
         )
-        return ErrorOfTest(
-            rebuilt=rebuilt,
-            metric=question.metric,
-            threshold=question.threshold,
-            damping_ratio=question.structure.damping_ratio,
+    else:
+        rebuilt = rebuild(
+            recording.command,
+            measured,
+            recording.time_step,
+            question.structure,
+            feedback_lag=lag,
+            sensor_offset=sensor_offset,
+            tolerances=question.tolerances,
+            seed=question.seed,
         )
-    rebuilt = rebuild(
-        recording.command,
-        measured,
-        recording.time_step,
-        question.structure,
-        feedback_lag=lag,
-        sensor_offset=sensor_offset,
-        tolerances=question.tolerances,
-        seed=question.seed,
-    )
     return ErrorOfTest(
         rebuilt=rebuilt,
         metric=question.metric,
