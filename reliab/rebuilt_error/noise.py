@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 from scipy import fft
 from scipy.signal import fftconvolve, firwin, kaiserord
 
+from reliab.rebuilt_error.logarithmic_bins import binned
+
 Array = NDArray[np.float64]
 
 CORNERS = (0.3, 1.0, 3.0, 10.0, 30.0)
@@ -147,8 +149,8 @@ def estimate_noise(command: Array, measured: Array, time_step: float) -> SensorN
     power, moved = _periodogram(residual), _periodogram(command)
     floor = white_floor(residual)
     power = np.minimum(power, _without_lines(power))
-    centre, mean, count = _binned(frequency, power)
-    motion = _binned(frequency, moved)[1]
+    centre, mean, count = binned(frequency, power, _BINS)
+    motion = binned(frequency, moved, _BINS)[1]
     ratio = float(mean[np.argmax(motion)] / motion.max())
     quiet = ratio * motion < _MOTION_LEFT * np.maximum(mean, floor)
     weights = np.zeros(1 + len(CORNERS))
@@ -197,17 +199,6 @@ def _without_lines(power: Array) -> Array:
     return np.asarray(np.where(high, 8.0 * level, np.inf))
 
 
-def _binned(frequency: Array, power: Array) -> tuple[Array, Array, Array]:
-    """Average over bins of about equal width on a logarithmic axis."""
-    edges = np.geomspace(frequency[0] * 0.999, frequency[-1] * 1.001, _BINS + 1)
-    place = np.digitize(frequency, edges) - 1
-    count = np.bincount(place, minlength=_BINS).astype(np.float64)
-    used = count > 0
-    centre = np.bincount(place, frequency, minlength=_BINS)[used] / count[used]
-    mean = np.bincount(place, power, minlength=_BINS)[used] / count[used]
-    return centre, mean, count[used]
-
-
 def _shapes(frequency: Array, step: float) -> Array:
     """Spectra of which the noise is a sum: white, then slow, shape (1 + corners, frequencies)."""
     cosine = np.cos(2.0 * np.pi * step * np.asarray(frequency))
@@ -228,7 +219,7 @@ def _fitted(shapes: Array, mean: Array, count: Array) -> Array:
 def _band(values: Array, white: float, step: float) -> float:
     """Highest frequency [Hz] at which a history rises above the white noise."""
     frequency: Array = np.fft.rfftfreq(values.size, step)[1:].astype(np.float64)
-    centre, mean, count = _binned(frequency, _periodogram(values))
+    centre, mean, count = binned(frequency, _periodogram(values), _BINS)
     limit = (1.0 + _ABOVE_NOISE * np.maximum(1.0 / np.sqrt(count), 0.25)) * white
     # a single bin above the noise is a line, not motion
     above = mean > limit

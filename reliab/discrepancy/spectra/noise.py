@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.compiled import compiled
+from reliab.rebuilt_error.logarithmic_bins import binned
 
 Array = NDArray[np.float64]
 
@@ -114,7 +115,7 @@ def fit_noise(periodograms: Sequence[Periodogram], rate: float, *, least: float 
     frequency = np.concatenate([periodogram.frequency for periodogram in periodograms])
     power = np.concatenate([_without_lines(periodogram, 0.5 * rate) for periodogram in periodograms])
     valid = np.isfinite(power)
-    centre, mean, count = _binned(frequency[valid], power[valid])
+    centre, mean, count = binned(frequency[valid], power[valid], _BINS)
     shapes = spectral_shapes(centre, rate)
     floor = 1e-12 * float(mean.max()) + 1e-300 + least
     weights = np.full(shapes.shape[0], max(float(np.average(mean, weights=count)), floor) / shapes.shape[0])
@@ -142,17 +143,6 @@ def _iterate(shapes: Array, mean: Array, count: Array, floor: float, weights: Ar
                 falls[k] += fall * shapes[i, k]
         for k in range(parts):
             weights[k] *= rises[k] / falls[k]
-
-
-def _binned(frequency: Array, power: Array) -> tuple[Array, Array, Array]:
-    """Average over bins of about equal width on a logarithmic axis."""
-    edges = np.geomspace(frequency.min() * 0.999, frequency.max() * 1.001, _BINS + 1)
-    place = np.digitize(frequency, edges) - 1
-    count = np.bincount(place, minlength=_BINS).astype(np.float64)
-    used = count > 0
-    centre = np.bincount(place, frequency, minlength=_BINS)[used] / count[used]
-    mean = np.bincount(place, power, minlength=_BINS)[used] / count[used]
-    return centre, mean, count[used]
 
 
 def _without_lines(periodogram: Periodogram, nyquist: float) -> Array:
