@@ -128,10 +128,10 @@ def test_a_study_goes_on_where_it_was_and_in_no_other(short, design, tmp_path, m
     monkeypatch.setattr(study, "tests_of_round", never)
     again = try_tests(design, kept=path)
     np.testing.assert_allclose(again["error"], short["error"])
-    with pytest.raises(InputError, match="same study"):
+    with pytest.raises(InputError, match="resumed with its own file"):
         try_tests(replace(design, seed=1), kept=path)
     path.write_text("nothing of the kind\n1\n", encoding="utf-8")
-    with pytest.raises(InputError, match="same study"):
+    with pytest.raises(InputError, match="resumed with its own file"):
         try_tests(design, kept=path)
 
 
