@@ -142,6 +142,7 @@ def test_labelled_ratio_is_seen_in_the_files(damped: tuple[Path, Label]) -> None
     assert seen == pytest.approx(label.effects[0]["effect_to_noise_db"], abs=0.7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [Kind.SINGLE, Kind.FAINT])
 def test_kinds_keep_their_promise(kind: Kind, tmp_path: Path) -> None:
     label = generate(3, tmp_path / "campaign", options=Options(kind=kind, effect="gap", with_rivals=False))

@@ -119,6 +119,7 @@ def test_quadratic_damping_minus_viscous_is_its_harmonics() -> None:
     assert root_mean_square(rivals["gap"]) > 0.9 * root_mean_square(plain)
 
 
+@pytest.mark.slow
 def test_a_servo_is_told_from_a_lag_but_a_lag_is_nearly_a_servo() -> None:
     lag = open_loop(effect("first_order_lag", time_constant_s=0.02))
     responses = lag.run(1024.0)

@@ -123,6 +123,7 @@ def test_open_side_says_where_it_was_left():
     assert np.sqrt(inside.b) <= 1e3 * furthest * (1 + 1e-9)
 
 
+@pytest.mark.slow
 def test_tolerable_leads_of_the_real_records_are_longer_than_lags(real_motions_folder):
     """At 5 %, 1.24 to 1.61 times in the median of each structure."""
     motions = load_motions(real_motions_folder)[::5]

@@ -208,6 +208,7 @@ def unconverged(*arguments: object) -> Result:
     return result
 
 
+@pytest.mark.slow
 def test_a_posterior_that_has_not_converged_ends_unfinished_and_says_so_everywhere(tmp_path):
     out, figures = tmp_path / "criterion.json", tmp_path / "figures"
     found = json.loads(unconverged("--out", out, "--figures", figures, "--json", "-").stdout)
@@ -288,6 +289,7 @@ def test_a_printed_law_can_be_drawn_over_ellipses(tmp_path):
     assert len(found["figures"]) == 1
 
 
+@pytest.mark.slow
 def test_distributions_and_laws_are_compared_on_held_out_earthquakes():
     found = answer("--ellipses", TABLE2, "--compare")["comparison"]
     of_a, of_b = found["distributions"]

@@ -59,6 +59,7 @@ def wrong_answers(cases, blind):
     return wrong
 
 
+@pytest.mark.slow
 def test_two_of_twenty_blind_campaigns(blind):
     wrong = wrong_answers(REPRESENTATIVE[10:12], blind)  # a wrong calibration, and nothing wrong
     assert not wrong

@@ -92,6 +92,7 @@ def test_the_effect_is_named(tmp_path, force, value, name, size, expected):
     assert found["effects"][0]["parameters"][size]["value"] == pytest.approx(expected, rel=0.1)
 
 
+@pytest.mark.slow
 def test_a_force_that_bends_over_a_sixth_of_the_velocity_is_no_dry_friction(tmp_path):
     campaign = written(
         tmp_path, f"stiffness_n_per_m = {STIFFNESS}", lambda moved: sliding(moved, 0.2, turn=1.0 / 6.0)
@@ -101,6 +102,7 @@ def test_a_force_that_bends_over_a_sixth_of_the_velocity_is_no_dry_friction(tmp_
     assert "coulomb_friction" not in {effect.name for effect in found.effects}
 
 
+@pytest.mark.slow
 def test_what_is_known_of_a_specimen_without_a_spring_is_kept(tmp_path):
     def dragged(moved):
         velocity = np.gradient(moved, 1.0 / RATE)

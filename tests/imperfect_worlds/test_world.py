@@ -27,6 +27,7 @@ def test_every_kind_of_world_is_a_campaign(tmp_path, seed):
         assert all(np.isfinite(values).all() for values in test.channels.values())
 
 
+@pytest.mark.slow
 def test_a_seed_gives_the_same_world_twice(tmp_path):
     folders = [tmp_path / name for name in "ab"]
     for folder in folders:

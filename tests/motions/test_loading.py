@@ -69,6 +69,7 @@ def test_records_are_read_when_asked_for(folder: Path) -> None:
         suite[1]
 
 
+@pytest.mark.slow
 def test_ten_thousand_motions_stream_in_the_memory_of_one(write: Write) -> None:
     """Some of them, each of 40 kB: 8 MB if they were kept."""
     path = write("a.txt", "# units: g\n# dt = 0.01\n" + "1\n-1\n" * 2500)

@@ -52,6 +52,7 @@ def test_ranks_are_uniform_over_many_fits(name):
     assert deviation(ranks) > 0.01
 
 
+@pytest.mark.slow
 def test_a_wrong_posterior_is_found_out():
     class Overconfident(NormalValues):
         def log_likelihood(self, theta):

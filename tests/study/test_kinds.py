@@ -39,7 +39,11 @@ def text_of_run(study, folder, text_of):
 @pytest.mark.parametrize(
     ("name", "sentences"),
     [
-        ("validation", ("held-out earthquakes", "Actuators that are no constant gain and delay")),
+        pytest.param(
+            "validation",
+            ("held-out earthquakes", "Actuators that are no constant gain and delay"),
+            marks=pytest.mark.slow,
+        ),
         ("synthetic_vs_real", ("Response spectra", "Criteria of the suites")),
     ],
 )

@@ -43,6 +43,7 @@ def test_a_finished_study_is_not_run_again(finished, small_study):
     assert (finished / "report.pdf").read_bytes() == report
 
 
+@pytest.mark.slow
 def test_only_what_depends_on_a_change_is_done_again(finished, small_study):
     criterion = small_study.criterion.model_copy(update={"confidences": (0.7,)})
     changed = small_study.model_copy(update={"criterion": criterion})

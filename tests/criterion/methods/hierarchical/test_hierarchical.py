@@ -51,6 +51,7 @@ def with_assurance(fit, assurance):
     return replace(fit, lag=lag)
 
 
+@pytest.mark.slow
 def test_an_assurance_makes_limits_smaller_and_more_of_it_smaller_still(fit):
     def assured(assurance):
         return sizes(with_assurance(fit, assurance).criterion(0.95))
