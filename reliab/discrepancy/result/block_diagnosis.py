@@ -1,5 +1,6 @@
 """The results for one observed block."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
@@ -24,6 +25,17 @@ class Verdict(StrEnum):
     NO_MISSING_EFFECT = "no_missing_effect"
     UNKNOWN_EFFECT = "unknown_effect"
     NOT_IDENTIFIABLE = "not_identifiable"
+
+    @classmethod
+    def of(
+        cls, effects: Sequence[MissingEffect], doubtful: Sequence[MissingEffect], unknown: Unknown | None
+    ) -> "Verdict":
+        """Answer for a block or a whole campaign: an unknown effect weighs most, then a doubtful one."""
+        if unknown is not None:
+            return cls.UNKNOWN_EFFECT
+        if doubtful:
+            return cls.NOT_IDENTIFIABLE
+        return cls.NAMED if effects else cls.NO_MISSING_EFFECT
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -101,11 +113,7 @@ class BlockDiagnosis:
     @property
     def verdict(self) -> Verdict:
         """The answer for this block in one word."""
-        if self.unknown is not None:
-            return Verdict.UNKNOWN_EFFECT
-        if self.doubtful:
-            return Verdict.NOT_IDENTIFIABLE
-        return Verdict.NAMED if self.effects else Verdict.NO_MISSING_EFFECT
+        return Verdict.of(self.effects, self.doubtful, self.unknown)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the entry of `blocks`."""

@@ -59,11 +59,7 @@ class Diagnosis:
     @property
     def verdict(self) -> Verdict:
         """The answer in one word."""
-        if self.unknown is not None:
-            return Verdict.UNKNOWN_EFFECT
-        if self.doubtful:
-            return Verdict.NOT_IDENTIFIABLE
-        return Verdict.NAMED if self.effects else Verdict.NO_MISSING_EFFECT
+        return Verdict.of(self.effects, self.doubtful, self.unknown)
 
     @property
     def gap(self) -> Gap:
