@@ -35,13 +35,13 @@ and the interval includes it.
 
 from reliab.rebuilt_error.force_form import Form
 from reliab.rebuilt_error.identification import Identification, Identified, identify
-from reliab.rebuilt_error.interval import Estimate
 from reliab.rebuilt_error.monitor import Monitor
 from reliab.rebuilt_error.nonlinear_reference import rebuild_with_specimen
 from reliab.rebuilt_error.parts import Part, Parts
 from reliab.rebuilt_error.rebuild import rebuild
 from reliab.rebuilt_error.rebuilt import RebuiltError
 from reliab.rebuilt_error.specimen_check import SpecimenCheck, examine_specimen
+from reliab.rebuilt_error.spread import Estimate
 from reliab.rebuilt_error.tolerances import Tolerances
 from reliab.rebuilt_error.whole_structure import WholeStructure
 from reliab.rebuilt_error.widenings import Widening

@@ -14,36 +14,16 @@ from scipy.stats import norm, qmc
 from reliab.rebuilt_error.error_statistics import mean_square, sweep_draws
 from reliab.rebuilt_error.noise import SensorNoise
 from reliab.rebuilt_error.recursion import Recursion, equilibrium, respond
+from reliab.rebuilt_error.spread import Spread
 from reliab.rebuilt_error.tolerances import Tolerances
 from reliab.rebuilt_error.whole_structure import WholeStructure, first_mode
 
 Array = NDArray[np.float64]
 
-LEVEL = 0.90
-"""Level of the intervals."""
-
-HALF_WIDTH = float(norm.ppf(0.5 + 0.5 * LEVEL))
-"""Half width of a 90 % interval in standard deviations."""
-
 _LEAST = 0.05  # of a stated value: a draw goes no lower
 _PER_PERIOD = 64.0  # samples in a period of the highest mode while draws are swept
 _IN_PERIOD_OF_BAND = 0.25  # of the period of the highest frequency of the motion that a step may be
 _MOST_SAMPLES = 4096  # that are swept for the sake of the motion's band
-
-
-@dataclass(frozen=True, kw_only=True)
-class Estimate:
-    """A value with its 90 % interval.
-
-    Attributes
-    ----------
-    value, low, high : float
-        Relative errors [-].
-    """
-
-    value: float
-    low: float
-    high: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,24 +88,6 @@ class Histories:
             time_step=every * self.time_step,
             standing=self.standing,
         )
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Spread:
-    """Errors of many draws.
-
-    Attributes
-    ----------
-    rms, mte : numpy.ndarray
-        RMS^R and MTE^R [-], shape (draws,).
-    mean, deviation : numpy.ndarray
-        Mean and standard deviation of x_m − x_I over the draws at the samples [m], shape (n,).
-    """
-
-    rms: Array
-    mte: Array
-    mean: Array
-    deviation: Array
 
 
 def sweep(
@@ -277,14 +239,3 @@ def _recursions(structure: WholeStructure, drawn: dict[str, Array], step: float)
         )
         for f, xi, share in zip(*(drawn[name] for name in names), strict=True)
     ]
-
-
-def estimate(value: float, draws: Array) -> Estimate:
-    """Value and 90 % interval, which holds the value."""
-    low, high = np.quantile(draws, [0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL])
-    return Estimate(value=value, low=float(min(low, value)), high=float(max(high, value)))
-
-
-def probability_below(draws: Array, threshold: float) -> float:
-    """Probability of an error below a threshold, no nearer to 0 and 1 than the number of draws can tell."""
-    return (float(np.count_nonzero(draws < threshold)) + 0.5) / (draws.size + 1.0)

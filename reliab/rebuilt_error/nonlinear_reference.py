@@ -26,9 +26,10 @@ from reliab.loop.hybrid_test import HybridTest, Motion3, load, run_closed_loop
 from reliab.rebuilt_error.channels import checked_histories, stated_start
 from reliab.rebuilt_error.difference_draws import draw_differences
 from reliab.rebuilt_error.error_statistics import mean_square
-from reliab.rebuilt_error.interval import Histories, Spread, Unknown
+from reliab.rebuilt_error.interval import Histories, Unknown
 from reliab.rebuilt_error.noise import estimate_noise
 from reliab.rebuilt_error.rebuilt import RebuiltError, conclude
+from reliab.rebuilt_error.spread import Spread
 from reliab.rebuilt_error.tolerances import Tolerances
 from reliab.rebuilt_error.whole_structure import WholeStructure
 

@@ -6,17 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.rebuilt_error.initial import Start
-from reliab.rebuilt_error.interval import (
-    HALF_WIDTH,
-    Estimate,
-    Histories,
-    Spread,
-    Unknown,
-    estimate,
-    probability_below,
-)
+from reliab.rebuilt_error.interval import Histories, Unknown
 from reliab.rebuilt_error.noise import SensorNoise
 from reliab.rebuilt_error.parts import Parts, divide
+from reliab.rebuilt_error.spread import HALF_WIDTH, Estimate, Spread
 from reliab.rebuilt_error.whole_structure import WholeStructure
 from reliab.rebuilt_error.widenings import Widening, widenings
 from reliab.vocabulary import Metric
@@ -84,7 +77,7 @@ class RebuiltError:
 
     def estimate(self, metric: Metric) -> Estimate:
         """RMS^R or MTE^R with its interval."""
-        return self.rms if metric is Metric.RMS else self.mte
+        return self.rms if Metric(metric) is Metric.RMS else self.mte
 
     def probability(self, threshold: float, metric: Metric = Metric.RMS) -> float:
         """Probability that the error is below a threshold.
@@ -101,7 +94,7 @@ class RebuiltError:
         float
             Never 0 or 1: the distance to both is at least that of half a draw.
         """
-        return probability_below(self.draws.rms if metric is Metric.RMS else self.draws.mte, threshold)
+        return self.draws.probability_below(threshold, metric)
 
     def parts(self) -> Parts:
         """Divide the error into amplitude, delay, what is neither, and the fed-back force."""
@@ -166,8 +159,8 @@ def conclude(
         reference=reference,
         low=spread.mean - half,
         high=spread.mean + half,
-        rms=estimate(float(np.median(as_stated.rms)), spread.rms),
-        mte=estimate(float(np.median(as_stated.mte)), spread.mte),
+        rms=spread.estimate(Metric.RMS, float(np.median(as_stated.rms))),
+        mte=spread.estimate(Metric.MTE, float(np.median(as_stated.mte))),
         draws=spread,
         noise=noise,
         start=start,

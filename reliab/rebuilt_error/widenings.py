@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.rebuilt_error.interval import LEVEL, Histories, Unknown, sweep
+from reliab.rebuilt_error.interval import Histories, Unknown, sweep
 from reliab.rebuilt_error.whole_structure import WholeStructure
 from reliab.vocabulary import Metric
 
@@ -70,9 +70,8 @@ def widenings(
 
     def width(changed: Unknown, drawn: Array = differences) -> float:
         spread = sweep(histories, structure, changed, drawn, every, draws=draws, seed=seed)
-        errors = spread.rms if metric is Metric.RMS else spread.mte
-        low, high = np.quantile(errors, [0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL])
-        return float(high - low)
+        low, high = spread.interval(metric)
+        return high - low
 
     whole = width(unknown)
     parts = [

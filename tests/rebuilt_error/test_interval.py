@@ -59,8 +59,8 @@ def test_probability_is_capped_by_the_draws_and_falls_with_the_threshold(outcome
     )
     assert rebuilt.probability(1.0) == pytest.approx(256.5 / 257.0)
     assert rebuilt.probability(1e-6) == pytest.approx(0.5 / 257.0)
-    middle = float(np.median(rebuilt.draws.mte))
-    assert rebuilt.probability(middle, Metric.MTE) == pytest.approx(0.5, abs=0.01)
+    assert rebuilt.probability(rebuilt.mte.low, Metric.MTE) == pytest.approx(0.05, abs=0.01)
+    assert rebuilt.probability(rebuilt.mte.high, Metric.MTE) == pytest.approx(0.95, abs=0.01)
 
 
 def test_the_widest_tolerance_is_named_and_half_of_the_width_is_reached(outcome):

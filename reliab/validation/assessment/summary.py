@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from reliab.rebuilt_error import Estimate, Part, Widening
-from reliab.rebuilt_error.interval import LEVEL as ERROR_LEVEL
+from reliab.rebuilt_error.spread import LEVEL as ERROR_LEVEL
 from reliab.validation.assessment.findings import LARGEST_PROBABILITY, FaultEffect, Findings, capped
 from reliab.validation.assessment.own_equation import OwnEquation
 from reliab.validation.assessment.tracking_index import LEVEL
