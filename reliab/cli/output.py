@@ -5,7 +5,7 @@ import io
 import json
 import sys
 import unicodedata
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Final, TextIO
 
@@ -121,12 +121,12 @@ def table(title: str, headings: Mapping[str, str]) -> "Table":
     return rich_table
 
 
-def write_json(content: Mapping[str, Any], target: str | None) -> bool:
+def write_json(content: Mapping[str, Any] | Sequence[Any], target: str | None) -> bool:
     """Write JSON if it is asked for; return whether nothing else may be printed.
 
     Parameters
     ----------
-    content : mapping
+    content : mapping or sequence
         What to write.
     target : str or None
         A file, "-" for standard output, or None for neither.

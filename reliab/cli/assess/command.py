@@ -8,9 +8,13 @@ import typer
 
 from reliab.cli.options import JsonTarget, StructureFile
 
-Test = Annotated[
-    Path | None,
-    typer.Argument(metavar="[TEST]", help="Command and measured displacement: CSV, MATLAB, HDF5, NetCDF."),
+Tests = Annotated[
+    list[Path] | None,
+    typer.Argument(
+        metavar="[TEST]...",
+        help="Command and measured displacement: CSV, MATLAB, HDF5, NetCDF; or sample_test, which ships. "
+        "Several give a table.",
+    ),
 ]
 Frequencies = Annotated[
     list[str] | None,
@@ -114,6 +118,12 @@ ReportFile = Annotated[
     Path | None,
     typer.Option("--report", metavar="FILE.pdf", help="Report of two pages, to be filed with the test."),
 ]
+TableFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--out", metavar="FILE.csv", help="Table of the verdicts, one row for each test; itself no test."
+    ),
+]
 ReportDate = Annotated[
     datetime | None,
     typer.Option("--date", formats=["%Y-%m-%d"], help="Date on the report; today by default."),
@@ -123,7 +133,7 @@ ReportDate = Annotated[
 def assess(
     *,
     context: typer.Context,
-    test: Test = None,
+    tests: Tests = None,
     f: Frequencies = None,
     xi: DampingRatio = None,
     alpha: Alpha = None,
@@ -148,6 +158,7 @@ def assess(
     figure: FigureFile = None,
     report: ReportFile = None,
     date: ReportDate = None,
+    out: TableFile = None,
     check: Check = False,
     json_target: JsonTarget = None,
 ) -> None:
@@ -160,13 +171,15 @@ def assess(
 
         state_tolerances(demand)
         return
+    from reliab.cli.assess.verdicts import answer
+
     if structure is None:
-        from reliab.cli.assess.measured_test import judge_test
+        from reliab.cli.assess.measured_test import judge_of_tests
 
-        reliable = judge_test(demand)
+        reliable = answer(demand, judge_of_tests(demand))
     else:
-        from reliab.cli.assess.frame import judge_frame_test
+        from reliab.cli.assess.frame import judge_of_frames
 
-        reliable = judge_frame_test(demand, structure)
+        reliable = answer(demand, judge_of_frames(demand, structure))
     if check and not reliable:
         raise typer.Exit(1)

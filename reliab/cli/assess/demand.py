@@ -1,7 +1,10 @@
 """The options of one call of `reliab assess`: read, checked, and the files that they name."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
+from functools import cached_property
+from glob import glob
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +13,7 @@ import typer
 from reliab.cli.options import given_options, options_of
 from reliab.errors import InputError
 from reliab.files import ordinary
+from reliab.shipped import or_shipped
 from reliab.stated_value import StatedValue
 
 if TYPE_CHECKING:
@@ -17,8 +21,20 @@ if TYPE_CHECKING:
     from reliab.validation.assessment import Recording
 
 _ONLY_FOR_TESTS = (
-    *("test", "alpha", "scale", "feedback_lag", "mass", "motion", "model", "structure"),
-    *("command", "measured", "time", "rate", "units", "time_units", "delimiter", "report", "date", "check"),
+    *("tests", "alpha", "scale", "feedback_lag", "mass", "motion", "model", "structure"),
+    *(
+        "command",
+        "measured",
+        "time",
+        "rate",
+        "units",
+        "time_units",
+        "delimiter",
+        "report",
+        "date",
+        "check",
+        "out",
+    ),
 )
 _ONLY_FOR_DESIGN = ("figure",)
 _QUANTITIES = ("f", "xi", "alpha", "scale", "feedback_lag", "mass")
@@ -29,7 +45,7 @@ _NEEDS = {"date": "report"}
 class Demand:
     """The options of `reliab assess`, by their names; see `reliab.cli.assess.command`."""
 
-    test: Path | None
+    tests: list[Path]
     f: list[StatedValue] | None
     xi: StatedValue | None
     alpha: StatedValue | None
@@ -54,6 +70,7 @@ class Demand:
     figure: Path | None
     report: Path | None
     date: datetime | None
+    out: Path | None
     check: bool
     json_target: str | None
 
@@ -69,6 +86,7 @@ class Demand:
         given, values = given_options(context), options_of(cls, context)
         for name in _QUANTITIES:
             values[name] = _parsed(values[name], name)
+        values["tests"] = [test for test in matched(values["tests"] or []) if test != values["out"]]
         demand = cls(**values)
         design = demand.design
         for name in given:
@@ -78,6 +96,8 @@ class Demand:
                 raise unused(name, f"without --{_NEEDS[name]}")
             if name in ("threshold", "confidence", "metric") and demand.criterion is not None:
                 raise unused(name, "beside --criterion, which brings its own")
+        if len(demand.tests) > 1 and demand.report is not None:
+            raise unused("report", "beside several tests, since it is the report of one")
         if demand.f and len(demand.f) > 1 and not design:
             raise InputError("A test has one --f", value=len(demand.f), remedy="Give several with --design")
         if demand.confidence and len(demand.confidence) > 1 and not design:
@@ -88,8 +108,15 @@ class Demand:
             )
         return demand
 
-    def read_criterion(self) -> "Criterion | None":
-        """Read the user's criterion, if its file is given."""
+    @cached_property
+    def own_criterion(self) -> "Criterion | None":
+        """The user's criterion, if its file is given.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read.
+        """
         if self.criterion is None:
             return None
         from reliab.criterion import Criterion
@@ -105,24 +132,23 @@ class Demand:
             ) from error
         return Criterion.from_json(text)
 
-    def read_recording(self) -> "Recording":
-        """Read the test that the options name.
+    def read_recording(self, test: Path) -> "Recording":
+        """Read a test.
+
+        Parameters
+        ----------
+        test : pathlib.Path
+            Its file, or the name of a test that ships.
 
         Raises
         ------
         InputError
-            If none is named, or its file cannot be read.
+            If its file cannot be read.
         """
-        if self.test is None:
-            raise InputError(
-                "A test's file is needed",
-                value="none",
-                remedy="Name it, or ask what is tolerable with --design",
-            )
         from reliab.validation.assessment import read_recording
 
         return read_recording(
-            self.test,
+            or_shipped(test, "datasets", "test.csv"),
             command=self.command,
             measured=self.measured,
             time=self.time,
@@ -131,6 +157,26 @@ class Demand:
             time_units=self.time_units,
             delimiter=self.delimiter,
         )
+
+
+def matched(paths: Sequence[Path]) -> list[Path]:
+    """Replace patterns such as ``*.csv``, which some shells hand on as they are, by the files of that name.
+
+    Parameters
+    ----------
+    paths : sequence of pathlib.Path
+        Files and patterns.
+
+    Returns
+    -------
+    list of pathlib.Path
+        Files; a pattern that matches none stays, to be named in the error.
+    """
+    files = []
+    for path in paths:
+        names = [] if path.exists() else glob(str(path))  # noqa: PTH207 - absolute patterns too
+        files += [Path(name) for name in sorted(names)] or [path]
+    return files
 
 
 def _parsed(text: Any, name: str) -> Any:  # noqa: ANN401 - one text or several
@@ -157,5 +203,5 @@ def unused(name: str, why: str) -> InputError:
     InputError
         To be raised.
     """
-    spoken = "A test's file" if name == "test" else f"--{name.replace('_', '-')}"
+    spoken = "A test's file" if name == "tests" else f"--{name.replace('_', '-')}"
     return InputError(f"{spoken} has no meaning {why}", remedy="Leave it out")

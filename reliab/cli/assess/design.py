@@ -28,7 +28,7 @@ def state_tolerances(demand: "Demand") -> None:
     """
     from reliab.validation.assessment.design import CONFIDENCES, chart_frequencies, tolerable_errors
 
-    criterion = demand.read_criterion()
+    criterion = demand.own_criterion
 
     def tolerances(frequencies: list[float]) -> "list[Tolerance]":
         return tolerable_errors(

@@ -4,8 +4,9 @@ from pathlib import Path
 from typing import Any
 
 from reliab.cli.assess.demand import Demand
+from reliab.cli.assess.judgement import Judge, Judgement
 from reliab.cli.options import FIVE_PERCENT
-from reliab.cli.output import console, table, write_json
+from reliab.cli.output import console, table
 from reliab.errors import InputError
 
 _SAID_BY_THE_FILE = ("f", "xi", "alpha", "mass")
@@ -18,8 +19,8 @@ _NOT_FOR_FRAMES = {
 }
 
 
-def judge_frame_test(demand: Demand, structure: Path) -> bool:
-    """Judge a test of a frame; write and print what is found.
+def judge_of_frames(demand: Demand, structure: Path) -> Judge:
+    """Read what the tests of a frame share, and return what judges one of them.
 
     Parameters
     ----------
@@ -30,13 +31,13 @@ def judge_frame_test(demand: Demand, structure: Path) -> bool:
 
     Returns
     -------
-    bool
-        Whether the test is reliable.
+    callable
+        Takes the file of a test and returns its `Judgement`.
 
     Raises
     ------
     InputError
-        If an option has no meaning beside a frame.
+        If an option has no meaning beside a frame, or a shared file cannot be read.
     """
     _refuse_unused(demand)
     from reliab.loop.partition.frame_file import read_frame
@@ -44,19 +45,22 @@ def judge_frame_test(demand: Demand, structure: Path) -> bool:
     from reliab.validation.assessment.frame_test import assess_frame
     from reliab.vocabulary import Metric
 
-    assessment = assess_frame(
-        demand.read_recording(),
-        read_frame(structure),
-        criterion=demand.read_criterion(),
-        threshold=FIVE_PERCENT if demand.threshold is None else demand.threshold,
-        metric=Metric.parse(demand.metric or "rms"),
-        feedback_lag=demand.feedback_lag,
-        scale=demand.scale,
-    )
-    content = summarise_frame(assessment)
-    if not write_json(content, demand.json_target):
-        _show(content)
-    return assessment.reliable
+    frame, criterion = read_frame(structure), demand.own_criterion
+
+    def judge(test: Path) -> Judgement:
+        assessment = assess_frame(
+            demand.read_recording(test),
+            frame,
+            criterion=criterion,
+            threshold=FIVE_PERCENT if demand.threshold is None else demand.threshold,
+            metric=Metric.parse(demand.metric or "rms"),
+            feedback_lag=demand.feedback_lag,
+            scale=demand.scale,
+        )
+        content = summarise_frame(assessment)
+        return Judgement(content=content, show=lambda: _show(content))
+
+    return judge
 
 
 def _refuse_unused(demand: Demand) -> None:

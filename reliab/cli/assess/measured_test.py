@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 from reliab.cli.assess.answer import show_assessment
 from reliab.cli.assess.demand import Demand, unused
+from reliab.cli.assess.judgement import Judge, Judgement
 from reliab.cli.options import FIVE_PERCENT, TWO_PERCENT
-from reliab.cli.output import write_json
 from reliab.errors import InputError
+from reliab.shipped import or_shipped
 from reliab.stated_value import StatedValue
 
 if TYPE_CHECKING:
+    from reliab.criterion import Criterion
     from reliab.loop.hybrid_test.model_file import UpdatedModel
     from reliab.motions import Motion
     from reliab.validation.assessment import Assessment, Recording
@@ -22,8 +24,8 @@ _SAME = 0.01
 """Relative difference up to which a stated structure is that of a model."""
 
 
-def judge_test(demand: Demand) -> bool:
-    """Judge a test; write and print what is found.
+def judge_of_tests(demand: Demand) -> Judge:
+    """Read what the tests share, and return what judges one of them.
 
     Parameters
     ----------
@@ -32,16 +34,41 @@ def judge_test(demand: Demand) -> bool:
 
     Returns
     -------
-    bool
-        Whether the test is reliable.
+    callable
+        Takes the file of a test and returns its `Judgement`.
+
+    Raises
+    ------
+    InputError
+        If a shared file cannot be read.
     """
+    model = None if demand.model is None else _read_model(demand.model)
+    motion = None if demand.motion is None else _read_motion(demand.motion)
+    criterion = demand.own_criterion
+
+    def judge(test: Path) -> Judgement:
+        assessment = _assess(demand, demand.read_recording(test), model, motion, criterion)
+        return Judgement(
+            content=assessment.to_dict(),
+            show=lambda: show_assessment(assessment),
+            write_report=lambda: _write_report(assessment, demand, test),
+        )
+
+    return judge
+
+
+def _assess(
+    demand: Demand,
+    recording: "Recording",
+    model: "UpdatedModel | None",
+    motion: "Motion | None",
+    criterion: "Criterion | None",
+) -> "Assessment":
     from reliab.loop.structure import Structure
     from reliab.validation.assessment import assess
 
-    recording = demand.read_recording()
-    model = None if demand.model is None else _read_model(demand.model)
     stated, assumed = _stated(demand, recording, model)
-    assessment = assess(
+    return assess(
         recording,
         Structure(
             frequency=stated["f"].value,
@@ -49,20 +76,14 @@ def judge_test(demand: Demand) -> bool:
             experimental_fraction=stated["alpha"].value,
         ),
         stated=stated,
-        motion=None if demand.motion is None else _read_motion(demand.motion),
-        criterion=demand.read_criterion(),
+        motion=motion,
+        criterion=criterion,
         threshold=FIVE_PERCENT if demand.threshold is None else demand.threshold,
         confidence=demand.confidence[0] if demand.confidence else _NINETY_FIVE,
         metric=demand.metric or "rms",
         model=model,
         assumed=assumed,
     )
-    printed = write_json(assessment.to_dict(), demand.json_target)
-    if not printed:
-        show_assessment(assessment)
-    if demand.report is not None and demand.test is not None:
-        _write_report(assessment, demand.test, demand.report, demand.date)
-    return assessment.reliable
 
 
 def _stated(
@@ -133,18 +154,22 @@ def _read_motion(path: Path) -> "Motion":
     return read_motion(path)
 
 
-def _write_report(assessment: "Assessment", test: Path, report: Path, date: datetime | None) -> None:
+def _write_report(assessment: "Assessment", demand: Demand, test: Path) -> None:
+    """Write the report, if it is asked for."""
+    if demand.report is None:
+        return
     import hashlib
 
     from reliab.report import write_pdf
     from reliab.report.kinds.assessment import assessment_report
 
+    file = or_shipped(test, "datasets", "test.csv")
     provenance: dict[str, Any] = {
-        "file": test.name,
-        "file, SHA-256": hashlib.sha256(test.read_bytes()).hexdigest(),
+        "file": file.name,
+        "file, SHA-256": hashlib.sha256(file.read_bytes()).hexdigest(),
     }
     write_pdf(
         assessment_report(assessment, provenance=provenance),
-        report,
-        date=(date or datetime.now(tz=UTC)).date(),
+        demand.report,
+        date=(demand.date or datetime.now(tz=UTC)).date(),
     )

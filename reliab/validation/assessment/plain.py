@@ -1,7 +1,8 @@
 """Judge a test from plain arguments: a file or a name, and numbers, as on the command line."""
 
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, overload
 
 from reliab.criterion import Criterion
 from reliab.errors import InputError
@@ -14,13 +15,19 @@ from reliab.validation.assessment.assess import assess as assess_recording
 from reliab.validation.assessment.assessment import Assessment
 from reliab.validation.assessment.reading import read_recording
 from reliab.validation.assessment.recording import Recording
+from reliab.validation.assessment.several import Assessments
 
 Quantity = float | str | StatedValue
 """A number, a number with its standard deviation as text ("1±0.01"), or such a value."""
 
 
+Test = str | Path | Recording
+"""A test, its file, or the name of one that ships."""
+
+
+@overload
 def assess(
-    test: str | Path | Recording,
+    test: Test,
     structure: Structure | None = None,
     *,
     f: Quantity | None = None,
@@ -30,12 +37,39 @@ def assess(
     criterion: str | Path | Criterion | None = None,
     model: str | Path | UpdatedModel | None = None,
     **options: Any,  # noqa: ANN401 - handed on as they are
-) -> Assessment:
-    """Judge a test by the error computed from its command and measured displacement.
+) -> Assessment: ...
+@overload
+def assess(
+    test: Iterable[Test],
+    structure: Structure | None = None,
+    *,
+    f: Quantity | None = None,
+    xi: Quantity | None = None,
+    alpha: Quantity | None = None,
+    motion: str | Path | Motion | None = None,
+    criterion: str | Path | Criterion | None = None,
+    model: str | Path | UpdatedModel | None = None,
+    **options: Any,  # noqa: ANN401
+) -> Assessments: ...
+
+
+def assess(
+    test: Test | Iterable[Test],
+    structure: Structure | None = None,
+    *,
+    f: Quantity | None = None,
+    xi: Quantity | None = None,
+    alpha: Quantity | None = None,
+    motion: str | Path | Motion | None = None,
+    criterion: str | Path | Criterion | None = None,
+    model: str | Path | UpdatedModel | None = None,
+    **options: Any,
+) -> Assessment | Assessments:
+    """Judge a test, or several, by the error computed from command and measured displacement.
 
     Parameters
     ----------
-    test : str, pathlib.Path or Recording
+    test : str, pathlib.Path or Recording, or several of them
         The test, its file, or the name of one that ships ("sample_test").
     structure : Structure, optional
         The structure under test, in place of `f`, `xi` and `alpha`.
@@ -55,13 +89,15 @@ def assess(
 
     Returns
     -------
-    Assessment
-        Error of the test with its interval, verdict, index and what to improve first.
+    Assessment or Assessments
+        Error of the test with its interval, verdict, index and what to improve first; of several tests those
+        by file, with the reasons why some could not be judged.
 
     Raises
     ------
     InputError
-        If the file cannot be read or judged, or the structure is stated twice or not at all.
+        If the file of a single test, or a file that several share, cannot be read or judged, or the structure
+        is stated twice or not at all.
 
     Examples
     --------
@@ -69,8 +105,48 @@ def assess(
     >>> verdict.reliable, round(verdict.error.rebuilt.rms.value, 3)
     (True, 0.023)
     """
+    shared = {
+        "motion": read_motion(motion) if isinstance(motion, str | Path) else motion,
+        "criterion": _read_criterion(criterion) if isinstance(criterion, str | Path) else criterion,
+        "model": read_model(model) if isinstance(model, str | Path) else model,
+        **options,
+    }
+    numbers = {"f": f, "xi": xi, "alpha": alpha}
+    if isinstance(test, str | Path | Recording):
+        return _assess(test, structure, numbers, shared)
+    return _assess_several(test, structure, numbers, shared)
+
+
+def _assess_several(
+    tests: Iterable[Test],
+    structure: Structure | None,
+    numbers: dict[str, Quantity | None],
+    shared: dict[str, Any],
+) -> Assessments:
+    by_file: dict[str, Test] = {}
+    for test in tests:
+        file = test.name if isinstance(test, Recording) else str(test)
+        if file in by_file:
+            raise InputError(
+                "Every test must be given once",
+                value=f"{file} twice",
+                remedy="Leave it out, or give the recordings different names",
+            )
+        by_file[file] = test
+    judged, faults = {}, {}
+    for file, test in by_file.items():
+        try:
+            judged[file] = _assess(test, structure, numbers, shared)
+        except InputError as error:
+            faults[file] = str(error)
+    return Assessments(files=tuple(by_file), judged=judged, faults=faults)
+
+
+def _assess(
+    test: Test, structure: Structure | None, numbers: dict[str, Quantity | None], shared: dict[str, Any]
+) -> Assessment:
     recording = test if isinstance(test, Recording) else _read(test)
-    stated = _stated(recording, structure, {"f": f, "xi": xi, "alpha": alpha})
+    stated = _stated(recording, structure, numbers)
     return assess_recording(
         recording,
         structure
@@ -79,11 +155,7 @@ def assess(
             damping_ratio=stated["xi"].value,
             experimental_fraction=stated["alpha"].value,
         ),
-        stated={**stated, **options.pop("stated", {})},
-        motion=read_motion(motion) if isinstance(motion, str | Path) else motion,
-        criterion=_read_criterion(criterion) if isinstance(criterion, str | Path) else criterion,
-        model=read_model(model) if isinstance(model, str | Path) else model,
-        **options,
+        **{**shared, "stated": {**stated, **shared.get("stated", {})}},
     )
 
 
