@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import convolve1d
+from threadpoolctl import threadpool_limits
 
 from reliab.rebuilt_error.lapped_transform import analyse, synthesise
 from reliab.rebuilt_error.noise import SensorNoise, white_floor
@@ -102,8 +103,10 @@ def draw_differences(
     reading = _reading(command, measured, noise, frequency, every)
     actuators = replace(reading, noise=reading.noise[:1])
     coefficients = np.empty((draws, *reading.observed.shape))
-    coefficients[::2] = _drawn_twice(actuators, -(-draws // 2), generator)
-    coefficients[1::2] = _drawn_twice(reading, draws // 2, generator)
+    # for matrices as small as these several threads cost more time than they save
+    with threadpool_limits(limits=1, user_api="blas"):
+        coefficients[::2] = _drawn_twice(actuators, -(-draws // 2), generator)
+        coefficients[1::2] = _drawn_twice(reading, draws // 2, generator)
     return synthesise(coefficients, -(-command.size // every))
 
 
