@@ -11,7 +11,7 @@ from reliab.vocabulary import Metric
 
 def of_two_components(length, deviation, draws=200_000):
     """Draws of the length of a vector that was read with this length and normal errors."""
-    components = np.random.default_rng(3).normal(0.0, deviation, (2, draws)) + [[length], [0.0]]
+    components = np.random.default_rng(3).normal([[length], [0.0]], deviation, (2, draws))
     errors = np.hypot(*components)
     return Spread(rms=errors, mte=2.0 * errors, mean=np.zeros(1), deviation=np.zeros(1))
 
