@@ -5,6 +5,7 @@ with a part of
 
 history        noise-free history against the simulation, every actuator
 noise          40 dB white noise, structure known: error within 2 %, accepted and refused at 5 %
+threshold      the same for true errors about the threshold: 3.5 to 7.5 %
 coverage       90 % intervals and probabilities: random noise, wrong f (sd 1 %), ξ (10 %), scale (0.5 %)
 levels         20 to 60 dB and quantised sensors, structure known
 small          true errors of 0.1 to 0.6 %, structure known
@@ -170,6 +171,13 @@ def judged(test: Sample, rebuilt: RebuiltError) -> Row:
 def noise(series: Series, number: int) -> Iterator[Row]:
     """40 dB, structure known."""
     test, rng = series.draw(number, 0.01, 0.2)
+    measured = read(test.outcome, "white", 40.0, rng)
+    yield judged(test, rebuild(test.outcome.command, measured, STEP, test.structure))
+
+
+def threshold(series: Series, number: int) -> Iterator[Row]:
+    """40 dB, structure known, true error about the threshold."""
+    test, rng = series.draw(number, 0.035, 0.075)
     measured = read(test.outcome, "white", 40.0, rng)
     yield judged(test, rebuild(test.outcome.command, measured, STEP, test.structure))
 
@@ -415,6 +423,7 @@ def offline(series: Series, count: int) -> None:
 MEASURED = {
     "history": (history, state_history, 60),
     "noise": (noise, state_noise, 200),
+    "threshold": (threshold, state_noise, 800),
     "coverage": (coverage, state_coverage, 1000),
     "levels": (levels, state_levels, 60),
     "small": (small, state_small, 100),
