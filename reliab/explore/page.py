@@ -28,7 +28,7 @@ _FOLDER: Final = Path(__file__).parent / "web"
 _MAIN: Final = "main"
 _ROUNDING = 1e-9
 _IMPORT = re.compile(r'^import (\{.*\}) from "\./(\w+)\.js";$', re.MULTILINE)
-_EXPORT = re.compile(r"^export (?=(?:async )?(?:function|class|const) (\w+))", re.MULTILINE)
+_EXPORT = re.compile(r"^export (?=(?:async )?(?:function\*?|class|const) (\w+))", re.MULTILINE)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,7 +1,7 @@
 // What the page says of a test: A, d, index, rebuilt error and verdict, as `reliab assess` computes them.
 
 import { brokenChannels, refusal, slowFaults, slowLines, withoutSpikes } from "./faults.js";
-import { conclude, prepare, probabilityBelow, rebuild } from "./rebuilt_error.js";
+import { conclude, prepare, rebuild } from "./rebuilt_error.js";
 import { track } from "./tracking.js";
 
 const CERTAIN = 0.95;
@@ -46,18 +46,19 @@ export function judge(test, structure, { threshold, metric }) {
   };
 }
 
-// Errors with intervals, the probability of staying below the threshold, and the verdict in words.
-export function verdictOf(test, judged, deviations) {
-  const errors = conclude(judged.rebuilt, deviations);
-  const probability = probabilityBelow(errors[judged.metric].draws, judged.threshold);
+// Errors with intervals, the probability of staying below the threshold, and the verdict in words. A generator: each
+// `yield` is a place where the page may pause.
+export function* verdictOf(test, judged, deviations) {
+  const errors = yield* conclude(judged.rebuilt, deviations);
+  const probability = errors.probability(judged.metric, judged.threshold);
   const word = wordOf(probability), doubts = [...(word === "reliable" ? test.broken : [])];
-  judged.otherwise.forEach((otherwise, i) => {
-    const changed = probabilityBelow(conclude(otherwise(), deviations)[judged.metric].draws, judged.threshold);
+  for (const [i, otherwise] of judged.otherwise.entries()) {
+    const changed = (yield* conclude(otherwise(), deviations)).probability(judged.metric, judged.threshold);
     if (wordOf(changed) !== word) {
       const { kind } = judged.faults.filter(({ felt }) => felt === null)[i];
       doubts.push(`Whether the structure felt the ${kind} of the measured displacement is not known, and it decides the verdict.`);
     }
-  });
+  }
   return { ...errors, probability, word: doubts.length ? "undecided" : word, doubts };
 }
 

@@ -74,10 +74,10 @@ function besselZero(x) {
 }
 
 // Convolve with a symmetric filter without delay. Beyond its ends the history is continued point-symmetrically
-// about the end of the straight line through the nearest samples.
-export function smooth(filter, values) {
+// about the end of the straight line through the nearest samples. Each `every`-th sample is returned.
+export function smooth(filter, values, every = 1) {
   const n = values.length, reach = filter.length >> 1;
-  if (reach === 0 || reach > 0.2 * n) return values;
+  if (reach === 0 || reach > 0.2 * n) return every === 1 ? values : values.filter((_, i) => i % every === 0);
   const long = new Float64Array(n + 2 * reach);
   long.set(values, reach);
   const before = 2 * endOfLine(values.slice(0, reach + 1).reverse());
@@ -86,7 +86,8 @@ export function smooth(filter, values) {
     long[i] = before - values[reach - i];
     long[n + reach + i] = after - values[n - 2 - i];
   }
-  return values.map((_, i) => {
+  return Float64Array.from({ length: Math.ceil(n / every) }, (_, place) => {
+    const i = place * every;
     let sum = filter[reach] * long[i + reach];
     for (let k = 0; k < reach; k += 1) sum += filter[k] * (long[i + k] + long[i + 2 * reach - k]);
     return sum;
@@ -99,4 +100,16 @@ function endOfLine(values) {
   let sum = 0, moment = 0, square = 0;
   values.forEach((value, i) => { sum += value; moment += (i - half) * value; square += (i - half) ** 2; });
   return sum / n + (moment / square) * half;
+}
+
+// Squared gain of a symmetric filter at `count` angles [rad per sample].
+export function gainOfFilter(filter, angle, count) {
+  const reach = filter.length >> 1;
+  return Float64Array.from({ length: count }, (_, k) => {
+    if (reach === 0) return 1;
+    const c = 2 * Math.cos(angle(k));
+    let next = 0, second = 0; // Clenshaw's sum of the cosines
+    for (let j = reach; j > 0; j -= 1) [next, second] = [2 * filter[reach + j] + c * next - second, next];
+    return (filter[reach] + 0.5 * c * next - second) ** 2;
+  });
 }

@@ -64,16 +64,12 @@ function radixTwo(real, imaginary, sign) {
       [imaginary[i], imaginary[j]] = [imaginary[j], imaginary[i]];
     }
   }
-  const cosine = new Float64Array(n >> 1), sine = new Float64Array(n >> 1);
-  for (let k = 0; k < n >> 1; k += 1) {
-    cosine[k] = Math.cos((2 * Math.PI * k) / n);
-    sine[k] = sign * Math.sin((2 * Math.PI * k) / n);
-  }
+  const { cosine, sine } = kept(turns, n, turnsOf);
   for (let length = 2; length <= n; length *= 2) {
     const half = length >> 1, stride = n / length;
     for (let start = 0; start < n; start += length) {
       for (let k = 0; k < half; k += 1) {
-        const p = start + k, q = p + half, c = cosine[k * stride], s = sine[k * stride];
+        const p = start + k, q = p + half, c = cosine[k * stride], s = sign * sine[k * stride];
         const re = real[q] * c - imaginary[q] * s, im = real[q] * s + imaginary[q] * c;
         real[q] = real[p] - re; imaginary[q] = imaginary[p] - im;
         real[p] += re; imaginary[p] += im;
@@ -82,28 +78,37 @@ function radixTwo(real, imaginary, sign) {
   }
 }
 
+const turns = new Map(), chirps = new Map();
+const LONGEST_KEPT = 4096; // tables of longer transforms are not used often enough to be kept
+
+function kept(tables, n, make) {
+  if (tables.has(n)) return tables.get(n);
+  const table = make(n);
+  if (Math.abs(n) <= LONGEST_KEPT) tables.set(n, table);
+  return table;
+}
+
+function turnsOf(n) {
+  const angle = (k) => (2 * Math.PI * k) / n;
+  return {
+    cosine: Float64Array.from({ length: n >> 1 }, (_, k) => Math.cos(angle(k))),
+    sine: Float64Array.from({ length: n >> 1 }, (_, k) => Math.sin(angle(k))),
+  };
+}
+
 // Bluestein's algorithm: a transform of any length as a convolution of a length that is a power of two.
 function chirp(real, imaginary, sign) {
-  const n = real.length;
-  let points = 1;
-  while (points < 2 * n - 1) points *= 2;
-  const c = new Float64Array(n), s = new Float64Array(n);
-  for (let k = 0; k < n; k += 1) {
-    const angle = (Math.PI * ((k * k) % (2 * n))) / n;
-    c[k] = Math.cos(angle); s[k] = sign * Math.sin(angle);
-  }
+  const n = real.length, { c, s, filterRe, filterIm } = kept(chirps, sign * n, chirpOf), points = filterRe.length;
   const re = new Float64Array(points), im = new Float64Array(points);
-  const filterRe = new Float64Array(points), filterIm = new Float64Array(points);
   for (let k = 0; k < n; k += 1) {
     re[k] = real[k] * c[k] - imaginary[k] * s[k];
     im[k] = real[k] * s[k] + imaginary[k] * c[k];
-    filterRe[k] = c[k]; filterIm[k] = -s[k];
-    if (k > 0) { filterRe[points - k] = c[k]; filterIm[points - k] = -s[k]; }
   }
   radixTwo(re, im, -1);
-  radixTwo(filterRe, filterIm, -1);
   for (let k = 0; k < points; k += 1) {
-    [re[k], im[k]] = [re[k] * filterRe[k] - im[k] * filterIm[k], re[k] * filterIm[k] + im[k] * filterRe[k]];
+    const product = re[k] * filterRe[k] - im[k] * filterIm[k];
+    im[k] = re[k] * filterIm[k] + im[k] * filterRe[k];
+    re[k] = product;
   }
   radixTwo(re, im, 1);
   for (let k = 0; k < n; k += 1) {
@@ -111,4 +116,20 @@ function chirp(real, imaginary, sign) {
     real[k] = x * c[k] - y * s[k];
     imaginary[k] = x * s[k] + y * c[k];
   }
+}
+
+// Chirp of a signed length, and the transform of the filter that it is convolved with.
+function chirpOf(signed) {
+  const n = Math.abs(signed), sign = Math.sign(signed);
+  let points = 1;
+  while (points < 2 * n - 1) points *= 2;
+  const c = new Float64Array(n), s = new Float64Array(n), filterRe = new Float64Array(points), filterIm = new Float64Array(points);
+  for (let k = 0; k < n; k += 1) {
+    const angle = (Math.PI * ((k * k) % (2 * n))) / n;
+    c[k] = Math.cos(angle); s[k] = sign * Math.sin(angle);
+    filterRe[k] = c[k]; filterIm[k] = -s[k];
+    if (k > 0) { filterRe[points - k] = c[k]; filterIm[points - k] = -s[k]; }
+  }
+  radixTwo(filterRe, filterIm, -1);
+  return { c, s, filterRe, filterIm };
 }

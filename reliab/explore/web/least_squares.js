@@ -18,13 +18,16 @@ export function fitRows(rows, values, cutoff = 1e-15) {
 }
 
 // Eigenvalues and eigenvectors (in columns) of a symmetric matrix, by Jacobi's rotations.
-function jacobi(matrix) {
+export function jacobi(matrix) {
   const n = matrix.length, a = matrix.map((row) => [...row]);
   const v = a.map((_, i) => a.map((__, j) => Number(i === j)));
   for (let round = 0; round < 60; round += 1) {
-    let off = 0;
-    for (let p = 0; p < n; p += 1) for (let q = p + 1; q < n; q += 1) off += a[p][q] ** 2;
-    if (off === 0) break;
+    let off = 0, size = 0;
+    for (let p = 0; p < n; p += 1) {
+      size += a[p][p] ** 2;
+      for (let q = p + 1; q < n; q += 1) off += a[p][q] ** 2;
+    }
+    if (off <= 1e-36 * size) break;
     for (let p = 0; p < n; p += 1) {
       for (let q = p + 1; q < n; q += 1) if (a[p][q] !== 0) rotate(a, v, p, q);
     }

@@ -96,8 +96,8 @@ function explain() {
 
 // Band and charts over frequency, in slices between which the controls answer; given up when they change.
 async function drawSlowly(round) {
-  panel.conclude();
   const pause = sliced(), current = () => round === state.round;
+  await panel.conclude(pause, current);
   await pause();
   if (!current()) return;
   const { now } = state.drawn;

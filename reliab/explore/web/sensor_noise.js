@@ -10,12 +10,10 @@ const UPDATES = 400;
 
 // Levels of white and slow noise [m^2], and the filter that passes the motion.
 export function estimateNoise(command, measured, step) {
-  const n = command.length, taper = hann(n, true);
-  const mass = taper.reduce((sum, value) => sum + value * value, 0);
-  const spectrum = (values) => periodogram(values, taper).map((value) => value / mass);
+  const n = command.length, spectrum = spectrumOf(n);
   const frequency = Float64Array.from({ length: n >> 1 }, (_, k) => (k + 1) / (n * step));
   const raw = spectrum(subtracted(measured, followed(command, measured)));
-  const floor = median(raw.subarray(raw.length >> 1)) / Math.LN2;
+  const floor = floorOf(raw);
   const residual = binned(frequency, withoutLines(raw)), motion = binned(frequency, spectrum(command));
   const top = motion.means.indexOf(Math.max(...motion.means));
   const ratio = residual.means[top] / motion.means[top];
@@ -30,7 +28,27 @@ export function estimateNoise(command, measured, step) {
   return { step, weights, band, filter: filterOf(band, step) };
 }
 
-// Density of the noise at a frequency [Hz], its white part, and both as the filter lets them pass.
+// The same noise with a filter that passes no more than a band [Hz].
+export function narrowed(noise, band) {
+  return noise.band <= band ? noise : { ...noise, band, filter: filterOf(band, noise.step) };
+}
+
+// Level of the spectrum above half of the Nyquist frequency [m^2]: of white noise its mean square.
+export function whiteFloor(values) {
+  return floorOf(spectrumOf(values.length)(values));
+}
+
+function floorOf(spectrum) {
+  return median(spectrum.subarray(spectrum.length >> 1)) / Math.LN2;
+}
+
+// Squared magnitudes over the mean square of the taper, for histories of n samples.
+function spectrumOf(n) {
+  const taper = hann(n, true), mass = taper.reduce((sum, value) => sum + value * value, 0);
+  return (values) => periodogram(values, taper).map((value) => value / mass);
+}
+
+// Density of the noise at a frequency [Hz], and its white part.
 export function densityAt(noise, frequency) {
   const values = shapes([frequency], noise.step).map(([value]) => value);
   const whole = values.reduce((sum, value, k) => sum + value * noise.weights[k], 0);
@@ -48,8 +66,9 @@ export function slowNoise(noise) {
   return Math.sqrt((sum * top / (count - 1)) * 2 * noise.step);
 }
 
-export function withoutNoiseAbove(noise, values) {
-  return smooth(noise.filter, values);
+// A history without the noise above the band, each `every`-th sample.
+export function withoutNoiseAbove(noise, values, every = 1) {
+  return smooth(noise.filter, values, every);
 }
 
 function filterOf(band, step) {

@@ -46,11 +46,17 @@ export class TestPanel {
     return tracking;
   }
 
-  // Draw the intervals and write the verdict; slower than a slider moves.
-  conclude() {
+  // Draw the intervals and write the verdict; slower than a slider moves, and given up when one does.
+  async conclude(pause, current) {
     if (this.test === null || field("test").hidden) return;
-    const { deviations } = testedStructure();
-    this.verdict = verdictOf(this.test, this.judged, deviations);
+    const steps = verdictOf(this.test, this.judged, testedStructure().deviations);
+    let step = steps.next();
+    while (!step.done) {
+      await pause();
+      if (!current()) return;
+      step = steps.next();
+    }
+    this.verdict = step.value;
     this.#write();
   }
 
