@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reliab.discrepancy import Campaign, Channel, MeasuredTest, diagnose
+from reliab.discrepancy import Campaign, Channel, MeasuredTest, diagnose, read_campaign
 from reliab.discrepancy.adding.update import updated_model
 from reliab.loop.actuator import Actuator
 from reliab.loop.effects import find_effect
@@ -84,3 +84,15 @@ def test_what_limits_the_model_stands_in_its_file(updated, tmp_path):
     text = (tmp_path / "model.toml").read_text(encoding="utf-8")
     assert "\n# width_m of backlash lies on a bound\n" in text
     assert read_model(tmp_path / "model.toml") == updated
+
+
+def test_a_structure_that_was_stated_wrongly_is_corrected(sample_campaigns):
+    truth = read_campaign(sample_campaigns / "rig_c")
+    stated = replace(truth.structure, frequency=1.02 * truth.structure.frequency)
+    diagnosis = diagnose(replace(truth, structure=stated))
+    corrected = updated_model(diagnosis).test.structure
+    assert corrected.frequency == pytest.approx(truth.structure.frequency, rel=0.004)
+    # f enters the damping coefficient too: a ratio within its tolerance is left as it was stated
+    assert corrected.damping_ratio == pytest.approx(truth.structure.damping_ratio, rel=0.06)
+    assert any("natural frequency" in remark for remark in diagnosis.remarks)
+    assert updated_model(diagnose(truth)).test.structure == truth.structure

@@ -16,7 +16,8 @@ def updated_model(diagnosis: Diagnosis) -> UpdatedModel:
 
     Calibrated values and effects are those of the best model of the block that saw them. Effects of the
     library are added when they are named, or when something of their kind acts and they explain it best;
-    a term outside the library is not, because nothing else could simulate it.
+    a term outside the library is not, because nothing else could simulate it. The nominal structure is kept
+    but for values with which the tests clearly did not run (`BlockDiagnosis.misstated`).
 
     Parameters
     ----------
@@ -50,6 +51,10 @@ def _joined(test: HybridTest, diagnosed: BlockDiagnosis) -> HybridTest:
         test = replace(test, actuator=model.actuator)
     if any(name.startswith("stiffness") for name in names):
         test = replace(test, specimen=model.specimen)
+    misstated = {item.name: item.value for item in diagnosed.misstated}
+    for calibration in diagnosed.block.calibrations:
+        if calibration.parameter.name in misstated:
+            test = calibration.apply(test, misstated[calibration.parameter.name])
     if "damping" in names:
         test = replace(test, structure=model.structure)
     if "excitation_scale" in names:

@@ -18,6 +18,24 @@ from reliab.discrepancy.result.missing_effect import Estimate, MissingEffect, Un
 Array = NDArray[np.float64]
 
 
+_CLEAR = 3.0  # standard deviations between a calibrated value and a nominal one that is wrong
+
+
+@dataclass(frozen=True)
+class NominalValue:
+    """A value of the structure that a campaign states, and how far it may be off without a remark."""
+
+    meaning: str
+    tolerance: float
+
+
+STRUCTURE = {
+    "structure_frequency": NominalValue("natural frequency", 0.005),
+    "structure_damping": NominalValue("damping ratio", 0.05),
+}
+"""What is calibrated of the structure, relative to the nominal values."""
+
+
 class Verdict(StrEnum):
     """The verdict on a campaign."""
 
@@ -114,6 +132,16 @@ class BlockDiagnosis:
     def verdict(self) -> Verdict:
         """The answer for this block in one word."""
         return Verdict.of(self.effects, self.doubtful, self.unknown)
+
+    @property
+    def misstated(self) -> tuple[Estimate, ...]:
+        """Values of the structure, over the nominal ones, with which the tests clearly did not run."""
+        return tuple(
+            item
+            for item in self.calibration
+            if item.name in STRUCTURE
+            and abs(item.value - 1.0) > max(STRUCTURE[item.name].tolerance, _CLEAR * item.sd)
+        )
 
     def as_dict(self) -> dict[str, Any]:
         """Return the entry of `blocks`."""

@@ -5,19 +5,12 @@ from typing import Any
 
 from reliab.discrepancy.campaign.campaign import Campaign
 from reliab.discrepancy.locating.finding import Finding
-from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Verdict
+from reliab.discrepancy.result.block_diagnosis import STRUCTURE, BlockDiagnosis, Verdict
 from reliab.discrepancy.result.gap import Gap
 from reliab.discrepancy.result.missing_effect import MissingEffect, Unknown
 from reliab.vocabulary import Block
 
 _NAMES = {Block.NUMERICAL: "numerical substructure"}
-
-_STRUCTURE = {
-    "structure_frequency": ("a natural frequency", 0.005),
-    "structure_damping": ("a damping ratio", 0.05),
-}
-# calibrated values of the structure, and how far they may be from the nominal ones without a remark
-_CLEAR = 3.0  # standard deviations
 
 SHORT_RECORD = 256
 """Samples of a test below which a remark says that it is short."""
@@ -113,10 +106,9 @@ def _limits_of(block: BlockDiagnosis) -> list[str]:
         for parameter in effect.on_bounds
     ]
     remarks += [
-        f"The tests ran with {_STRUCTURE[e.name][0]} of {e.value:.3g} ± {e.sd:.1g} times the nominal one:"
-        " check the table [structure] of the campaign."
-        for e in block.calibration
-        if e.name in _STRUCTURE and abs(e.value - 1.0) > max(_STRUCTURE[e.name][1], _CLEAR * e.sd)
+        f"The tests ran with a {STRUCTURE[item.name].meaning} of {item.value:.3g} ± {item.sd:.1g} times the"
+        " nominal one: check the table [structure] of the campaign."
+        for item in block.misstated
     ]
     remarks += [offset.remark for offset in block.uncertain_offsets]
     if block.converged is False:
