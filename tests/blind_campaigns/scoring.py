@@ -32,7 +32,7 @@ def wilson_interval(successes: int, trials: int, z: float = 1.959964) -> tuple[f
     centre = share + z * z / (2.0 * trials)
     spread = z * math.sqrt(share * (1.0 - share) / trials + z * z / (4.0 * trials**2))
     width = 1.0 + z * z / trials
-    return (centre - spread) / width, (centre + spread) / width
+    return max((centre - spread) / width, 0.0), min((centre + spread) / width, 1.0)
 
 
 def share(answers: Iterable[bool]) -> dict[str, Any]:
