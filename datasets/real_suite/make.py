@@ -21,6 +21,7 @@ from reliab.sweep import SweepRequest, open_results, write_compact, write_ellips
 HERE = Path(__file__).parent
 FREQUENCIES = (0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0)
 DAMPING_RATIOS = (0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09, 0.10)
+SIX = ((0.5, 1.0, 2.0), (0.02, 0.05))
 THRESHOLDS = (0.01, 0.02, 0.03, 0.05, 0.10, 0.20)
 METRICS = ("rms", "mte")
 NAMES = ("motion", "event", "checksum")
@@ -101,7 +102,9 @@ def main() -> None:
             job.result()
             print(f"{done} of {count}", flush=True)
     write_ellipses(rounded(joined(given.parts, "ellipses", count)), HERE / "ellipses.nc")
-    write_compact(joined(given.parts, "results", count), HERE / "results.nc")
+    results = joined(given.parts, "results", count)
+    write_compact(results.sel(f=list(SIX[0]), xi=list(SIX[1])), HERE / "results_of_six.nc")
+    write_compact(results, HERE / "results.nc")
 
 
 if __name__ == "__main__":

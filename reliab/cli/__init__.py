@@ -19,6 +19,7 @@ from reliab.cli import (
     diagnose,
     ellipses,
     explore,
+    fetch,
     info,
     monitor,
     motions,
@@ -50,6 +51,7 @@ app.command("criterion", epilog=example_of("criterion"))(criterion.criterion)
 app.command("assess", epilog=example_of("assess"))(assess.assess)
 app.command("monitor", epilog=example_of("monitor"))(monitor.monitor)
 app.command("explore", epilog=example_of("explore"))(explore.explore)
+app.command("fetch", epilog=example_of("fetch"))(fetch.fetch)
 app.command("validate", epilog=example_of("validate"))(validate.validate)
 app.command("diagnose", epilog=example_of("diagnose"))(diagnose.diagnose)
 app.command("run", epilog=example_of("run"))(run_command.run)

@@ -212,10 +212,10 @@ class EllipseSource:
 
     def _traced_in(self, path: Path) -> "xr.Dataset":
         """Trace the boundaries in stored results."""
-        from reliab.shipped import or_shipped
         from reliab.sweep import open_results
+        from reliab.sweep.real_suite import stored_results
 
-        stored = open_results(or_shipped(path, "datasets", "results.nc"), window=self.window or _RECORD)
+        stored = open_results(stored_results(path, self.f, self.xi), window=self.window or _RECORD)
         chosen = among(stored, self.f, self.xi)
         with progress_bar("Tracing boundaries") as progress:
             traced: xr.Dataset = chosen.reliab.ellipses(

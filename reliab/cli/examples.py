@@ -13,6 +13,7 @@ EXAMPLES: Final = {
     "diagnose": "reliab diagnose datasets/campaigns/rig_a --out diagnosis",
     "run": "reliab run --list",
     "report": "reliab report runs/quick",
+    "fetch": "reliab fetch datasets/real_suite/results.nc",
     "info": "reliab info --json -",
 }
 """Examples by command."""

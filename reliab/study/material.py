@@ -12,10 +12,10 @@ from reliab.errors import InputError
 from reliab.indices.window import Window
 from reliab.motions import Motion, MotionSuite, load_motions
 from reliab.progress import Progress, silent
-from reliab.shipped import or_shipped
 from reliab.study.description import RecordsStudy, SimulatedStudy
 from reliab.study.stages import digest
 from reliab.sweep import open_results
+from reliab.sweep.real_suite import REAL, stored_results
 from reliab.validation.cross_validation import StoredTruth
 
 Show = Callable[[str], AbstractContextManager[Progress]]
@@ -23,7 +23,6 @@ Show = Callable[[str], AbstractContextManager[Progress]]
 
 RESULTS: Final = "results.zarr"
 SYNTHETIC: Final = "synthetic"
-REAL: Final = "real_suite"
 
 
 def quietly(what: str) -> AbstractContextManager[Progress]:
@@ -80,7 +79,8 @@ class Material(Records):
     def __init__(self, study: SimulatedStudy, *, results: str | None = None) -> None:
         super().__init__(study)
         self._study = study
-        self.stored = None if results is None else or_shipped(Path(results), "datasets", "results.nc")
+        self.stored = None if results is None else self._stored(Path(results))
+        self._results = results
         if self.stored is not None:
             self._check_stored()
 
@@ -99,7 +99,7 @@ class Material(Records):
     @property
     def is_real_suite(self) -> bool:
         """Whether the study works on the results of real ground motions that ship."""
-        return self.stored is not None and self.stored == or_shipped(Path(REAL), "datasets", "results.nc")
+        return self._results == REAL
 
     def results(self, folder: Path) -> xr.Dataset:
         """Results of the study's structures, stored or simulated in its run folder.
@@ -125,6 +125,10 @@ class Material(Records):
         structures = self._study.structures
         f, xi = list(structures.f), list(structures.xi)
         return results.sel(f=f, xi=xi, method="nearest", tolerance=1e-9)
+
+    def _stored(self, results: Path) -> Path:
+        structures = self._study.structures
+        return stored_results(results, structures.f, structures.xi)
 
     def _check_stored(self) -> None:
         results = open_results(self.stored or "", window=Window.parse(self._study.errors.window).label)

@@ -11,10 +11,11 @@ from reliab.errors import InputError
 from reliab.files import written_whole
 from reliab.shipped import shipped
 from reliab.study.description import CriterionStudy
-from reliab.study.material import REAL, Material
+from reliab.study.material import Material
 from reliab.study.stages import Stage, digest
 from reliab.study.steps import CRITERIA, ELLIPSES, derivation_of
 from reliab.sweep import open_ellipses, open_results
+from reliab.sweep.real_suite import REAL, real_results
 from reliab.validation.cross_validation import CrossValidation, Fold, Printed, StoredTruth, cross_validate
 from reliab.validation.earthquakes import earthquakes_among
 
@@ -36,14 +37,14 @@ def on_real_motions(study: CriterionStudy, material: Material) -> list[Stage]:
     list of Stage
         One stage, or none where the shipped results hold no such structure, error or window.
     """
-    results = shipped("datasets", f"{REAL}/results.nc")
+    results = _results(study)
     alike = study.errors.window == "record" and study.structures.experimental_fraction == 1.0
     if material.is_real_suite or not alike:
         return []
 
     def work(folder: Path) -> None:
         criteria = derivation_of(folder).criteria
-        judged = _judged(criteria[0], folder) if criteria else None
+        judged = _judged(criteria[0], folder, results) if criteria else None
         content = None if judged is None else _content(judged)
         with written_whole(folder / REAL_MOTIONS) as file:
             file.write_text(json.dumps(content), encoding="utf-8")
@@ -76,11 +77,20 @@ def real_share(path: Path) -> dict[str, float] | None:
     return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
 
 
-def _judged(criterion: Criterion, folder: Path) -> CrossValidation | None:
+def _results(study: CriterionStudy) -> Path:
+    """Results that hold the study's structures, or those of six that every installation has."""
+    try:
+        return real_results(study.structures.f, study.structures.xi)
+    except InputError:
+        return real_results((), ())
+
+
+def _judged(criterion: Criterion, folder: Path, results: Path) -> CrossValidation | None:
     """Judge a criterion on the real motions of earthquakes that it was not learned from."""
+    simulated = open_results(results)
     learned = open_ellipses(folder / ELLIPSES)
     real = open_ellipses(shipped("datasets", f"{REAL}/ellipses.nc"))
-    nodes = [np.intersect1d(np.round(learned[name], 9), np.round(real[name], 9)) for name in ("f", "xi")]
+    nodes = [np.intersect1d(np.round(learned[name], 9), np.round(simulated[name], 9)) for name in ("f", "xi")]
     known = {
         *earthquakes_among(learned["event"].values.tolist(), learned["checksum"].values.tolist(), real)
     } - {None}
@@ -106,7 +116,7 @@ def _judged(criterion: Criterion, folder: Path) -> CrossValidation | None:
             confidences=(criterion.confidence,),
             threshold=criterion.threshold,
             metric=criterion.metric,
-            truth=StoredTruth(open_results(shipped("datasets", f"{REAL}/results.nc"))),
+            truth=StoredTruth(simulated),
             trials=64,
         )
     except InputError:

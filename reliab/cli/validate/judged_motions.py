@@ -96,11 +96,12 @@ class JudgedMotions(SourceOptions):
                 window=Stretch.parse(str(dataset.attrs["window"])),
                 experimental_fraction=float(dataset.attrs["experimental_fraction"]),
             )
-        from reliab.shipped import or_shipped
         from reliab.sweep import open_results
+        from reliab.sweep.real_suite import stored_results
 
         stored = self.results or (self.ellipses if str(self.ellipses) == REAL else None)
         if stored is None:
             return EllipseTruth(dataset)
         window = str(dataset.attrs.get("window", "record"))
-        return StoredTruth(open_results(or_shipped(stored, "datasets", "results.nc"), window=window))
+        structures = (dataset[name].values.tolist() for name in ("f", "xi"))
+        return StoredTruth(open_results(stored_results(stored, *structures), window=window))

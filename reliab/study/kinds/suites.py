@@ -15,7 +15,7 @@ from reliab.report import Document
 from reliab.shipped import shipped
 from reliab.study.description import CriterionTable, SimulatedStudy, TransferTable
 from reliab.study.kinds.kind import Kind
-from reliab.study.material import REAL, SYNTHETIC, Material, Show
+from reliab.study.material import SYNTHETIC, Material, Show
 from reliab.study.stages import Stage, digest, made_with
 from reliab.study.steps import (
     CRITERIA,
@@ -28,6 +28,7 @@ from reliab.study.steps import (
     tracing,
 )
 from reliab.sweep import open_ellipses, open_results
+from reliab.sweep.real_suite import REAL, real_results
 from reliab.validation.cross_validation import (
     CrossValidation,
     StoredTruth,
@@ -115,6 +116,7 @@ def _measuring(material: Material, show: Show) -> Stage:
 
 def _transfer(study: SuitesStudy, show: Show) -> Stage:
     """Learn from the suite, judge on the real motions, never by motions of the same earthquake."""
+    results = real_results(study.structures.f, study.structures.xi)
 
     def work(folder: Path) -> None:
         real, learned = _reference(study), open_ellipses(folder / ELLIPSES)
@@ -130,7 +132,7 @@ def _transfer(study: SuitesStudy, show: Show) -> Stage:
                 confidences=study.validation.confidences,
                 threshold=study.errors.thresholds[0],
                 metric=study.errors.metrics[0],
-                truth=StoredTruth(open_results(_shipped("results.nc"))),
+                truth=StoredTruth(open_results(results)),
                 trials=study.validation.trials,
                 learn_from=learned,
                 progress=progress,
@@ -140,7 +142,7 @@ def _transfer(study: SuitesStudy, show: Show) -> Stage:
 
     inputs = {
         **study.model_dump(include={"structures", "errors", "criterion", "validation"}),
-        "real": [digest(_shipped(name)) for name in (ELLIPSES, "results.nc")],
+        "real": [digest(_shipped(ELLIPSES)), digest(results)],
     }
     return Stage(name="transfer", inputs=inputs, reads=(ELLIPSES, CRITERIA), writes=(TRANSFER,), work=work)
 
