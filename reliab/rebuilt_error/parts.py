@@ -156,6 +156,31 @@ def divide(histories: Histories, structure: WholeStructure) -> Parts:
     )
 
 
+def part_of_tracking(histories: Histories, structure: WholeStructure, followed: Array) -> Part:
+    """Part of a rebuilt error that a description of the actuator accounts for.
+
+    Parameters
+    ----------
+    histories : Histories
+        Command and smoothed measured displacement.
+    structure : WholeStructure
+        The whole structure.
+    followed : numpy.ndarray
+        Displacement [m] of the described actuator under the command of the test, shape (n,).
+
+    Returns
+    -------
+    Part
+        The error that x_c minus this displacement causes, and what would remain without it.
+    """
+    recursion = Recursion.of_displacement(structure, histories.time_step)
+    start = equilibrium(structure, histories.standing)
+    whole = respond(recursion, histories.fed_back, start)[0] - histories.difference
+    strayed = histories.command - followed
+    piece = respond(recursion, strayed)[0] - strayed
+    return _part(piece, whole, float(np.abs(histories.measured - whole).max()))
+
+
 def _part(piece: Array, whole: Array, ideal_peak: float) -> Part:
     total = float(whole @ whole)
     remaining = whole - piece

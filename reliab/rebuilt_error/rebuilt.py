@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from reliab.rebuilt_error.initial import Start
 from reliab.rebuilt_error.interval import Histories, Unknown
 from reliab.rebuilt_error.noise import SensorNoise
-from reliab.rebuilt_error.parts import Parts, divide
+from reliab.rebuilt_error.parts import Part, Parts, divide, part_of_tracking
 from reliab.rebuilt_error.spread import HALF_WIDTH, Estimate, Spread
 from reliab.rebuilt_error.whole_structure import WholeStructure
 from reliab.rebuilt_error.widenings import Widening, widenings
@@ -99,6 +99,10 @@ class RebuiltError:
     def parts(self) -> Parts:
         """Divide the error into amplitude, delay, what is neither, and the fed-back force."""
         return divide(self.histories, self.structure)
+
+    def part_of_tracking(self, followed: Array) -> Part:
+        """Part of the error that an actuator with this displacement [m] accounts for, shape (n,)."""
+        return part_of_tracking(self.histories, self.structure, followed)
 
     def widenings(self, metric: Metric = Metric.RMS) -> tuple[Widening, ...]:
         """Which unknowns widen the interval most, the widest first."""

@@ -161,8 +161,15 @@ def test_a_frame_says_what_the_test_is_of(answer):
     assert found["modes"][0]["alpha"] < 1.0
     assert found["verdict"] in {"reliable", "undecided", "not_reliable"}
     assert found["error"]["rms"]["low"] <= found["error"]["rms"]["value"] <= found["error"]["rms"]["high"]
-    for extra in (("--f", "1"), ("--xi", "0.02"), ("--alpha", "0.5"), ("--report", "frame.pdf")):
+    for extra in (("--f", "1"), ("--xi", "0.02"), ("--alpha", "0.5")):
         assert "no meaning beside --structure" in answer(("test.csv", "--structure", "frame.toml", *extra))
+
+
+def test_the_report_on_a_frame_states_its_answer(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    calls = ["test.csv", "--structure", "frame.toml"]
+    assert CliRunner().invoke(app, [*calls, "--report", "f.pdf", "--date", "2026-01-01"]).exit_code == 0
+    assert (folder / "f.pdf").read_bytes()[:5] == b"%PDF-"
 
 
 def test_a_report_and_a_json_file_are_written(folder, monkeypatch):

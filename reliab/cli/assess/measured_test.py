@@ -1,12 +1,12 @@
 """`reliab assess TEST`: the verdict on a test."""
 
 from collections.abc import Mapping
-from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from reliab.cli.assess.answer import show_assessment
 from reliab.cli.assess.demand import Demand, unused
+from reliab.cli.assess.filed_report import checksums, file_report
 from reliab.cli.assess.judgement import Judge, Judgement
 from reliab.cli.options import FIVE_PERCENT, TWO_PERCENT
 from reliab.errors import InputError
@@ -156,20 +156,8 @@ def _read_motion(path: Path) -> "Motion":
 
 def _write_report(assessment: "Assessment", demand: Demand, test: Path) -> None:
     """Write the report, if it is asked for."""
-    if demand.report is None:
-        return
-    import hashlib
+    if demand.report is not None:
+        from reliab.report.kinds.assessment import assessment_report
 
-    from reliab.report import write_pdf
-    from reliab.report.kinds.assessment import assessment_report
-
-    file = or_shipped(test, "datasets", "test.csv")
-    provenance: dict[str, Any] = {
-        "file": file.name,
-        "file, SHA-256": hashlib.sha256(file.read_bytes()).hexdigest(),
-    }
-    write_pdf(
-        assessment_report(assessment, provenance=provenance),
-        demand.report,
-        date=(demand.date or datetime.now(tz=UTC)).date(),
-    )
+        files = checksums({"file": or_shipped(test, "datasets", "test.csv")})
+        file_report(assessment_report(assessment, provenance=files), demand.report, demand.date)

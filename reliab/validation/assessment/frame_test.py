@@ -2,98 +2,36 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from reliab.criterion import Criterion
 from reliab.errors import InputError
+from reliab.indices.tracking_over_frequency import TrackingOverFrequency, tracking_over_frequency
 from reliab.loop.partition.critical_delay import critical_delay
 from reliab.loop.partition.frame_file import FrameUnderTest
 from reliab.loop.partition.partition import Partition
 from reliab.loop.structure import Structure
-from reliab.rebuilt_error import Tolerances, WholeStructure, rebuild
+from reliab.rebuilt_error import Part, Tolerances, WholeStructure, rebuild
 from reliab.stated_value import StatedValue
 from reliab.sweep.frame_table import governing_mode
 from reliab.validation.assessment.doubts import verdict_of_error
 from reliab.validation.assessment.error_of_test import ErrorOfTest
 from reliab.validation.assessment.fault_effects import error_with_faults
 from reliab.validation.assessment.faults import find_faults, repaired
-from reliab.validation.assessment.findings import FaultEffect
+from reliab.validation.assessment.frame_assessment import FrameAssessment
 from reliab.validation.assessment.own_equation import OwnEquation
-from reliab.validation.assessment.placement import Placement, place
+from reliab.validation.assessment.placement import place
 from reliab.validation.assessment.plausibility import require_following, require_length
 from reliab.validation.assessment.recording import Recording
 from reliab.validation.assessment.spikes import without_spikes
-from reliab.validation.assessment.tracking_index import TrackingIndex, track
-from reliab.validation.assessment.verdict import Verdict, Word
+from reliab.validation.assessment.tracking_index import track
 from reliab.vocabulary import Metric
 
 _MILLISECONDS = 1e3
 _FEW_DRAWS = 2
 _SAME_SHARE = 1e-3
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class FrameAssessment:
-    """Assessment of a test of a partitioned frame.
-
-    Attributes
-    ----------
-    recording : Recording
-        The test.
-    frame : FrameUnderTest
-        The frame.
-    mode : Structure
-        Frequency, damping ratio and specimen's share of the mode that governs the error.
-    tracking : TrackingIndex
-        A and d with their uncertainty, without faults of the recording.
-    error : ErrorOfTest
-        The error of the measured interface displacement, from the test alone.
-    faults : tuple of FaultEffect
-        Faults of the recording and what they do to the error.
-    verdict : Verdict
-        The verdict, by the test's own error.
-    critical_delay : float
-        Exact critical delay at the measured amplitude [s]; infinite where no delay is critical.
-    criterion : Criterion or None
-        A criterion of this frame, where one is given.
-    population : Placement or None
-        The test against that criterion.
-    """
-
-    recording: Recording
-    frame: FrameUnderTest
-    mode: Structure
-    tracking: TrackingIndex
-    error: ErrorOfTest
-    faults: tuple[FaultEffect, ...]
-    verdict: Verdict
-    critical_delay: float
-    criterion: Criterion | None = None
-    population: Placement | None = None
-
-    @property
-    def reliable(self) -> bool:
-        """Whether the verdict is "reliable"."""
-        return self.verdict.word is Word.RELIABLE
-
-    @property
-    def stability_margin(self) -> float | None:
-        """Stability margin 1 − d/τ_c [-]; None where the loop is unstable with any delay."""
-        if math.isinf(self.critical_delay):
-            return 1.0
-        if self.critical_delay <= 0.0:
-            return None
-        return 1.0 - max(self.tracking.delay, 0.0) / self.critical_delay
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Warnings about the recording and the loop, in sentences."""
-        sentences = [effect.fault.finding for effect in self.faults]
-        if self.stability_margin is None or self.stability_margin <= 0.0:
-            sentences.append("The delay exceeds the critical one: the loop is unstable.")
-        return tuple(sentences)
 
 
 def whole_structure(partition: Partition) -> WholeStructure:
@@ -169,13 +107,16 @@ def assess_frame(
     )
     rebuilt = _rebuilding(frame, feedback_lag, scale, metric, threshold)
     error, effects = error_with_faults(recording, faults, rebuilt)
-    tracking = track(repaired(recording, faults))
+    sound = repaired(recording, faults)
+    tracking, over_frequency = track(sound), _over_frequency(sound)
     return FrameAssessment(
         recording=recording,
         frame=frame,
         mode=mode,
         tracking=tracking,
+        over_frequency=over_frequency,
         error=error,
+        resolved=_resolved(sound, over_frequency, error),
         faults=effects,
         verdict=verdict_of_error(error, effects, OwnEquation(), ()),
         critical_delay=critical_delay(frame.partition, tracking.amplitude)[0],
@@ -184,6 +125,21 @@ def assess_frame(
         if criterion is None
         else place(criterion, mode, tracking.amplitude, tracking.delay, tracking.draws),
     )
+
+
+def _over_frequency(recording: Recording) -> TrackingOverFrequency | None:
+    try:
+        return tracking_over_frequency(recording.command, recording.measured, recording.time_step)
+    except InputError:
+        return None
+
+
+def _resolved(
+    recording: Recording, over_frequency: TrackingOverFrequency | None, error: ErrorOfTest
+) -> Part | None:
+    if over_frequency is None:
+        return None
+    return error.rebuilt.part_of_tracking(over_frequency.follow(recording.command, recording.time_step))
 
 
 def _rebuilding(

@@ -4,10 +4,11 @@ from typing import Any
 
 import numpy as np
 
-from reliab.rebuilt_error import Estimate, Part, Widening
+from reliab.rebuilt_error import Widening
 from reliab.rebuilt_error.spread import LEVEL as ERROR_LEVEL
 from reliab.validation.assessment.findings import LARGEST_PROBABILITY, FaultEffect, Findings, capped
 from reliab.validation.assessment.own_equation import OwnEquation
+from reliab.validation.assessment.plain_error import finite, plain_estimate, plain_part
 from reliab.validation.assessment.tracking_index import LEVEL
 from reliab.validation.assessment.verdict import Word
 from reliab.vocabulary import Metric
@@ -46,7 +47,7 @@ def summarise(findings: Findings) -> dict[str, Any]:
         "A_interval": list(of_a),
         "d_ms_interval": [_MILLISECONDS * bound for bound in of_d],
         "interval_level": LEVEL,
-        "index": _finite(findings.index),
+        "index": finite(findings.index),
         "index_interval": _ends(findings.index_interval),
         "verdict": str(findings.verdict.word),
         "reliable": findings.reliable,
@@ -55,8 +56,8 @@ def summarise(findings: Findings) -> dict[str, Any]:
         "probability": findings.probability,
         "error": _error(findings),
         "by_index": _by_index(findings),
-        "stability_margin": _finite(findings.stability_margin),
-        "critical_delay_ms": _finite(_MILLISECONDS * findings.critical_delay),
+        "stability_margin": finite(findings.stability_margin),
+        "critical_delay_ms": finite(_MILLISECONDS * findings.critical_delay),
         "basis": "population" if findings.placement is None else "motion",
         "population": _population(findings),
         "motion": None if findings.placement is None else _motion(findings),
@@ -89,17 +90,19 @@ def _details(findings: Findings) -> dict[str, Any]:
 def _error(findings: Findings) -> dict[str, Any]:
     error = findings.error
     return {
-        "rms": _interval(error.of(Metric.RMS)),
-        "mte": _interval(error.of(Metric.MTE)),
+        "rms": plain_estimate(error.of(Metric.RMS)),
+        "mte": plain_estimate(error.of(Metric.MTE)),
         "interval_level": ERROR_LEVEL,
         "probability": error.probability,
-        "parts": {name: _part(part) for name, part in error.parts.by_name.items()},
+        "parts": {name: plain_part(part) for name, part in error.parts.by_name.items()},
         "improve_first": error.parts.first,
         "widest": [_widening(widening) for widening in error.widenings],
         "would_decide": list(error.would_decide),
         "contradictions": [*findings.equation.contradictions, *filter(None, [findings.equation.nonlinear])],
         "identified": _identified(findings.equation),
-        "otherwise_stated": [_interval(rebuilt.of(findings.metric)) for rebuilt in findings.otherwise_stated],
+        "otherwise_stated": [
+            plain_estimate(rebuilt.of(findings.metric)) for rebuilt in findings.otherwise_stated
+        ],
     }
 
 
@@ -115,27 +118,14 @@ def _identified(equation: OwnEquation) -> dict[str, Any] | None:
     return {**quantities, "misfit": equation.identified.misfit, "contradicted": list(equation.wrong)}
 
 
-def _part(part: Part) -> dict[str, float | None]:
-    return {
-        "rms": _finite(part.rms),
-        "share": _finite(part.share),
-        "remaining_rms": _finite(part.remaining_rms),
-        "remaining_mte": _finite(part.remaining_mte),
-    }
-
-
 def _widening(widening: Widening) -> dict[str, Any]:
     return {
         "name": widening.name,
         "deviation": widening.deviation,
-        "width": _finite(widening.width),
-        "width_without": _finite(widening.width_without),
+        "width": finite(widening.width),
+        "width_without": finite(widening.width_without),
         "deviation_for_half": widening.deviation_for_half,
     }
-
-
-def _interval(error: Estimate) -> dict[str, float | None]:
-    return {"value": _finite(error.value), "low": _finite(error.low), "high": _finite(error.high)}
 
 
 def _by_index(findings: Findings) -> dict[str, Any]:
@@ -145,7 +135,7 @@ def _by_index(findings: Findings) -> dict[str, Any]:
         "reliable": verdict.word is Word.RELIABLE,
         "reasons": list(verdict.reasons),
         "would_decide": list(verdict.would_decide),
-        "index": _finite(findings.index),
+        "index": finite(findings.index),
         "index_interval": _ends(findings.index_interval),
         "probability": findings.index_probability,
         "largest_probability": LARGEST_PROBABILITY,
@@ -161,8 +151,8 @@ def _fault(effect: FaultEffect, findings: Findings) -> dict[str, Any]:
         "kind": effect.fault.kind,
         "finding": effect.fault.finding,
         "in_loop": effect.fault.in_loop,
-        "error": _finite(findings.error.of(metric).value),
-        "error_otherwise": None if otherwise is None else _finite(otherwise.of(metric).value),
+        "error": finite(findings.error.of(metric).value),
+        "error_otherwise": None if otherwise is None else finite(otherwise.of(metric).value),
     }
 
 
@@ -180,12 +170,8 @@ def _tracking(findings: Findings) -> dict[str, Any]:
     }
 
 
-def _finite(value: float | None) -> float | None:
-    return float(value) if value is not None and np.isfinite(value) else None
-
-
 def _ends(interval: tuple[float, float] | None) -> list[float | None] | None:
-    return None if interval is None else [_finite(end) for end in interval]
+    return None if interval is None else [finite(end) for end in interval]
 
 
 def _population(findings: Findings) -> dict[str, Any]:
@@ -195,7 +181,7 @@ def _population(findings: Findings) -> dict[str, Any]:
         "b": placed.b,
         "amplitude_limit": float(np.sqrt(placed.a)),
         "delay_limit_ms": float(np.sqrt(placed.b)),
-        "index": _finite(placed.index),
+        "index": finite(placed.index),
         "reliable": None if placed.index is None else placed.index <= 1.0,
         "probability": capped(placed.probability),
         "method": criterion.method,
@@ -216,7 +202,7 @@ def _motion(findings: Findings) -> dict[str, Any]:
         "name": placement.motion,
         "error": placement.error,
         "error_interval": list(placement.error_interval),
-        "index": _finite(placement.index),
+        "index": finite(placement.index),
         "reliable": placement.index <= 1.0,
         "probability": capped(placement.probability),
         "window_s": list(placement.window),
@@ -259,7 +245,7 @@ def _noise(findings: Findings) -> dict[str, Any]:
     plain = tracking.plain
     return {
         "share": tracking.noise_share,
-        "signal_to_noise_db": _finite(-20.0 * float(np.log10(max(tracking.noise_share, 1e-15)))),
+        "signal_to_noise_db": finite(-20.0 * float(np.log10(max(tracking.noise_share, 1e-15)))),
         "unexplained_share": tracking.unexplained_share,
         "attenuation": tracking.attenuation,
         "correction_of_A": tracking.amplitude - plain.amplitude,

@@ -5,12 +5,12 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import csd, welch
 
 from reliab.criterion.experimental_share import growth
 from reliab.criterion.laws import Dimensionless
 from reliab.criterion.laws.guo_2017 import Equation18
 from reliab.errors import InputError
+from reliab.indices.tracking_over_frequency import tracking_over_frequency
 from reliab.loop.excitation import Excitation
 from reliab.loop.laboratory.laboratory import Run
 from reliab.loop.partition.frame_loop import FrameLoop
@@ -37,12 +37,6 @@ _FORCE_LAG: Final = 1.5 / RATE
 _THINNED: Final = 16
 
 _DRAWS: Final = 16  # of the rebuilt error, whose value alone counts here
-
-_SEGMENT: Final = 8.0  # s, in which gain and delay over frequency are estimated
-
-_COHERENT: Final = 0.98
-
-_LEAST_POWER: Final = 1e-5  # of the command's strongest frequency, below which the window leaks
 
 
 def mean_law() -> Dimensionless:
@@ -139,24 +133,11 @@ def resolved(run: Run, partition: Partition, motion: Motion) -> float:
     float
         RMS of the measured minus the exact displacement [m].
     """
-    points = int(_SEGMENT / run.step)
-    frequency, cross = csd(run.command, run.measured, fs=1.0 / run.step, nperseg=points)
-    _, into = welch(run.command, fs=1.0 / run.step, nperseg=points)
-    _, out = welch(run.measured, fs=1.0 / run.step, nperseg=points)
-    coherent = (np.abs(cross) ** 2 > _COHERENT * into * out) & (into > _LEAST_POWER * into.max())
-    coherent[0] = False
-    known = frequency[coherent]
-    ratio = cross[coherent] / into[coherent]
-    gain, phase = np.abs(ratio), np.unwrap(np.angle(ratio))
-    delay = -phase / (2.0 * np.pi * known)
-
-    def actuator(s: NDArray[np.complex128]) -> NDArray[np.complex128]:
-        at = np.abs(s.imag) / (2.0 * np.pi)
-        return np.asarray(np.interp(at, known, gain) * np.exp(-s * np.interp(at, known, delay)))
+    tracking = tracking_over_frequency(run.command, run.measured, run.step)
 
     def measured(s: NDArray[np.complex128]) -> NDArray[np.complex128]:
         # The force is that of the measured displacement, late by the laboratory's own lag.
-        tracked = actuator(s)
+        tracked = tracking.transfer(s)
         late = tracked * np.exp(-s * _FORCE_LAG)
         command = partition.responses(s, late, np.array(partition.interface))
         return np.asarray(tracked * command)

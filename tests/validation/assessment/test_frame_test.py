@@ -15,6 +15,7 @@ from reliab.loop.partition.partition import Partition, floor_interface
 from reliab.loop.structures import Frame, modal_damping, shear_frame, undivided_response
 from reliab.loop.transfer_systems import TransferFunction
 from reliab.motions.synthetic import synthetic_suite
+from reliab.report.kinds.assessment import frame_assessment_report
 from reliab.stated_value import StatedValue
 from reliab.sweep.frame_table import governing_mode
 from reliab.validation.assessment.frame_summary import summarise_frame
@@ -25,6 +26,9 @@ from reliab.vocabulary import Metric
 RATE, THINNED = 4096.0, 8
 LAG = StatedValue(1.5e3 / RATE)
 """Time by which the digital laboratory feeds the force back late [ms]."""
+
+
+SERVO = TransferFunction(numerator=(1.0,), denominator=(2e-6, 2e-3, 1.0), delay=0.002)
 
 
 @pytest.fixture(scope="module")
@@ -40,8 +44,7 @@ def test_and_truth(frame):
     """A test with a late actuator, and its true error from the exact response of the undivided frame."""
     motion = synthetic_suite(count=2)[0]
     ground = motion.acceleration[: int(20.0 / motion.time_step)]
-    servo = TransferFunction(numerator=(1.0,), denominator=(2e-6, 2e-3, 1.0), delay=0.002)
-    rig = Rig(transfer_system=servo, sensors=Sensors(displacement_noise=2e-6))
+    rig = Rig(transfer_system=SERVO, sensors=Sensors(displacement_noise=2e-6))
     run = run_laboratory(frame.partition, rig, ground, motion.time_step, rate=RATE, seed=3)
     fine = np.interp(np.arange(run.piston.size) / RATE, motion.time_step * np.arange(ground.size), ground)
     exact = frame.partition.interface @ undivided_response(frame.partition.frame, fine, 1.0 / RATE)
@@ -120,3 +123,38 @@ def test_a_recording_that_cannot_be_judged_is_refused(frame, test_and_truth):
     short = replace(recording, command=recording.command[:400], measured=recording.measured[:400])
     with pytest.raises(InputError, match="2 periods"):
         assess_frame(short, frame)
+
+
+def test_tracking_over_frequency_is_that_of_the_servo(frame, test_and_truth):
+    recording, _ = test_and_truth
+    assessment = assess_frame(recording, frame, feedback_lag=LAG)
+    summary = summarise_frame(assessment)
+    found, held = assessment.over_frequency, 0.5 / RATE
+    servo = SERVO.transfer(2j * np.pi * found.frequency, frame.partition.specimen)
+    exact = -np.angle(servo) / (2.0 * np.pi * found.frequency) + held
+    for name, values, expected in (
+        ("A", found.amplitude, np.abs(servo)),
+        ("d_ms", 1e3 * found.delay, 1e3 * exact),
+    ):
+        deviation = np.array(summary["over_frequency"][f"{name}_deviation"])
+        assert np.mean(np.abs(values - expected) < 2.0 * deviation + 2e-4 * np.abs(expected)) > 0.85
+    assert [mode["d_ms"] for mode in summary["modes"][:1]] == pytest.approx([1e3 * exact[0]], rel=0.02)
+
+
+def test_a_linear_servo_leaves_nothing_beside_its_amplitude_and_delay(frame, test_and_truth):
+    recording, _ = test_and_truth
+    assessment = assess_frame(recording, frame)
+    assert assessment.resolved.rms == pytest.approx(assessment.error.of(Metric.RMS).value, rel=0.02)
+    assert assessment.resolved.remaining_rms < 0.02 * assessment.resolved.rms
+    stuck = replace(recording, measured=np.round(recording.measured / 2e-3) * 2e-3)
+    assert assess_frame(stuck, frame).resolved.remaining_rms > 2.0 * assessment.resolved.remaining_rms
+
+
+def test_the_report_shows_tracking_and_parts(frame, test_and_truth):
+    assessment = assess_frame(test_and_truth[0], frame, feedback_lag=LAG)
+    document = frame_assessment_report(assessment, provenance={"file": "frame.csv"})
+    titles = [section.title for section in document.blocks]
+    assert titles[0] == "The error of this test"
+    assert "Amplitude and delay over frequency" in titles
+    error = f"{100 * assessment.error.of(Metric.RMS).value:.3g} %"
+    assert any(error in str(piece) for piece in document.verdict)

@@ -1,28 +1,43 @@
 """The error of a test and where it comes from, for its report."""
 
+from collections.abc import Mapping
+from typing import Final, Literal
+
 import numpy as np
 
 from reliab.rebuilt_error import Estimate
 from reliab.report.document import Figure, Table
 from reliab.report.figures.measured_test import error_over_time
 from reliab.report.kinds.assessment.quantities import quantities_table
-from reliab.report.prose import Prose
-from reliab.report.wording import PERCENT, percent
+from reliab.report.prose import Prose, prose
+from reliab.report.wording import ERRORS, PERCENT, percent, spelled_out
 from reliab.validation.assessment.assessment import Assessment
-from reliab.validation.assessment.error_of_test import PART_NAMES
+from reliab.validation.assessment.doubts import probability_text
+from reliab.validation.assessment.error_of_test import PART_NAMES, ErrorOfTest
+from reliab.validation.assessment.recording import Recording
+from reliab.validation.assessment.verdict import Word
 from reliab.vocabulary import Metric
+
+TONES: Final[Mapping[Word, Literal["plain", "good", "bad"]]] = {
+    Word.RELIABLE: "good",
+    Word.UNDECIDED: "plain",
+    Word.NOT_RELIABLE: "bad",
+}
+"""How a report shows each verdict."""
 
 _STRETCHES = 40
 _MILLISECONDS = 1e3
 
 
-def errors_table(assessment: Assessment) -> Table:
+def errors_table(error: ErrorOfTest, recording: Recording) -> Table:
     """Tabulate the error with its interval, and its parts.
 
     Parameters
     ----------
-    assessment : Assessment
-        The assessed test.
+    error : ErrorOfTest
+        The error of the test.
+    recording : Recording
+        The test.
 
     Returns
     -------
@@ -30,15 +45,15 @@ def errors_table(assessment: Assessment) -> Table:
         RMS^R and MTE^R, and RMS^R of each part.
     """
     sizes = {"RMSᴿ": Metric.RMS, "MTEᴿ": Metric.MTE}
-    rows = [(name, *_with_interval(assessment.error.of(metric)), "") for name, metric in sizes.items()]
-    for name, part in assessment.error.parts.by_name.items():
+    rows = [(name, *_with_interval(error.of(metric)), "") for name, metric in sizes.items()]
+    for name, part in error.parts.by_name.items():
         remaining = f"{PERCENT * part.remaining_rms:.2f}"
         rows.append((f"RMSᴿ from {PART_NAMES[name]} alone", f"{PERCENT * part.rms:.2f}", "", remaining))
     return quantities_table(
         rows,
         ("Error, over the peak of the exact displacement", "Found [%]", "90 % interval", "Without it"),
         caption=(
-            f"Error over the test's own {assessment.recording.duration:.4g} s: root mean square and largest "
+            f"Error over the test's own {recording.duration:.4g} s: root mean square and largest "
             "value of measured minus exact displacement. The last column is what would remain without the "
             "part."
         ),
@@ -50,20 +65,22 @@ def _with_interval(size: Estimate) -> tuple[str, str]:
     return f"{PERCENT * size.value:.2f}", f"{PERCENT * size.low:.2f} to {PERCENT * size.high:.2f}"
 
 
-def histories_figure(assessment: Assessment) -> Figure:
+def histories_figure(error: ErrorOfTest, recording: Recording) -> Figure:
     """Draw exact and measured history, the error with its band, and its parts.
 
     Parameters
     ----------
-    assessment : Assessment
-        The assessed test.
+    error : ErrorOfTest
+        The error of the test.
+    recording : Recording
+        The test.
 
     Returns
     -------
     Figure
         Three panels over time.
     """
-    rebuilt, recording = assessment.error.rebuilt, assessment.recording
+    rebuilt = error.rebuilt
     stretch = recording.duration / _STRETCHES
     return Figure(
         drawing=error_over_time(
@@ -74,11 +91,48 @@ def histories_figure(assessment: Assessment) -> Figure:
             band=(rebuilt.low, rebuilt.high),
             parts={
                 PART_NAMES[name]: sizes
-                for name, sizes in assessment.error.parts.over_time(recording.time_step, stretch).items()
+                for name, sizes in error.parts.over_time(recording.time_step, stretch).items()
             },
         ),
         caption="Exact and measured response, the error with its 90 % band, and where it comes from.",
         label="fig:error",
+    )
+
+
+def improve_first(error: ErrorOfTest) -> str:
+    """Say which part of the error to improve first, and what would remain."""
+    first = error.parts.first
+    remaining = percent(error.parts.by_name[first].remaining_rms)
+    return f"Improve first: {PART_NAMES[first]}. Without its part RMSᴿ would be {remaining}."
+
+
+def error_sentence(error: ErrorOfTest, word: Word) -> Prose:
+    """State the verdict on a test, its error, and the probability that it is small enough.
+
+    Parameters
+    ----------
+    error : ErrorOfTest
+        The error of the test.
+    word : Word
+        The verdict.
+
+    Returns
+    -------
+    Prose
+        The answer of a report.
+    """
+    size = error.of(error.metric)
+    return (
+        *prose("The test is *{word}*: its ", word=spelled_out(word)),
+        ERRORS[error.metric],
+        " ".join(
+            (
+                f" is {percent(size.value)}",
+                f"(90 % interval {percent(size.low)} to {percent(size.high)})",
+                f"against {percent(error.threshold)}.",
+                f"Probability of staying below: {probability_text(error.probability)}.",
+            )
+        ),
     )
 
 
@@ -98,11 +152,9 @@ def advice(assessment: Assessment) -> Prose:
     by_index = assessment.improvement
     share = by_index.share_of_delay if by_index.first == "delay" else 1.0 - by_index.share_of_delay
     late, off = _MILLISECONDS * by_index.tolerable_delay, by_index.tolerable_amplitude_error
-    parts = assessment.error.parts
-    remaining = percent(parts.by_name[parts.first].remaining_rms)
     return " ".join(
         (
-            f"Improve first: {PART_NAMES[parts.first]}. Without its part RMSᴿ would be {remaining}.",
+            improve_first(assessment.error),
             f"By the index, {percent(share, 2)} comes from the {by_index.first}.",
             f"At its own amplitude the test is accepted up to a delay of {late:.2f} ms."
             if late > 0.0

@@ -1,31 +1,24 @@
 """Report of one measured test: two pages, to be filed with it."""
 
 from collections.abc import Mapping, Sequence
-from typing import Literal
 
 import numpy as np
 
 from reliab.report.document import Document, Figure, Paragraph, Points, Section, Table
 from reliab.report.figures.measured_test import tracking_overview
-from reliab.report.kinds.assessment.error import advice, errors_table, histories_figure
+from reliab.report.kinds.assessment.error import TONES, advice, error_sentence, errors_table, histories_figure
 from reliab.report.kinds.assessment.quantities import quantities_table
 from reliab.report.numbers import MISSING, Fixed
 from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
 from reliab.report.sources import SOURCES
-from reliab.report.wording import ERRORS, PERCENT, meaning_of_confidence, percent, spelled_out
+from reliab.report.wording import PERCENT, meaning_of_confidence, percent, spelled_out
 from reliab.validation.assessment.assessment import Assessment
-from reliab.validation.assessment.doubts import probability_text
 from reliab.validation.assessment.tracking_index import LEVEL
 from reliab.validation.assessment.verdict import Word
 
 _MILLISECONDS = 1e3
 _FAR = 10.0
-_TONES: Mapping[Word, Literal["plain", "good", "bad"]] = {
-    Word.RELIABLE: "good",
-    Word.UNDECIDED: "plain",
-    Word.NOT_RELIABLE: "bad",
-}
 
 
 def assessment_report(
@@ -53,9 +46,9 @@ def assessment_report(
     Document
         A sheet of two pages.
     """
-    error = (errors_table(assessment), histories_figure(assessment))
+    of_test = assessment.error, assessment.recording
     sections = [
-        Section(title="The error of this test", blocks=error),
+        Section(title="The error of this test", blocks=(errors_table(*of_test), histories_figure(*of_test))),
         Section(title="What to know", blocks=(Points(items=(*_cautions(assessment), *notes)),)),
         Section(title="What to improve", blocks=(Paragraph(text=advice(assessment)),)),
         Section(title="Amplitude and delay", blocks=(_numbers(assessment), _plane(assessment))),
@@ -64,29 +57,13 @@ def assessment_report(
     return Document(
         kind="Assessment of a real-time hybrid simulation",
         title=title or assessment.recording.name,
-        verdict=_verdict(assessment),
-        tone=_TONES[assessment.verdict.word],
+        verdict=error_sentence(assessment.error, assessment.verdict.word),
+        tone=TONES[assessment.verdict.word],
         facts=_facts(assessment),
         blocks=tuple(sections),
         provenance=provenance_of(provenance, assessment.criterion.provenance),
         sources=SOURCES,
         sheet=True,
-    )
-
-
-def _verdict(assessment: Assessment) -> Prose:
-    size = assessment.error.of(assessment.metric)
-    return (
-        *prose("The test is *{word}*: its ", word=spelled_out(assessment.verdict.word)),
-        ERRORS[assessment.metric],
-        " ".join(
-            (
-                f" is {percent(size.value)}",
-                f"(90 % interval {percent(size.low)} to {percent(size.high)})",
-                f"against {percent(assessment.criterion.threshold)}.",
-                f"Probability of staying below: {probability_text(assessment.probability)}.",
-            )
-        ),
     )
 
 
