@@ -23,6 +23,7 @@ from scipy.ndimage import convolve1d
 from threadpoolctl import threadpool_limits
 
 from reliab.rebuilt_error.lapped_transform import analyse, synthesise
+from reliab.rebuilt_error.level_likelihood import level_likelihood
 from reliab.rebuilt_error.noise import SensorNoise, white_floor
 from reliab.rebuilt_error.rounding import rounded_differently, rounding_step
 
@@ -195,10 +196,11 @@ def _least_squares(reading: Reading, variance: Array) -> tuple[Array, Array]:
     rows = reading.following.shape[0]
     weighted = (reading.following / variance).reshape(rows, -1)
     normal = weighted @ reading.following.reshape(rows, -1).T
-    covariance = np.linalg.pinv(normal, rcond=_SINGULAR, hermitian=True)
-    values, vectors = np.linalg.eigh(covariance)
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
-    return covariance @ (weighted @ reading.observed.ravel()), root
+    values, vectors = np.linalg.eigh(normal)
+    least = _SINGULAR * float(values[-1])
+    inverse = np.divide(1.0, values, out=np.zeros(rows), where=values > least)
+    root = vectors * np.sqrt(inverse)
+    return root @ (root.T @ (weighted @ reading.observed.ravel())), root
 
 
 def _filtered(reading: Reading, follows: Array) -> Array:
@@ -209,22 +211,18 @@ def _filtered(reading: Reading, follows: Array) -> Array:
     before = np.full((_LEVELS.size, factors), 1.0 / (_LEVELS.size * factors))
     filtered = []
     for band in range(int(reading.bands[-1]) + 1):
-        likelihood = np.stack(
-            [_likelihood(reading, rest, variance, reading.bands == band) for variance in reading.noise],
-            axis=1,
+        inside = reading.bands == band
+        likelihood = level_likelihood(
+            np.ascontiguousarray(rest[:, inside]),
+            np.ascontiguousarray(reading.command_power[:, inside]),
+            np.ascontiguousarray(reading.noise[:, :, inside]),
+            np.exp(_LEVELS),
+            _LEAST_COMMAND,
         )
         joint = before * np.exp(likelihood - likelihood.max())
         filtered.append(joint / joint.sum())
         before = of_level.T @ filtered[-1] @ of_factor
     return np.array(filtered)
-
-
-def _likelihood(reading: Reading, rest: Array, variance: Array, inside: NDArray[np.bool_]) -> Array:
-    """Logarithm of the likelihood of each level in a band, shape (levels,)."""
-    noise = variance[:, inside, np.newaxis]
-    power = np.maximum(reading.command_power[:, inside, np.newaxis], _LEAST_COMMAND * noise)
-    total = power * np.exp(_LEVELS) + noise
-    return np.asarray(-0.5 * (np.log(total) + rest[:, inside, np.newaxis] ** 2 / total).sum(axis=(0, 1)))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -1,0 +1,59 @@
+"""Likelihood of the level of an actuator's remaining error in a band of frequencies."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.compiled import compiled
+
+Array = NDArray[np.float64]
+
+_FACTORS_OF_A_LOGARITHM = 8  # each below 1e25, so that their product stays finite
+
+
+@compiled
+def level_likelihood(rest: Array, command_power: Array, noise: Array, levels: Array, least: float) -> Array:
+    """Logarithm of the likelihood of each level, for each of several spectra of the noise.
+
+    Parameters
+    ----------
+    rest : numpy.ndarray
+        Coefficients of x_c − x_m without what follows the command [m], shape (frames, coefficients).
+    command_power : numpy.ndarray
+        Power of the command about each of them [m²], of the same shape.
+    noise : numpy.ndarray
+        Variances of the noise [m²], positive, shape (factors, frames or 1, coefficients).
+    levels : numpy.ndarray
+        Ratios q of the remaining error's power to that of the command [-], shape (levels,).
+    least : float
+        Least power of the command, as a multiple of the noise [-].
+
+    Returns
+    -------
+    numpy.ndarray
+        Sums of −(ln v + r²/v)/2 with v = q P + s over the coefficients, shape (levels, factors).
+    """
+    factors, frames, _ = noise.shape
+    count = levels.size
+    likelihood = np.zeros((count, factors))
+    product, quadratic, logarithm = np.empty((3, count))
+    for factor in range(factors):
+        product[:], quadratic[:], logarithm[:] = 1.0, 0.0, 0.0
+        common, held = 0.0, 0
+        for frame in range(rest.shape[0]):
+            for k in range(rest.shape[1]):
+                variance = noise[factor, frame if frames > 1 else 0, k]
+                ratio = max(command_power[frame, k] / variance, least)
+                square = rest[frame, k] ** 2 / variance
+                common += np.log(variance)
+                for level in range(count):
+                    total = 1.0 + levels[level] * ratio
+                    product[level] *= total
+                    quadratic[level] += square / total
+                held += 1
+                if held == _FACTORS_OF_A_LOGARITHM:
+                    logarithm += np.log(product)
+                    product[:] = 1.0
+                    held = 0
+        logarithm += np.log(product)
+        likelihood[:, factor] = -0.5 * (common + logarithm + quadratic)
+    return likelihood
