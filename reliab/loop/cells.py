@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 from reliab.errors import InputError
 from reliab.loop.blocks import block_length
 from reliab.loop.dominant_pole import ModalLoop, modal_loop, reduction_loss
+from reliab.loop.drive_stepping import DrivenCells, driven_cells
 from reliab.loop.leading_loop import LeadingLoop, leading_loop
 from reliab.loop.pole_plane.basis import pole_basis
 from reliab.loop.pole_plane.expansion import Expansion, expansions
 from reliab.loop.pole_recursion import Recursion, recursions
+from reliab.loop.shared_drives import shared_drives
 from reliab.loop.stability import critical_delay, refuse_long_leads
 from reliab.loop.structure import Structure
 
@@ -86,6 +88,17 @@ class Cells:
     @cached_property
     def _own_recursions(self) -> list[Recursion]:
         return self._recursions(block_length(self.structure))
+
+    def driven(self, step: float, late: Recursion) -> DrivenCells:
+        """Late cells that respond to the structure's shared drives, for blocks of a given length [s]."""
+        if late is self._own_recursions[0]:
+            return self._own_driven
+        return driven_cells(shared_drives(self.structure, step), late.coefficients)
+
+    @cached_property
+    def _own_driven(self) -> DrivenCells:
+        drives = shared_drives(self.structure, block_length(self.structure))
+        return driven_cells(drives, self._own_recursions[0].coefficients)
 
     def _recursions(self, step: float) -> list[Recursion]:
         return [recursion for place, loop in self.reduced for recursion in recursions(loop, step, place)]

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from reliab.compiled import compiled
 from reliab.loop.blocks import Blocks, ramp_weights
-from reliab.loop.deviation import TRACKS, Deviation, follow, summary
+from reliab.loop.deviation import TRACKS, Deviation, empty_tracks, follow, summary
 from reliab.loop.structure import Structure
 
 LANES = 48
@@ -129,7 +129,7 @@ def _track_lanes(
     c[:] = cells
     depth = delay + 2
     xs, vs = np.zeros((depth, LANES)), np.zeros((depth, LANES))
-    state, t = np.zeros((4, LANES)), np.zeros((TRACKS, LANES))
+    state, t = np.zeros((4, LANES)), empty_tracks(LANES)
     # The delayed state at the end of a block lies between two stored ones or, for a delay shorter
     # than a block, between the last stored one and the new one.
     stored, fresh = (1.0, 0.0) if delay > 0 else (0.0, 1.0)

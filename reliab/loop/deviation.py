@@ -37,6 +37,18 @@ class Deviation:
     peak: NDArray[np.float64]
     ideal_peak: float
 
+    def put(self, cells: NDArray[np.intp] | NDArray[np.bool_], solved: "Deviation") -> None:
+        """Fill in the values of some cells, as another engine solved them."""
+        self.mean_square[cells], self.peak[cells] = solved.mean_square, solved.peak
+
+
+@compiled
+def empty_tracks(lanes: int) -> NDArray[np.float64]:
+    """Tracks before the first sample, which has no neighbour before it: a peak there is not refined."""
+    tracks = np.zeros((TRACKS, lanes))
+    tracks[_LATEST] = np.nan
+    return tracks
+
 
 @compiled
 def _higher(

@@ -21,14 +21,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.errors import InputError
-from reliab.loop import delay_stepper, pole_stepping, spectral
+from reliab.loop import delay_stepper, drive_stepping, pole_stepping, spectral
 from reliab.loop.blocks import Blocks, cut
 from reliab.loop.cells import Cells
 from reliab.loop.deviation import Deviation
 from reliab.loop.dominant_pole import band_edges
+from reliab.loop.drive_stepping import DrivenRecord
 from reliab.loop.excitation import Excitation
 from reliab.loop.pole_plane.basis import pole_basis
 from reliab.loop.pole_plane.responses import Responses
+from reliab.loop.shared_drives import shared_drives
 from reliab.loop.structure import Structure
 
 REDUCTION_TOLERANCE = 3e-5
@@ -170,19 +172,31 @@ class Loop:
         """Responses of the structure's basis of poles to the record."""
         return Responses(blocks=self.blocks, basis=pole_basis(self.structure))
 
+    @cached_property
+    def driven_record(self) -> DrivenRecord:
+        """The structure's shared drives under the record."""
+        return DrivenRecord.of(self.blocks, shared_drives(self.structure, self.blocks.step))
+
     def _reduced(self, cells: Cells) -> Deviation:
-        parts = cells.recursions(self.blocks.step)
-        if len(parts) == 1:
-            (part,) = parts
-            return pole_stepping.deviation(self.blocks, part.coefficients, ahead=part.ahead)
         deviation = Deviation(
             mean_square=np.empty(cells.gain.size),
             peak=np.empty(cells.gain.size),
             ideal_peak=self.blocks.ideal_peak,
         )
-        for part in parts:
-            strayed = pole_stepping.deviation(self.blocks, part.coefficients, ahead=part.ahead)
-            deviation.mean_square[part.cells], deviation.peak[part.cells] = strayed.mean_square, strayed.peak
+        for part in cells.recursions(self.blocks.step):
+            alone = np.ones(part.cells.size, dtype=np.bool_)
+            if part.ahead == 0:
+                driven = cells.driven(self.blocks.step, part)
+                which = self.driven_record.bounded(driven)
+                if which.any():
+                    place = driven.place[which]
+                    strayed, faint = drive_stepping.deviation(self.blocks, self.driven_record, driven, which)
+                    deviation.put(part.cells[place], strayed)
+                    alone[place] = faint
+            if alone.any():
+                coefficients = part.coefficients[:, alone]
+                strayed = pole_stepping.deviation(self.blocks, coefficients, ahead=part.ahead)
+                deviation.put(part.cells[alone], strayed)
         return deviation
 
     def _mixed(self, cells: Cells, reducible: NDArray[np.bool_], rough: NDArray[np.bool_]) -> Deviation:
@@ -193,7 +207,7 @@ class Loop:
         for which in (again & ~cells.leads, again & cells.leads):
             if which.any():
                 exact = self._unreduced(cells.gain[which], cells.delay[which])
-                deviation.mean_square[which], deviation.peak[which] = exact.mean_square, exact.peak
+                deviation.put(which, exact)
         return deviation
 
     def _unreduced(self, gain: NDArray[np.float64], delay: NDArray[np.float64]) -> Deviation:

@@ -18,6 +18,7 @@ replaces the fast pair. The exact response is read that number of blocks earlier
 """
 
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,11 +27,13 @@ from reliab.loop.blocks import ramp_weights
 from reliab.loop.dominant_pole import ModalLoop
 from reliab.loop.leading_loop import LeadingLoop
 
+_Real = TypeVar("_Real", np.float32, np.float64)
+
 FROM_BLOCK = slice(8, 10)
 """Coefficients with which the record at both ends of a block enters beside the dominant pair."""
 
 
-def fill_lanes(cells: NDArray[np.float64], lanes: int) -> NDArray[np.float64]:
+def fill_lanes(cells: NDArray[_Real], lanes: int) -> NDArray[_Real]:
     """Fill up the last set of lanes with copies of the last cell; shape (…, multiple of lanes)."""
     missing = -cells.shape[-1] % lanes
     return (

@@ -21,9 +21,9 @@ import numpy as np
 import threadpoolctl
 from numpy.typing import NDArray
 
-from reliab.loop import delay_stepper, pole_stepping
+from reliab.loop import delay_stepper
 from reliab.loop.blocks import block_length, cut
-from reliab.loop.engine import Loop
+from reliab.loop.engine import Engine, Loop
 from reliab.loop.excitation import Excitation
 from reliab.loop.pole_plane.plane import mean_squares
 from reliab.loop.structure import Structure
@@ -157,11 +157,9 @@ def main() -> None:
     excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step)
     cells = ExplicitGrid().cells(structure)
     blocks = cut(excitation, structure)
-    (recursion,) = cells.recursions(blocks.step)
 
     def pole() -> object:
-        prepared = cut(excitation, structure)
-        return pole_stepping.deviation(prepared, recursion.coefficients)
+        return Loop(excitation=excitation, structure=structure, engine=Engine.POLE).deviation(cells)
 
     def delayed() -> object:
         return delay_stepper.deviation(blocks, structure, cells.gain, cells.delay)
