@@ -85,6 +85,7 @@ def criterion(
     from reliab.cli.criterion.demand import Demand
     from reliab.cli.criterion.derivation import derived
     from reliab.cli.criterion.printed_law import printed
+    from reliab.cli.criterion.rig import rig_beside, show_rig
     from reliab.cli.output import write_json
     from reliab.criterion.laws import OF_MANY_MOTIONS
 
@@ -98,9 +99,11 @@ def criterion(
     ]
     write(criteria[0], out)
     content = {"criteria": rows, **(rows[0] if len(rows) == 1 else {})}
-    content |= _beside(demand, derivation, structures)
+    content |= {**_beside(demand, derivation, structures), **rig_beside(demand)}
     if not write_json(content, json_target):
         show(rows, derivation.posteriors)
+        if "rig" in content:
+            show_rig(content["rig"])
         if compare:
             show_comparison(content["comparison"])
     _refuse_unconverged(derivation.posteriors, chains)

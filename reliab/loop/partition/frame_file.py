@@ -33,6 +33,18 @@ One set of tables describes every structure::
     [error]                                  # optional: whose error counts
     of = "interface"                         # or a degree of freedom, or "drift"
     between = ["2", "1"]                     # of a drift
+
+    [transfer_system]                        # optional: the rig, whose error `reliab criterion` states
+    numerator = [250.0]                      # coefficients in descending powers of s
+    denominator = [1.0, 250.0]
+    # or poles_per_s = [-250.0, [-60.0, 80.0]], where [real, imaginary] stands for a conjugate pair, with
+    #   zeros_per_s and gain (at rest) beside them
+    # or file = "rig.mat" beside this file, with num and den, z, p and k, or A, B, C and D; variable = "rig"
+    #   names a structure that holds them
+    # or gain = 0.99 alone
+    delay_ms = 1.5                           # optional: pure delay beside each of these
+    # or [transfer_system.servo_hydraulic], the plant of the benchmark: input_gain, valve_gain,
+    #   piston_coupling_n_per_m, leakage_per_s, valve_damping_per_s, valve_stiffness_per_s2, each optional
 """
 
 import tomllib
@@ -49,6 +61,7 @@ from reliab.files import ordinary
 from reliab.loop.partition.frame_tables import FrameDescription
 from reliab.loop.partition.partition import Partition, with_specimen
 from reliab.loop.structures import Frame
+from reliab.loop.transfer_systems import TransferSystem
 
 Array = NDArray[np.float64]
 
@@ -68,12 +81,15 @@ class FrameUnderTest:
         displacement.
     error_of : str
         The response in words.
+    transfer_system : TransferSystem or None
+        The rig; None where the file describes none.
     """
 
     name: str
     partition: Partition
     output: Array | None
     error_of: str
+    transfer_system: TransferSystem | None = None
 
 
 def frame_of_tables(content: dict[str, Any], where: str) -> FrameUnderTest:
@@ -106,7 +122,7 @@ def frame_of_tables(content: dict[str, Any], where: str) -> FrameUnderTest:
             where=where,
         ) from None
     try:
-        return _built(description)
+        return _built(description, Path(where).parent)
     except InputError as error:
         raise InputError(error.rule, value=error.value, remedy=error.remedy, where=where) from None
 
@@ -143,7 +159,7 @@ def read_frame(path: str | Path) -> FrameUnderTest:
     return frame_of_tables(content, str(path))
 
 
-def _built(description: FrameDescription) -> FrameUnderTest:
+def _built(description: FrameDescription, folder: Path) -> FrameUnderTest:
     table = description.frame
     mass, stiffness = table.matrices
     plain = Frame(
@@ -172,13 +188,15 @@ def _built(description: FrameDescription) -> FrameUnderTest:
         specimen=specimen,
         effects=tuple(table.effect for table in description.specimen.effects),
     )
-    of = description.error
+    of, transfer = description.error, description.transfer_system
+    rig = None if transfer is None else transfer.system(folder)
     words = {"interface": "the measured interface displacement", "drift": f"the drift between {of.between}"}
     return FrameUnderTest(
         name=description.name,
         partition=partition,
         output=of.output(frame),
         error_of=words.get(of.of, f"degree of freedom {of.of}"),
+        transfer_system=rig,
     )
 
 

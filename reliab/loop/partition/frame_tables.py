@@ -10,7 +10,9 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from reliab.errors import InputError
 from reliab.loop.effects import Effect, find_effect
 from reliab.loop.hybrid_test.specimen import Specimen
+from reliab.loop.partition.described_table import DescribedTable
 from reliab.loop.partition.partition import drift_interface, floor_interface
+from reliab.loop.partition.transfer_table import TransferTable
 from reliab.loop.structures import Frame, PlanarFrame, modal_damping, rayleigh_damping, shear_frame
 
 Array = NDArray[np.float64]
@@ -22,11 +24,7 @@ Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-
-class PlanarTable(_Table):
+class PlanarTable(DescribedTable):
     """`[frame.planar]`: a regular moment frame of columns and beams."""
 
     storeys: Annotated[int, Field(ge=1)]
@@ -53,7 +51,7 @@ class PlanarTable(_Table):
         ).lateral_stiffness()
 
 
-class FrameTable(_Table):
+class FrameTable(DescribedTable):
     """`[frame]`: mass and stiffness."""
 
     masses_kg: Row | None = None
@@ -90,7 +88,7 @@ class FrameTable(_Table):
         return mass, shear_frame([1.0] * len(storeys), storeys)[1]
 
 
-class DampingTable(_Table):
+class DampingTable(DescribedTable):
     """`[damping]`: exactly one way of describing it."""
 
     ratio: NotNegative | None = None
@@ -145,7 +143,7 @@ class EffectTable(BaseModel):
             raise InputError(f"{self.name} needs its parameters", value=f"no {', '.join(missing)}") from None
 
 
-class SpecimenTable(_Table):
+class SpecimenTable(DescribedTable):
     """`[specimen]`: the specimen and where it is attached."""
 
     degree_of_freedom: str | int | None = None
@@ -188,7 +186,7 @@ class SpecimenTable(_Table):
         return floor_interface(frame, self.degree_of_freedom or "")
 
 
-class ErrorTable(_Table):
+class ErrorTable(DescribedTable):
     """`[error]`: the response whose error counts."""
 
     of: str = "interface"
@@ -210,7 +208,7 @@ class ErrorTable(_Table):
         )
 
 
-class FrameDescription(_Table):
+class FrameDescription(DescribedTable):
     """The whole file."""
 
     name: str = "frame"
@@ -219,6 +217,7 @@ class FrameDescription(_Table):
     damping: DampingTable
     specimen: SpecimenTable
     error: ErrorTable = ErrorTable()
+    transfer_system: TransferTable | None = None
 
 
 def _matrix(rows: tuple[Row, ...] | None) -> Array:
