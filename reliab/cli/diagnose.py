@@ -5,12 +5,22 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from reliab.cli.options import JsonTarget
+from reliab.cli.options import (
+    JsonTarget,
+    Laboratory,
+    Logo,
+    Paper,
+    ReportDate,
+    ReportTitle,
+    given_options,
+    setting_of,
+)
 from reliab.cli.output import console, progress_bar, table, write_json
 from reliab.errors import InputError
 
 if TYPE_CHECKING:
     from reliab.discrepancy import Addition, BlockDiagnosis, Diagnosis
+    from reliab.report import Setting
 
 RESULT_FILE = "diagnosis.json"
 REPORT_FILE = "report.pdf"
@@ -33,6 +43,7 @@ _EFFECTS = {"effect": "left", "probability": "right", "parameter": "left", "valu
 
 
 def diagnose(
+    context: typer.Context,
     campaign: Annotated[
         Path, typer.Argument(metavar="CAMPAIGN_DIR", help="Folder with campaign.toml and the tests.")
     ],
@@ -40,12 +51,20 @@ def diagnose(
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="Folder for diagnosis, report and model.")
     ] = None,
+    title: ReportTitle = None,
+    date: ReportDate = None,
+    paper: Paper = "a4",
+    laboratory: Laboratory = None,
+    logo: Logo = None,
     json_target: JsonTarget = None,
 ) -> None:
     """Find where simulation and measurement disagree, name what is missing, prove it on held-out tests."""
     from reliab.discrepancy import add, read_campaign
     from reliab.discrepancy import diagnose as diagnose_campaign
 
+    setting = setting_of(title, date, paper, laboratory, logo)
+    if out is None:
+        _refuse_without_report(context)
     measured = read_campaign(campaign)
     if out is not None:
         _make(out)
@@ -62,7 +81,7 @@ def diagnose(
     if not write_json(content, json_target):
         _show(addition.diagnosis)
     if out is not None:
-        _report(addition, campaign, out)
+        _report(addition, campaign, out, setting)
 
 
 def _make(folder: Path) -> None:
@@ -77,7 +96,16 @@ def _make(folder: Path) -> None:
         ) from None
 
 
-def _report(addition: "Addition", campaign: Path, out: Path) -> None:
+def _refuse_without_report(context: typer.Context) -> None:
+    """Refuse what a report only uses."""
+    for name in given_options(context):
+        if name in ("title", "date", "paper", "laboratory", "logo"):
+            raise InputError(
+                f"--{name} has no effect without --out, where the report is written", remedy="Give --out"
+            )
+
+
+def _report(addition: "Addition", campaign: Path, out: Path, setting: "Setting") -> None:
     from datetime import UTC, datetime
 
     from reliab.report import write_pdf
@@ -90,7 +118,8 @@ def _report(addition: "Addition", campaign: Path, out: Path) -> None:
         posteriors=addition.posteriors,
         provenance={"campaign": campaign.name, "campaign, SHA-256": digest(campaign)},
     )
-    write_pdf(document, out / REPORT_FILE, date=datetime.fromtimestamp(newest, tz=UTC).date())
+    day = datetime.fromtimestamp(newest, tz=UTC).date()
+    write_pdf(document, out / REPORT_FILE, date=day, setting=setting)
 
 
 def _show(diagnosis: "Diagnosis") -> None:

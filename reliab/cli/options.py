@@ -1,12 +1,16 @@
 """Options that several commands share, so that one name means one thing everywhere."""
 
 from dataclasses import fields
+from datetime import datetime
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from reliab.errors import InputError
+
+if TYPE_CHECKING:
+    from reliab.report import Setting
 
 Motions = Annotated[
     list[str] | None,
@@ -98,12 +102,58 @@ FirstOrder = Annotated[
         "at 5 % the simulated b is 16 to 44 % smaller.",
     ),
 ]
+ReportTitle = Annotated[
+    str | None, typer.Option("--title", metavar="TEXT", help="Title of the report, in place of its own.")
+]
+ReportDate = Annotated[
+    datetime | None,
+    typer.Option("--date", formats=["%Y-%m-%d"], help="Date on the report, in place of that of the results."),
+]
+Paper = Annotated[str, typer.Option("--paper", metavar="a4|letter", help="Paper of the report.")]
+Laboratory = Annotated[
+    str | None, typer.Option("--laboratory", metavar="NAME", help="Name of the laboratory on the report.")
+]
+Logo = Annotated[
+    Path | None,
+    typer.Option("--logo", metavar="FILE.svg|png|jpg", help="Logo of the laboratory on the report."),
+]
 JsonTarget = Annotated[
     str | None,
     typer.Option(
         "--json", metavar="FILE|-", help="Write JSON to a file; - prints only JSON to standard output."
     ),
 ]
+
+
+def setting_of(
+    title: str | None, date: datetime | None, paper: str, laboratory: str | None, logo: Path | None
+) -> "Setting":
+    """Take the options about how a report is set.
+
+    Parameters
+    ----------
+    title, date, paper, laboratory, logo
+        Values of the options of the same names.
+
+    Returns
+    -------
+    Setting
+        Checked.
+
+    Raises
+    ------
+    InputError
+        If the paper is not known or the logo cannot be read.
+    """
+    from reliab.report import Setting
+
+    return Setting(
+        title=title or "",
+        date=None if date is None else date.date(),
+        paper=paper,
+        laboratory=laboratory or "",
+        logo=logo,
+    )
 
 
 def given_options(context: typer.Context) -> list[str]:

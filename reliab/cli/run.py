@@ -5,7 +5,18 @@ from typing import Annotated
 
 import typer
 
-from reliab.cli.options import JsonTarget, Motions, Sets
+from reliab.cli.options import (
+    JsonTarget,
+    Laboratory,
+    Logo,
+    Motions,
+    Paper,
+    ReportDate,
+    ReportTitle,
+    Sets,
+    given_options,
+    setting_of,
+)
 from reliab.cli.output import console, progress_bar, table, write_json
 from reliab.errors import InputError
 
@@ -15,6 +26,7 @@ _DEFAULT = "quick"
 
 def run(
     *,
+    context: typer.Context,
     study: Annotated[
         str, typer.Argument(metavar="[STUDY.toml]", help="A study's file, or the name of one that ships.")
     ] = _DEFAULT,
@@ -23,16 +35,22 @@ def run(
     ] = None,
     motions: Motions = None,
     sets: Sets = None,
+    title: ReportTitle = None,
+    date: ReportDate = None,
+    paper: Paper = "a4",
+    laboratory: Laboratory = None,
+    logo: Logo = None,
     listed: Annotated[bool, typer.Option("--list", help="List the studies that ship.")] = False,
     json_target: JsonTarget = None,
 ) -> None:
     """Run a study: simulate, fit, derive, validate, report."""
     if listed:
-        _refuse_beside_list(study, out, motions, sets)
+        _refuse_beside_list(context)
         _list(json_target)
         return
     from reliab.study import open_study, run_study
 
+    setting = setting_of(title, date, paper, laboratory, logo)
     chosen = open_study(study)
     if motions or sets:
         chosen = chosen.on(motions, sets)
@@ -44,25 +62,18 @@ def run(
         if json_target != "-":
             console().print(f"{'done' if done else 'kept':>5}  {name}", highlight=False)
 
-    report = run_study(chosen, folder, show=progress_bar, tell=tell)
+    report = run_study(chosen, folder, show=progress_bar, tell=tell, setting=setting)
     content = {"study": chosen.title, "folder": str(folder), "report": str(report), "stages": stages}
     if not write_json(content, json_target):
         console().print(f"Report: {report}", highlight=False)
 
 
-def _refuse_beside_list(
-    study: str, out: Path | None, motions: list[str] | None, sets: list[str] | None
-) -> None:
-    """Refuse options that have no effect beside --list."""
-    idle = {
-        "a study": study != _DEFAULT,
-        "--out": out is not None,
-        "--motions": motions is not None,
-        "--sets": sets is not None,
-    }
-    for name, given in idle.items():
-        if given:
-            raise InputError("--list only lists the studies that ship", value=name, remedy="Leave it out")
+def _refuse_beside_list(context: typer.Context) -> None:
+    """Refuse what has no effect beside --list."""
+    for name in given_options(context):
+        if name not in ("listed", "json_target"):
+            idle = "a study" if name == "study" else f"--{name}"
+            raise InputError("--list only lists the studies that ship", value=idle, remedy="Leave it out")
 
 
 def _list(json_target: str | None) -> None:

@@ -3,5 +3,6 @@
 from reliab.report.content import save_content, saved_content
 from reliab.report.document import Document
 from reliab.report.pdf import write_pdf
+from reliab.report.setting import Setting
 
-__all__ = ["Document", "save_content", "saved_content", "write_pdf"]
+__all__ = ["Document", "Setting", "save_content", "saved_content", "write_pdf"]

@@ -26,6 +26,7 @@ from reliab.report.document import (
     Source,
     Table,
 )
+from reliab.report.glossary import glossary_of
 from reliab.report.numbers import MISSING, Written
 from reliab.report.prose import Math, Piece, Prose, Reference, Strong, literal, plain_text
 from reliab.report.style import svg
@@ -123,7 +124,10 @@ class _Writer:
             "provenance": [[literal(name), literal(text)] for name, text in document.provenance.items()],
             "sheet": document.sheet,
         }
-        return {CONTENT_FILE: json.dumps(content, ensure_ascii=False).encode(), **self._figures}
+        said = json.dumps(content, ensure_ascii=False)
+        terms = [[self._prose(term.name), self._prose(term.meaning)] for term in glossary_of(said)]
+        whole = json.dumps({**content, "glossary": terms}, ensure_ascii=False)
+        return {CONTENT_FILE: whole.encode(), **self._figures}
 
     def _prose(self, text: Prose) -> list[dict[str, Any]]:
         return [self._piece(piece) for piece in ((text,) if isinstance(text, str) else text)]

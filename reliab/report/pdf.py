@@ -6,6 +6,7 @@ machine.
 
 import datetime as dt
 from collections.abc import Mapping
+from contextlib import AbstractContextManager, nullcontext
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, Final, cast
@@ -13,15 +14,18 @@ from typing import Any, Final, cast
 import typst
 
 from reliab.errors import InputError
-from reliab.files import written_whole
+from reliab.files import decoding, written_whole
 from reliab.report.content import files_of
 from reliab.report.document import Document
+from reliab.report.setting import Setting
 from reliab.version import __version__
 
 _NAMES: Final = ("main.typ", "page.typ", "parts.typ", "table.typ")
 
 
-def write_pdf(document: Document | Mapping[str, bytes], path: Path, *, date: dt.date) -> None:
+def write_pdf(
+    document: Document | Mapping[str, bytes], path: Path, *, date: dt.date, setting: Setting | None = None
+) -> None:
     """Write a report as PDF; identical input gives identical bytes.
 
     Parameters
@@ -31,14 +35,16 @@ def write_pdf(document: Document | Mapping[str, bytes], path: Path, *, date: dt.
     path : pathlib.Path
         The file, replaced if it is there.
     date : datetime.date
-        Date on the report and in the file.
+        Date on the report and in the file, unless the setting has another.
+    setting : Setting, optional
+        Paper, title, date, and name and logo of the laboratory.
 
     Raises
     ------
     InputError
-        If the file cannot be written.
+        If the file cannot be written, or the logo is damaged.
     """
-    content = compiled_report(document, date=date)
+    content = compiled_report(document, date=date, setting=setting)
     try:
         with written_whole(path) as file:
             file.write_bytes(content)
@@ -51,7 +57,9 @@ def write_pdf(document: Document | Mapping[str, bytes], path: Path, *, date: dt.
         ) from None
 
 
-def compiled_report(document: Document | Mapping[str, bytes], *, date: dt.date) -> bytes:
+def compiled_report(
+    document: Document | Mapping[str, bytes], *, date: dt.date, setting: Setting | None = None
+) -> bytes:
     """Set a report as PDF.
 
     Parameters
@@ -59,22 +67,39 @@ def compiled_report(document: Document | Mapping[str, bytes], *, date: dt.date) 
     document : Document or mapping of str to bytes
         The report, or its content.
     date : datetime.date
-        Its date.
+        Its date, unless the setting has another.
+    setting : Setting, optional
+        Paper, title, date, and name and logo of the laboratory.
 
     Returns
     -------
     bytes
         The PDF.
+
+    Raises
+    ------
+    InputError
+        If the logo is damaged.
     """
+    setting = setting or Setting()
+    date = setting.date or date
     content = files_of(document) if isinstance(document, Document) else document
-    pdf = typst.compile(
-        cast("Any", {**templates(), **content}),  # typst's type hints know of no dict
-        ignore_system_fonts=True,
-        format="pdf",
-        sys_inputs={"date": date.isoformat(), "version": __version__},
-        timestamp=dt.datetime.combine(date, dt.time(), tzinfo=dt.UTC),
-    )
+    with _logo_decoded(setting):
+        pdf = typst.compile(
+            cast("Any", {**templates(), **content, **setting.files()}),  # typst's type hints know of no dict
+            ignore_system_fonts=True,
+            format="pdf",
+            sys_inputs={"date": date.isoformat(), "version": __version__, **setting.inputs()},
+            timestamp=dt.datetime.combine(date, dt.time(), tzinfo=dt.UTC),
+        )
     return bytes(pdf)
+
+
+def _logo_decoded(setting: Setting) -> AbstractContextManager[None]:
+    """Blame the logo, the only part of a report that a user draws, where one is set that cannot be."""
+    if setting.logo is None:
+        return nullcontext()
+    return decoding("A logo must be a sound picture", remedy="Export it again", where=setting.logo)
 
 
 def templates() -> dict[str, bytes]:

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
-from reliab.report import write_pdf
+from reliab.report import Setting, write_pdf
 from reliab.study.description import Study
 from reliab.study.kinds import KINDS
 from reliab.study.material import Show, quietly
@@ -21,6 +21,7 @@ def run_study(
     *,
     show: Show = quietly,
     tell: Callable[[str, bool], None] = lambda _name, _done: None,
+    setting: Setting | None = None,
 ) -> Path:
     """Run a study, from its motions to the report; what is done already is not done again.
 
@@ -34,6 +35,8 @@ def run_study(
         Takes the name of a task and shows its progress.
     tell : callable, optional
         Called after each stage with its name and whether there was something to do.
+    setting : Setting, optional
+        Paper, title, date, and name and logo of the laboratory on the report.
 
     Returns
     -------
@@ -48,18 +51,20 @@ def run_study(
     stages = list(KINDS[study.kind].stages(study, show))
     results = [name for stage in stages for name in stage.writes]
     with RunFolder.opened(Path(out), study=study.model_dump(mode="json")) as folder:
-        for stage in (*stages, _reporting(study, results)):
+        for stage in (*stages, _reporting(study, results, setting)):
             tell(stage.name, folder.perform(stage))
     return folder.path / REPORT
 
 
-def write_report(folder: str | Path) -> Path:
+def write_report(folder: str | Path, *, setting: Setting | None = None) -> Path:
     """Make the report of a finished run again.
 
     Parameters
     ----------
     folder : str or pathlib.Path
         The run folder.
+    setting : Setting, optional
+        Paper, title, date, and name and logo of the laboratory.
 
     Returns
     -------
@@ -72,19 +77,18 @@ def write_report(folder: str | Path) -> Path:
         If nothing was run there, or the run is not finished.
     """
     folder = Path(folder)
-    _report(study_from(study_of(folder), where=str(folder)), folder)
+    _report(study_from(study_of(folder), where=str(folder)), folder, setting)
     return folder / REPORT
 
 
-def _reporting(study: Study, reads: list[str]) -> Stage:
+def _reporting(study: Study, reads: list[str], setting: Setting | None) -> Stage:
     def work(folder: Path) -> None:
-        _report(study, folder)
+        _report(study, folder, setting)
 
-    return Stage(
-        name="report", inputs=study.model_dump(mode="json"), reads=reads, writes=(REPORT,), work=work
-    )
+    inputs = {**study.model_dump(mode="json"), "setting": (setting or Setting()).to_dict()}
+    return Stage(name="report", inputs=inputs, reads=reads, writes=(REPORT,), work=work)
 
 
-def _report(study: Study, folder: Path) -> None:
+def _report(study: Study, folder: Path, setting: Setting | None) -> None:
     document = KINDS[study.kind].report(study, folder)
-    write_pdf(document, folder / REPORT, date=study.date or date_of(folder))
+    write_pdf(document, folder / REPORT, date=study.date or date_of(folder), setting=setting)

@@ -62,6 +62,7 @@ SEEN_ELSEWHERE = {
     "--figure": "tests/cli/test_assess.py",
     "--report": "test_a_report_and_a_json_file_are_written",
     "--date": "test_a_report_and_a_json_file_are_written",
+    **dict.fromkeys(("--title", "--paper", "--laboratory", "--logo"), "tests/report/test_setting.py"),
     "--out": "tests/cli/test_assess_several.py",
     "--json": "test_a_report_and_a_json_file_are_written",
 }

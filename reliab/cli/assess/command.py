@@ -1,12 +1,19 @@
 """`reliab assess`: the verdict on a test, or what is tolerable before one."""
 
-from datetime import datetime
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from reliab.cli.options import JsonTarget, StructureFile
+from reliab.cli.options import (
+    JsonTarget,
+    Laboratory,
+    Logo,
+    Paper,
+    ReportDate,
+    ReportTitle,
+    StructureFile,
+)
 
 Tests = Annotated[
     list[Path] | None,
@@ -124,10 +131,6 @@ TableFile = Annotated[
         "--out", metavar="FILE.csv", help="Table of the verdicts, one row for each test; itself no test."
     ),
 ]
-ReportDate = Annotated[
-    datetime | None,
-    typer.Option("--date", formats=["%Y-%m-%d"], help="Date on the report; today by default."),
-]
 
 
 def assess(
@@ -157,7 +160,11 @@ def assess(
     design: Design = False,
     figure: FigureFile = None,
     report: ReportFile = None,
+    title: ReportTitle = None,
     date: ReportDate = None,
+    paper: Paper = "a4",
+    laboratory: Laboratory = None,
+    logo: Logo = None,
     out: TableFile = None,
     check: Check = False,
     json_target: JsonTarget = None,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from reliab.cli.options import given_options, options_of
+from reliab.cli.options import given_options, options_of, setting_of
 from reliab.errors import InputError
 from reliab.files import ordinary
 from reliab.shipped import or_shipped
@@ -18,8 +18,10 @@ from reliab.stated_value import StatedValue
 
 if TYPE_CHECKING:
     from reliab.criterion import Criterion
+    from reliab.report import Setting
     from reliab.validation.assessment import Recording
 
+_OF_REPORT = ("title", "date", "paper", "laboratory", "logo")
 _ONLY_FOR_TESTS = (
     *("tests", "alpha", "scale", "feedback_lag", "mass", "motion", "model", "structure"),
     *(
@@ -38,7 +40,6 @@ _ONLY_FOR_TESTS = (
 )
 _ONLY_FOR_DESIGN = ("figure",)
 _QUANTITIES = ("f", "xi", "alpha", "scale", "feedback_lag", "mass")
-_NEEDS = {"date": "report"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,7 +70,11 @@ class Demand:
     design: bool
     figure: Path | None
     report: Path | None
+    title: str | None
     date: datetime | None
+    paper: str
+    laboratory: str | None
+    logo: Path | None
     out: Path | None
     check: bool
     json_target: str | None
@@ -92,8 +97,8 @@ class Demand:
         for name in given:
             if name in (_ONLY_FOR_TESTS if design else _ONLY_FOR_DESIGN):
                 raise unused(name, "beside --design" if design else "without --design")
-            if name in _NEEDS and _NEEDS[name] not in given:
-                raise unused(name, f"without --{_NEEDS[name]}")
+            if name in _OF_REPORT and "report" not in given:
+                raise unused(name, "without --report")
             if name in ("threshold", "confidence", "metric") and demand.criterion is not None:
                 raise unused(name, "beside --criterion, which brings its own")
         if len(demand.tests) > 1 and demand.report is not None:
@@ -131,6 +136,17 @@ class Demand:
                 where=str(self.criterion),
             ) from error
         return Criterion.from_json(text)
+
+    @property
+    def setting(self) -> "Setting":
+        """How the report is set.
+
+        Raises
+        ------
+        InputError
+            If the paper is not known or the logo cannot be read.
+        """
+        return setting_of(self.title, self.date, self.paper, self.laboratory, self.logo)
 
     def read_recording(self, test: Path) -> "Recording":
         """Read a test.

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from reliab.report import Document
+    from reliab.report import Document, Setting
 
 
-def file_report(document: "Document", report: Path, date: datetime | None) -> None:
+def file_report(document: "Document", report: Path, setting: "Setting") -> None:
     """Write the report of a test.
 
     Parameters
@@ -19,12 +19,12 @@ def file_report(document: "Document", report: Path, date: datetime | None) -> No
         The report.
     report : pathlib.Path
         Its PDF.
-    date : datetime or None
-        Its date; today by default.
+    setting : Setting
+        Paper, title, name and logo of the laboratory, and the date; today by default.
     """
     from reliab.report import write_pdf
 
-    write_pdf(document, report, date=(date or datetime.now(tz=UTC)).date())
+    write_pdf(document, report, date=datetime.now(tz=UTC).date(), setting=setting)
 
 
 def checksums(files: Mapping[str, Path]) -> dict[str, object]:

@@ -77,7 +77,7 @@ def _write_report(assessment: "FrameAssessment", demand: Demand, test: Path, str
         from reliab.report.kinds.assessment import frame_assessment_report
 
         files = checksums({"file": or_shipped(test, "datasets", "test.csv"), "structure": structure})
-        file_report(frame_assessment_report(assessment, provenance=files), demand.report, demand.date)
+        file_report(frame_assessment_report(assessment, provenance=files), demand.report, demand.setting)
 
 
 def _refuse_unused(demand: Demand) -> None:

@@ -160,4 +160,4 @@ def _write_report(assessment: "Assessment", demand: Demand, test: Path) -> None:
         from reliab.report.kinds.assessment import assessment_report
 
         files = checksums({"file": or_shipped(test, "datasets", "test.csv")})
-        file_report(assessment_report(assessment, provenance=files), demand.report, demand.date)
+        file_report(assessment_report(assessment, provenance=files), demand.report, demand.setting)

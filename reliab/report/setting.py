@@ -1,0 +1,93 @@
+"""How a report is set for those who hand it on: paper, title, date, name and logo of the laboratory."""
+
+import datetime as dt
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from reliab.errors import InputError
+from reliab.files import ordinary
+from reliab.report.prose import literal
+
+PAPERS: Final = {"a4": "a4", "letter": "us-letter"}
+"""Names of paper, and what typst calls them."""
+
+_PICTURES: Final = (".svg", ".png", ".jpg", ".jpeg")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setting:
+    """What a laboratory decides about a report.
+
+    Parameters
+    ----------
+    title : str, optional
+        Title in place of the report's own.
+    date : datetime.date, optional
+        Date in place of that of the results.
+    paper : {"a4", "letter"}, optional
+        Paper.
+    laboratory : str, optional
+        Name of the laboratory, on the first page and at the foot of all.
+    logo : pathlib.Path, optional
+        Its logo, an SVG, PNG or JPEG picture, on the first page.
+
+    Raises
+    ------
+    InputError
+        If the paper is another, or the logo is no readable picture of these kinds.
+    """
+
+    title: str = ""
+    date: dt.date | None = None
+    paper: str = "a4"
+    laboratory: str = ""
+    logo: Path | None = None
+
+    def __post_init__(self) -> None:
+        """Check paper and logo."""
+        if self.paper not in PAPERS:
+            raise InputError(
+                "A report is set on a known paper",
+                value=self.paper,
+                remedy=f"Choose {' or '.join(PAPERS)}",
+            )
+        if self.logo is not None and self.logo.suffix.lower() not in _PICTURES:
+            raise InputError(
+                "A logo is a picture",
+                value=self.logo.name,
+                remedy=f"Give one that ends in {', '.join(_PICTURES)}",
+            )
+        self.files()
+
+    def inputs(self) -> dict[str, str]:
+        """Return what the template reads, by name."""
+        logo = "" if self.logo is None else f"logo{self.logo.suffix.lower()}"
+        texts = {"title": literal(self.title), "laboratory": literal(self.laboratory)}
+        return {**texts, "paper": PAPERS[self.paper], "logo": logo}
+
+    def files(self) -> dict[str, bytes]:
+        """Return the logo by the name that the template knows; empty without one.
+
+        Raises
+        ------
+        InputError
+            If it cannot be read.
+        """
+        if self.logo is None:
+            return {}
+        try:
+            return {self.inputs()["logo"]: ordinary(self.logo).read_bytes()}
+        except OSError as error:
+            raise InputError(
+                "The logo must be readable",
+                value=error.strerror,
+                remedy="Check the path",
+                where=str(self.logo),
+            ) from error
+
+    def to_dict(self) -> dict[str, Any]:
+        """Put everything that changes a report into plain values, the logo by its checksum."""
+        logos = [hashlib.sha256(content).hexdigest() for content in self.files().values()]
+        return {**self.inputs(), "date": None if self.date is None else self.date.isoformat(), "logos": logos}

@@ -1,0 +1,96 @@
+"""A report on another paper, with another title and date, a laboratory's name and logo, and a glossary."""
+
+import datetime as dt
+import json
+import re
+
+import pytest
+import typst
+
+from reliab.errors import InputError
+from reliab.report.content import files_of
+from reliab.report.document import Document, Paragraph, Section
+from reliab.report.glossary import TERMS, glossary_of
+from reliab.report.pdf import compiled_report, templates
+from reliab.report.prose import plain_text
+from reliab.report.setting import Setting
+
+DATE = dt.date(2026, 1, 1)
+SVG = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 3"><rect width="9" height="3"/></svg>'
+
+
+def report(sections=1, *, sheet=False):
+    blocks = tuple(
+        Section(title=f"Section {k}", blocks=(Paragraph(text="A criterion of delays with --motions."),))
+        for k in range(sections)
+    )
+    return Document(kind="Test", title="Own title", verdict="Good.", blocks=blocks, facts={}, sheet=sheet)
+
+
+def headings(document, setting=None):
+    inputs = {"date": "2026-01-01", "version": "0", **(setting or Setting()).inputs()}
+    files = {**templates(), **files_of(document), **(setting or Setting()).files()}
+    return str(typst.query(files, "heading", field="body", ignore_system_fonts=True, sys_inputs=inputs))
+
+
+@pytest.fixture
+def logo(tmp_path):
+    path = tmp_path / "logo.svg"
+    path.write_text(SVG, encoding="utf-8")
+    return path
+
+
+def test_each_part_of_a_setting_changes_the_report(logo):
+    settings = [
+        Setting(),
+        Setting(title="Another"),
+        Setting(date=dt.date(2025, 5, 5)),
+        Setting(paper="letter"),
+        Setting(laboratory="Our laboratory"),
+        Setting(logo=logo),
+    ]
+    for sheet in (False, True):
+        pdfs = [compiled_report(report(sheet=sheet), date=DATE, setting=setting) for setting in settings]
+        assert len(set(pdfs)) == len(settings)
+    assert len({json.dumps(setting.to_dict()) for setting in settings}) == len(settings)
+
+
+def test_letter_has_the_size_of_letter():
+    pdf = compiled_report(report(), date=DATE, setting=Setting(paper="letter"))
+    assert re.findall(rb"/MediaBox\s*\[([^]]*)\]", pdf) == [b"0 0 612 792"]
+
+
+def test_what_is_no_setting_is_refused(tmp_path):
+    with pytest.raises(InputError, match="known paper"):
+        Setting(paper="a5")
+    with pytest.raises(InputError, match="is a picture"):
+        Setting(logo=tmp_path / "logo.txt")
+    with pytest.raises(InputError, match="must be readable"):
+        Setting(logo=tmp_path / "logo.svg")
+    damaged = tmp_path / "logo.png"
+    damaged.write_bytes(b"no picture")
+    with pytest.raises(InputError, match="sound picture"):
+        compiled_report(report(), date=DATE, setting=Setting(logo=damaged))
+
+
+def test_words_that_a_report_uses_are_explained_at_its_end():
+    content = json.loads(files_of(report())["document.json"])
+    assert [name[0]["text"] for name, _ in content["glossary"]] == ["criterion", "delay d"]
+    assert "Words" in headings(report())
+    assert "Words" not in headings(report(sheet=True))
+
+
+def test_every_explained_word_is_found_by_its_own_name():
+    for term in TERMS:
+        spoken = plain_text(term.name)
+        assert term in glossary_of(spoken), spoken
+
+
+@pytest.mark.parametrize(("sections", "pages"), [(2, 1), (6, 3)])
+def test_a_short_report_has_no_page_of_contents(sections, pages):
+    """One page, or a first page, and as many as sections of 65 mm need."""
+    inputs = {"date": "2026-01-01", "version": "0"}
+    files = {**templates(), **files_of(report(sections))}
+    pngs = typst.compile(files, format="png", ignore_system_fonts=True, sys_inputs=inputs, ppi=10)
+    count = len(pngs) if isinstance(pngs, list) else 1
+    assert count <= pages
