@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from reliab.cli.completion import metrics, results
 from reliab.cli.output import console
 
 _MEGABYTE = 1e6
@@ -14,6 +15,7 @@ Ellipses = Annotated[
     Path,
     typer.Option(
         "--ellipses",
+        autocompletion=results,
         metavar="FILE.nc",
         help="Ellipses from `reliab ellipses`, or real_suite: 100 real ground motions (shipped).",
     ),
@@ -31,7 +33,10 @@ Threshold = Annotated[
     float | None, typer.Option("--threshold", metavar="ERROR", help="Error of the whole test, 0.05 for 5 %.")
 ]
 MetricName = Annotated[
-    str | None, typer.Option("--metric", metavar="rms|mte", help="Error of the whole test: RMS^R or MTE^R.")
+    str | None,
+    typer.Option(
+        "--metric", autocompletion=metrics, metavar="rms|mte", help="Error of the whole test: RMS^R or MTE^R."
+    ),
 ]
 Confidence = Annotated[
     float, typer.Option("--confidence", metavar="SHARE", help="Share of ground motions, 0.95 for 95 %.")

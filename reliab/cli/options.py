@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from reliab.cli.completion import metrics, papers, results, suites
 from reliab.errors import InputError
 
 if TYPE_CHECKING:
@@ -14,7 +15,12 @@ if TYPE_CHECKING:
 
 Motions = Annotated[
     list[str] | None,
-    typer.Option("--motions", metavar="SOURCE...", help="Records, folders or a built-in suite (synthetic)."),
+    typer.Option(
+        "--motions",
+        autocompletion=suites,
+        metavar="SOURCE...",
+        help="Records, folders or a built-in suite (synthetic).",
+    ),
 ]
 Sets = Annotated[
     list[str] | None,
@@ -27,13 +33,17 @@ Sets = Annotated[
 Results = Annotated[
     Path | None,
     typer.Option(
-        "--results", metavar="STORE", help="Results that `reliab simulate` stored, or real_suite, shipped."
+        "--results",
+        autocompletion=results,
+        metavar="STORE",
+        help="Results that `reliab simulate` stored, or real_suite, shipped.",
     ),
 ]
 Ellipses = Annotated[
     Path | None,
     typer.Option(
         "--ellipses",
+        autocompletion=results,
         metavar="FILE.csv|FILE.nc",
         help="Ellipses: columns a, b and motion or event; or as `reliab ellipses --out` keeps them.",
     ),
@@ -48,7 +58,10 @@ Thresholds = Annotated[
     list[float] | None, typer.Option("--threshold", metavar="ERROR...", help="Errors, 0.05 for 5 %.")
 ]
 MetricName = Annotated[
-    str, typer.Option("--metric", metavar="rms|mte", help="Error of the whole test: RMS^R or MTE^R.")
+    str,
+    typer.Option(
+        "--metric", autocompletion=metrics, metavar="rms|mte", help="Error of the whole test: RMS^R or MTE^R."
+    ),
 ]
 WindowName = Annotated[
     str,
@@ -109,7 +122,9 @@ ReportDate = Annotated[
     datetime | None,
     typer.Option("--date", formats=["%Y-%m-%d"], help="Date on the report, in place of that of the results."),
 ]
-Paper = Annotated[str, typer.Option("--paper", metavar="a4|letter", help="Paper of the report.")]
+Paper = Annotated[
+    str, typer.Option("--paper", autocompletion=papers, metavar="a4|letter", help="Paper of the report.")
+]
 Laboratory = Annotated[
     str | None, typer.Option("--laboratory", metavar="NAME", help="Name of the laboratory on the report.")
 ]

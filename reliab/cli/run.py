@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from reliab.cli.completion import studies
 from reliab.cli.options import (
     JsonTarget,
     Laboratory,
@@ -28,7 +29,12 @@ def run(
     *,
     context: typer.Context,
     study: Annotated[
-        str, typer.Argument(metavar="[STUDY.toml]", help="A study's file, or the name of one that ships.")
+        str,
+        typer.Argument(
+            metavar="[STUDY.toml]",
+            autocompletion=studies,
+            help="A study's file, or the name of one that ships.",
+        ),
     ] = _DEFAULT,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="Run folder; reliab-run/STUDY by default.")

@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from reliab.cli.completion import metrics, samples
 from reliab.cli.options import (
     JsonTarget,
     Laboratory,
@@ -19,6 +20,7 @@ Tests = Annotated[
     list[Path] | None,
     typer.Argument(
         metavar="[TEST]...",
+        autocompletion=samples,
         help="Command and measured displacement: CSV, MATLAB, HDF5, NetCDF; or sample_test, which ships. "
         "Several give a table.",
     ),
@@ -92,7 +94,12 @@ Threshold = Annotated[
 ]
 MetricName = Annotated[
     str | None,
-    typer.Option("--metric", metavar="rms|mte", help="Error of the whole test: RMS^R (default) or MTE^R."),
+    typer.Option(
+        "--metric",
+        autocompletion=metrics,
+        metavar="rms|mte",
+        help="Error of the whole test: RMS^R (default) or MTE^R.",
+    ),
 ]
 Confidences = Annotated[
     list[float] | None,

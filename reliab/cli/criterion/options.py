@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+from reliab.cli.completion import laws, methods
+
 Confidences = Annotated[
     list[float] | None, typer.Option("--confidence", metavar="SHARE...", help="Shares of ground motions.")
 ]
@@ -12,6 +14,7 @@ MethodName = Annotated[
     str | None,
     typer.Option(
         "--method",
+        autocompletion=methods,
         metavar="NAME",
         help="What the confidence means: dirichlet (recommended, the default), quantile (the paper's), or "
         "another; --list names all.",
@@ -67,6 +70,7 @@ LawName = Annotated[
     str,
     typer.Option(
         "--law",
+        autocompletion=laws,
         metavar="NAME",
         help="How the limits depend on f and ξ: table (of the simulated structures, the default), or another "
         "law, fitted or printed; --list names all.",

@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+from reliab.cli.completion import laws, methods
+
 Threshold = Annotated[
     float | None, typer.Option("--threshold", metavar="ERROR", help="Error, 0.05 for 5 %, the default.")
 ]
@@ -38,7 +40,12 @@ Judge = Annotated[
 ]
 Methods = Annotated[
     list[str] | None,
-    typer.Option("--method", metavar="NAME...", help="Meanings of the confidence; dirichlet by default."),
+    typer.Option(
+        "--method",
+        autocompletion=methods,
+        metavar="NAME...",
+        help="Meanings of the confidence; dirichlet by default.",
+    ),
 ]
 Joint = Annotated[
     bool | None,
@@ -50,7 +57,12 @@ Joint = Annotated[
 ]
 Laws = Annotated[
     list[str] | None,
-    typer.Option("--law", metavar="NAME...", help="Fitted or printed laws; table and printed by default."),
+    typer.Option(
+        "--law",
+        autocompletion=laws,
+        metavar="NAME...",
+        help="Fitted or printed laws; table and printed by default.",
+    ),
 ]
 Confidences = Annotated[
     list[float] | None, typer.Option("--confidence", metavar="SHARE...", help="Stated shares of the motions.")

@@ -1,0 +1,29 @@
+"""The shell completes names of what ships and what is registered."""
+
+import pytest
+import typer
+
+from reliab.cli import app
+from reliab.criterion.methods import METHODS
+from reliab.study import shipped_studies
+
+COMMANDS = typer.main.get_command(app).commands
+CASES = [
+    ("assess", "tests", "sa", ["sample_test"]),
+    ("assess", "tests", "", []),  # left to the shell, which offers files
+    ("assess", "metric", "", ["rms", "mte"]),
+    ("report", "paper", "l", ["letter"]),
+    ("simulate", "motions", "syn", ["synthetic"]),
+    ("criterion", "results", "r", ["real_suite"]),
+    ("criterion", "law", "dim", ["dimensionless"]),
+    ("validate", "method", "", list(METHODS)),
+    ("run", "study", "", sorted(shipped_studies())),
+    ("run", "study", "quick", ["quick"]),
+]
+
+
+@pytest.mark.parametrize(("command", "option", "begun", "names"), CASES)
+def test_names_are_completed(command, option, begun, names):
+    (parameter,) = [item for item in COMMANDS[command].params if item.name == option]
+    context = typer.Context(COMMANDS[command], info_name=command)
+    assert [item.value for item in parameter.shell_complete(context, begun)] == names
