@@ -14,6 +14,7 @@ UNFINISHED = ".unfinished-"
 """How the name of a file begins that is being written, or that an interrupted process left behind."""
 
 _LONGEST_REASON = 200
+_MEGABYTE = 1e6
 _KINDS = {
     stat.S_IFIFO: "a pipe",
     stat.S_IFCHR: "a device",
@@ -57,6 +58,39 @@ def ordinary(path: str | Path) -> Path:
     if kind in _KINDS:
         raise OSError(errno.EINVAL, f"{_KINDS[kind]} instead of an ordinary file", str(path))
     return path
+
+
+def require_small(path: str | Path, most: int, *, remedy: str) -> None:
+    """Refuse a file that would not fit in memory, before it is read.
+
+    Parameters
+    ----------
+    path : str or pathlib.Path
+        The file.
+    most : int
+        Largest size [bytes].
+    remedy : str
+        What to do about a larger one.
+
+    Raises
+    ------
+    InputError
+        If it is larger.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.NamedTemporaryFile() as file:
+    ...     require_small(file.name, 1_000_000, remedy="Cut it")
+    """
+    size = Path(path).stat().st_size
+    if size > most:
+        raise InputError(
+            f"A file of this kind may have {most / _MEGABYTE:,.6g} MB at most",
+            value=f"{size / _MEGABYTE:,.6g} MB",
+            remedy=remedy,
+            where=str(path),
+        )
 
 
 @contextlib.contextmanager

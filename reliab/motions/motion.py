@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 from reliab.errors import InputError
 from reliab.vocabulary import STANDARD_GRAVITY
 
+MOST_SAMPLES = 2_000_000
+"""Largest number of samples of a motion; its simulation then takes about 1.5 GB on each processor."""
+
 PEAK_LIMIT_G = 5.0
 """Largest peak accepted [g]; the strongest record so far has about 4 g, a larger one means wrong units."""
 
@@ -25,7 +28,8 @@ class Motion:
     name : str
         Unique name within a suite, for example ``"KOBE/NIS000"``.
     acceleration : array of float, shape (n,)
-        Ground acceleration [m/s²], finite, n ≥ 2, peak at most 5 g. It is copied and made read-only.
+        Ground acceleration [m/s²], finite, 2 ≤ n ≤ 2 million, peak at most 5 g. It is copied and
+        made read-only.
     time_step : float
         Interval between samples [s], positive.
     event : str, optional
@@ -54,6 +58,7 @@ class Motion:
     def __post_init__(self) -> None:
         if not self.name:
             raise InputError("A motion must have a name")
+        require_short(np.size(self.acceleration), self.name)
         object.__setattr__(self, "acceleration", _checked_samples(self.acceleration, self.name))
         object.__setattr__(self, "time_step", _checked_step(self.time_step, self.name))
         object.__setattr__(self, "event", self.event or self.name)
@@ -90,6 +95,40 @@ class Motion:
 
     def _identity(self) -> tuple[str, str, str, str]:
         return self.name, self.event, self.set_name, self.checksum
+
+
+def require_short(samples: int, name: str, most: int = MOST_SAMPLES) -> None:
+    """Refuse a motion whose simulation would not fit in memory.
+
+    Parameters
+    ----------
+    samples : int
+        Its samples.
+    name : str
+        Its name.
+    most : int, optional
+        Largest number of samples.
+
+    Raises
+    ------
+    InputError
+        If there are more.
+
+    Examples
+    --------
+    >>> require_short(10_000_000, "long")
+    Traceback (most recent call last):
+    ...
+    reliab.errors.InputError: long: A motion may have 2,000,000 samples at most; found 10,000,000. Keep the
+    strong part of the record, or resample it.
+    """
+    if samples > most:
+        raise InputError(
+            f"A motion may have {most:,} samples at most",
+            value=f"{samples:,}",
+            remedy="Keep the strong part of the record, or resample it",
+            where=name,
+        )
 
 
 def _checked_samples(samples: NDArray[np.float64], name: str) -> NDArray[np.float64]:

@@ -103,19 +103,20 @@ def draw_differences(
     generator = np.random.default_rng(seed)
     reading = _reading(command, measured, noise, frequency, every)
     actuators = replace(reading, noise=reading.noise[:1])
-    coefficients = np.empty((draws, *reading.observed.shape))
+    histories = np.empty((draws, -(-command.size // every)))
     # for matrices as small as these several threads cost more time than they save
     with threadpool_limits(limits=1, user_api="blas"):
-        coefficients[::2] = _drawn_twice(actuators, -(-draws // 2), generator)
-        coefficients[1::2] = _drawn_twice(reading, draws // 2, generator)
-    return synthesise(coefficients, -(-command.size // every))
+        _draw_twice(actuators, histories[::2], generator)
+        _draw_twice(reading, histories[1::2], generator)
+    return histories
 
 
-def _drawn_twice(reading: Reading, draws: int, generator: np.random.Generator) -> Array:
-    """Draw coefficients; levels of the remainder follow from draws of the part that follows the command."""
+def _draw_twice(reading: Reading, histories: Array, generator: np.random.Generator) -> None:
+    """Draw histories; levels of the remainder follow from draws of the part that follows the command."""
     first = _least_squares(reading, reading.noise[-1] + _FIRST_LEVEL * reading.command_power)[0]
-    begun = _drawn(reading, _filtered(reading, first), _DRAWS_OF_FOLLOWING, generator)
-    return _drawn(reading, _filtered(reading, begun.follows.mean(axis=0)), draws, generator).coefficients
+    few = np.empty((_DRAWS_OF_FOLLOWING, histories.shape[1]))
+    follows = _draw(reading, _filtered(reading, first), few, generator)
+    _draw(reading, _filtered(reading, follows.mean(axis=0)), histories, generator)
 
 
 def _reading(command: Array, measured: Array, noise: SensorNoise, frequency: float, every: int) -> Reading:
@@ -225,17 +226,10 @@ def _filtered(reading: Reading, follows: Array) -> Array:
     return np.array(filtered)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Drawn:
-    """Draws of the coefficients of x_c − x_m, and of what follows the command."""
-
-    coefficients: Array
-    follows: Array
-
-
-def _drawn(reading: Reading, filtered: Array, draws: int, generator: np.random.Generator) -> _Drawn:
-    """Draw levels and factors, then what follows the command, then the rest."""
+def _draw(reading: Reading, filtered: Array, histories: Array, generator: np.random.Generator) -> Array:
+    """Draw levels and factors, then what follows the command, which is returned, then the rest."""
     bands, _, factors = filtered.shape
+    draws, size = histories.shape
     of_level, of_factor = _chain(factors)
     levels, places = np.empty((2, draws, bands), dtype=np.int64)
     weights = np.broadcast_to(filtered[-1], (draws, *filtered[-1].shape))
@@ -246,7 +240,6 @@ def _drawn(reading: Reading, filtered: Array, draws: int, generator: np.random.G
         weights = filtered[band - 1] * steps * of_factor[:, places[:, band]].T[:, np.newaxis]
     within = _GRID * (generator.uniform(size=levels.shape) - 0.5)
     level = np.exp(_LEVELS[levels] + within)[:, reading.bands]
-    coefficients = np.empty((draws, *reading.observed.shape))
     follows = np.empty((draws, reading.following.shape[0]))
     for k in range(draws):
         variance = reading.noise[places[k, reading.bands], :, np.arange(reading.bands.size)].T
@@ -256,9 +249,10 @@ def _drawn(reading: Reading, filtered: Array, draws: int, generator: np.random.G
         followed = np.tensordot(follows[k], reading.following, axes=1)
         share = power / (power + variance)
         normal = generator.standard_normal(followed.shape)
-        coefficients[k] = followed + share * (reading.observed - followed)
-        coefficients[k] += np.sqrt(share * variance) * normal
-    return _Drawn(coefficients=coefficients, follows=follows)
+        coefficients = followed + share * (reading.observed - followed)
+        coefficients += np.sqrt(share * variance) * normal
+        histories[k] = synthesise(coefficients[np.newaxis], size)[0]  # at once: all would fill the memory
+    return follows
 
 
 def _chosen(weights: Array, generator: np.random.Generator) -> NDArray[np.int64]:

@@ -14,6 +14,7 @@ from scipy.stats import norm, qmc
 from reliab.rebuilt_error.error_statistics import mean_square, sweep_draws
 from reliab.rebuilt_error.noise import SensorNoise
 from reliab.rebuilt_error.recursion import Recursion, equilibrium, respond
+from reliab.rebuilt_error.size import samples_in_step_of_structure
 from reliab.rebuilt_error.spread import Spread
 from reliab.rebuilt_error.tolerances import Tolerances
 from reliab.rebuilt_error.whole_structure import WholeStructure, first_mode
@@ -21,7 +22,6 @@ from reliab.rebuilt_error.whole_structure import WholeStructure, first_mode
 Array = NDArray[np.float64]
 
 _LEAST = 0.05  # of a stated value: a draw goes no lower
-_PER_PERIOD = 64.0  # samples in a period of the highest mode while draws are swept
 _IN_PERIOD_OF_BAND = 0.25  # of the period of the highest frequency of the motion that a step may be
 _MOST_SAMPLES = 4096  # that are swept for the sake of the motion's band
 
@@ -165,8 +165,7 @@ def samples_in_step(structure: WholeStructure, noise: SensorNoise, samples: int)
     int
         At least one.
     """
-    highest = float(structure.natural_frequencies[-1])
-    of_structure = max(int(1.0 / (_PER_PERIOD * highest * noise.time_step)), 1)
+    of_structure = samples_in_step_of_structure(structure, noise.time_step)
     of_band = max(int(_IN_PERIOD_OF_BAND / (noise.band * noise.time_step)), 1)
     return min(of_structure, max(of_band, -(-samples // _MOST_SAMPLES)))
 

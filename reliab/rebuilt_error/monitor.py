@@ -17,6 +17,7 @@ from reliab.rebuilt_error.channels import FEWEST_SAMPLES
 from reliab.rebuilt_error.rebuild import rebuild
 from reliab.rebuilt_error.rebuilt import RebuiltError
 from reliab.rebuilt_error.running_error import RunningError
+from reliab.rebuilt_error.size import MOST_DRAWN, fits, samples_in_step_of_structure
 from reliab.rebuilt_error.stability_indicator import Damping, NetDamping
 from reliab.rebuilt_error.tolerances import Tolerances
 from reliab.rebuilt_error.whole_structure import WholeStructure, whole_structure
@@ -76,6 +77,9 @@ class Monitor:
         How far stated values may be off.
     seed : int, optional
         Seed of the draws.
+    most_drawn : int, optional
+        Largest number of samples at which histories are drawn for the intervals. A longer test is followed
+        without new intervals.
 
     Examples
     --------
@@ -98,6 +102,7 @@ class Monitor:
         sensor_offset: float | None = None,
         tolerances: Tolerances | None = None,
         seed: int = 0,
+        most_drawn: int = MOST_DRAWN,
     ) -> None:
         self.structure = whole_structure(structure)
         if not (np.isfinite(time_step) and time_step > 0.0):
@@ -107,6 +112,7 @@ class Monitor:
         self._stated_offset = sensor_offset
         self._tolerances = tolerances or Tolerances()
         self._seed = seed
+        self._most_drawn = most_drawn
         self._damping = Damping.of(self.structure, time_step)
         self._period = 1.0 / (float(self.structure.natural_frequencies[0]) or 1.0)
         self._running = RunningError(
@@ -194,12 +200,18 @@ class Monitor:
         return bool(size > threshold * ideal)
 
     @property
+    def answerable(self) -> bool:
+        """Whether the test is still short enough for intervals."""
+        every = samples_in_step_of_structure(self.structure, self.time_step)
+        return fits(self._running.size, every, self._most_drawn)
+
+    @property
     def due(self) -> bool:
         """Whether the test has grown so much that intervals are worth computing again."""
         grown = self._running.size - self._asked
         least = max(FEWEST_SAMPLES, int(_PERIODS_BETWEEN * self._period / self.time_step))
         moving = bool(self._running.motion[0] > 0.0)
-        return moving and grown >= max(least, int(_GROWTH * self._asked))
+        return moving and self.answerable and grown >= max(least, int(_GROWTH * self._asked))
 
     def ask(self, *, draws: int = DRAWS) -> RebuiltError:
         """Rebuild the error of the test so far, with intervals.

@@ -29,6 +29,7 @@ from reliab.rebuilt_error.error_statistics import mean_square
 from reliab.rebuilt_error.interval import Histories, Unknown
 from reliab.rebuilt_error.noise import estimate_noise
 from reliab.rebuilt_error.rebuilt import RebuiltError, conclude
+from reliab.rebuilt_error.size import require_fitting
 from reliab.rebuilt_error.spread import Spread
 from reliab.rebuilt_error.tolerances import Tolerances
 from reliab.rebuilt_error.whole_structure import WholeStructure
@@ -86,7 +87,8 @@ def rebuild_with_specimen(
     Raises
     ------
     InputError
-        If the model has no structure, or a simulation with it grows without bound.
+        If the model has no structure, the test is too long, or a simulation with the model grows without
+        bound.
 
     Examples
     --------
@@ -110,6 +112,8 @@ def rebuild_with_specimen(
     )
     tangent = tangent_structure(perfect)
     command, measured = checked_histories(command, measured, time_step, tangent)
+    every, lowest = _every(tangent, time_step), float(tangent.natural_frequencies[0])
+    require_fitting(command.size, every, time_step)
     noise = estimate_noise(command, measured, time_step)
     start = stated_start(command, measured, time_step, tangent, noise, sensor_offset)
     read = measured - start.offset
@@ -121,7 +125,6 @@ def rebuild_with_specimen(
     unknown = Unknown(
         tolerances=tolerances or Tolerances(), offset=start.offset_deviation, error_at_start=0.0
     )
-    every, lowest = _every(tangent, time_step), float(tangent.natural_frequencies[0])
     differences = draw_differences(command, read, noise, lowest, every, draws, seed)
     exact = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
     few = differences[: 2 * _DRAWS_AS_STATED : 2]

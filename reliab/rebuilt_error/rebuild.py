@@ -28,6 +28,7 @@ from reliab.rebuilt_error.interval import Histories, Unknown, samples_in_step, s
 from reliab.rebuilt_error.noise import estimate_noise
 from reliab.rebuilt_error.rebuilt import RebuiltError, conclude
 from reliab.rebuilt_error.recursion import Recursion, equilibrium, respond
+from reliab.rebuilt_error.size import require_fitting, samples_in_step_of_structure
 from reliab.rebuilt_error.tolerances import Tolerances
 from reliab.rebuilt_error.whole_structure import WholeStructure, whole_structure
 
@@ -86,8 +87,8 @@ def rebuild(
     Raises
     ------
     InputError
-        If histories differ in length, are too short, do not move or are not finite, or if the step is too
-        long for the structure, or if a form needs a force that is not given.
+        If histories differ in length, are too short or too long, do not move or are not finite, or if the
+        step is too long for the structure, or if a form needs a force that is not given.
 
     Examples
     --------
@@ -101,6 +102,7 @@ def rebuild(
     """
     whole = whole_structure(structure)
     command, measured = checked_histories(command, measured, time_step, whole)
+    require_fitting(command.size, samples_in_step_of_structure(whole, time_step), time_step)
     noise = estimate_noise(command, measured, time_step)
     start = stated_start(command, measured, time_step, whole, noise, sensor_offset)
     read = measured - start.offset

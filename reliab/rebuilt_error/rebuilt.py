@@ -50,7 +50,8 @@ class RebuiltError:
     histories : Histories
         Smoothed histories from which the error is rebuilt.
     differences : numpy.ndarray
-        Draws of x_c − x_m that the noise leaves open [m], shape (draws, ceil(n/every)).
+        Draws of x_c − x_m that the noise leaves open [m], as many as widenings need, shape
+        (at most 128, ceil(n/every)).
     every : int
         Number of samples of which one was drawn.
     seed : int
@@ -110,7 +111,7 @@ class RebuiltError:
             self.histories,
             self.structure,
             self.unknown,
-            self.differences[:_WIDENING_DRAWS],
+            self.differences,
             self.every,
             metric=metric,
             draws=_WIDENING_DRAWS,
@@ -170,7 +171,7 @@ def conclude(
         start=start,
         unknown=unknown,
         histories=histories,
-        differences=differences,
+        differences=differences[:_WIDENING_DRAWS].copy(),  # the others are many times the histories
         every=every,
         seed=seed,
     )

@@ -21,6 +21,9 @@ _ROWS = 5  # command, measured, error, response to a constant, decay from equili
 _SUMS = 5  # see `_follow`
 _CAPACITY = 4096
 
+MOST_FOLLOWED = 50_000_000
+"""Largest number of samples of a running test, 54 h at 256 Hz; its histories then take 2 to 3 GB."""
+
 
 class RunningError:
     """Histories of a running test and sums over them.
@@ -37,6 +40,8 @@ class RunningError:
         Weight that is left of the past of the energies after a step [-].
     offset : float
         Offset of the displacement sensor [m].
+    most : int, optional
+        Largest number of samples.
 
     Attributes
     ----------
@@ -60,8 +65,9 @@ class RunningError:
         feedback_lag: float,
         forgetting: float,
         offset: float,
+        most: int = MOST_FOLLOWED,
     ) -> None:
-        self.size = 0
+        self.size, self._most = 0, most
         self.offset, self.standing = offset, 0.0
         self.sums, self.moments, self.motion = np.zeros(_SUMS), np.zeros((4, 4)), np.zeros(2)
         self._recursion = Recursion.of_displacement(structure, time_step)
@@ -98,7 +104,7 @@ class RunningError:
         Raises
         ------
         InputError
-            If the two differ in length or a value is not finite.
+            If the two differ in length, a value is not finite, or the test becomes too long.
         """
         if command.shape != measured.shape or command.ndim != 1:
             raise InputError(
@@ -159,6 +165,12 @@ class RunningError:
         return np.asarray(self._table[0, first:last] - felt)
 
     def _reserve(self, size: int) -> None:
+        if size > self._most:
+            raise InputError(
+                f"A running test may have {self._most:,} samples at most",
+                value=f"{size:,}",
+                remedy="Follow it anew from when everything stands still, or write fewer samples",
+            )
         if size > self._table.shape[1]:
             larger = np.zeros((_ROWS, max(2 * self._table.shape[1], size)))
             larger[:, : self.size] = self._table[:, : self.size]

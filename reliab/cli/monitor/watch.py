@@ -101,11 +101,18 @@ class Watch:
             self._terminal.print(self._line(message), highlight=False)
 
     def _end(self, monitor: Monitor) -> None:
-        asked = monitor.ask(draws=DRAWS)
+        kept = None if monitor.answerable else monitor.result
+        asked = monitor.ask(draws=DRAWS) if kept is None else kept
         message = self._message(monitor, "end") | {"error": self._intervals(asked)}
         self._write(message)
         if not self.quiet:
             self._terminal.print(self._line(message), highlight=False)
+            if kept is not None:
+                self._terminal.print(
+                    f"The test became too long for intervals: those shown are of its first "
+                    f"{message['error']['until_s']:,.0f} s. The error itself was followed to the end.",
+                    highlight=False,
+                )
             for alarm in self.alarms:
                 self._terminal.print(f"Alarm: {alarm}", style="red", highlight=False)
 
@@ -137,6 +144,7 @@ class Watch:
         return {
             "rms": {"value": asked.rms.value, "low": asked.rms.low, "high": asked.rms.high},
             "mte": {"value": asked.mte.value, "low": asked.mte.low, "high": asked.mte.high},
+            "until_s": (asked.error.size - 1) * asked.time_step,
             "metric": str(self.metric),
             "threshold": self.threshold,
             "probability": asked.probability(self.threshold, self.metric),

@@ -41,6 +41,10 @@ from reliab.loop.structure import Structure
 
 CAMPAIGN_FILE = "campaign.toml"
 
+MOST_SAMPLES = 3_000_000
+"""Largest number of samples of all tests, a thousand tests of 23 s at 128 Hz. By extrapolation from 4 and 16
+tests a diagnosis then takes about 4 GB and two hours."""
+
 _Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 _NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 
@@ -121,20 +125,32 @@ def read_campaign(folder: Path | str) -> Campaign:
     Raises
     ------
     InputError
-        If a file is missing or breaks a rule; the message says where and what to do.
+        If a file is missing or breaks a rule, or the tests are too long together; the message says where and
+        what to do.
     """
     folder = Path(folder)
     described = _described(folder / CAMPAIGN_FILE)
     _check_files([test.file for test in described.tests])
     held_out = _held_out(described.tests)
     rate = described.sampling.rate_hz
-    tests = tuple(
-        MeasuredTest(
-            file=test.file, motion=test.motion, held_out=out, channels=read_table(folder / test.file, rate)
+    tests, samples = [], 0
+    for test, out in zip(described.tests, held_out, strict=True):
+        channels = read_table(folder / test.file, rate)
+        tests.append(MeasuredTest(file=test.file, motion=test.motion, held_out=out, channels=channels))
+        samples += tests[-1].size
+        _require_few_samples(samples, len(tests), len(described.tests))
+    return _campaign(described, tuple(tests), folder)
+
+
+def _require_few_samples(samples: int, read: int, tests: int) -> None:
+    """Refuse a campaign that would fill the memory, as soon as that is known."""
+    if samples > MOST_SAMPLES:
+        raise InputError(
+            f"The tests of a campaign may have {MOST_SAMPLES:,} samples together at most",
+            value=f"{samples:,} in the first {read} of {tests} tests",
+            remedy="Resample them, keep the strong part of each, or name fewer tests",
+            where=CAMPAIGN_FILE,
         )
-        for test, out in zip(described.tests, held_out, strict=True)
-    )
-    return _campaign(described, tests, folder)
 
 
 def _check_files(names: list[str]) -> None:

@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from reliab.discrepancy.campaign.campaign import Channel
 from reliab.errors import InputError
-from reliab.files import ordinary
+from reliab.files import ordinary, require_small
 
 TIME = "time_s"
 _FEWEST_SAMPLES = 64
+_MOST_BYTES = 400_000_000
 _RATE_TOLERANCE = 2e-3
 _LARGEST_ERROR_OF_STEP = 0.75
 _KNOWN = (TIME, *Channel)
@@ -36,7 +37,7 @@ def read_table(path: Path, rate: float) -> dict[Channel, NDArray[np.float64]]:
     Raises
     ------
     InputError
-        If the file cannot be read, a cell is no finite number or the steps are not equal.
+        If the file cannot be read or is too large, a cell is no finite number or the steps are not equal.
     """
     columns = _read_columns(path)
     time = columns.pop(TIME)
@@ -53,6 +54,7 @@ def read_table(path: Path, rate: float) -> dict[Channel, NDArray[np.float64]]:
 
 def _read_columns(path: Path) -> dict[str, NDArray[np.float64]]:
     header = _read_header(path)
+    require_small(path, _MOST_BYTES, remedy="Resample the test, or keep its strong part")
     kept = [name for name in header if name in _KNOWN]
     if not _is_rectangular(path, len(header)):
         raise _first_fault(path, header)

@@ -11,9 +11,13 @@ from reliab.motions.faults import Report
 HEAD = 65_536
 """Bytes in which every header of a one-record file ends."""
 
+MOST_BYTES = 200_000_000
+"""Largest size of a file: two million samples, the most of a motion, in several channels."""
+
 LONGEST_LINE = 1000
 """Largest length of a line of a header."""
 
+_MEGABYTE = 1e6
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 _END_OF_FILE = b"\x1a"  # what old DOS programs put after the text
 _CONTROL = bytes(set(range(32)) - set(b"\t\n\v\f\r\x1a")) + b"\x7f"
@@ -118,7 +122,9 @@ def decode(raw: bytes) -> str:
     return text.rstrip("\r\n")
 
 
-def open_source(path: Path, report: Report, *, limit: int | None = None) -> Source | None:
+def open_source(
+    path: Path, report: Report, *, limit: int | None = None, most: int = MOST_BYTES
+) -> Source | None:
     """Read a file as text, or report why it cannot be read.
 
     Parameters
@@ -128,14 +134,16 @@ def open_source(path: Path, report: Report, *, limit: int | None = None) -> Sour
     report : Report
         Receives the fault, if there is one.
     limit : int, optional
-        Largest number of bytes to read.
+        Number of bytes to read at most; what follows is left.
+    most : int, optional
+        Largest size of a file that is read whole [bytes].
 
     Returns
     -------
     Source or None
-        The text; None if the file is missing, unreadable, empty or binary.
+        The text; None if the file is missing, unreadable, too large, empty or binary.
     """
-    content = _read(path, report, limit)
+    content = _read(path, report, limit, most)
     if content is None:
         return None
     content = content.removeprefix(_BYTE_ORDER_MARK).rstrip(_END_OF_FILE)
@@ -155,14 +163,22 @@ def open_source(path: Path, report: Report, *, limit: int | None = None) -> Sour
     return Source(path=path, content=content)
 
 
-def _read(path: Path, report: Report, limit: int | None) -> bytes | None:
+def _read(path: Path, report: Report, limit: int | None, most: int) -> bytes | None:
     try:
         with ordinary(path).open("rb") as stream:
-            return stream.read(-1 if limit is None else limit)
+            content = stream.read(most + 1 if limit is None else limit)
     except FileNotFoundError:
         report.add("A record must exist", value="no such file", remedy="Correct the path")
     except IsADirectoryError:
         report.add("A record must be a file", value="a folder", remedy="Name one of its files")
     except OSError as error:
         report.add("A record must be readable", value=error.strerror, remedy="Check the file's permissions")
+    else:
+        if len(content) <= most:
+            return content
+        report.add(
+            f"A record's file may have {most / _MEGABYTE:,.6g} MB at most",
+            value="more",
+            remedy="Keep the strong part of the record, or write its channels to files of their own",
+        )
     return None

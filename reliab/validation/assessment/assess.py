@@ -9,6 +9,7 @@ from reliab.criterion import Criterion
 from reliab.loop.hybrid_test.model_file import UpdatedModel
 from reliab.loop.structure import Structure
 from reliab.motions import Motion
+from reliab.rebuilt_error.whole_structure import whole_structure
 from reliab.stated_value import StatedValue
 from reliab.validation.assessment.alignment import align
 from reliab.validation.assessment.assessment import Assessment
@@ -22,7 +23,7 @@ from reliab.validation.assessment.moving_windows import track_windows
 from reliab.validation.assessment.own_equation import OwnEquation, examine_equation
 from reliab.validation.assessment.own_motion import OwnPlacement, place_on_own
 from reliab.validation.assessment.placement import place
-from reliab.validation.assessment.plausibility import require_following, require_length
+from reliab.validation.assessment.plausibility import require_drawable, require_following, require_length
 from reliab.validation.assessment.recording import Recording
 from reliab.validation.assessment.spikes import without_spikes
 from reliab.validation.assessment.tracking_index import TrackingIndex, track
@@ -91,10 +92,11 @@ def assess(
     Raises
     ------
     InputError
-        If the test is too short, sampled too coarsely, has two units or signs, or the measured
+        If the test is too short or too long, sampled too coarsely, has two units or signs, or the measured
         displacement does not follow the command.
     """
     require_length(recording, structure.frequency)
+    require_drawable(recording, whole_structure(structure))
     require_following(without_spikes(recording)[0])
     chosen = criterion or default_criterion(
         structure.frequency,

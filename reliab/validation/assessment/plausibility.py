@@ -5,6 +5,8 @@ from numpy.typing import NDArray
 from scipy.signal import correlate
 
 from reliab.errors import InputError
+from reliab.rebuilt_error.size import require_fitting, samples_in_step_of_structure
+from reliab.rebuilt_error.whole_structure import WholeStructure
 from reliab.validation.assessment.band import noise_floor
 from reliab.validation.assessment.recording import Recording
 
@@ -63,6 +65,25 @@ def require_length(recording: Recording, frequency: float) -> None:
             remedy="Times are in seconds; if they are in milliseconds, give --time-units ms",
             where=recording.name,
         )
+
+
+def require_drawable(recording: Recording, structure: WholeStructure) -> None:
+    """Refuse a test that is too long for the intervals of its error, before anything is computed from it.
+
+    Parameters
+    ----------
+    recording : Recording
+        The test.
+    structure : WholeStructure
+        The whole structure under test.
+
+    Raises
+    ------
+    InputError
+        If the test is too long, with the longest duration.
+    """
+    step = recording.time_step
+    require_fitting(recording.command.size, samples_in_step_of_structure(structure, step), step)
 
 
 def require_following(recording: Recording) -> None:

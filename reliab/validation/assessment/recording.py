@@ -12,8 +12,37 @@ from reliab.stated_value import StatedValue
 FEWEST_SAMPLES = 64
 """Samples below which no index is evaluated."""
 
+MOST_SAMPLES = 10_000_000
+"""Largest number of samples; the statistics of so many take about 4 GB."""
+
 _LARGEST, _SMALLEST = 1e30, 1e-30
 """What no sensor reads in any unit, and whose squares are still numbers."""
+
+
+def require_few_samples(samples: int, where: str, most: int = MOST_SAMPLES) -> None:
+    """Refuse a test whose statistics would not fit in memory.
+
+    Parameters
+    ----------
+    samples : int
+        Samples of the test.
+    where : str
+        What the test is called.
+    most : int, optional
+        Largest number of samples.
+
+    Raises
+    ------
+    InputError
+        If there are more.
+    """
+    if samples > most:
+        raise InputError(
+            f"A test may have {most:,} samples at most",
+            value=f"{samples:,}",
+            remedy="Resample it at a lower rate, or cut it where everything stands still",
+            where=where,
+        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -23,7 +52,7 @@ class Recording:
     Parameters
     ----------
     command, measured : numpy.ndarray
-        Displacements [m], shape (n,), n ≥ 64; where no unit is known they only share one.
+        Displacements [m], shape (n,), 64 ≤ n ≤ 10 million; where no unit is known they only share one.
     time_step : float
         Step between samples [s].
     name : str, optional
@@ -41,7 +70,8 @@ class Recording:
     Raises
     ------
     InputError
-        If the histories differ in length, are too short, do not move, or hold a value that is no number.
+        If the histories differ in length, are too short or too long, do not move, or hold a value that is no
+        number.
 
     Examples
     --------
@@ -68,6 +98,7 @@ class Recording:
                 remedy="Give the whole test",
                 where=self.name,
             )
+        require_few_samples(self.command.size, self.name)
         if not (np.isfinite(self.time_step) and self.time_step > 0.0):
             raise InputError("The time step must be positive", value=f"{self.time_step} s", where=self.name)
         for what, values in (("command", self.command), ("measured displacement", self.measured)):

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from reliab.errors import InputError
-from reliab.files import decoding, ordinary
+from reliab.files import decoding, ordinary, require_small
 from reliab.validation.assessment.readers.columns import Columns
 from reliab.validation.assessment.readers.hierarchical import read_classic_netcdf, read_hierarchical
 from reliab.validation.assessment.readers.matlab import read_matlab
@@ -14,6 +14,9 @@ __all__ = ["Columns", "read_columns"]
 _MATLAB = b"MATLAB 5.0"
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 _CLASSIC_NETCDF = (b"CDF\x01", b"CDF\x02")
+_MOST_TEXT, _MOST_BINARY = 400_000_000, 2_000_000_000
+"""Largest sizes of files [bytes]; texts take about seven times their size in memory."""
+_TOO_LARGE = "Leave columns out, resample the test, or cut it where everything stands still"
 _MATLAB_BLOCK = 512
 """MATLAB 7.3 puts a block of its own before the HDF5 signature."""
 
@@ -36,7 +39,7 @@ def read_columns(path: str | Path, *, delimiter: str | None = None) -> Columns:
     Raises
     ------
     InputError
-        If the file cannot be read; the message says why.
+        If the file cannot be read or is too large; the message says why.
     """
     path = Path(path)
     with decoding(
@@ -44,6 +47,7 @@ def read_columns(path: str | Path, *, delimiter: str | None = None) -> Columns:
     ):
         with ordinary(path).open("rb") as file:
             head = file.read(_MATLAB_BLOCK + len(_HDF5))
+        require_small(path, _MOST_BINARY, remedy=_TOO_LARGE)
         if head.startswith(_HDF5) or head[_MATLAB_BLOCK:] == _HDF5:
             return read_hierarchical(path)
         if head.startswith(_MATLAB):
@@ -51,6 +55,7 @@ def read_columns(path: str | Path, *, delimiter: str | None = None) -> Columns:
         if head.startswith(_CLASSIC_NETCDF):
             return read_classic_netcdf(path)
         if b"\x00" not in head:
+            require_small(path, _MOST_TEXT, remedy=f"{_TOO_LARGE}, or export it as HDF5")
             return read_text(path, delimiter=delimiter)
     raise InputError(
         "A test's file must be text in columns, MATLAB, HDF5 or NetCDF",

@@ -7,6 +7,7 @@ from scipy.io import netcdf_file
 
 from reliab.validation.assessment.readers.arrays import columns_of_arrays
 from reliab.validation.assessment.readers.columns import Columns
+from reliab.validation.assessment.recording import require_few_samples
 
 
 def read_hierarchical(path: Path) -> Columns:
@@ -22,6 +23,11 @@ def read_hierarchical(path: Path) -> Columns:
     Columns
         Vectors by name, those of a group as ``group.name``; units from the attribute `units`, single
         numbers also from the file's own attributes.
+
+    Raises
+    ------
+    InputError
+        If a dataset has more samples than a test may have; it is not read then.
     """
     import h5py
 
@@ -31,6 +37,7 @@ def read_hierarchical(path: Path) -> Columns:
     def collect(name: str, item: object) -> None:
         label = name.replace("/", ".")
         if isinstance(item, h5py.Dataset) and not name.startswith("#"):
+            require_few_samples(max(item.shape, default=0), f"{path.name}, {label}")
             arrays[label] = np.asarray(item[()])
             if "units" in item.attrs:
                 units[label] = _text(item.attrs["units"])

@@ -5,10 +5,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.io import loadmat
+from scipy.io import loadmat, whosmat
 
 from reliab.validation.assessment.readers.arrays import columns_of_arrays
 from reliab.validation.assessment.readers.columns import Columns
+from reliab.validation.assessment.recording import require_few_samples
 
 
 def read_matlab(path: Path) -> Columns:
@@ -23,7 +24,14 @@ def read_matlab(path: Path) -> Columns:
     -------
     Columns
         Vectors by name, those of a structure as ``structure.field``; columns of a matrix as ``name[1]`` ….
+
+    Raises
+    ------
+    InputError
+        If a variable has more samples than a test may have; it is not read then.
     """
+    for name, shape, _ in whosmat(path):
+        require_few_samples(max(shape, default=0), f"{path.name}, {name}")
     return columns_of_arrays(path, dict(_flattened(loadmat(path, simplify_cells=True))))
 
 

@@ -1,11 +1,14 @@
 """Text in columns: CSV and its relatives, with any usual delimiter, decimal point or decimal comma."""
 
 import re
-from collections.abc import Iterator, Sequence
+from array import array
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reliab.errors import InputError
 from reliab.validation.assessment.readers.columns import Columns
@@ -53,27 +56,47 @@ def read_text(path: Path, *, delimiter: str | None = None) -> Columns:
     """
     text = _decoded(path)
     separator = delimiter if delimiter is not None else _delimiter(text)
-    lines = list(_lines(text, separator))
-    first = next((place for place, line in enumerate(lines) if line.holds_numbers), None)
-    if first is None or len(lines[first].cells) < _FEWEST_COLUMNS:
+    lines = _lines(text, separator)
+    before, first = _until_numbers(lines)
+    if first is None or len(first.cells) < _FEWEST_COLUMNS:
         raise InputError(
             "A test's file must hold rows of at least two numbers",
-            value="none" if first is None else f"{len(lines[first].cells)} in line {lines[first].number}",
+            value="none" if first is None else f"{len(first.cells)} in line {first.number}",
             remedy="Export command and measured displacement as columns, or give --delimiter",
             where=path.name,
         )
-    names, units = _header(lines[:first], len(lines[first].cells))
-    labels = names or [f"column {place + 1}" for place in range(len(lines[first].cells))]
-    rows = lines[first:]
-    table = np.array([_numbers(row, labels, path) for row in rows])
+    names, units = _header(before, len(first.cells))
+    labels = names or [f"column {place + 1}" for place in range(len(first.cells))]
+    table, numbers = _table(chain([first], lines), labels, path)
     return Columns(
         path=path,
         values=dict(zip(labels, table.T, strict=True)),
         units=dict(zip(labels, units, strict=False)),
-        header=dict(_statements(text, rows[0].number)),
-        lines=np.array([row.number for row in rows]),
+        header=dict(_statements(text, first.number)),
+        lines=numbers,
         named=bool(names),
     )
+
+
+def _until_numbers(lines: Iterator[_Line]) -> tuple[list[_Line], _Line | None]:
+    """Lines before the first row of numbers, and that row."""
+    before: list[_Line] = []
+    for line in lines:
+        if line.holds_numbers:
+            return before, line
+        before.append(line)
+    return before, None
+
+
+def _table(
+    rows: Iterable[_Line], labels: Sequence[str], path: Path
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Numbers of rows, shape (rows, columns), and their lines; no row is kept as text."""
+    values, lines = array("d"), array("q")
+    for row in rows:
+        values.extend(_numbers(row, labels, path))
+        lines.append(row.number)
+    return np.array(values).reshape(-1, len(labels)), np.array(lines, dtype=np.int64)
 
 
 def _statements(text: str, first: int) -> Iterator[tuple[str, str]]:

@@ -1,0 +1,192 @@
+"""What is too large is refused before it takes memory, with the limit, the value and the remedy."""
+
+import json
+import tracemalloc
+
+import h5py
+import numpy as np
+import pytest
+from scipy.io import savemat
+
+from reliab.cli import run
+from reliab.discrepancy import read_campaign
+from reliab.discrepancy.campaign import reading
+from reliab.errors import InputError
+from reliab.files import require_small
+from reliab.loop.structure import Structure
+from reliab.motions import Motion
+from reliab.motions import motion as motion_module
+from reliab.motions.faults import Report
+from reliab.motions.readers.source import open_source
+from reliab.rebuilt_error import rebuild
+from reliab.rebuilt_error.monitor import Monitor
+from reliab.rebuilt_error.running_error import RunningError
+from reliab.rebuilt_error.size import MOST_DRAWN
+from reliab.rebuilt_error.whole_structure import whole_structure
+from reliab.validation.assessment import Recording, assess
+from reliab.validation.assessment.readers import hierarchical, matlab, read_columns
+
+FOUR_HERTZ = Structure(frequency=4.0, damping_ratio=0.02)
+STEP = 1.0 / 256.0
+
+
+@pytest.fixture(scope="module")
+def histories():
+    """A test that is one sample too long for a structure of 4 Hz; 18 MB."""
+    command = np.sin(0.05 * np.arange(MOST_DRAWN + 1))
+    return command, 0.99 * command
+
+
+def taken_by(work):
+    """Memory [bytes] that a piece of work took at most before it was refused."""
+    tracemalloc.start()
+    try:
+        with pytest.raises(InputError) as refused:
+            work()
+        return tracemalloc.get_traced_memory()[1], str(refused.value)
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize(
+    "judge",
+    [
+        lambda command, measured: rebuild(command, measured, STEP, FOUR_HERTZ),
+        lambda command, measured: assess(
+            Recording(command=command, measured=measured, time_step=STEP), FOUR_HERTZ
+        ),
+    ],
+)
+def test_a_test_whose_draws_would_fill_the_memory_is_refused_before_they_are_made(histories, judge):
+    memory, sentence = taken_by(lambda: judge(*histories))
+    assert "may last 1.09 h at most" in sentence
+    assert "Cut it where everything stands still" in sentence
+    assert memory < 20 * histories[0].nbytes  # of 256 draws and their copies
+
+
+def test_draws_of_a_test_take_little_more_than_their_own_memory():
+    time = np.arange(30_000) * STEP
+    command = np.sin(6.0 * time) * np.exp(-0.01 * time)
+    measured = 0.99 * command + 1e-5 * np.random.default_rng(0).normal(size=time.size)
+    rebuild(command[:3000], measured[:3000], STEP, FOUR_HERTZ)
+    tracemalloc.start()
+    error = rebuild(command, measured, STEP, FOUR_HERTZ)
+    kept, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    draws = 256 * time.nbytes
+    assert error.every == 1
+    assert peak < 2.2 * draws
+    assert kept < 0.7 * draws
+
+
+@pytest.mark.parametrize("kind", ["h5", "mat"])
+def test_vectors_that_are_too_long_are_refused_before_they_are_read(tmp_path, monkeypatch, kind):
+    path, columns = tmp_path / f"test.{kind}", {"command_m": np.arange(99.0), "measured_m": np.arange(99.0)}
+    if kind == "mat":
+        savemat(path, columns)
+    else:
+        with h5py.File(path, "w") as file:
+            file.update(columns)
+    module = matlab if kind == "mat" else hierarchical
+    asked = []
+
+    def few(samples, where):
+        asked.append((samples, where))
+        raise InputError("A test may have 98 samples at most", value=samples, where=where)
+
+    monkeypatch.setattr(module, "require_few_samples", few)
+    with pytest.raises(InputError, match="98 samples at most; found 99"):
+        read_columns(path)
+    assert asked == [(99, f"test.{kind}, command_m")]
+
+
+def test_a_recording_of_too_many_samples_is_refused():
+    long = np.broadcast_to(0.0, (10_000_001,))  # one number in memory
+    memory, sentence = taken_by(lambda: Recording(command=long, measured=long, time_step=STEP, name="t.h5"))
+    assert sentence.startswith("t.h5: A test may have 10,000,000 samples at most; found 10,000,001. Resample")
+    assert memory < 1e6
+
+
+def test_a_file_that_is_too_large_is_refused(tmp_path):
+    (tmp_path / "t.csv").write_bytes(bytes(2_000_001))
+    require_small(tmp_path / "t.csv", 2_000_001, remedy="Cut it")
+    with pytest.raises(InputError, match=r"may have 2 MB at most; found 2 MB. Cut it"):
+        require_small(tmp_path / "t.csv", 2_000_000, remedy="Cut it")
+
+
+def test_a_motion_of_ten_million_samples_is_refused_before_it_is_copied():
+    long = np.broadcast_to(1.0, (10_000_000,))  # one number in memory
+    memory, sentence = taken_by(lambda: Motion(name="long", acceleration=long, time_step=0.01))
+    assert sentence.startswith("long: A motion may have 2,000,000 samples at most; found 10,000,000. Keep")
+    assert memory < 1e6
+
+
+def test_a_motion_of_as_many_samples_as_allowed_is_accepted(monkeypatch):
+    monkeypatch.setattr(motion_module.require_short, "__defaults__", (64,))
+    assert Motion(name="m", acceleration=np.ones(64), time_step=0.01).duration == pytest.approx(0.63)
+    with pytest.raises(InputError, match="64 samples at most; found 65"):
+        Motion(name="m", acceleration=np.ones(65), time_step=0.01)
+
+
+def test_a_record_in_a_large_file_is_refused_after_reading_no_more_than_allowed(tmp_path):
+    path = tmp_path / "record.txt"
+    path.write_text("0.1\n" * 100)
+    report = Report(file=str(path))
+    assert open_source(path, report, most=400) is not None
+    assert not report.faults
+    assert open_source(path, report, most=399) is None
+    with pytest.raises(InputError, match=r"A record.s file may have 0\.000399 MB at most; found more\. Keep"):
+        report.raise_first()
+    assert open_source(path, report, limit=100, most=399).content == b"0.1\n" * 25  # a head of any file
+
+
+def test_a_running_test_that_is_too_long_is_refused():
+    running = RunningError(whole_structure(FOUR_HERTZ), STEP, 0.0, 0.99, 0.0, most=100)
+    running.feed(np.ones(100), np.ones(100))
+    with pytest.raises(InputError, match="may have 100 samples at most; found 101"):
+        running.feed(np.ones(1), np.ones(1))
+
+
+def test_a_long_running_test_is_followed_without_new_intervals():
+    time = np.arange(3000) * STEP
+    command = np.sin(6.0 * time)
+    monitor = Monitor(FOUR_HERTZ, STEP, most_drawn=2000)
+    monitor.feed(command[:2000], 0.99 * command[:2000])
+    assert monitor.due
+    asked = monitor.ask(draws=16)
+    monitor.feed(command[2000:], 0.99 * command[2000:])
+    assert not monitor.due
+    assert monitor.result is asked
+    assert monitor.now.samples == 3000
+    whole = rebuild(command, 0.99 * command, STEP, FOUR_HERTZ, draws=16)
+    assert np.abs(monitor.error - whole.error).max() < 1e-3 * np.abs(whole.error).max()
+
+
+def test_the_end_of_a_long_running_test_says_until_when_its_intervals_hold(tmp_path, monkeypatch, capsys):
+    time = np.arange(3000) * STEP
+    command = np.sin(6.0 * time)
+    rows = np.column_stack([time, command, 0.99 * command])
+    np.savetxt(tmp_path / "t.csv", rows, delimiter=",", header="time_s,command_m,measured_m", comments="")
+    defaults = {**Monitor.__init__.__kwdefaults__, "most_drawn": 2000}
+    monkeypatch.setattr(Monitor.__init__, "__kwdefaults__", defaults)
+    arguments = ["monitor", str(tmp_path / "t.csv"), "--f", "4", "--xi", "0.02", "--wait", "0.1"]
+    assert run([*arguments, "--threshold", "0.9", "--json", str(tmp_path / "said")]) == 0
+    end = json.loads((tmp_path / "said").read_text().splitlines()[-1])
+    assert end["kind"] == "end"
+    assert end["time_s"] == pytest.approx(time[-1])
+    assert end["error"]["until_s"] < 2000 * STEP
+    assert "The test became too long for intervals" in " ".join(capsys.readouterr().out.split())
+
+
+def test_a_campaign_of_too_many_samples_is_refused_before_the_rest_is_read(tmp_path, monkeypatch):
+    tests = "".join(f'[[tests]]\nfile = "{name}.csv"\n' for name in "abc")
+    (tmp_path / "campaign.toml").write_text(f"[sampling]\nrate_hz = 100\n{tests}")
+    rows = "".join(f"{k / 100:.2f},{k % 7},{k % 7}\n" for k in range(100))
+    for name in "ab":  # the third is not there, and not looked for
+        (tmp_path / f"{name}.csv").write_text(f"time_s,command_m,measured_m\n{rows}")
+    monkeypatch.setattr(reading, "MOST_SAMPLES", 199)
+    with pytest.raises(InputError, match="have 199 samples together at most; found 200 in the first 2 of 3"):
+        read_campaign(tmp_path)
+    monkeypatch.setattr(reading, "MOST_SAMPLES", 200)
+    with pytest.raises(InputError, match=r"c\.csv"):
+        read_campaign(tmp_path)
