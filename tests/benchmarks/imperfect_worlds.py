@@ -5,7 +5,8 @@ on (`tests/imperfect_worlds`), diagnoses each, predicts a further test with the 
 answer for each seed in FOLDER, and prints: how often the dominant effect is named, how often a false name
 stands beside it, how often stated probabilities are true, and how often the stated 90 % interval of the
 error holds the error on the further test. Probabilities are those of named effects, of effects in doubt and
-of their rivals; FOLDER/reliability.png draws them. What is there already is not done again.
+of their rivals; FOLDER/reliability.png draws them; `--table FILE.csv` writes a row for each world. What is
+there already is not done again.
 """
 
 import argparse
@@ -17,6 +18,7 @@ from collections import Counter
 from dataclasses import asdict, replace
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -136,9 +138,34 @@ def share(answers: list[bool]) -> str:
     )
 
 
+def recorded(folder: Path) -> dict[int, dict[str, Any]]:
+    """Answers of a folder by seed."""
+    return {
+        int(path.stem.removeprefix("world_")): json.loads(path.read_text(encoding="utf-8"))
+        for path in sorted(folder.glob("world_*.json"))
+    }
+
+
+def table(folder: Path) -> pd.DataFrame:
+    """One row for each world of a folder."""
+    return pd.DataFrame(
+        {
+            "seed": seed,
+            "world": one["world"]["name"],
+            "model_error": one["world"]["model_error"],
+            "accepted": " ".join(one["world"]["accepted"]),
+            "verdict": one["verdict"],
+            "named": " ".join(effect["name"] for effect in one["effects"]),
+            "error": one["error"],
+            **{f"error_{end}": (one["expected"] or {}).get(end) for end in ("low", "high")},
+        }
+        for seed, one in recorded(folder).items()
+    )
+
+
 def show(folder: Path) -> None:
     """Print all rates of what is in a folder."""
-    results = [json.loads(path.read_text(encoding="utf-8")) for path in sorted(folder.glob("world_*.json"))]
+    results = list(recorded(folder).values())
     names = [[e["name"] for e in one["effects"]] for one in results]
     accepted = [set(one["world"]["accepted"]) for one in results]
     dominant = [bool(set(n) & a) for n, a in zip(names, accepted, strict=True)]
@@ -180,12 +207,15 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--count", type=int, default=200)
+    parser.add_argument("--table", type=Path, help="CSV with a row for each world of FOLDER")
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
     for seed in range(given.seed, given.seed + given.count):
         if not (given.folder / f"world_{seed}.json").exists():
             evaluate(seed, given.folder)
     show(given.folder)
+    if given.table is not None:
+        table(given.folder).to_csv(given.table, index=False, float_format="%.4g")
 
 
 if __name__ == "__main__":
