@@ -2,6 +2,7 @@
 
 import math
 
+from reliab.errors import InputError
 from reliab.loop.effects.kernel import Kernel, Numbers
 
 _YIELDS = 1e-4  # of the elastic stiffness
@@ -39,6 +40,31 @@ def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, s
             break
     state[0], state[1], state[2], state[3] = 1.0, motion[0], z, energy
     return coefficients[0] * (z - coefficients[4] * motion[0] / coefficients[1])
+
+
+SHARPEST = 50.0
+"""Largest exponent n [-] that the steps follow; above it the force leaves its bounds."""
+
+
+def require_followed(exponent: float) -> None:
+    """Refuse an exponent that the steps cannot follow.
+
+    Parameters
+    ----------
+    exponent : float
+        Sharpness n of yielding [-].
+
+    Raises
+    ------
+    InputError
+        If it is above 50.
+    """
+    if exponent > SHARPEST:
+        raise InputError(
+            f"The exponent of a hysteresis must be at most {SHARPEST:g}",
+            value=f"{exponent:g}",
+            remedy="Give 20 for a sharp corner",
+        )
 
 
 BOUC_WEN = Kernel(function=_force, states=4)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from reliab.loop.effects.bouc_wen import BOUC_WEN
+from reliab.loop.effects.bouc_wen import BOUC_WEN, require_followed
 from reliab.loop.effects.effect import Role, SteppedEffect
 from reliab.loop.effects.hysteresis import Hysteresis
 from reliab.loop.effects.parameter import Parameter
@@ -76,3 +76,7 @@ class DegradingHysteresis(SteppedEffect):
     stiffness_loss: float = 0.0
     strength_loss: float = 0.0
     slip: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require_followed(self.exponent)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.loop.effects.bouc_wen import BOUC_WEN
+from reliab.loop.effects.bouc_wen import BOUC_WEN, require_followed
 from reliab.loop.effects.coulomb_friction import CoulombFriction
 from reliab.loop.effects.effect import Role, Setting, SteppedEffect
 from reliab.loop.effects.parameter import Parameter
@@ -110,6 +110,10 @@ class Hysteresis(SteppedEffect):
     gamma: float = 0.5
     exponent: float = 2.0
     lost_share: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require_followed(self.exponent)
 
     @property
     def shape_ratio(self) -> float:

@@ -9,7 +9,7 @@ from scipy.interpolate import CubicSpline
 
 from reliab.errors import InputError
 from reliab.loop.actuator import Actuator
-from reliab.loop.effects import LinearEffect, Role, Scales, find_effect, library
+from reliab.loop.effects import LinearEffect, Role, Scales, Setting, find_effect, library
 from reliab.loop.hybrid_test import HybridTest, Motion3, Specimen, drive, load, read_displacement
 
 STEP = 1e-3
@@ -257,3 +257,20 @@ def test_integration_error_has_the_transfer_function_of_its_scheme(gamma, shift)
     moved = np.exp(turns * np.arange(1, bent.size + 1) / fine) @ bent / fine
     moved /= np.sinc(frequency / fine) ** 2  # of the second difference
     assert np.allclose(moved / wanted, effect.transfer(frequency, omega), atol=2e-4)
+
+
+@pytest.mark.parametrize("exponent", [15.0, 50.0])
+@pytest.mark.parametrize("gamma", [-0.5, 0.0, 0.5, 0.9])
+def test_a_sharp_hysteresis_stays_within_its_yield_force(exponent, gamma):
+    effect = find_effect("hysteresis")(force_n=1.0, displacement_m=1.0, gamma=gamma, exponent=exponent)
+    step = getattr(effect.kernel.function, "py_func", effect.kernel.function)
+    coefficients, state = effect.coefficients(Setting(step=0.01)), np.zeros(4)
+    moved = 10.0 * np.sin(0.05 * np.arange(400))
+    forces = [step(np.array([x, 0.0, 0.0]), 0.0, 0.01, coefficients, state) for x in moved]
+    assert 0.9 < np.abs(forces).max() < 1.2
+
+
+@pytest.mark.parametrize("name", ["hysteresis", "degrading_hysteresis"])
+def test_an_exponent_that_no_step_follows_is_refused(name):
+    with pytest.raises(InputError, match="at most 50"):
+        find_effect(name)(force_n=1.0, displacement_m=0.01, exponent=100.0)
