@@ -8,15 +8,16 @@ The oscillator is propagated exactly over a block for a record that is linear th
 as the cubic through its values and rates at both ends; the delayed state is read from the cubic
 through the stored displacements and velocities. A delay shorter than the block makes the step
 implicit, which costs nothing because the loop is linear. Cells whose delays reach back by the same
-number of blocks advance side by side.
+number of blocks advance side by side; `short_delay` steps those shorter than a block.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reliab.compiled import compiled
+from reliab.loop import short_delay
 from reliab.loop.blocks import Blocks, ramp_weights
-from reliab.loop.deviation import TRACKS, Deviation, empty_tracks, follow, summary
+from reliab.loop.deviation import LATEST, TRACKS, Deviation, follow, summary
 from reliab.loop.structure import Structure
 
 LANES = 48
@@ -129,7 +130,8 @@ def _track_lanes(
     c[:] = cells
     depth = delay + 2
     xs, vs = np.zeros((depth, LANES)), np.zeros((depth, LANES))
-    state, t = np.zeros((4, LANES)), empty_tracks(LANES)
+    state, t = np.zeros((4, LANES)), np.zeros((TRACKS, LANES))
+    t[LATEST] = np.nan
     # The delayed state at the end of a block lies between two stored ones or, for a delay shorter
     # than a block, between the last stored one and the new one.
     stored, fresh = (1.0, 0.0) if delay > 0 else (0.0, 1.0)
@@ -192,6 +194,9 @@ def deviation(
     reach = np.floor(delay / blocks.step).astype(np.int64)
     for span in np.unique(reach):
         alike = np.flatnonzero(reach == span)
+        if span == 0:
+            tracks[:, alike] = short_delay.tracks(blocks, cells[:, alike])
+            continue
         for first in range(0, alike.size, LANES):
             lanes = alike[first : first + LANES]
             filled = np.append(lanes, np.repeat(lanes[-1], LANES - lanes.size))

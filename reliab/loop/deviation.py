@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from reliab.compiled import compiled
 
 TRACKS = 6
-_SQUARES, _, _LATEST, _LEFT, _PEAK, _RIGHT = range(TRACKS)
+_SQUARES, _, LATEST, _LEFT, _PEAK, _RIGHT = range(TRACKS)
+"""Rows of a track. The latest before the window is NaN, so that a peak at its begin is not refined."""
 
 Track = tuple[float, float, float, float, float, float]
 """Numbers kept for one cell: sum of squares, the last two deviations, the largest with its two neighbours."""
@@ -40,14 +41,6 @@ class Deviation:
     def put(self, cells: NDArray[np.intp] | NDArray[np.bool_], solved: "Deviation") -> None:
         """Fill in the values of some cells, as another engine solved them."""
         self.mean_square[cells], self.peak[cells] = solved.mean_square, solved.peak
-
-
-@compiled
-def empty_tracks(lanes: int) -> NDArray[np.float64]:
-    """Tracks before the first sample, which has no neighbour before it: a peak there is not refined."""
-    tracks = np.zeros((TRACKS, lanes))
-    tracks[_LATEST] = np.nan
-    return tracks
 
 
 @compiled
@@ -100,7 +93,7 @@ def summary(tracks: NDArray[np.float64], intervals: float, ideal_peak: float) ->
         Mean square and refined peak of each cell.
     """
     inner = refined_peak(tracks[_LEFT], tracks[_PEAK], tracks[_RIGHT])
-    peak = np.fmax(inner, np.abs(tracks[_LATEST]))
+    peak = np.fmax(inner, np.abs(tracks[LATEST]))
     return Deviation(mean_square=tracks[_SQUARES] / intervals, peak=peak, ideal_peak=ideal_peak)
 
 

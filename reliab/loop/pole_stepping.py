@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from reliab.compiled import compiled
 from reliab.loop.blocks import Blocks
-from reliab.loop.deviation import TRACKS, Deviation, empty_tracks, follow, follow_four, summary
+from reliab.loop.deviation import LATEST, TRACKS, Deviation, follow, follow_four, summary
 from reliab.loop.pole_recursion import fill_lanes
 
 LANES = 64
@@ -47,7 +47,8 @@ def _track_lanes(
     """
     k = np.empty((_COEFFICIENTS, LANES))
     k[:] = coefficients
-    x, t = np.zeros((4, LANES)), empty_tracks(LANES)
+    x, t = np.zeros((4, LANES)), np.zeros((TRACKS, LANES))
+    t[LATEST] = np.nan
     i = 0
     while i < left.size:
         if i > before and i + 5 < left.size:

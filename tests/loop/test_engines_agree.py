@@ -7,6 +7,7 @@ import pytest
 
 from reliab.errors import InputError
 from reliab.indices.response_error import relative_error
+from reliab.loop import delay_stepper
 from reliab.loop.cells import Cells
 from reliab.loop.engine import Engine, Loop
 from reliab.loop.excitation import Excitation
@@ -69,6 +70,23 @@ def test_delay_stepper_agrees_with_the_spectral_engine_on_both_sides_of_a_block(
     )
     cells = loop.cells(gain=[0.97, 1.02], delay=delay)
     assert differences(loop, cells, Engine.SPECTRAL)[Metric.RMS] < 1e-4
+
+
+@pytest.mark.parametrize("window", [(0.0, -1.0), (3.003, 9.0047)])
+def test_delays_shorter_than_a_block_follow_the_history_of_the_general_stepper(random_record, window):
+    acceleration, time_step = random_record(np.random.default_rng(6))
+    excitation = Excitation(acceleration=acceleration, time_step=time_step, window=window)
+    structure = Structure(frequency=1.0, damping_ratio=0.05, experimental_fraction=0.7)
+    loop = Loop(excitation=excitation, structure=structure, engine=Engine.DELAY)
+    blocks, delays = loop.blocks, [0.0, 0.004, 0.0099]
+    found = loop.deviation(loop.cells(gain=1.02, delay=delays))
+    for cell, delay in enumerate(delays):
+        _, measured = delay_stepper.response(blocks, structure, 1.02, delay)
+        inside = (measured - blocks.ideal)[blocks.before :]
+        inside[-1] = inside[-2] + blocks.end * (inside[-1] - inside[-2])
+        squares = np.trapezoid(inside[:-1] ** 2) + 0.5 * blocks.end * (inside[-2] ** 2 + inside[-1] ** 2)
+        assert found.mean_square[cell] == pytest.approx(squares / blocks.intervals, rel=1e-9)
+        assert found.peak[cell] == pytest.approx(np.abs(inside).max(), rel=2e-3)
 
 
 def test_pole_and_delay_engines_agree_beyond_the_stability_limit(random_record):

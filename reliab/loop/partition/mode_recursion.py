@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from reliab.compiled import compiled
 from reliab.loop.blocks import ramp_weights
-from reliab.loop.deviation import TRACKS, empty_tracks, follow
+from reliab.loop.deviation import LATEST, TRACKS, follow
 from reliab.loop.partition.loop_poles import PoleLoop
 
 Array = NDArray[np.float64]
@@ -98,7 +98,8 @@ def _track_lanes(ground: Array, ideal: Array, first: int, coefficients: Array) -
     pairs, last = coefficients.shape[0] - 1, ground.size - 1
     k = np.empty((pairs + 1, _COEFFICIENTS, LANES))
     k[:] = coefficients
-    t = empty_tracks(LANES)
+    t = np.zeros((TRACKS, LANES))
+    t[LATEST] = np.nan
     x, y, rest, total = np.zeros((pairs, LANES)), np.zeros((pairs, LANES)), np.zeros(LANES), np.zeros(LANES)
     # y lies one step before x; it starts where a jump at the first sample puts it.
     for p in range(pairs):
