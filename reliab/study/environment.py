@@ -42,7 +42,8 @@ def _packages() -> tuple[tuple[str, str], ...]:
         except PackageNotFoundError:
             continue  # needed on other systems only
         needed = [line for line in requires(name) or () if "extra ==" not in line]
-        waiting.extend(match[0].lower() for line in needed if (match := _NAME.match(line)))
+        names = [match[0].lower() for line in needed if (match := _NAME.match(line))]
+        waiting.extend(re.sub(r"[-_.]+", "-", one) for one in names)  # one package has one name
     return tuple(sorted(versions.items()))
 
 
