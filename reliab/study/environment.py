@@ -43,7 +43,7 @@ def _packages() -> tuple[tuple[str, str], ...]:
             continue  # needed on other systems only
         needed = [line for line in requires(name) or () if "extra ==" not in line]
         names = [match[0].lower() for line in needed if (match := _NAME.match(line))]
-        waiting.extend(re.sub(r"[-_.]+", "-", one) for one in names)  # one package has one name
+        waiting.extend(re.sub(r"[-_.]+", "-", package) for package in names)  # a package has one name
     return tuple(sorted(versions.items()))
 
 

@@ -19,7 +19,7 @@ REASONS: dict[str, str] = {}
 def stated(name):
     """What a package states of its licence: an expression, classifiers, or the first line of a text."""
     about = metadata(name)
-    classifiers = [one for one in about.get_all("Classifier") or () if one.startswith("License ::")]
+    classifiers = [line for line in about.get_all("Classifier") or () if line.startswith("License ::")]
     text = (about.get("License") or "").strip()
     first = text.splitlines()[0] if text else ""
     return about.get("License-Expression") or "; ".join(classifiers) or first
