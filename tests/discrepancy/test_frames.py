@@ -6,11 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reliab.discrepancy import diagnose, read_campaign
+from reliab.discrepancy import Diagnosis, diagnose, read_campaign
+from reliab.discrepancy.adding.update import updated_model
 from reliab.discrepancy.blocks.balance import motion_of_command
 from reliab.discrepancy.blocks.frame_balance import InnerMotion
 from reliab.discrepancy.campaign.campaign import Channel
 from reliab.errors import InputError
+from reliab.loop.hybrid_test.model_file import read_model, write_model
 from reliab.loop.partition.partition import Partition
 from reliab.loop.structure import Structure
 
@@ -43,6 +45,17 @@ def test_a_frame_is_read_with_its_interface_and_specimen(small_campaign):
     np.testing.assert_array_equal(campaign.partition.interface, [1.0, 0.0])
     np.testing.assert_array_equal(campaign.partition.frame.stiffness, [[7e5, -3e5], [-3e5, 3e5]])
     assert campaign.nominal.specimen.stiffness == 1e5
+
+
+def test_the_model_of_a_frame_says_that_it_holds_no_frame(small_campaign, tmp_path):
+    nothing_seen = Diagnosis(campaign=described(small_campaign, FRAME), blocks=())
+    write_model(tmp_path / "model.toml", updated_model(nothing_seen))
+    model = read_model(tmp_path / "model.toml")
+    assert model.test.structure is None
+    assert model.test.specimen.stiffness == 1e5
+    assert "the frame of these tests stands in their campaign.toml" in (tmp_path / "model.toml").read_text(
+        encoding="utf-8"
+    )
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,11 @@ from reliab.loop.effects.excitation_scale import ExcitationScale
 from reliab.loop.hybrid_test import HybridTest
 from reliab.loop.hybrid_test.model_file import UpdatedModel
 
+_WITHOUT_FRAME = (
+    "This file holds the actuator, the specimen and the effects; the frame of these tests stands in their"
+    " campaign.toml, and without it no closed loop can be computed."
+)
+
 
 def updated_model(diagnosis: Diagnosis) -> UpdatedModel:
     """Put together the model that a diagnosis arrives at.
@@ -34,9 +39,10 @@ def updated_model(diagnosis: Diagnosis) -> UpdatedModel:
     for diagnosed in diagnosis.blocks:
         test = _joined(test, diagnosed)
         deviations.update(_deviations(diagnosed))
-    return UpdatedModel(
-        name=diagnosis.campaign.name, test=test, deviations=deviations, limits=diagnosis.remarks
-    )
+    limits = diagnosis.remarks
+    if diagnosis.campaign.partition is not None:
+        limits = (*limits, _WITHOUT_FRAME)
+    return UpdatedModel(name=diagnosis.campaign.name, test=test, deviations=deviations, limits=limits)
 
 
 def _joined(test: HybridTest, diagnosed: BlockDiagnosis) -> HybridTest:
