@@ -11,8 +11,12 @@ def test_a_folder_without_a_run_is_explained(tmp_path, capsys):
 
 
 def test_the_report_is_named(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("reliab.study.write_report", lambda folder: folder / "report.pdf")
-    assert run(["report", str(tmp_path), "--json", "-"]) == 0
+    def written(folder, setting):
+        assert setting.title == "Ours"
+        return folder / "report.pdf"
+
+    monkeypatch.setattr("reliab.study.write_report", written)
+    assert run(["report", str(tmp_path), "--title", "Ours", "--json", "-"]) == 0
     assert json.loads(capsys.readouterr().out) == {
         "folder": str(tmp_path),
         "report": str(tmp_path / "report.pdf"),
