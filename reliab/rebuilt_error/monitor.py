@@ -28,8 +28,8 @@ Array = NDArray[np.float64]
 DRAWS = 64
 """Draws behind the intervals of a running test."""
 
-_GROWTH = 0.25  # by which a test must grow before its intervals are computed again
-_PERIODS_BETWEEN = 2.0  # of the structure, at least
+_GROWTH = 0.5  # by which a test must grow before its intervals are computed again
+_PERIODS_BETWEEN = 4.0  # of the structure, at least
 _BEYOND_NOISE = 20.0  # times the noise that the response must reach before an error of it is judged
 _LARGEST_NOISE = 4.0  # standard deviations that noise adds to a peak at most
 
