@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from reliab.cli.options import (
+    OF_REPORT,
     JsonTarget,
     Laboratory,
     Logo,
@@ -99,7 +100,7 @@ def _make(folder: Path) -> None:
 def _refuse_without_report(context: typer.Context) -> None:
     """Refuse what a report only uses."""
     for name in given_options(context):
-        if name in ("title", "date", "paper", "laboratory", "logo"):
+        if name in OF_REPORT:
             raise InputError(
                 f"--{name} has no effect without --out, where the report is written", remedy="Give --out"
             )

@@ -132,6 +132,9 @@ Logo = Annotated[
     Path | None,
     typer.Option("--logo", metavar="FILE.svg|png|jpg", help="Logo of the laboratory on the report."),
 ]
+OF_REPORT = ("title", "date", "paper", "laboratory", "logo")
+"""Options about how a report is set; they need a report."""
+
 JsonTarget = Annotated[
     str | None,
     typer.Option(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from reliab.cli.options import given_options, options_of, setting_of
+from reliab.cli.options import OF_REPORT, given_options, options_of, setting_of
 from reliab.errors import InputError
 from reliab.files import ordinary
 from reliab.shipped import or_shipped
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from reliab.report import Setting
     from reliab.validation.assessment import Recording
 
-_OF_REPORT = ("title", "date", "paper", "laboratory", "logo")
 _ONLY_FOR_TESTS = (
     *("tests", "alpha", "scale", "feedback_lag", "mass", "motion", "model", "structure"),
     *(
@@ -97,7 +96,7 @@ class Demand:
         for name in given:
             if name in (_ONLY_FOR_TESTS if design else _ONLY_FOR_DESIGN):
                 raise unused(name, "beside --design" if design else "without --design")
-            if name in _OF_REPORT and "report" not in given:
+            if name in OF_REPORT and "report" not in given:
                 raise unused(name, "without --report")
             if name in ("threshold", "confidence", "metric") and demand.criterion is not None:
                 raise unused(name, "beside --criterion, which brings its own")
