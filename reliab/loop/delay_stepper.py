@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from reliab.compiled import compiled
 from reliab.loop import short_delay
 from reliab.loop.blocks import Blocks, ramp_weights
-from reliab.loop.deviation import LATEST, TRACKS, Deviation, follow, summary
+from reliab.loop.deviation import LATEST, TRACKS, Deviation, end_weight, follow, summary
 from reliab.loop.structure import Structure
 
 LANES = 48
@@ -138,7 +138,7 @@ def _track_lanes(
     for i in range(left.size):
         old, new, put = (i - delay) % depth, (i + 1 - delay) % depth, (i + 1) % depth
         last = i + 1 == left.size
-        weight = 0.5 * end if last else (0.5 + 0.5 * end if i + 2 == left.size else 1.0)
+        weight = end_weight(i, left.size, end)
         if i + 1 == before:
             weight = 0.5
         for j in range(LANES):

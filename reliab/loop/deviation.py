@@ -57,6 +57,14 @@ def _higher(
 
 
 @compiled
+def end_weight(block: int, blocks: int, end: float) -> float:
+    """Weight of the value at the end of a block by the trapezoidal rule; the last block has length `end`."""
+    if block + 1 == blocks:
+        return 0.5 * end
+    return 0.5 + 0.5 * end if block + 2 == blocks else 1.0
+
+
+@compiled
 def follow(track: Track, now: float, weight: float) -> Track:
     """Add one deviation, with its weight in the trapezoidal rule, to the statistics."""
     squares, before, latest, left, peak, right = track

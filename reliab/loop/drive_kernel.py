@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.compiled import compiled
+from reliab.loop.deviation import end_weight
 from reliab.loop.shared_drives import DRIVES
 
 LANES = 128
@@ -126,7 +127,7 @@ def _track_lanes(  # noqa: PLR0915 - one compiled loop
         else:
             ends = i + 1 == blocks
             fraction: Single = np.float32(end) if ends else np.float32(1.0)
-            weight: Single = np.float32(0.5 * end if ends else (0.5 + 0.5 * end if i + 2 == blocks else 1.0))
+            weight: Single = np.float32(end_weight(i, blocks, end))
             inner: Single = np.float32(0.0 if ends else 1.0)
             w0 = _row(drives, i)
             for j in range(LANES):

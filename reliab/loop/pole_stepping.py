@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from reliab.compiled import compiled
 from reliab.loop.blocks import Blocks
-from reliab.loop.deviation import LATEST, TRACKS, Deviation, follow, follow_four, summary
+from reliab.loop.deviation import LATEST, TRACKS, Deviation, end_weight, follow, follow_four, summary
 from reliab.loop.pole_recursion import fill_lanes
 
 LANES = 64
@@ -71,7 +71,7 @@ def _track_lanes(
             i += 4
         else:
             last = i + 1 == left.size
-            weight = 0.5 * end if last else (0.5 + 0.5 * end if i + 2 == left.size else 1.0)
+            weight = end_weight(i, left.size, end)
             a0, a1 = left[i], right[i]
             a2, a3 = (left[i - 1], right[i - 1]) if i > 0 else (0.0, 0.0)
             for j in range(LANES):

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from reliab.compiled import compiled
 from reliab.loop.blocks import Blocks
-from reliab.loop.deviation import LATEST, TRACKS, follow, follow_four
+from reliab.loop.deviation import LATEST, TRACKS, end_weight, follow, follow_four
 from reliab.loop.pole_recursion import fill_lanes
 
 LANES = 48
@@ -91,7 +91,7 @@ def _track_lanes(
     while i < left.size:
         several = i > before and i + 5 < left.size
         last = i + 1 == left.size
-        weight = 0.5 * end if last else (0.5 + 0.5 * end if i + 2 == left.size else 1.0)
+        weight = end_weight(i, left.size, end)
         weight = 0.5 if i + 1 == before else weight
         if several:
             a, b, c, d = left[i], left[i + 1], left[i + 2], left[i + 3]
