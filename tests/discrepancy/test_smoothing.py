@@ -26,3 +26,12 @@ def test_velocity_is_not_made_of_noise_and_its_spread_is_known(colour, most):
     left = smoothed_motion(displacement, 1.0 / RATE, 45.0).values[1] - velocity
     assert left.std() < most * velocity.std()
     assert velocity_spread(displacement, 1.0 / RATE, 45.0) == pytest.approx(left.std(), rel=0.25)
+
+
+def test_steps_of_a_converter_are_not_taken_for_fast_motion():
+    envelope = np.sin(np.pi * TIME / TIME[-1]) ** 2
+    slow = envelope * (np.sin(2.0 * np.pi * 0.33 * TIME) + 0.3 * np.sin(2.0 * np.pi * 0.61 * TIME + 1.0))
+    step = 0.35 * slow.std()
+    found = smoothed_motion(step * np.round(slow / step), 1.0 / RATE, 45.0).values
+    acceleration = np.gradient(np.gradient(slow, 1.0 / RATE), 1.0 / RATE)
+    assert found[2].std() < 1.5 * acceleration.std()

@@ -40,7 +40,7 @@ class Known(FittedModels):
 
     def error(self, candidate):
         one = np.ones(1)
-        return LeftOut(energies=candidate.space.energy * one, signals=one, units=one)
+        return LeftOut(energies=candidate.space.energy * one, signals=one, units=one, foretold=one > 0.0)
 
     def supports(self, *effects):
         return self.supported(self.fitted[frozenset(str(effect.name) for effect in effects)])

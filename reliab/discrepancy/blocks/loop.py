@@ -37,8 +37,8 @@ class LoopBlock(ObservedBlock):
     """Ground acceleration → measured displacement, the loop being closed.
 
     A force bias shifts the displacement as a sensor bias does, and a wrong scale of the excitation is
-    calibration where no rig states it: neither is a candidate. Nor is a mass without a rig, which scales
-    excitation, stiffness and damping alike.
+    calibration where no rig states it: neither is a candidate. A mass without a rig scales excitation,
+    stiffness and damping alike: it is named only where it exceeds what calibration makes up for.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def _rate_of_integration(campaign: Campaign) -> float:
 def _possible(effect: type[Effect], *, rig: bool) -> bool:
     if effect in (ForceBias, SensorBias, ExcitationScale):
         return False
-    return rig or not (effect is AddedMass or effect.role in _OF_THE_RIG)
+    return rig or effect.role not in _OF_THE_RIG
 
 
 def _resampled(ground: Array, parts: int, every: int) -> Array:

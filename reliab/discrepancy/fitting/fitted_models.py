@@ -157,7 +157,7 @@ class FittedModels:
 
     def _predicts(self, candidate: Fit, smaller: Fit, most: float) -> bool:
         """Whether a model's error on left-out tests is at most a multiple of that of a smaller model."""
-        return self.error(candidate).energy <= most * self.error(smaller).energy
+        return self.error(candidate).at_most(most, self.error(smaller))
 
     def supported(self, candidate: Fit) -> bool:
         """Whether a model may be named: each of its effects matters against the models without it.

@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 
 _RAN_AWAY = 1e300
 _FEWEST_TESTS = 2  # that have a standard error
+_AS_BEFORE = 0.5  # of a parameter's prior variance: data and prior say as much of it
 _STEPS = 3  # of a refit without one test, from the fit to all of them
 
 
@@ -37,11 +38,14 @@ class LeftOut:
         Energy of the channel there, shape (tests,).
     units : numpy.ndarray
         Energy that counts as one in each test, shape (tests,).
+    foretold : numpy.ndarray
+        Whether the other tests determine the effects, so that the error is one of the model, shape (tests,).
     """
 
     energies: Array
     signals: Array
     units: Array
+    foretold: NDArray[np.bool_]
 
     @property
     def relative(self) -> Array:
@@ -57,6 +61,11 @@ class LeftOut:
     def nrmse(self) -> float:
         """RMS of the residuals over the RMS of the channel."""
         return float(np.sqrt(self.energies.sum() / max(self.signals.sum(), 1e-300)))
+
+    def at_most(self, multiple: float, rival: "LeftOut") -> bool:
+        """Whether the error is at most a multiple of another model's, in tests that the others foretell."""
+        seen = self.foretold
+        return float(self.relative[seen].sum()) <= multiple * float(rival.relative[seen].sum())
 
     def undecided(self, rival: "LeftOut") -> bool:
         """Whether the mean difference to another model is within its standard error over the tests."""
@@ -85,7 +94,7 @@ def left_out(problem: Problem, fitted: Fit, fixed: tuple[int, ...] = ()) -> Left
     """
     tests = [segment.test for segment in problem.segments]
     groups = tests if len(set(tests)) > 1 else list(range(len(tests)))
-    energies, signals, units = [], [], []
+    energies, signals, units, foretold = [], [], [], []
     powers = relative_powers(problem)
     for group in dict.fromkeys(groups):
         members = [k for k, owner in enumerate(groups) if owner == group]
@@ -101,8 +110,26 @@ def left_out(problem: Problem, fitted: Fit, fixed: tuple[int, ...] = ()) -> Left
         segments = [problem.segments[k] for k in members]
         energies.append(min(_missed(problem, fitted.space, x, segments) for x in tried))
         signals.append(sum(_energy(s.spectrum(problem.measured(s.test))) for s in segments))
+        foretold.append(problem.flat or _determined(fitted, ~excluded))
         units.append(sum(powers[k] * (problem.segments[k].end - problem.segments[k].begin) for k in members))
-    return LeftOut(energies=np.array(energies), signals=np.array(signals), units=np.array(units))
+    return LeftOut(
+        energies=np.array(energies),
+        signals=np.array(signals),
+        units=np.array(units),
+        foretold=np.array(foretold),
+    )
+
+
+def _determined(fitted: Fit, kept: NDArray[np.bool_]) -> bool:
+    """Whether some rows say more of every parameter of the effects than its prior.
+
+    A limit that a single test reaches follows from that test alone: without it nothing but the prior is left
+    to predict it.
+    """
+    derivatives = fitted.jacobian[kept]
+    variances = np.diag(np.linalg.inv(derivatives.T @ derivatives + np.eye(fitted.space.size)))
+    places = [fitted.space.places(effect) for effect in fitted.space.effects]
+    return all(float(variances[place].max()) < _AS_BEFORE for place in places)
 
 
 def _missed(problem: Problem, space: ModelSpace, coordinates: Array, segments: Sequence[Segment]) -> float:

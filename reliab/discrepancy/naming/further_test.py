@@ -28,7 +28,8 @@ def expected_error(errors: LeftOut) -> FurtherError | None:
 
     Examples
     --------
-    >>> errors = LeftOut(energies=np.array([1.0, 4.0, 2.0]), signals=np.full(3, 100.0), units=np.ones(3))
+    >>> whole, every = np.full(3, 100.0), np.ones(3, dtype=bool)
+    >>> errors = LeftOut(energies=np.array([1.0, 4.0, 2.0]), signals=whole, units=np.ones(3), foretold=every)
     >>> further = expected_error(errors)
     >>> round(further.value, 3), round(further.low, 3), round(further.high, 3)
     (0.141, 0.044, 0.455)

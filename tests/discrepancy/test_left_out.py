@@ -1,0 +1,49 @@
+"""Tests that are left out judge a model only where the others determine its effects."""
+
+import numpy as np
+import pytest
+
+from reliab.discrepancy.blocks.actuator import ActuatorBlock
+from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
+from reliab.discrepancy.fitting.fitted_models import FittedModels
+from reliab.discrepancy.fitting.problem import Problem
+from reliab.discrepancy.fitting.screening import screened
+from reliab.discrepancy.fitting.search import Search
+from reliab.discrepancy.spectra.scales import motions_of, scales_of
+from reliab.discrepancy.spectra.segment import cut_segments
+
+RATE, STROKE, NOISE = 256.0, 0.02, 2e-5
+TIME = np.arange(0.0, 10.0, 1.0 / RATE)
+AMPLITUDES = (0.012, 0.012, 0.012, 0.03)
+
+
+@pytest.fixture(scope="module")
+def models():
+    """All models of an actuator that meets the end of its stroke in the last of four tests."""
+    random = np.random.default_rng(4)
+    tests = []
+    for place, amplitude in enumerate(AMPLITUDES):
+        command = amplitude * np.sin(2.0 * np.pi * (0.8 + 0.1 * place) * TIME) * np.sin(np.pi * TIME / 10.0)
+        measured = np.clip(command, -STROKE, STROKE) + NOISE * random.normal(size=TIME.size)
+        channels = {Channel.COMMAND: command, Channel.MEASURED: measured}
+        tests.append(MeasuredTest(file=f"{place}", motion="sine", held_out=False, channels=channels))
+    campaign = Campaign(
+        name="sines", structure=None, mass=1.0, actuator=None, specimen=None, rate=RATE, tests=tuple(tests)
+    )
+    block = ActuatorBlock(campaign, scales_of(campaign, motions_of(campaign)))
+    problem = Problem(
+        block=block,
+        segments=cut_segments(campaign.training, RATE, block.highest_of, block.sketch.every),
+    )
+    search = Search(problem)
+    search.extend(search.null, screened(problem, search.null, block.candidates, search.null)[:2])
+    return search
+
+
+def test_a_limit_that_one_test_alone_reaches_is_not_judged_without_that_test(models: FittedModels):
+    limited = models.fitted[frozenset(["stroke_saturation"])]
+    error = models.error(limited)
+    assert error.foretold.tolist() == [True, True, True, False]
+    assert error.relative[3] > 100.0 * error.relative[:3].max()
+    assert error.at_most(1.02, models.error(models.null))
+    assert models.error(models.null).foretold.all()
