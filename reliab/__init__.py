@@ -7,9 +7,9 @@ The functions here mirror the command line: `load_motions`, `simulate`, `ellipse
 for.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from reliab.lazy_exports import exports
 from reliab.version import __version__
 
 if TYPE_CHECKING:
@@ -67,11 +67,7 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> Any:  # noqa: ANN401 - functions and modules of many types
-    if name not in _HOMES:
-        message = f"module 'reliab' has no attribute {name!r}"
-        raise AttributeError(message)
-    return getattr(import_module(_HOMES[name]), name)
+__getattr__ = exports(__name__, _HOMES)
 
 
 def __dir__() -> list[str]:

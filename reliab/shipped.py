@@ -8,7 +8,6 @@ brings it.
 Files that `datasets/SHA256SUMS` lists are compared with their checksum when they are read, once in a process.
 """
 
-import hashlib
 import os
 from functools import cache
 from pathlib import Path
@@ -121,8 +120,10 @@ def checksums(kind: str) -> dict[str, str]:
 
 def checksum_of(path: Path) -> str:
     """Return the SHA-256 of a file in hexadecimal."""
+    from hashlib import file_digest
+
     with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+        return file_digest(file, "sha256").hexdigest()
 
 
 @cache

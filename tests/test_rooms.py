@@ -33,6 +33,7 @@ GROUND = {
     "errors",
     "files",
     "html_table",
+    "lazy_exports",
     "progress",
     "registry",
     "shipped",

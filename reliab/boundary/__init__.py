@@ -1,9 +1,19 @@
-"""Contours of equal error and the curves that stand for them."""
+"""Contours of equal error and the curves that stand for them; what simulates is imported on first use."""
+
+from typing import TYPE_CHECKING
 
 from reliab.boundary.contour import Contour, trace_contours
 from reliab.boundary.curves import Cosine, Curve, Ellipse, InscribedEllipse, Parabola
-from reliab.boundary.motion_boundary import motion_contours
-from reliab.boundary.suite_boundary import suite_contours
+from reliab.lazy_exports import exports
+
+if TYPE_CHECKING:
+    from reliab.boundary.motion_boundary import motion_contours
+    from reliab.boundary.suite_boundary import suite_contours
+
+_HOMES = {
+    "motion_contours": "reliab.boundary.motion_boundary",
+    "suite_contours": "reliab.boundary.suite_boundary",
+}
 
 __all__ = [
     "Contour",
@@ -16,3 +26,5 @@ __all__ = [
     "suite_contours",
     "trace_contours",
 ]
+
+__getattr__ = exports(__name__, _HOMES)

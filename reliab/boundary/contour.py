@@ -13,7 +13,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import elementwise
 
 from reliab.errors import InputError
 from reliab.loop.stability import longest_lead
@@ -183,6 +182,8 @@ def _trace(
 
 def _half_widths(error: ErrorOfCells, thresholds: NDArray[np.float64], reach: float) -> NDArray[np.float64]:
     """Amplitude offsets below and above 1 at which each contour ends; shape (contours, 2)."""
+    from scipy.optimize import elementwise
+
     owner = np.repeat(np.arange(thresholds.size), 2)
     side = np.tile([-1.0, 1.0], thresholds.size)
     furthest = np.abs(np.expm1(side * reach))
@@ -225,6 +226,8 @@ def _delays(
     furthest: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Size of the delay on its contour at each amplitude, and whether one exists in the range searched."""
+    from scipy.optimize import elementwise
+
     offset, owner = places
 
     def excess(

@@ -7,8 +7,8 @@ the error saturates or grows exponentially. Many surfaces on one grid are evalua
 """
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from reliab.compiled import compiled
 
@@ -62,8 +62,10 @@ class ErrorSurfaces:
         bounded = np.minimum(np.nan_to_num(error, nan=np.inf), _LARGEST_ERROR)
         values = np.log(bounded.astype(np.float64) ** 2 + _FLOOR**2)
         self._edges = self._stretch(offset, 0), self._stretch(delay, 1)
-        along_gain = CubicSpline(self._edges[0], values, axis=1).c  # (4, kp, surface, tau)
-        along_delay = CubicSpline(self._edges[1], along_gain, axis=3).c  # (4, tau, 4, kp, surface)
+        along_gain = scipy.interpolate.CubicSpline(self._edges[0], values, axis=1).c  # (4, kp, surface, tau)
+        along_delay = scipy.interpolate.CubicSpline(
+            self._edges[1], along_gain, axis=3
+        ).c  # (4, tau, 4, kp, surface)
         self._patches = np.ascontiguousarray(along_delay.transpose(4, 3, 1, 2, 0))
 
     def _stretch(self, value: NDArray[np.float64], axis: int) -> NDArray[np.float64]:

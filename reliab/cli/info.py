@@ -3,7 +3,6 @@
 import os
 import platform
 import sys
-from importlib import metadata
 from typing import Any
 
 import typer
@@ -55,6 +54,8 @@ def describe() -> dict[str, Any]:
 
 
 def _version(name: str) -> str:
+    from importlib import metadata
+
     try:
         return metadata.version(name)
     except metadata.PackageNotFoundError:

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.stats import beta, goodness_of_fit, norm, shapiro
 
 from reliab.criterion.distributions import Distribution
 
@@ -53,7 +53,7 @@ def objection(values: ArrayLike, parameter: str) -> str:
     >>> objection(np.exp(np.random.default_rng(1).normal(size=80)), "a")
     ''
     """
-    p_value = float(shapiro(np.log(values)).pvalue)
+    p_value = float(scipy.stats.shapiro(np.log(values)).pvalue)
     if p_value >= SIGNIFICANCE:
         return ""
     return (
@@ -84,8 +84,12 @@ def lognormality(values: ArrayLike) -> LognormalityTest:
     logarithms = np.log(values)
     simulated = (
         float(
-            goodness_of_fit(
-                norm, logarithms, statistic=name, n_mc_samples=_SIMULATIONS, rng=np.random.default_rng(_SEED)
+            scipy.stats.goodness_of_fit(
+                scipy.stats.norm,
+                logarithms,
+                statistic=name,
+                n_mc_samples=_SIMULATIONS,
+                rng=np.random.default_rng(_SEED),
             ).pvalue
         )
         for name in ("ks", "ad")
@@ -94,7 +98,7 @@ def lognormality(values: ArrayLike) -> LognormalityTest:
     return LognormalityTest(
         kolmogorov_smirnov=kolmogorov_smirnov,
         anderson_darling=anderson_darling,
-        shapiro_wilk=float(shapiro(logarithms).pvalue),
+        shapiro_wilk=float(scipy.stats.shapiro(logarithms).pvalue),
     )
 
 
@@ -142,7 +146,7 @@ def quantile_plot(values: ArrayLike, distribution: Distribution) -> QuantilePlot
     """
     observed = np.sort(np.asarray(values, dtype=np.float64))
     rank = np.arange(1, observed.size + 1)
-    low, high = (beta.ppf(share, rank, observed.size + 1 - rank) for share in (0.025, 0.975))
+    low, high = (scipy.stats.beta.ppf(share, rank, observed.size + 1 - rank) for share in (0.025, 0.975))
     return QuantilePlot(
         expected=distribution.quantile((rank - 0.5) / observed.size),
         observed=observed,

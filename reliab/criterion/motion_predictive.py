@@ -20,9 +20,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import elementwise
-from scipy.special import ndtr, ndtri, owens_t, stdtr
 
 from reliab.criterion.event_components import event_components
 
@@ -126,6 +125,8 @@ class MotionPredictive:
         numpy.ndarray
             Finite values, shape (quantities,); a larger probability never gives a smaller one.
         """
+        from scipy.optimize import elementwise
+
         quantities = np.arange(self.location.size)
 
         def excess(x: NDArray[np.float64], quantity: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -158,7 +159,9 @@ class MotionPredictive:
         # The sample's own spread lacks that of its mean, which a further value has twice (t of a further
         # value).
         student = normal / np.sqrt((self.effective_number + 1.0) / degrees)
-        return np.asarray(stdtr(degrees, student)), np.asarray(stdtr(degrees, -student))
+        return np.asarray(scipy.special.stdtr(degrees, student)), np.asarray(
+            scipy.special.stdtr(degrees, -student)
+        )
 
     def _empirical(
         self, x: NDArray[np.float64], base: NDArray[np.float64], above: NDArray[np.float64]
@@ -187,9 +190,13 @@ def _normal_score(x: NDArray[np.float64], shape: NDArray[np.float64]) -> NDArray
     steepness = [np.hypot(1.0, np.maximum(sign * shape, 0.0)) for sign in (1.0, -1.0)]
     low, high = -_TAIL / steepness[0], _TAIL / steepness[1]
     inner = np.clip(x, low, high)
-    turn = 2.0 * owens_t(inner, shape)
-    below, above = ndtr(inner) - turn, ndtr(-inner) + turn
-    score = np.where(below < above, ndtri(np.minimum(below, 0.5)), -ndtri(np.minimum(above, 0.5)))
+    turn = 2.0 * scipy.special.owens_t(inner, shape)
+    below, above = scipy.special.ndtr(inner) - turn, scipy.special.ndtr(-inner) + turn
+    score = np.where(
+        below < above,
+        scipy.special.ndtri(np.minimum(below, 0.5)),
+        -scipy.special.ndtri(np.minimum(above, 0.5)),
+    )
     beyond = steepness[0] * np.minimum(x - low, 0.0) + steepness[1] * np.maximum(x - high, 0.0)
     return np.asarray(score + beyond)
 

@@ -17,8 +17,8 @@ gives A and d an error of about the share that its last τ seconds have in the w
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.signal import get_window
 
 from reliab.errors import InputError
 from reliab.loop.tracking_sums import TrackingSums
@@ -86,7 +86,7 @@ def frequency_evaluation(
     """
     _check(command, measured)
     points = 1 << (command.size - 1).bit_length()
-    taper = get_window(window, command.size)
+    taper = scipy.signal.get_window(window, command.size)
     frequencies = np.fft.rfftfreq(points, time_step)[1:]
     into = np.fft.rfft(command * taper, points)[1:]
     out = np.fft.rfft(measured * taper, points)[1:]

@@ -7,8 +7,8 @@ not how reliable the test is: tracking errors accumulate in the loop.
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.signal import correlate, correlation_lags
 
 
 def maximum_tracking_error(command: NDArray[np.float64], measured: NDArray[np.float64]) -> float:
@@ -171,8 +171,8 @@ def delay_by_cross_correlation(
     >>> round(1e3 * delay_by_cross_correlation(command, measured, 0.001), 2)
     4.0
     """
-    correlation = correlate(measured, command, method="fft")
-    lags = correlation_lags(measured.size, command.size)
+    correlation = scipy.signal.correlate(measured, command, method="fft")
+    lags = scipy.signal.correlation_lags(measured.size, command.size)
     best = int(np.argmax(correlation))
     shift = 0.0
     if 0 < best < correlation.size - 1:

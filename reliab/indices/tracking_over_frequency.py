@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.signal import csd, welch
 
 from reliab.errors import InputError
 from reliab.indices.frequency_evaluation import frequency_evaluation
@@ -121,9 +121,9 @@ def tracking_over_frequency(command: Array, measured: Array, time_step: float) -
     aligned = _advanced(measured, whole, time_step)
     points = min(int(_LONGEST / time_step), 2 * command.size // (_LEAST_STRETCHES + 1))
     rate = 1.0 / time_step
-    frequency, cross = csd(command, aligned, fs=rate, nperseg=points)
-    _, into = welch(command, fs=rate, nperseg=points)
-    _, out = welch(aligned, fs=rate, nperseg=points)
+    frequency, cross = scipy.signal.csd(command, aligned, fs=rate, nperseg=points)
+    _, into = scipy.signal.welch(command, fs=rate, nperseg=points)
+    _, out = scipy.signal.welch(aligned, fs=rate, nperseg=points)
     coherent = (np.abs(cross) ** 2 > _COHERENT * into * out) & (into > _LEAST_POWER * into.max())
     coherent[0] = False
     if int(coherent.sum()) < _FEWEST:

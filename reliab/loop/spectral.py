@@ -12,9 +12,8 @@ from functools import partial
 from typing import Self
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import fft
-from scipy.signal import czt
 
 from reliab.errors import InputError
 from reliab.loop.deviation import Deviation, peak_of_history
@@ -78,7 +77,7 @@ class _Line:
         steps = int(np.ceil((end - begin) / longest - 1e-9))
         step = (end - begin) / steps
         period = max(2.0 * end, _PERIODS_OF_LEAD * lead)
-        points = fft.next_fast_len(int(np.ceil(period / step)) + 2, real=True)
+        points = scipy.fft.next_fast_len(int(np.ceil(period / step)) + 2, real=True)
         period = points * step
         shift = -np.log(_WRAPAROUND) / period
         s = shift + 2j * np.pi / period * np.arange(points // 2 + 1)
@@ -86,7 +85,7 @@ class _Line:
         return cls(s=s, spectrum=spectrum, points=points, steps=steps, step=step)
 
     def response(self, transfer_function: Transfer) -> NDArray[np.float64]:
-        decayed = fft.irfft(self.spectrum * transfer_function(self.s), self.points)[: self.steps + 1]
+        decayed = scipy.fft.irfft(self.spectrum * transfer_function(self.s), self.points)[: self.steps + 1]
         growth = np.exp(self.s[0].real * self.step * np.arange(self.steps + 1))
         return np.asarray(-decayed / self.step * growth, dtype=np.float64)
 
@@ -96,7 +95,7 @@ def _record_transform(excitation: Excitation, s: NDArray[np.complex128]) -> NDAr
     a, h = excitation.acceleration, excitation.time_step
     spacing = (s[1] - s[0]).imag
     decayed = a * np.exp(-s[0].real * h * np.arange(a.size))
-    samples = czt(decayed, m=s.size, w=np.exp(-1j * spacing * h))
+    samples = scipy.signal.czt(decayed, m=s.size, w=np.exp(-1j * spacing * h))
     fall = (1.0 - np.exp(-s * h)) / (s**2 * h)
     hat = fall * np.expm1(s * h)
     # The record starts with a jump: only the right half of the first hat is there.

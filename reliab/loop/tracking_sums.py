@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.signal import hilbert
 
 from reliab.compiled import compiled
 from reliab.loop.blocks import Blocks, cut
@@ -69,7 +69,7 @@ class QuadraturePair:
         record = excitation.acceleration
         silence = np.zeros_like(record)
         surrounded = np.concatenate([silence, record, silence])
-        turned = np.imag(hilbert(surrounded))[: 2 * record.size]
+        turned = np.imag(scipy.signal.hilbert(surrounded))[: 2 * record.size]
         shift = record.size * excitation.time_step
         begin, end = excitation.window
         later = (begin + shift, end + shift)

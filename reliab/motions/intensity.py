@@ -14,8 +14,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy import fft
 
 from reliab.errors import InputError
 from reliab.motions.motion import Motion
@@ -205,10 +205,10 @@ def mean_period(acceleration: ArrayLike, time_step: float) -> float:
     """
     samples = np.asarray(acceleration, dtype=np.float64)
     count = max(samples.size, math.ceil(1.0 / (_FREQUENCY_INTERVAL * time_step)))
-    frequencies = fft.rfftfreq(count, time_step)
+    frequencies = scipy.fft.rfftfreq(count, time_step)
     low, high = _PERIOD_BAND
     in_band = (frequencies >= low) & (frequencies <= high)
-    power = np.abs(fft.rfft(samples / (np.abs(samples).max() or 1.0), count)[in_band]) ** 2
+    power = np.abs(scipy.fft.rfft(samples / (np.abs(samples).max() or 1.0), count)[in_band]) ** 2
     total = float(power.sum())
     if not total > 0:
         raise InputError("The mean period needs a record with content from 0.25 to 20 Hz", value="none")

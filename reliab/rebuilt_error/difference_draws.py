@@ -18,8 +18,8 @@ together with the level.
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import convolve1d
 from threadpoolctl import threadpool_limits
 
 from reliab.rebuilt_error.lapped_transform import analyse, synthesise
@@ -130,7 +130,7 @@ def _reading(command: Array, measured: Array, noise: SensorNoise, frequency: flo
     observed = analyse(smooth[::every], hop)
     power = analyse(command[::every], hop) ** 2
     for axis in (0, 1):
-        power = convolve1d(power, _NEIGHBOURS, axis=axis, mode="nearest")
+        power = scipy.ndimage.convolve1d(power, _NEIGHBOURS, axis=axis, mode="nearest")
     places: Array = (np.arange(hop, dtype=np.float64) + 0.5) / (2.0 * hop * step)
     rounding, rest = _rounding(command, measured, thin, every, hop)
     least = _ROUNDING * float(power.max())
@@ -169,7 +169,7 @@ def _rounding(
         floors.append(white_floor(rounded))
     power = np.mean(powers, axis=0)
     for axis in (0, 1):
-        power = convolve1d(power, _NEIGHBOURS, axis=axis, mode="nearest")
+        power = scipy.ndimage.convolve1d(power, _NEIGHBOURS, axis=axis, mode="nearest")
     weights = np.zeros_like(noise.weights)
     weights[0] = max(noise.weights[0] - float(np.mean(floors)), 0.0)
     return power, replace(noise, weights=weights)

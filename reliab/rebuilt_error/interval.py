@@ -8,8 +8,8 @@ linearised, and no noise is subtracted from a mean square or a peak.
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import norm, qmc
 
 from reliab.rebuilt_error.error_statistics import mean_square, sweep_draws
 from reliab.rebuilt_error.noise import SensorNoise
@@ -171,8 +171,8 @@ def samples_in_step(structure: WholeStructure, noise: SensorNoise, samples: int)
 
 
 def _normal(dimensions: int, draws: int, seed: int) -> Array:
-    points = qmc.Sobol(dimensions, seed=seed).random(draws)
-    return np.asarray(norm.ppf(points.T))
+    points = scipy.stats.qmc.Sobol(dimensions, seed=seed).random(draws)
+    return np.asarray(scipy.special.ndtri(points.T))
 
 
 def _fine_statistics(histories: Histories, structure: WholeStructure) -> Array:

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.signal import fftconvolve
 
 Array = NDArray[np.float64]
 
@@ -38,4 +38,4 @@ class Kernel:
 
     def seen(self, history: Array, order: int) -> Array:
         """Convolve a history with φ⁽ᵏ⁾, which gives its smoothed k-th derivative."""
-        return np.asarray(fftconvolve(history, self.values[order], mode="valid"))[:: self.every]
+        return np.asarray(scipy.signal.fftconvolve(history, self.values[order], mode="valid"))[:: self.every]

@@ -7,8 +7,8 @@ uncorrelated; coefficient k of a frame stands at the frequency (k + 1/2)/(2·hop
 """
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.fft import dct
 
 Array = NDArray[np.float64]
 
@@ -39,7 +39,7 @@ def analyse(values: Array, hop: int) -> Array:
     folded = np.concatenate(
         [-late[:, half - 1 :: -1] - late[:, half:], early[:, :half] - early[:, : half - 1 : -1]], axis=1
     )
-    return np.asarray(dct(folded, type=4, norm="ortho", axis=1))
+    return np.asarray(scipy.fft.dct(folded, type=4, norm="ortho", axis=1))
 
 
 def synthesise(coefficients: Array, size: int) -> Array:
@@ -64,7 +64,7 @@ def synthesise(coefficients: Array, size: int) -> Array:
     True
     """
     hop = coefficients.shape[-1]
-    folded = dct(coefficients, type=4, norm="ortho", axis=-1)
+    folded = scipy.fft.dct(coefficients, type=4, norm="ortho", axis=-1)
     window, half = _window(hop), hop // 2
     first, second = folded[..., :half], folded[..., half:]
     early = np.concatenate([second, -second[..., ::-1]], axis=-1) * window[:hop]

@@ -12,9 +12,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import fft
-from scipy.signal import fftconvolve, firwin, kaiserord
 
 from reliab.rebuilt_error.logarithmic_bins import binned
 
@@ -76,8 +75,8 @@ class SensorNoise:
         edge = _MARGIN * self.band
         if not edge < _ROOM * nyquist:
             return np.ones(1)
-        taps, beta = kaiserord(_RIPPLE, 0.6 * edge / nyquist)
-        return np.asarray(firwin(taps | 1, edge / nyquist, window=("kaiser", beta)))
+        taps, beta = scipy.signal.kaiserord(_RIPPLE, 0.6 * edge / nyquist)
+        return np.asarray(scipy.signal.firwin(taps | 1, edge / nyquist, window=("kaiser", beta)))
 
     def smooth(self, values: Array) -> Array:
         """Filter a history without delay.
@@ -100,15 +99,17 @@ class SensorNoise:
             return values
         before = 2.0 * _end_of_line(values[reach::-1]) - values[reach:0:-1]
         after = 2.0 * _end_of_line(values[-reach - 1 :]) - values[-2 : -reach - 2 : -1]
-        return np.asarray(fftconvolve(np.concatenate([before, values, after]), self.filter, mode="valid"))
+        return np.asarray(
+            scipy.signal.fftconvolve(np.concatenate([before, values, after]), self.filter, mode="valid")
+        )
 
     def passed(self, frequency: Array) -> Array:
         """Return the density [m²] of the noise that the filter lets pass at frequencies [Hz]."""
         reach = self.filter.size // 2
         if reach == 0:
             return self.density(frequency)
-        points = fft.next_fast_len(max(8 * self.filter.size, 4096), real=True)
-        gain = np.abs(fft.rfft(self.filter, points))
+        points = scipy.fft.next_fast_len(max(8 * self.filter.size, 4096), real=True)
+        gain = np.abs(scipy.fft.rfft(self.filter, points))
         places = frequency * (self.time_step * points)
         return np.asarray(self.density(frequency) * np.interp(places, np.arange(gain.size), gain) ** 2)
 

@@ -16,8 +16,8 @@ is differentiated: z'' follows from the equation of motion.
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg import expm
 
 from reliab.compiled import compiled
 from reliab.rebuilt_error.whole_structure import WholeStructure
@@ -91,7 +91,7 @@ class Recursion:
         order = b.size
         joint = np.zeros((order + 2, order + 2))
         joint[:order, :order], joint[:order, order], joint[order, order + 1] = a * step, b * step, 1.0
-        exponential = expm(joint)
+        exponential = scipy.linalg.expm(joint)
         late = exponential[:order, order + 1]
         return cls(
             decay=np.ascontiguousarray(exponential[:order, :order]),

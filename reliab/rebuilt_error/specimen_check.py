@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from itertools import chain
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.signal import fftconvolve
 
 from reliab.compiled import compiled
 from reliab.errors import InputError
@@ -101,7 +101,7 @@ def examine_specimen(measured: Array, force: Array, time_step: float, frequency:
     every = max(int(1.0 / (_PER_PERIOD * frequency * time_step)), 1)
 
     def seen(history: Array) -> Array:
-        return np.asarray(fftconvolve(history, low_pass, mode="valid"))[::every]
+        return np.asarray(scipy.signal.fftconvolve(history, low_pass, mode="valid"))[::every]
 
     velocity = np.gradient(measured, time_step)
     linear = [seen(row) for row in (measured, velocity, np.gradient(velocity, time_step))]

@@ -12,8 +12,8 @@ lies above half the sampling rate, where the transfer function and the hold fall
 from collections.abc import Callable
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import fft
 
 from reliab.rebuilt_error.whole_structure import WholeStructure
 
@@ -57,13 +57,13 @@ def respond_spectrally(structure: WholeStructure, difference: Array, time_step: 
 
 def filtered(transfer: Transfer, values: Array, time_step: float) -> Array:
     """Response of a proper transfer function to a piecewise-linear input, from rest, shape (n,)."""
-    points = fft.next_fast_len(2 * values.size, real=True)
+    points = scipy.fft.next_fast_len(2 * values.size, real=True)
     shift = -np.log(_WRAPAROUND) / (points * time_step)
     times = time_step * np.arange(values.size)
     s = shift + 2j * np.pi / (points * time_step) * np.arange(points // 2 + 1)
     sh = s * time_step
     hold = np.exp(sh) * (-np.expm1(-sh) / sh) ** 2
     ramp = values[0] * (np.expm1(sh) - sh) / (sh * sh)
-    spectrum = hold * fft.rfft(values * np.exp(-shift * times), points) - ramp
-    decayed = fft.irfft(spectrum * transfer(s), points)[: values.size]
+    spectrum = hold * scipy.fft.rfft(values * np.exp(-shift * times), points) - ramp
+    decayed = scipy.fft.irfft(spectrum * transfer(s), points)[: values.size]
     return np.asarray(decayed * np.exp(shift * times))

@@ -12,8 +12,8 @@ Robert 1998, Statistica Sinica 8, 359): before a test no size of its error is li
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import norm
 
 from reliab.vocabulary import Metric
 
@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 LEVEL = 0.90
 """Level of the intervals."""
 
-HALF_WIDTH = float(norm.ppf(0.5 + 0.5 * LEVEL))
+HALF_WIDTH = float(scipy.special.ndtri(0.5 + 0.5 * LEVEL))
 """Half width of a 90 % interval in standard deviations."""
 
 _SMALLEST = 0.01  # of the median RMS^R: an error below it has the weight of this one

@@ -10,8 +10,8 @@ arXiv:1804.06788.
 """
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import chisquare
 
 from reliab.progress import Progress, silent
 from reliab.sampling.ensembles import Ensembles, draw
@@ -84,4 +84,4 @@ def uniformity(ranks: NDArray[np.int64]) -> NDArray[np.float64]:
     """
     edges = np.linspace(0, DRAWS + 1, _BINS + 1)
     counts = np.stack([np.histogram(of_parameter, edges)[0] for of_parameter in ranks.T])
-    return np.asarray(chisquare(counts, axis=1).pvalue)
+    return np.asarray(scipy.stats.chisquare(counts, axis=1).pvalue)

@@ -7,7 +7,6 @@ from typing import Any, Final
 
 import numpy as np
 import xarray as xr
-from emcee.autocorr import integrated_time
 from numpy.typing import NDArray
 
 LARGEST_R_HAT: Final = 1.01
@@ -99,6 +98,8 @@ def diagnose(draws: NDArray[np.float64], names: tuple[str, ...], thin: int) -> D
     >>> diagnose(draws, ("mean",), 1).converged
     True
     """
+    from emcee.autocorr import integrated_time
+
     ensembles, count, walkers, dimensions = draws.shape
     half = count // 2
     halves = draws[:, : 2 * half].reshape(2 * ensembles, half, walkers, dimensions)

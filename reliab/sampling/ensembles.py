@@ -1,12 +1,11 @@
 """Independent affine-invariant ensembles, resumable from a file."""
 
 import hashlib
-from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import emcee
 import numpy as np
 
 from reliab.errors import InputError
@@ -16,6 +15,12 @@ from reliab.sampling.diagnostics import FEWEST_ENSEMBLES
 from reliab.sampling.laplace import Laplace
 from reliab.sampling.model import Model
 from reliab.sampling.posterior_sample import PosteriorSample
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from emcee import EnsembleSampler, State
+    from emcee.backends import Backend
 
 _BLOCKS = 20  # reports of progress from one ensemble
 _START = 2.0  # spread of the first walkers, in spreads of the approximate posterior
@@ -157,7 +162,7 @@ def draw(
             steps *= 2
 
 
-def _kept_draws(model: Model, samplers: list[emcee.EnsembleSampler], kept: int, thin: int) -> PosteriorSample:
+def _kept_draws(model: Model, samplers: "list[EnsembleSampler]", kept: int, thin: int) -> PosteriorSample:
     """Take as many draws as are left out before them."""
     return PosteriorSample(
         names=tuple(parameter.name for parameter in model.parameters),
@@ -172,10 +177,10 @@ def width_of(model: Model) -> int:
     return max(32, 2 * (4 * len(model.parameters) // 3))
 
 
-def _sampler(
-    model: Model, laplace: Laplace, width: int, backend: emcee.backends.Backend
-) -> emcee.EnsembleSampler:
-    return emcee.EnsembleSampler(
+def _sampler(model: Model, laplace: Laplace, width: int, backend: "Backend") -> "EnsembleSampler":
+    from emcee import EnsembleSampler
+
+    return EnsembleSampler(
         width,
         len(model.parameters),
         model.log_posterior,
@@ -186,8 +191,8 @@ def _sampler(
 
 
 def _run(
-    samplers: list[emcee.EnsembleSampler],
-    starts: list[emcee.State],
+    samplers: "list[EnsembleSampler]",
+    starts: "list[State]",
     draws: int,
     thin: int,
     progress: Progress,
@@ -201,20 +206,24 @@ def _run(
             progress(thin * finished, thin * draws * len(samplers))
 
 
-def _start(laplace: Laplace, width: int, seed: tuple[int, int]) -> emcee.State:
+def _start(laplace: Laplace, width: int, seed: tuple[int, int]) -> "State":
+    from emcee import State
+
     sequence = np.random.SeedSequence(seed)
     walkers = laplace.around(width, _START, np.random.default_rng(sequence))
     stream = np.random.RandomState(sequence.generate_state(8))
-    return emcee.State(walkers, random_state=stream.get_state())
+    return State(walkers, random_state=stream.get_state())
 
 
 @contextmanager
 def _backend(
     file: Path | None, name: str, model: Model, ensembles: Ensembles, width: int
-) -> Iterator[emcee.backends.Backend]:
+) -> "Iterator[Backend]":
     """Memory, or a group of an HDF5 file that belongs to this very run."""
+    from emcee.backends import Backend, HDFBackend
+
     if file is None:
-        yield emcee.backends.Backend()
+        yield Backend()
         return
     signature = _signature(model, ensembles, width)
     with decoding(
@@ -222,7 +231,7 @@ def _backend(
         remedy="Name another file, or delete it to begin anew",
         where=file,
     ):
-        backend = emcee.backends.HDFBackend(str(ordinary(file)), name=name)
+        backend = HDFBackend(str(ordinary(file)), name=name)
         if not backend.initialized:
             backend.reset(width, len(model.parameters))
             with backend.open("a") as opened:

@@ -2,14 +2,16 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
-import emcee
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
 from reliab.sampling.model import Model
+
+if TYPE_CHECKING:
+    from emcee.moves import Move
 
 _DIFFERENCE = 1e-3  # of the spread of the prior
 _FARTHEST = 6.0
@@ -55,7 +57,7 @@ class Laplace:
             return np.minimum(-model.log_posterior(begin + spreads * scaled), _DESERT)
 
         bounds = [(-_FARTHEST, _FARTHEST)] * begin.size
-        optimum = minimize(
+        optimum = scipy.optimize.minimize(
             lambda scaled: _with_gradient(loss, scaled),
             np.zeros_like(begin),
             jac=True,
@@ -78,9 +80,11 @@ class Laplace:
         return self.mode + width * rng.standard_normal((count, self.mode.size)) @ self.factor.T
 
     @property
-    def moves(self) -> list[tuple[emcee.moves.Move, float]]:
+    def moves(self) -> "list[tuple[Move, float]]":
         """Leaps anywhere in the approximation, widened, and steps of differential evolution."""
-        return [(emcee.moves.MHMove(self._leap), _LEAPS), (emcee.moves.DEMove(), 1.0 - _LEAPS)]
+        from emcee.moves import DEMove, MHMove
+
+        return [(MHMove(self._leap), _LEAPS), (DEMove(), 1.0 - _LEAPS)]
 
     def _leap(
         self, walkers: NDArray[np.float64], rng: np.random.RandomState

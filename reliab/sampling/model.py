@@ -2,11 +2,13 @@
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import TYPE_CHECKING, ClassVar, Self
 
-import emcee
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from emcee.moves import Move
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,7 +63,7 @@ class Model(ABC):
         return np.asarray(-0.5 * (((theta - means) / spreads) ** 2).sum(axis=1))
 
     @property
-    def moves(self) -> emcee.moves.Move | list[tuple[emcee.moves.Move, float]] | None:
+    def moves(self) -> "Move | list[tuple[Move, float]] | None":
         """How walkers move; None leaves it to :func:`reliab.sampling.sample`."""
         return None
 

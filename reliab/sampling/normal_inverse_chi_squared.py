@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.stats import nct, norm, t
 
 from reliab.errors import InputError
 
@@ -95,12 +95,12 @@ class NormalInverseChiSquared:
     def mean_quantile(self, probability: ArrayLike) -> NDArray[np.float64]:
         """Quantile of μ, Student's t."""
         spread = np.sqrt(self.variance / self.mean_weight)
-        return np.asarray(t.ppf(probability, self.degrees_of_freedom, self.mean, spread))
+        return np.asarray(scipy.stats.t.ppf(probability, self.degrees_of_freedom, self.mean, spread))
 
     def predictive_quantile(self, probability: ArrayLike) -> NDArray[np.float64]:
         """Quantile of a further value, Student's t."""
         spread = np.sqrt(self.variance * (1.0 + 1.0 / self.mean_weight))
-        return np.asarray(t.ppf(probability, self.degrees_of_freedom, self.mean, spread))
+        return np.asarray(scipy.stats.t.ppf(probability, self.degrees_of_freedom, self.mean, spread))
 
     def quantile_of_quantile(self, share: float, probability: ArrayLike) -> NDArray[np.float64]:
         """Posterior quantile of the population's own quantile μ + z_share·σ.
@@ -118,7 +118,10 @@ class NormalInverseChiSquared:
             From the non-central t distribution with non-centrality √κ_n·z_share.
         """
         root = np.sqrt(self.mean_weight)
-        factor = nct.ppf(probability, self.degrees_of_freedom, norm.ppf(share) * root) / root
+        factor = (
+            scipy.stats.nct.ppf(probability, self.degrees_of_freedom, scipy.special.ndtri(share) * root)
+            / root
+        )
         return np.asarray(self.mean + np.sqrt(self.variance) * factor)
 
     def draw(self, count: int, rng: np.random.Generator) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -1,27 +1,39 @@
 """From a grid of actuators to a labelled dataset: storage, resume, clusters.
 
-Functions that need the storage library are imported on first use.
+Everything is imported on first use, since reading ellipses needs neither kernels nor the storage library.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from reliab.sweep.ellipse_dataset import CURVES, share_at_rest
-from reliab.sweep.ellipse_file import ellipse_windows, open_ellipses, open_windows, write_ellipses
-from reliab.sweep.ellipse_table import EllipseRequest, trace_ellipses
-from reliab.sweep.first_order_table import predict_ellipses
-from reliab.sweep.grid import ExplicitGrid, Grid, ScaledGrid
-from reliab.sweep.request import SweepRequest
+from reliab.lazy_exports import exports
 
 if TYPE_CHECKING:
     from reliab.sweep.compact import write_compact
+    from reliab.sweep.ellipse_dataset import CURVES, share_at_rest
+    from reliab.sweep.ellipse_file import open_ellipses, open_windows, write_ellipses
+    from reliab.sweep.ellipse_table import EllipseRequest, trace_ellipses
+    from reliab.sweep.first_order_table import predict_ellipses
+    from reliab.sweep.grid import ExplicitGrid, Grid, ScaledGrid
+    from reliab.sweep.request import SweepRequest
     from reliab.sweep.results import open_results
     from reliab.sweep.run import run_sweep
 
 _HOMES = {
+    "CURVES": "reliab.sweep.ellipse_dataset",
+    "EllipseRequest": "reliab.sweep.ellipse_table",
+    "ExplicitGrid": "reliab.sweep.grid",
+    "Grid": "reliab.sweep.grid",
+    "ScaledGrid": "reliab.sweep.grid",
+    "SweepRequest": "reliab.sweep.request",
+    "open_ellipses": "reliab.sweep.ellipse_file",
     "open_results": "reliab.sweep.results",
+    "open_windows": "reliab.sweep.ellipse_file",
+    "predict_ellipses": "reliab.sweep.first_order_table",
     "run_sweep": "reliab.sweep.run",
+    "share_at_rest": "reliab.sweep.ellipse_dataset",
+    "trace_ellipses": "reliab.sweep.ellipse_table",
     "write_compact": "reliab.sweep.compact",
+    "write_ellipses": "reliab.sweep.ellipse_file",
 }
 
 __all__ = [
@@ -31,7 +43,6 @@ __all__ = [
     "Grid",
     "ScaledGrid",
     "SweepRequest",
-    "ellipse_windows",
     "open_ellipses",
     "open_results",
     "open_windows",
@@ -43,9 +54,4 @@ __all__ = [
     "write_ellipses",
 ]
 
-
-def __getattr__(name: str) -> Any:  # noqa: ANN401 - functions of several types
-    if name not in _HOMES:
-        message = f"module 'reliab.sweep' has no attribute {name!r}"
-        raise AttributeError(message)
-    return getattr(import_module(_HOMES[name]), name)
+__getattr__ = exports(__name__, _HOMES)

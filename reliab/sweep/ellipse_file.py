@@ -89,7 +89,7 @@ def open_windows(path: str | Path) -> dict[str, xr.Dataset]:
         If the file is not a file of ellipses.
     """
     dataset = _read(path)
-    return {window: _in_window(dataset, window, path) for window in ellipse_windows(path)}
+    return {window: _in_window(dataset, window, path) for window in _windows(dataset)}
 
 
 def _read(path: str | Path) -> xr.Dataset:
@@ -102,25 +102,7 @@ def _read(path: str | Path) -> xr.Dataset:
     return with_sides(dataset)
 
 
-def ellipse_windows(path: str | Path) -> tuple[str, ...]:
-    """List the windows of a file of ellipses.
-
-    Parameters
-    ----------
-    path : str or pathlib.Path
-        A file that `write_ellipses` wrote.
-
-    Returns
-    -------
-    tuple of str
-        "record", "arias" or seconds.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read.
-    """
-    dataset = read_netcdf(path, _RULE, _REMEDY)
+def _windows(dataset: xr.Dataset) -> tuple[str, ...]:
     if Dimension.WINDOW in dataset.dims:
         return tuple(str(label) for label in dataset[Dimension.WINDOW].values)
     return (str(dataset.attrs.get("window", Window().label)),)
@@ -149,9 +131,7 @@ def with_sides(dataset: xr.Dataset) -> xr.Dataset:
 
 def _in_window(dataset: xr.Dataset, window: str | None, path: str | Path) -> xr.Dataset:
     """Choose one of the windows of a file."""
-    several = Dimension.WINDOW in dataset.dims
-    labels = dataset[Dimension.WINDOW].values if several else [dataset.attrs.get("window", Window().label)]
-    stored = [str(label) for label in labels]
+    stored = _windows(dataset)
     chosen = window or (Window().label if Window().label in stored else stored[0])
     if chosen not in stored:
         raise InputError(
@@ -160,6 +140,6 @@ def _in_window(dataset: xr.Dataset, window: str | None, path: str | Path) -> xr.
             remedy="Choose one of these, or trace the boundaries in that window",
             where=str(path),
         )
-    if several:
+    if Dimension.WINDOW in dataset.dims:
         dataset = dataset.isel({Dimension.WINDOW: stored.index(chosen)}, drop=True)
     return dataset.assign_attrs(window=chosen)

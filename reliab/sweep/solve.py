@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import BarycentricInterpolator
 
 from reliab.indices.frequency_evaluation import evaluate_sums
 from reliab.indices.response_error import relative_error
@@ -197,4 +197,6 @@ def _evenly(values: NDArray[np.float64]) -> NDArray[np.float64]:
 def _polynomial_weights(nodes: NDArray[np.float64], values: NDArray[np.float64]) -> NDArray[np.float64]:
     """Weights of the polynomial through the nodes, constant beyond them; shape (values, nodes)."""
     inside = np.clip(values, nodes[0], nodes[-1])
-    return np.asarray(BarycentricInterpolator(nodes, np.eye(nodes.size))(inside), dtype=np.float64)
+    return np.asarray(
+        scipy.interpolate.BarycentricInterpolator(nodes, np.eye(nodes.size))(inside), dtype=np.float64
+    )

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
+import scipy
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.stats import multivariate_normal, norm
 
 from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, FittedLaw, Law
 from reliab.criterion.methods import Scatter
@@ -41,7 +41,7 @@ class _Motions:
         """
         if isinstance(law, Law):
             stated = self.limits(law, _PRINTED_CONFIDENCE)
-            return np.asarray(stated + norm.ppf(_PRINTED_CONFIDENCE) * self.values.std(axis=0))
+            return np.asarray(stated + scipy.special.ndtri(_PRINTED_CONFIDENCE) * self.values.std(axis=0))
         return self._fitted(law, self.values.mean(axis=0))
 
     def limits(self, law: FittedLaw | Law, confidence: float) -> NDArray[np.float64]:
@@ -174,7 +174,9 @@ def _judge(
         covariance = learned.covariance(law, location)
         residual = values[held_out] - location
         score[held_out] = (
-            multivariate_normal([0.0, 0.0], covariance).logpdf(residual).reshape(residual.shape[:3])
+            scipy.stats.multivariate_normal([0.0, 0.0], covariance)
+            .logpdf(residual)
+            .reshape(residual.shape[:3])
         )
         stated[held_out] = learned.limits(law, confidence)
     room = (values - stated).min(axis=-1)  # by which the limits could grow, in logarithms

@@ -4,9 +4,9 @@ from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
+import scipy
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.stats import multivariate_normal
 
 from reliab.criterion.laws import Dimensionless
 from reliab.criterion.population import Population
@@ -111,7 +111,7 @@ def _scores(
             residual[..., k] = values[..., k] - design @ fitted
         covariance = np.cov(residual[learned].T, bias=True)
         judged = known & held_out[:, None, None]
-        score[judged] = multivariate_normal([0.0, 0.0], covariance).logpdf(residual[judged])
+        score[judged] = scipy.stats.multivariate_normal([0.0, 0.0], covariance).logpdf(residual[judged])
     return score
 
 

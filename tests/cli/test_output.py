@@ -14,6 +14,7 @@ from reliab.version import __version__
 STRUCTURE = ["--f", "1", "--xi", "0.02"]
 CRITERION = ["criterion", "--law", "guo_2017_18", *STRUCTURE]
 COMMANDS = [["--help"], ["criterion", "--help"], CRITERION, ["run", "--list"]]
+NUMERICS = ("numpy", "numba", "scipy", "pandas", "xarray", "matplotlib")
 
 
 @pytest.fixture
@@ -73,11 +74,22 @@ def test_a_message_that_cannot_be_encoded_ends_with_its_sentence(run_with):
     assert b"Traceback" not in message
 
 
-def test_version_is_printed_without_numerics():
-    program = (
-        "import sys; from reliab.cli import run; run(['--version']); "
-        "print(sorted({'numpy', 'rich', 'numba'} & set(sys.modules)))"
-    )
+def modules_after(program, *names):
+    """Which of these modules a fresh interpreter has imported after a program, and what it printed."""
+    program = f"import sys; {program}; print(sorted({set(names)} & set(sys.modules)))"
     command = [sys.executable, "-c", program]
     result = subprocess.run(command, capture_output=True, text=True, check=True)  # noqa: S603
-    assert result.stdout.split("\n")[:2] == [__version__, "[]"]
+    *printed, modules = result.stdout.rstrip("\n").split("\n")
+    return modules, printed
+
+
+def test_version_and_help_are_printed_without_numerics():
+    asked = "from reliab.cli import run; run(['--version'])"
+    assert modules_after(asked, *NUMERICS, "rich") == ("[]", [__version__])
+    assert modules_after("from reliab.cli import run; run(['criterion', '--help'])", *NUMERICS)[0] == "[]"
+
+
+def test_a_criterion_from_ellipses_needs_neither_kernels_nor_what_other_methods_need():
+    asked = "from reliab.criterion import derive_criterion; from reliab.sweep import open_ellipses"
+    idle = ("numba", "scipy.stats", "scipy.signal", "scipy.optimize", "emcee", "arviz", "matplotlib", "zarr")
+    assert modules_after(asked, *idle)[0] == "[]"

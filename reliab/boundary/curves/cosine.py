@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import curve_fit
 
 from reliab.boundary.curves.curve import Curve
 from reliab.vocabulary import CurveName
@@ -21,7 +21,7 @@ class Cosine(Curve):
     @classmethod
     def _parameters(cls, offset: NDArray[np.float64], delay: NDArray[np.float64]) -> tuple[float, float]:
         guess = (float(delay.max()), 0.5 * np.pi / float(np.abs(offset).max()))
-        (a, b), _ = curve_fit(lambda x, a, b: a * np.cos(b * x), offset, delay, p0=guess)
+        (a, b), _ = scipy.optimize.curve_fit(lambda x, a, b: a * np.cos(b * x), offset, delay, p0=guess)
         return float(a), float(b)
 
     @classmethod

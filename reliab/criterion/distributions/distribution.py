@@ -5,8 +5,8 @@ from collections.abc import Callable, Sequence
 from typing import ClassVar, Self
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import minimize
 
 from reliab.errors import InputError
 
@@ -101,5 +101,7 @@ def maximise_likelihood(
     numpy.ndarray
         The parameters, shape (k,).
     """
-    optimum = minimize(lambda p: -log_likelihood(p), np.asarray(start), bounds=bounds, method="L-BFGS-B")
+    optimum = scipy.optimize.minimize(
+        lambda p: -log_likelihood(p), np.asarray(start), bounds=bounds, method="L-BFGS-B"
+    )
     return np.asarray(optimum.x, dtype=np.float64)

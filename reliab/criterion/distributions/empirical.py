@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import iqr
 
 from reliab.criterion.distributions.normal_kernels import NormalKernels
 
@@ -35,7 +35,7 @@ class Empirical(NormalKernels):
     @classmethod
     def _of_maximum_likelihood(cls, values: NDArray[np.float64]) -> Self:
         logarithms = np.log(values)
-        quartiles = iqr(logarithms) / _NORMAL_QUARTILES
+        quartiles = scipy.stats.iqr(logarithms) / _NORMAL_QUARTILES
         spread = min(logarithms.std(), quartiles) if quartiles > 0.0 else logarithms.std()
         bandwidth = 0.9 * spread * values.size**-0.2
         return cls(

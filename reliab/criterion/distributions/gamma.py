@@ -1,11 +1,11 @@
 """Gamma distribution."""
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import gamma
 
 from reliab.criterion.distributions.scipy_family import OfQuantity
 
@@ -26,7 +26,7 @@ class Gamma(OfQuantity):
     """
 
     name: ClassVar[str] = "gamma"
-    family: ClassVar[Any] = gamma
+    family_name: ClassVar[str] = "gamma"
 
     shape: float
     scale: float
@@ -34,7 +34,7 @@ class Gamma(OfQuantity):
     @classmethod
     def _of_maximum_likelihood(cls, values: NDArray[np.float64]) -> Self:
         unit = float(values.mean())
-        shape, _, scale = gamma.fit(values / unit, floc=0.0)
+        shape, _, scale = scipy.stats.gamma.fit(values / unit, floc=0.0)
         return cls(shape=float(shape), scale=float(scale) * unit)
 
     @property

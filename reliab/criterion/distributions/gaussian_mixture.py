@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import norm
 
 from reliab.criterion.distributions.normal_kernels import NormalKernels, log_mixture
 
@@ -41,7 +41,7 @@ class LogGaussianMixture(NormalKernels):
             if density.sum() - before < _TOLERANCE:
                 break
             before = density.sum()
-            by_component = np.log(weights) + norm.logpdf(logarithms[:, None], means, spreads)
+            by_component = np.log(weights) + scipy.stats.norm.logpdf(logarithms[:, None], means, spreads)
             share = np.exp(by_component - density[:, None])
             total = np.maximum(share.sum(axis=0), 1e-12)
             weights, means = total / total.sum(), (share * logarithms[:, None]).sum(axis=0) / total

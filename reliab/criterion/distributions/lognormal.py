@@ -1,11 +1,10 @@
 """Lognormal distribution, the paper's choice for a and b."""
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import norm
 
 from reliab.criterion.distributions.scipy_family import OfLogarithm
 
@@ -27,7 +26,7 @@ class Lognormal(OfLogarithm):
     """
 
     name: ClassVar[str] = "lognormal"
-    family: ClassVar[Any] = norm
+    family_name: ClassVar[str] = "norm"
 
     mu: float
     sigma: float

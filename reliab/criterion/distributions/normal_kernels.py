@@ -3,10 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import elementwise
-from scipy.special import logsumexp
-from scipy.stats import norm
 
 from reliab.criterion.distributions.distribution import Distribution
 
@@ -38,6 +36,8 @@ class NormalKernels(Distribution):
 
     def quantile(self, probability: ArrayLike) -> NDArray[np.float64]:
         """Value that is not exceeded with the given probability."""
+        from scipy.optimize import elementwise
+
         wanted = np.asarray(probability, dtype=np.float64)
         low = np.full_like(wanted, (self.means - _REACH * self.spreads).min())
         high = np.full_like(wanted, (self.means + _REACH * self.spreads).max())
@@ -47,7 +47,9 @@ class NormalKernels(Distribution):
         return np.asarray(np.exp(root.x))
 
     def _cumulative_of_logarithm(self, logarithms: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.asarray(norm.cdf(logarithms[..., None], self.means, self.spreads) @ self.weights)
+        return np.asarray(
+            scipy.stats.norm.cdf(logarithms[..., None], self.means, self.spreads) @ self.weights
+        )
 
 
 def log_mixture(
@@ -57,5 +59,5 @@ def log_mixture(
     spreads: NDArray[np.float64],
 ) -> NDArray[np.float64]:
     """Logarithm of a mixture's density of the logarithm, shape of `logarithms`."""
-    by_kernel = norm.logpdf(logarithms[..., None], means, spreads)
-    return np.asarray(logsumexp(by_kernel, b=weights, axis=-1))
+    by_kernel = scipy.stats.norm.logpdf(logarithms[..., None], means, spreads)
+    return np.asarray(scipy.special.logsumexp(by_kernel, b=weights, axis=-1))

@@ -4,6 +4,7 @@ from abc import abstractmethod
 from typing import Any, ClassVar
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from reliab.criterion.distributions.distribution import Distribution
@@ -14,11 +15,16 @@ class OfQuantity(Distribution):
 
     Attributes
     ----------
-    family : scipy.stats.rv_continuous
-        The family.
+    family_name : str
+        Name of the family in `scipy.stats`.
     """
 
-    family: ClassVar[Any]
+    family_name: ClassVar[str]
+
+    @property
+    def family(self) -> Any:  # noqa: ANN401 - scipy has no types
+        """The family, a `scipy.stats.rv_continuous`."""
+        return getattr(scipy.stats, self.family_name)
 
     @property
     @abstractmethod

@@ -1,11 +1,11 @@
 """Skew-normal distribution of the logarithm: one tail lighter than the other (Azzalini 1985)."""
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import skew, skewnorm
 
 from reliab.criterion.distributions.distribution import maximise_likelihood
 from reliab.criterion.distributions.scipy_family import OfLogarithm
@@ -37,7 +37,7 @@ class LogSkewNormal(OfLogarithm):
     """
 
     name: ClassVar[str] = "skew_normal"
-    family: ClassVar[Any] = skewnorm
+    family_name: ClassVar[str] = "skewnorm"
 
     location: float
     scale: float
@@ -51,10 +51,10 @@ class LogSkewNormal(OfLogarithm):
 
         def log_likelihood(parameters: NDArray[np.float64]) -> float:
             location, log_scale, shape = parameters
-            return float(skewnorm.logpdf(standardised, shape, location, np.exp(log_scale)).sum())
+            return float(scipy.stats.skewnorm.logpdf(standardised, shape, location, np.exp(log_scale)).sum())
 
         # α = 0 is a stationary point of the likelihood, so the search starts on the side of the skewness.
-        lean = 1.0 if skew(standardised) >= 0.0 else -1.0
+        lean = 1.0 if scipy.stats.skew(standardised) >= 0.0 else -1.0
         location, log_scale, shape = maximise_likelihood(
             log_likelihood, (-lean, 0.4, 2.0 * lean), ((-4.0, 4.0), (-4.0, 2.0), (-_STEEPEST, _STEEPEST))
         )

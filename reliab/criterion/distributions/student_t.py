@@ -1,11 +1,11 @@
 """Student's t distribution of the logarithm: heavier tails than the lognormal."""
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import t
 
 from reliab.criterion.distributions.distribution import maximise_likelihood
 from reliab.criterion.distributions.scipy_family import OfLogarithm
@@ -32,7 +32,7 @@ class LogStudentT(OfLogarithm):
     """
 
     name: ClassVar[str] = "student_t"
-    family: ClassVar[Any] = t
+    family_name: ClassVar[str] = "t"
 
     mu: float
     sigma: float
@@ -46,7 +46,9 @@ class LogStudentT(OfLogarithm):
 
         def log_likelihood(parameters: NDArray[np.float64]) -> float:
             location, log_scale, log_degrees = parameters
-            return float(t.logpdf(standardised, np.exp(log_degrees), location, np.exp(log_scale)).sum())
+            return float(
+                scipy.stats.t.logpdf(standardised, np.exp(log_degrees), location, np.exp(log_scale)).sum()
+            )
 
         location, log_scale, log_degrees = maximise_likelihood(
             log_likelihood, (0.0, 0.0, np.log(10.0)), ((-3.0, 3.0), (-6.0, 2.0), tuple(np.log(_DEGREES)))

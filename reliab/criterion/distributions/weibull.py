@@ -1,13 +1,11 @@
 """Weibull distribution."""
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import brentq
-from scipy.special import logsumexp, softmax
-from scipy.stats import weibull_min
 
 from reliab.criterion.distributions.scipy_family import OfQuantity
 
@@ -30,7 +28,7 @@ class Weibull(OfQuantity):
     """
 
     name: ClassVar[str] = "weibull"
-    family: ClassVar[Any] = weibull_min
+    family_name: ClassVar[str] = "weibull_min"
 
     shape: float
     scale: float
@@ -41,12 +39,14 @@ class Weibull(OfQuantity):
 
         def score(shape: float) -> float:
             # Derivative of the likelihood along its ridge: Σ xᵏ ln x / Σ xᵏ − 1/k − mean ln x.
-            return float(softmax(shape * logarithms) @ logarithms - 1.0 / shape - logarithms.mean())
+            return float(
+                scipy.special.softmax(shape * logarithms) @ logarithms - 1.0 / shape - logarithms.mean()
+            )
 
         # The logarithm of a Weibull variable has the standard deviation π/(√6 shape).
         guess = np.pi / np.sqrt(6.0) / logarithms.std()
-        shape = brentq(score, guess / _REACH, guess * _REACH)
-        log_scale = (logsumexp(shape * logarithms) - np.log(values.size)) / shape
+        shape = scipy.optimize.brentq(score, guess / _REACH, guess * _REACH)
+        log_scale = (scipy.special.logsumexp(shape * logarithms) - np.log(values.size)) / shape
         return cls(shape=float(shape), scale=float(np.exp(log_scale)))
 
     @property

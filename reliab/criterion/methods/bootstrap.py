@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import norm
 
 from reliab.criterion.methods.bound import AssuredBound
 
@@ -59,5 +59,5 @@ class Bootstrap(AssuredBound):
         drawn = rng.multinomial(len(sums), np.full(len(sums), 1.0 / len(sums)), self.resamples) @ sums
         means = drawn[:, 1] / drawn[:, 0]
         spreads = np.sqrt(np.maximum(drawn[:, 2] / drawn[:, 0] - means**2, 0.0))
-        quantiles = means + norm.ppf(1.0 - confidence) * spreads
+        quantiles = means + scipy.special.ndtri(1.0 - confidence) * spreads
         return float(logarithms.mean() + np.quantile(quantiles, 1.0 - self.assurance))

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import binom
 
 from reliab.criterion.methods.bound import AssuredBound
 
@@ -54,5 +54,5 @@ class OrderStatistic(AssuredBound):
         n = logarithms.size
         # The r-th smallest value is low enough when at least r motions lie below the true quantile.
         ranks = np.arange(1, n + 1)
-        kept = binom.sf(ranks - 1, n, 1.0 - confidence) >= self.assurance
+        kept = scipy.stats.binom.sf(ranks - 1, n, 1.0 - confidence) >= self.assurance
         return float(np.sort(logarithms)[kept.sum() - 1]) if kept.any() else -np.inf

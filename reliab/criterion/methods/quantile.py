@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import norm, t
 
 from reliab.criterion.distributions import DISTRIBUTIONS, Lognormal
 from reliab.criterion.methods.bound import BoundMethod
@@ -70,7 +70,12 @@ class Quantile(BoundMethod):
         further value lies above it with the probability T(z √((n − 1)/(n + 1))) of Student's t, n − 1
         degrees of freedom.
         """
-        return float(t.cdf(norm.ppf(confidence) * np.sqrt((n_motions - 1) / (n_motions + 1)), n_motions - 1))
+        return float(
+            scipy.special.stdtr(
+                n_motions - 1,
+                scipy.special.ndtri(confidence) * np.sqrt((n_motions - 1) / (n_motions + 1)),
+            )
+        )
 
     def _lower_bound(
         self, logarithms: NDArray[np.float64], events: NDArray[np.str_], confidence: float

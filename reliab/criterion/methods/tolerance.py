@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import nct, norm
 
 from reliab.criterion.methods.bound import AssuredBound
 
@@ -40,7 +40,7 @@ def tolerance_factor(n: int, proportion: float, assurance: float) -> float:
     (2.911, 1.874)
     """
     root = np.sqrt(n)
-    return float(nct.ppf(assurance, n - 1, norm.ppf(proportion) * root) / root)
+    return float(scipy.stats.nct.ppf(assurance, n - 1, scipy.special.ndtri(proportion) * root) / root)
 
 
 @dataclass(frozen=True, kw_only=True)

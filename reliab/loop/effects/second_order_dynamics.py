@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg import expm
 
 from reliab.loop.effects.effect import LinearEffect, Role, Setting
 from reliab.loop.effects.first_order_lag import FirstOrderLag
@@ -85,7 +85,7 @@ class SecondOrderDynamics(LinearEffect):
         system[0, 1] = 1.0
         system[1, :3] = -stiffness, -damping, stiffness
         system[2, 3] = 1.0
-        transition = expm(setting.step * system)[:2]
+        transition = scipy.linalg.expm(setting.step * system)[:2]
         slope = transition[:, 3] / setting.step
         rows = np.column_stack([transition[:, :2], transition[:, 2] - slope, slope])
         return np.concatenate([[stiffness, damping], rows.ravel()])

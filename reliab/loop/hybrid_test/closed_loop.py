@@ -8,8 +8,8 @@ correction is needed.
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import make_interp_spline
 
 from reliab.loop.effects import RecordEffect, Role, Setting
 from reliab.loop.effects.integration_error import IntegrationError
@@ -141,7 +141,7 @@ def _resampled(
             force=broken[0],
         )
     command, piston, force = (
-        make_interp_spline(instants, values, axis=-1)(samples)
+        scipy.interpolate.make_interp_spline(instants, values, axis=-1)(samples)
         for values in (histories.command.values, histories.piston.values, histories.force)
     )
     moved = Motion3(values=piston, step=step)

@@ -12,8 +12,8 @@ from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg import expm
 
 from reliab.loop.effects.kernel import Kernel, Numbers
 
@@ -80,7 +80,7 @@ def _transition(substructure: LinearSubstructure, step: float) -> NDArray[np.flo
     system[0, 1] = 1.0
     system[1, :3] = -substructure.stiffness, -substructure.damping, 1.0
     system[2, 3] = 1.0
-    transition = expm(step * system)[:2]
+    transition = scipy.linalg.expm(step * system)[:2]
     slope = transition[:, 3] / step
     rows = np.column_stack([transition[:, :2], transition[:, 2] - slope, slope])
     return np.concatenate([rows.ravel(), [substructure.damping, substructure.stiffness]])

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from reliab.compiled import compiled
 from reliab.errors import InputError
@@ -49,7 +49,7 @@ class Motion3:
         Motion3
             The motion at (n − 1)·parts + 1 instants.
         """
-        spline = CubicSpline(np.arange(displacement.size) * step, displacement)
+        spline = scipy.interpolate.CubicSpline(np.arange(displacement.size) * step, displacement)
         times = np.arange((displacement.size - 1) * parts + 1) * (step / parts)
         return cls(values=np.stack([spline(times), spline(times, 1), spline(times, 2)]), step=step / parts)
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from reliab.errors import InputError
 from reliab.loop.partition.critical_delay import critical_delay
@@ -247,4 +247,4 @@ def discrete_critical_delay(
     furthest = min(2.0 * exact + 4.0 * step, _LONGEST_MEMORY * step)
     if growth(furthest) < 0.0:
         return math.inf
-    return float(brentq(growth, 0.0, furthest, xtol=1e-3 * step))
+    return float(scipy.optimize.brentq(growth, 0.0, furthest, xtol=1e-3 * step))

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-import scipy.linalg
+import scipy
 from numpy.typing import NDArray
 
 from reliab.loop.dominant_pole import ModalLoop, compared_frequencies, dominant_pole, modal_loop

@@ -6,8 +6,8 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg import eigh
 
 from reliab.errors import InputError
 from reliab.loop.structure import Structure
@@ -59,7 +59,7 @@ def natural_modes(mass: ArrayLike, stiffness: ArrayLike) -> Modes:
     >>> natural_modes([[2.0]], [[8.0]]).circular_frequency
     array([2.])
     """
-    squares, shapes = eigh(np.asarray(stiffness), np.asarray(mass))
+    squares, shapes = scipy.linalg.eigh(np.asarray(stiffness), np.asarray(mass))
     return Modes(circular_frequency=np.sqrt(squares), shapes=shapes)
 
 

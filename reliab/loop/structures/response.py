@@ -1,8 +1,8 @@
 """Exact response of an undivided linear structure to a ground motion that is linear between samples."""
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg import expm
 
 from reliab.compiled import compiled
 from reliab.loop.structures.frame import Frame
@@ -39,7 +39,7 @@ def exact_step(dynamics: Array, loads: Array, step: float) -> tuple[Array, Array
     system[:n, :n] = dynamics * step
     system[:n, n : n + m] = loads * step
     system[n : n + m, n + m :] = np.eye(m)
-    flow = expm(system)
+    flow = scipy.linalg.expm(system)
     late = flow[:n, n + m :]
     return flow[:n, :n], flow[:n, n : n + m] - late, late
 

@@ -5,8 +5,7 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from scipy import signal
-from scipy.io import loadmat
+import scipy
 
 from reliab.errors import InputError
 from reliab.files import decoding, ordinary
@@ -54,7 +53,9 @@ def transfer_function_of(model: Any, delay: float = 0.0) -> TransferFunction:  #
             raise InputError(
                 "A transfer system has one input and one output", value=f"{b.shape[1]} and {c.shape[0]}"
             )
-        numerator, denominator = signal.ss2tf(np.asarray(model.A), b, c, np.atleast_2d(np.asarray(model.D)))
+        numerator, denominator = scipy.signal.ss2tf(
+            np.asarray(model.A), b, c, np.atleast_2d(np.asarray(model.D))
+        )
         return TransferFunction(
             numerator=_without_rounding(numerator[0]), denominator=coefficients_of(denominator), delay=delay
         )
@@ -136,7 +137,7 @@ def _variables(path: str | Path, variable: str | None) -> Mapping[str, Any]:
     """Variables of a MATLAB file, or the fields of one of them that is a structure."""
     rule, remedy = "A MATLAB file must be readable", "Save it in MATLAB with the option -v7"
     with decoding(rule, remedy=remedy, where=path):
-        content = loadmat(str(ordinary(path)), squeeze_me=True, struct_as_record=False)
+        content = scipy.io.loadmat(str(ordinary(path)), squeeze_me=True, struct_as_record=False)
     if variable is None:
         return dict(content)
     if variable not in content:
@@ -151,10 +152,12 @@ def _variables(path: str | Path, variable: str | None) -> Mapping[str, Any]:
     return vars(structure) if hasattr(structure, "_fieldnames") else {}
 
 
-def _state_space(held: Mapping[str, Any]) -> signal.StateSpace:
+def _state_space(held: Mapping[str, Any]) -> scipy.signal.StateSpace:
     """State-space model of matrices that MATLAB has squeezed."""
     order = np.atleast_2d(held["A"]).shape[0]
     a = np.asarray(held["A"], dtype=float).reshape(order, order)
     b = np.asarray(held["B"], dtype=float).reshape(order, -1)
     c = np.asarray(held["C"], dtype=float).reshape(-1, order)
-    return signal.StateSpace(a, b, c, np.asarray(held["D"], dtype=float).reshape(c.shape[0], b.shape[1]))
+    return scipy.signal.StateSpace(
+        a, b, c, np.asarray(held["D"], dtype=float).reshape(c.shape[0], b.shape[1])
+    )

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy import signal
 
 from reliab.errors import InputError
 from reliab.loop.hybrid_test.specimen import Specimen
@@ -182,7 +182,7 @@ class TransferFunction(TransferSystem):
         powers = scale ** np.arange(n, -1, -1.0)
         numerator = np.asarray(self.numerator) * powers[-len(self.numerator) :]
         denominator = np.asarray(self.denominator) * powers
-        a, b, c, d = signal.tf2ss(numerator / denominator[0], denominator / denominator[0])
+        a, b, c, d = scipy.signal.tf2ss(numerator / denominator[0], denominator / denominator[0])
         return scale * a, scale * b[:, 0], c[0], float(d[0, 0])
 
 

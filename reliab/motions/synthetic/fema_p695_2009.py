@@ -12,8 +12,8 @@ from math import atan2, cos, degrees, exp, log, pi, sin, sqrt
 from typing import Final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.special import ndtr, ndtri
 
 from reliab.motions.synthetic.random_stream import RandomStream
 from reliab.motions.synthetic.scenario import VALID_RANGES, Mechanism, Scenario
@@ -92,7 +92,7 @@ def draw_earthquake(stream: RandomStream) -> Earthquake:
     mechanism = Mechanism.REVERSE if stream.uniform() < _REVERSE_SHARE else Mechanism.STRIKE_SLIP
     buried = stream.uniform() > _SURFACE_SHARE and mechanism is Mechanism.REVERSE
     depth = _SHALLOWEST + (_DEEPEST - _SHALLOWEST) * stream.uniform()
-    length = rupture_length(magnitude, mechanism, deviation=float(ndtri(stream.uniform())))
+    length = rupture_length(magnitude, mechanism, deviation=float(scipy.special.ndtri(stream.uniform())))
     return Earthquake(
         magnitude=magnitude,
         mechanism=mechanism,
@@ -148,10 +148,10 @@ def _draw_distance(shortest: float, stream: RandomStream) -> float:
 
 def _draw_velocity(stream: RandomStream) -> float:
     lowest, highest = (
-        float(ndtr(log(limit / _MEDIAN_VELOCITY) / _VELOCITY_DEVIATION))
+        float(scipy.special.ndtr(log(limit / _MEDIAN_VELOCITY) / _VELOCITY_DEVIATION))
         for limit in (_LOWEST_VELOCITY, _HIGHEST_VELOCITY)
     )
-    normal = float(ndtri(lowest + (highest - lowest) * stream.uniform()))
+    normal = float(scipy.special.ndtri(lowest + (highest - lowest) * stream.uniform()))
     return float(_MEDIAN_VELOCITY * exp(_VELOCITY_DEVIATION * normal))
 
 

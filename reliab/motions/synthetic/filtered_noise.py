@@ -6,8 +6,8 @@ from math import ceil, cos, exp, log, pi, sin, sqrt
 from typing import Final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from reliab.motions.synthetic.modulation import Modulation
 from reliab.motions.synthetic.parameters import ComponentParameters
@@ -111,5 +111,7 @@ def _oscillate(impulses: NDArray[np.float64], angle: float, bandwidth: float) ->
     """Response ω h of an oscillator of ω Δt = angle to impulses, shape (..., n)."""
     decay, turn = exp(-bandwidth * angle), angle * sqrt(1.0 - bandwidth**2)
     ahead, behind = 2.0 * decay * cos(turn), decay**2
-    response: NDArray[np.float64] = lfilter([0.0, angle * decay * sin(turn)], [1.0, -ahead, behind], impulses)
+    response: NDArray[np.float64] = scipy.signal.lfilter(
+        [0.0, angle * decay * sin(turn)], [1.0, -ahead, behind], impulses
+    )
     return response

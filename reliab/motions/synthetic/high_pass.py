@@ -4,8 +4,8 @@ from math import ceil
 from typing import Final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import fft
 
 _ORDER: Final = 4
 
@@ -57,10 +57,10 @@ def high_pass(acceleration: NDArray[np.float64], magnitude: float, time_step: fl
         Filtered acceleration, in the units of the input.
     """
     count = acceleration.shape[-1]
-    length = fft.next_fast_len(count, real=True)
-    ratio = (fft.rfftfreq(length, time_step) / corner_frequency(magnitude)) ** (2 * _ORDER)
-    spectrum = fft.rfft(acceleration, length) * np.sqrt(ratio / (1.0 + ratio))
-    filtered: NDArray[np.float64] = fft.irfft(spectrum, length)[..., :count]
+    length = scipy.fft.next_fast_len(count, real=True)
+    ratio = (scipy.fft.rfftfreq(length, time_step) / corner_frequency(magnitude)) ** (2 * _ORDER)
+    spectrum = scipy.fft.rfft(acceleration, length) * np.sqrt(ratio / (1.0 + ratio))
+    filtered: NDArray[np.float64] = scipy.fft.irfft(spectrum, length)[..., :count]
     return filtered
 
 

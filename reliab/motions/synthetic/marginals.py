@@ -7,7 +7,7 @@ that θ = F⁻¹(Φ(ν)). For a lognormal parameter ν is its logarithm; the fou
 from math import exp, expm1, log
 from typing import Final
 
-from scipy.special import betaincinv, ndtr
+import scipy
 
 # Beta distributions: the two shape parameters, the lower and the upper bound.
 _OSCILLATIONS: Final = (1.30326, 3.96858, 2.0, 3.2)
@@ -25,7 +25,9 @@ _SLOPE_HIGHEST: Final = 1.5
 
 def _beta_quantile(nu: float, shape: tuple[float, float, float, float]) -> float:
     first, second, lowest, highest = shape
-    return lowest + (highest - lowest) * float(betaincinv(first, second, ndtr(nu)))
+    return lowest + (highest - lowest) * float(
+        scipy.special.betaincinv(first, second, scipy.special.ndtr(nu))
+    )
 
 
 def oscillations(nu: float) -> float:
@@ -47,7 +49,7 @@ def phase(nu: float) -> float:
     >>> phase(0.0)
     1.0
     """
-    return _PHASE_BOUND * float(ndtr(nu))
+    return _PHASE_BOUND * float(scipy.special.ndtr(nu))
 
 
 def bandwidth(nu: float) -> float:
@@ -73,9 +75,9 @@ def slope(nu: float) -> float:
     """
     below = -expm1(_SLOPE_RATE_BELOW * _SLOPE_LOWEST) / _SLOPE_RATE_BELOW
     above = -expm1(-_SLOPE_RATE_ABOVE * _SLOPE_HIGHEST) / _SLOPE_RATE_ABOVE
-    area = float(ndtr(nu)) * (below + above)
+    area = float(scipy.special.ndtr(nu)) * (below + above)
     if area < below:
         return log(exp(_SLOPE_RATE_BELOW * _SLOPE_LOWEST) + _SLOPE_RATE_BELOW * area) / _SLOPE_RATE_BELOW
-    remaining = float(ndtr(-nu)) * (below + above)
+    remaining = float(scipy.special.ndtr(-nu)) * (below + above)
     tail = exp(-_SLOPE_RATE_ABOVE * _SLOPE_HIGHEST)
     return -log(tail + _SLOPE_RATE_ABOVE * remaining) / _SLOPE_RATE_ABOVE

@@ -5,8 +5,8 @@ from math import log, log1p, pi
 from typing import Final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from reliab.motions.synthetic.parameters import ComponentParameters
 from reliab.vocabulary import STANDARD_GRAVITY
@@ -98,7 +98,7 @@ def fit_modulation(component: ComponentParameters) -> Modulation:
     elif excess(_END) <= 0.0:
         peak_share = _END
     else:
-        peak_share = brentq(excess, _ONSET, _END, xtol=1e-15)
+        peak_share = scipy.optimize.brentq(excess, _ONSET, _END, xtol=1e-15)
     shape = _unit_shape(peak_share, ratio)
     return Modulation(
         peak_time=component.strong_end / shape.time_of_share(_END),
@@ -116,5 +116,7 @@ def _unit_shape(peak_share: float, ratio: float) -> Modulation:
     def excess(rate: float) -> float:
         return rate * before + log1p(rate * after) - log(ratio)
 
-    rate = _GENTLEST if excess(_GENTLEST) <= 0.0 else brentq(excess, 0.0, _GENTLEST, xtol=1e-15)
+    rate = (
+        _GENTLEST if excess(_GENTLEST) <= 0.0 else scipy.optimize.brentq(excess, 0.0, _GENTLEST, xtol=1e-15)
+    )
     return Modulation(peak_time=1.0, peak_share=peak_share, growth=1.0 / rate, arias_intensity=1.0)

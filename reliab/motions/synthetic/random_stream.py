@@ -3,8 +3,8 @@
 from typing import Final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.special import ndtri
 
 _DISCARDED_BITS: Final = np.uint64(11)
 _RESOLUTION: Final = 2.0**-53
@@ -41,7 +41,7 @@ class RandomStream:
 
     def normals(self, count: int) -> NDArray[np.float64]:
         """Draw standard normal numbers, shape (count,)."""
-        normals: NDArray[np.float64] = ndtri(self.uniforms(count))
+        normals: NDArray[np.float64] = scipy.special.ndtri(self.uniforms(count))
         return normals
 
     def uniform(self) -> float:

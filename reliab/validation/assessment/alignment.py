@@ -9,8 +9,8 @@ from the test, in size and shape and, if that fails, in shape alone.
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.signal import fftconvolve
 
 from reliab.loop.blocks import cut
 from reliab.loop.excitation import Excitation
@@ -161,7 +161,7 @@ def _similarity(part: Array, whole: Array, *, in_size: bool) -> Array:
 
     2⟨p, w⟩/(⟨p, p⟩ + ⟨w, w⟩), or ⟨p, w⟩/√(⟨p, p⟩⟨w, w⟩) where sizes do not count.
     """
-    products = fftconvolve(whole, part[::-1], mode="valid")
+    products = scipy.signal.fftconvolve(whole, part[::-1], mode="valid")
     energy, energies = float(part @ part), _energies(whole, part.size)
     if in_size:
         return np.asarray(2.0 * products / (energy + energies))

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.signal import butter, get_window, sosfiltfilt, sosfreqz
 
 from reliab.validation.assessment.recording import Recording
 
@@ -43,9 +43,9 @@ def in_band(recording: Recording) -> Band:
     bins = int(np.flatnonzero(smooth >= np.minimum(_ABOVE_FLOOR * floor, smooth.max()))[-1]) + 1
     histories, passed = [recording.command, recording.measured], np.ones(power.size)
     if 2 * bins < _ROOM * power.size:
-        sections = butter(4, 2.0 * bins / power.size, output="sos")
-        histories = [np.asarray(sosfiltfilt(sections, history)) for history in histories]
-        passed = np.abs(sosfreqz(sections, power.size)[1]) ** 4  # forwards and backwards
+        sections = scipy.signal.butter(4, 2.0 * bins / power.size, output="sos")
+        histories = [np.asarray(scipy.signal.sosfiltfilt(sections, history)) for history in histories]
+        passed = np.abs(scipy.signal.sosfreqz(sections, power.size)[1]) ** 4  # forwards and backwards
     total = float(periodogram(histories[0]).sum())
     return Band(command=histories[0], measured=histories[1], bins=bins, noise=floor * passed / total)
 
@@ -70,5 +70,5 @@ def noise_floor(values: Array) -> tuple[float, float]:
 
 def periodogram(values: Array) -> Array:
     """Squared magnitudes of a tapered history without its mean, by frequency above zero."""
-    taper = get_window("hann", values.size)
+    taper = scipy.signal.get_window("hann", values.size)
     return np.asarray(np.abs(np.fft.rfft((values - values.mean()) * taper))[1:] ** 2)

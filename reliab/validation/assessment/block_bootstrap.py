@@ -12,8 +12,8 @@ Shao, X. (2010). The dependent wild bootstrap. *Journal of the American Statisti
 """
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.signal import get_window
 
 Array = NDArray[np.float64]
 
@@ -66,7 +66,7 @@ def index_errors(
 
 def _contributions(command: Array, residual: Array, window: str) -> tuple[NDArray[np.complex128], Array]:
     """Sum of a stretch's part in Σ F[left] F[I]* / Σ|F[I]|², and its share in the command's energy."""
-    taper = get_window(window, command.size)
+    taper = scipy.signal.get_window(window, command.size)
     points = 1 << (command.size - 1).bit_length()
     spectrum = np.fft.fft(command * taper, points)
     spectrum[0], spectrum[points // 2 :] = 0.0, 0.0

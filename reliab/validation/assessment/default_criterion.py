@@ -10,7 +10,7 @@ from reliab.criterion import Criterion, derive_criterion
 from reliab.criterion.methods import RECOMMENDED, method_of
 from reliab.errors import InputError
 from reliab.shipped import shipped
-from reliab.sweep import ellipse_windows, open_ellipses
+from reliab.sweep import open_windows
 from reliab.validation.assessment.criterion_window import RECORD, window_for
 
 _TABLE = "real_suite/ellipses.nc"
@@ -83,15 +83,18 @@ def shipped_frequencies() -> list[float]:
     return [float(frequency) for frequency in np.sort(_shipped_ellipses()["f"].values)]
 
 
-@lru_cache(maxsize=1)
 def shipped_windows() -> tuple[str, ...]:
     """Windows for which ellipses ship with the package."""
-    return ellipse_windows(shipped("datasets", _TABLE))
+    return tuple(_by_window())
 
 
-@lru_cache(maxsize=4)
 def _shipped_ellipses(window: str = RECORD) -> xr.Dataset:
-    return open_ellipses(shipped("datasets", _TABLE), window=window)
+    return _by_window()[window]
+
+
+@lru_cache(maxsize=1)
+def _by_window() -> dict[str, xr.Dataset]:
+    return open_windows(shipped("datasets", _TABLE))
 
 
 def _between(below: xr.Dataset, above: xr.Dataset, weight: float) -> xr.Dataset:

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from reliab.validation.assessment.recording import Recording
 from reliab.validation.assessment.spikes import without_spikes
@@ -118,7 +118,7 @@ def find_faults(
 def _expected(recording: Recording, tracking: TrackingIndex) -> Array:
     """Command with the gain and delay of the test."""
     times = np.arange(recording.command.size) * recording.time_step
-    path = CubicSpline(times, recording.command)
+    path = scipy.interpolate.CubicSpline(times, recording.command)
     late = np.clip(times - tracking.delay, times[0], times[-1])
     return np.asarray(tracking.amplitude * path(late), dtype=np.float64)
 

@@ -5,7 +5,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import elementwise
 
 from reliab.boundary import Contour, InscribedEllipse, motion_contours
 from reliab.errors import InputError
@@ -74,6 +73,8 @@ class OwnBoundary:
         InputError
             If no such test reaches the threshold.
         """
+        from scipy.optimize import elementwise
+
         loop, offset = self._loop, amplitude - 1.0
         if offset == 0.0 and delay == 0.0:
             return 0.0

@@ -1,8 +1,8 @@
 """Recordings that cannot be judged: too short or coarse, opposite signs, two units, or unrelated."""
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.signal import correlate
 
 from reliab.errors import InputError
 from reliab.rebuilt_error.size import require_fitting, samples_in_step_of_structure
@@ -110,8 +110,8 @@ def require_following(recording: Recording) -> None:
             remedy="Reverse the sign of one channel",
             where=recording.name,
         )
-    reach = int(_LONGEST_LAG * command.size)
-    products = correlate(measured, command, method="fft")[command.size - 1 - reach : command.size + reach]
+    reach, none = int(_LONGEST_LAG * command.size), command.size - 1
+    products = scipy.signal.correlate(measured, command, method="fft")[none - reach : none + reach + 1]
     best = float(products.max()) / size
     if best < _UNRELATED:
         raise InputError(

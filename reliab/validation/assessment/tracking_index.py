@@ -16,8 +16,8 @@ gives the uncertainty of A and d (`reliab.validation.assessment.block_bootstrap`
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from reliab.indices.frequency_evaluation import FrequencyEvaluation, frequency_evaluation
 from reliab.validation.assessment.band import Band, in_band, noise_floor, periodogram
@@ -108,7 +108,7 @@ def track(recording: Recording, *, window: str = "hann", draws: int = 2000, seed
     recording = replace(recording, command=_centred(recording.command), measured=_centred(recording.measured))
     band, step = in_band(recording), recording.time_step
     plain = _without_noise(frequency_evaluation(band.command, band.measured, step, window=window), band, step)
-    path = CubicSpline(np.arange(band.command.size) * step, band.command)
+    path = scipy.interpolate.CubicSpline(np.arange(band.command.size) * step, band.command)
     gain, delay = plain.amplitude, plain.equivalent_delay
     for _ in range(_REFINEMENTS):
         reference = frequency_evaluation(band.command, _moved(path, gain, delay), step, window=window)
@@ -119,7 +119,7 @@ def track(recording: Recording, *, window: str = "hann", draws: int = 2000, seed
     error = index_errors(band.command, residual, window=window, draws=draws, seed=seed) / (
         gain * np.exp(-1j * turn * delay)
     )
-    full = CubicSpline(np.arange(recording.command.size) * step, recording.command)
+    full = scipy.interpolate.CubicSpline(np.arange(recording.command.size) * step, recording.command)
     noise = recording.measured - _moved(full, gain, delay)
     return TrackingIndex(
         amplitude=gain,
@@ -132,7 +132,7 @@ def track(recording: Recording, *, window: str = "hann", draws: int = 2000, seed
     )
 
 
-def _moved(path: CubicSpline, gain: float, delay: float) -> Array:
+def _moved(path: scipy.interpolate.CubicSpline, gain: float, delay: float) -> Array:
     """Command times a gain and later by a delay, without its mean; at rest before the first sample."""
     times = path.x
     return _centred(gain * path(np.clip(times - delay, times[0], times[-1])))

@@ -8,8 +8,8 @@ a and b over the motions, so that about a quarter of them would be good for the 
 from typing import Final
 
 import numpy as np
+import scipy
 import xarray as xr
-from scipy.stats import qmc
 
 from reliab.validation.cross_validation.cell import Cell
 from reliab.validation.cross_validation.region import Actuators
@@ -44,7 +44,7 @@ def draw_trials(
     """
     parameters = cell.parameters(ellipses, side=side)
     half_axes = _SIZE * np.exp([0.5 * np.nanmean(np.log(values)) for values in parameters])
-    uniform = qmc.Sobol(2, rng=seed).random_base2(max(count - 1, 0).bit_length())[:count]
+    uniform = scipy.stats.qmc.Sobol(2, rng=seed).random_base2(max(count - 1, 0).bit_length())[:count]
     radius, angle = np.sqrt(uniform[:, 0]), np.pi * uniform[:, 1]
     return Actuators(
         gain=1.0 + half_axes[0] * radius * np.cos(angle),

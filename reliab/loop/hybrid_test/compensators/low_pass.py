@@ -1,8 +1,8 @@
 """The low-pass filter that adaptive compensators apply to both signals that they compare."""
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.signal import butter
 
 from reliab.errors import InputError
 
@@ -40,5 +40,5 @@ def butterworth_sections(order: int, cutoff: float, step: float) -> NDArray[np.f
             "The filter's cutoff must be positive and below half of the sampling rate",
             value=f"{cutoff} Hz at {1.0 / step:g} Hz",
         )
-    sections = butter(order, cutoff, fs=1.0 / step, output="sos")
+    sections = scipy.signal.butter(order, cutoff, fs=1.0 / step, output="sos")
     return np.asarray(np.delete(sections, 3, axis=1).ravel())

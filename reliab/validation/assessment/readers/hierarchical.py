@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import numpy as np
-from scipy.io import netcdf_file
+import scipy
 
 from reliab.validation.assessment.readers.arrays import columns_of_arrays
 from reliab.validation.assessment.readers.columns import Columns
@@ -50,7 +50,7 @@ def read_hierarchical(path: Path) -> Columns:
 
 def read_classic_netcdf(path: Path) -> Columns:
     """Read the variables of a classic NetCDF file, as :func:`read_hierarchical` does."""
-    with netcdf_file(path, "r", mmap=False) as file:
+    with scipy.io.netcdf_file(path, "r", mmap=False) as file:
         variables = dict(file.variables)
         arrays = {name: np.array(variable[()]) for name, variable in variables.items()}
         units = {

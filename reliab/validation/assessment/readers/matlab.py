@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.io import loadmat, whosmat
+import scipy
 
 from reliab.validation.assessment.readers.arrays import columns_of_arrays
 from reliab.validation.assessment.readers.columns import Columns
@@ -30,9 +30,9 @@ def read_matlab(path: Path) -> Columns:
     InputError
         If a variable has more samples than a test may have; it is not read then.
     """
-    for name, shape, _ in whosmat(path):
+    for name, shape, _ in scipy.io.whosmat(path):
         require_few_samples(max(shape, default=0), f"{path.name}, {name}")
-    return columns_of_arrays(path, dict(_flattened(loadmat(path, simplify_cells=True))))
+    return columns_of_arrays(path, dict(_flattened(scipy.io.loadmat(path, simplify_cells=True))))
 
 
 def _flattened(content: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
