@@ -45,7 +45,7 @@ def simulate(
     xi: Sequence[float] | None = None,
     grid: str = "scaled",
     window: Sequence[str] = ("record",),
-    alpha: float = _WHOLLY_EXPERIMENTAL,
+    alpha: float | Sequence[float] = _WHOLLY_EXPERIMENTAL,
     model: str | Path | HybridTest | None = None,
     engine: str = "automatic",
     resume: bool = False,
@@ -68,8 +68,8 @@ def simulate(
         those of the paper, which are late.
     window : sequence of str, optional
         Where errors are taken, "record", "arias" or seconds; several may be stored.
-    alpha : float, optional
-        Experimental fraction of the stiffness [-].
+    alpha : float or sequence of float, optional
+        Experimental fraction of the stiffness [-]; of several the results have a dimension.
     model : str, pathlib.Path or HybridTest, optional
         A hybrid test with effects, or the file of one. Its structure takes the place of `f`, `xi` and
         `alpha`, and gain, delay and the index (A, d) of the results are those of its actuator alone.
@@ -87,7 +87,8 @@ def simulate(
     Returns
     -------
     xarray.Dataset
-        `rms`, `mte`, `A` [-], `d` [s] and `stable` over (motion, f, xi, kp, tau).
+        `rms`, `mte`, `A` [-], `d` [s] and `stable` over (motion, f, xi, kp, tau), with `alpha` after `xi`
+        where several fractions are given.
 
     Raises
     ------
@@ -112,7 +113,7 @@ def simulate(
         damping_ratios=(structure.damping_ratio,) if structure else tuple(sorted(xi or _DAMPING_RATIOS)),
         grid=_one_of(grid, _GRIDS if test is None else _GRIDS_OF_DELAYS, "grid"),
         windows=tuple(Window.parse(text) for text in window),
-        experimental_fraction=structure.experimental_fraction if structure else alpha,
+        experimental_fractions=(structure.experimental_fraction,) if structure else _increasing(alpha),
         engine=_one_of(engine, {choice.value: choice for choice in Engine}, "engine"),
         model=test,
     )
@@ -132,7 +133,7 @@ def ellipses(
     threshold: Sequence[float] = (0.05,),
     metric: Sequence[str] = ("rms",),
     window: str = "record",
-    alpha: float = _WHOLLY_EXPERIMENTAL,
+    alpha: float | Sequence[float] = _WHOLLY_EXPERIMENTAL,
     model: str | Path | HybridTest | None = None,
     curves: Sequence[type[Curve]] = CURVES,
     first_order: bool = False,
@@ -153,8 +154,9 @@ def ellipses(
         Which errors.
     window : str, optional
         Where errors are taken, for ground motions: "record", "arias" or seconds.
-    alpha : float, optional
-        Experimental fraction of the stiffness [-], for ground motions.
+    alpha : float or sequence of float, optional
+        Experimental fraction of the stiffness [-], for ground motions; of several the ellipses have a
+        dimension.
     model : str, pathlib.Path or HybridTest, optional
         A hybrid test with effects, or the file of one, whose structure takes the place of `f`, `xi` and
         `alpha`, for ground motions; such a boundary has delays only.
@@ -170,10 +172,10 @@ def ellipses(
     Returns
     -------
     xarray.Dataset
-        `a` [-], `b` [ms²], `sse` [ms⁴] and `n` over (motion, f, xi, threshold, metric, curve, side); the side
-        is "lag" for actuators that are late and "lead" for those that are early, which a model with effects
-        does not have. `no_ellipse` says why a and b are NaN or zero, and `error_at_rest` is the error of an
-        actuator that does not move.
+        `a` [-], `b` [ms²], `sse` [ms⁴] and `n` over (motion, f, xi, threshold, metric, curve, side), with
+        `alpha` after `xi` where there are several fractions; the side is "lag" for actuators that are late
+        and "lead" for those that are early, which a model with effects does not have. `no_ellipse` says why
+        a and b are NaN or zero, and `error_at_rest` is the error of an actuator that does not move.
 
     Raises
     ------
@@ -207,7 +209,7 @@ def ellipses(
         metrics=metrics,
         curves=tuple(curves),
         window=Window.parse(window),
-        experimental_fraction=structure.experimental_fraction if structure else alpha,
+        experimental_fractions=(structure.experimental_fraction,) if structure else _increasing(alpha),
         model=test,
         sides=(Side.LAG,) if test else tuple(Side),
     )
@@ -219,12 +221,12 @@ def _hybrid_test(
     model: str | Path | HybridTest | None,
     f: Sequence[float] | None,
     xi: Sequence[float] | None,
-    alpha: float,
+    alpha: float | Sequence[float],
 ) -> HybridTest | None:
     """Take a model, read it if need be, and see that its structure is the only one."""
     if model is None:
         return None
-    if f or xi or alpha != _WHOLLY_EXPERIMENTAL:
+    if f or xi or _increasing(alpha) != (_WHOLLY_EXPERIMENTAL,):
         raise InputError(
             "A model brings its own structure",
             value="a model together with f, xi or alpha",
@@ -238,6 +240,11 @@ def _hybrid_test(
             where="" if isinstance(model, HybridTest) else str(model),
         )
     return test
+
+
+def _increasing(alpha: float | Sequence[float]) -> tuple[float, ...]:
+    """Experimental fractions [-] in increasing order, of one or several."""
+    return tuple(sorted(alpha)) if isinstance(alpha, Sequence) else (alpha,)
 
 
 def _one_of(name: str, choices: dict[str, _Choice], what: str) -> _Choice:

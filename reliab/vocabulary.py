@@ -14,11 +14,16 @@ STANDARD_GRAVITY: Final = 9.80665
 
 
 class Dimension(StrEnum):
-    """Dimensions of a results dataset in storage order, and those that ellipses add."""
+    """Dimensions of a results dataset in storage order, and those that ellipses add.
+
+    A dataset has the dimension of the share α where it is of several shares, after that of the damping ratio;
+    of one share it is an attribute (see `reliab.sweep.shares`).
+    """
 
     MOTION = "motion"
     FREQUENCY = "f"
     DAMPING_RATIO = "xi"
+    SHARE = "alpha"
     GAIN = "kp"
     DELAY = "tau"
     THRESHOLD = "threshold"
@@ -128,6 +133,7 @@ LABELS: Final = {
     "motion": Label("ground-motion component", "1"),
     "f": Label("natural frequency of the structure", "Hz"),
     "xi": Label("damping ratio of the structure", "1"),
+    "alpha": Label("share of the stiffness in the laboratory", "1"),
     "kp": Label("actuator gain", "1"),
     "tau": Label("actuator delay, negative for a lead", "s"),
     "event": Label("earthquake", "1"),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from reliab.cli.options import FIVE_PERCENT
 from reliab.cli.output import progress_bar
-from reliab.cli.stored_ellipses import among, of_fraction, require_column
+from reliab.cli.stored_ellipses import among, of_fractions, require_column
 from reliab.errors import InputError
 from reliab.vocabulary import Metric
 
@@ -29,7 +29,7 @@ class SourceOptions:
     xi: list[float] | None
     metric: str
     window: str | None
-    alpha: float | None
+    alpha: list[float] | None
 
     def ellipse_source(self, **options: Any) -> "EllipseSource":  # noqa: ANN401 - as EllipseSource takes them
         """Say where the ellipses come from.
@@ -75,9 +75,9 @@ class EllipseSource:
     window : str or None
         Part of the record over which the error is computed; None leaves it to the source, which is the whole
         record for records.
-    alpha : float or None
-        Experimental fraction [-]; 1 for records unless given. Stored results and files must be of that
-        fraction.
+    alpha : list of float or None
+        Experimental fractions [-]; 1 for records unless given. Stored results and files must be of these
+        fractions, or of 1, from which a law carries them.
     model : pathlib.Path or None
         Model with effects instead of structures, for records.
     structure : pathlib.Path or None
@@ -100,7 +100,7 @@ class EllipseSource:
     threshold: list[float] | None = None
     metric: str
     window: str | None = None
-    alpha: float | None = None
+    alpha: list[float] | None = None
     model: Path | None = None
     structure: Path | None = None
     first_order: bool = False
@@ -165,9 +165,9 @@ class EllipseSource:
             If the source cannot be read, or does not hold what is asked for.
         """
         if self.ellipses is not None:
-            return of_fraction(self._read(self.ellipses), self.alpha, self.ellipses)
+            return of_fractions(self._read(self.ellipses), self.alpha, self.ellipses)
         if self.results is not None:
-            return of_fraction(self._traced_in(self.results), self.alpha, self.results)
+            return of_fractions(self._traced_in(self.results), self.alpha, self.results)
         if self.structure is not None:
             return self._of_frame(self.structure)
         from reliab import api
@@ -182,7 +182,7 @@ class EllipseSource:
                 threshold=self._thresholds,
                 metric=[self.metric],
                 window=self.window or _RECORD,
-                alpha=_WHOLE if self.alpha is None else self.alpha,
+                alpha=[_WHOLE] if self.alpha is None else self.alpha,
                 model=self.model,
                 first_order=self.first_order,
                 progress=progress,

@@ -10,7 +10,7 @@ from reliab.cli.ellipse_source import EllipseSource
 from reliab.cli.options import (
     DampingRatios,
     FirstOrder,
-    FractionIfGiven,
+    Fractions,
     Frequencies,
     JsonTarget,
     MetricName,
@@ -30,6 +30,7 @@ _HEADINGS = {
     "motion": "left",
     "f [Hz]": "right",
     "ξ [-]": "right",
+    "α [-]": "right",
     "error [-]": "right",
     "a [-]": "right",
     "b [ms²]": "right",
@@ -41,7 +42,7 @@ _HEADINGS = {
     "b, inscribed, lead": "right",
     "points": "right",
 }
-_WHERE = ["motion", "f", "xi", "threshold", "metric"]
+_WHERE = ["motion", "f", "xi", "alpha", "threshold", "metric"]
 _NAMES = ("a", "b", "sse", "n", "no_ellipse")
 
 Out = Annotated[
@@ -59,7 +60,7 @@ def ellipses(
     threshold: Thresholds = None,
     metric: MetricName = "rms",
     window: WindowName = "record",
-    alpha: FractionIfGiven = None,
+    alpha: Fractions = None,
     model: ModelFile = None,
     first_order: FirstOrder = False,
     out: Out = None,
@@ -104,6 +105,10 @@ def _rows(dataset: "xr.Dataset") -> list[dict[str, Any]]:
     of the inscribed ellipse in `_inscribed` and `_lead_inscribed`. Null where there is none, for the reason
     in `no_ellipse`; 0 where effects leave no room.
     """
+    from reliab.sweep.shares import share_of
+
+    if "alpha" not in dataset.dims:
+        dataset = dataset.expand_dims(alpha=[share_of(dataset)])
     boundaries = list(dataset[[*_WHERE]].stack(row=_WHERE)["row"].values.tolist())
     columns = {
         f"{name}{suffix}": dataset[name].sel(chosen).transpose(*_WHERE).values.ravel()
@@ -150,7 +155,13 @@ def _plain(name: str, value: Any) -> float | int | str | None:  # noqa: ANN401 -
 
 
 def _cells(row: dict[str, Any]) -> list[str]:
-    where = [str(row["motion"]), f"{row['f']:g}", f"{row['xi']:g}", f"{row['threshold']:g}"]
+    where = [
+        str(row["motion"]),
+        f"{row['f']:g}",
+        f"{row['xi']:g}",
+        f"{row['alpha']:g}",
+        f"{row['threshold']:g}",
+    ]
     shown = [_parameters(row, suffix) for suffix in ("", "_lead", "_inscribed", "_lead_inscribed")]
     return [*where, *(cell for pair in shown for cell in pair), str(row["n"])]
 

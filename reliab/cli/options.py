@@ -80,16 +80,13 @@ WindowIfGiven = Annotated[
         "or the whole record.",
     ),
 ]
-FractionIfGiven = Annotated[
-    float | None,
+Fractions = Annotated[
+    list[float] | None,
     typer.Option(
         "--alpha",
-        metavar="SHARE",
-        help="Share of the stiffness in the laboratory; by default that of the source, or 1.",
+        metavar="SHARE...",
+        help="Shares of the stiffness in the laboratory; by default those of the source, or 1.",
     ),
-]
-ExperimentalFraction = Annotated[
-    float, typer.Option("--alpha", metavar="SHARE", help="Share of the stiffness in the laboratory.")
 ]
 StructureFile = Annotated[
     Path | None,

@@ -7,7 +7,7 @@ import typer
 
 from reliab.cli.options import (
     DampingRatios,
-    ExperimentalFraction,
+    Fractions,
     Frequencies,
     JsonTarget,
     ModelFile,
@@ -37,7 +37,7 @@ def simulate(
             help="Where errors are taken; several may be stored.",
         ),
     ] = None,
-    alpha: ExperimentalFraction = 1.0,
+    alpha: Fractions = None,
     model: ModelFile = None,
     engine: Annotated[
         str, typer.Option("--engine", metavar="automatic|pole|delay|spectral", help="How the loop is solved.")
@@ -59,6 +59,7 @@ def simulate(
     """
     from reliab import api
     from reliab.motions import load_motions
+    from reliab.sweep.shares import shares_of
 
     suite = load_motions(*(motions or ["synthetic"]), sets=sets)
     with progress_bar("Simulating") as progress:
@@ -69,7 +70,7 @@ def simulate(
             xi=xi,
             grid=grid,
             window=window or ["record"],
-            alpha=alpha,
+            alpha=alpha or [1.0],
             model=model,
             engine=engine,
             resume=resume,
@@ -81,8 +82,9 @@ def simulate(
         "store": str(out),
         "motions": len(suite),
         **{name: results[name].values.tolist() for name in ("f", "xi", "kp", "tau")},
+        "alpha": list(shares_of(results)),
         **{name: results.attrs[name] for name in _STATED if name in results.attrs},
     }
     if not write_json(done, json_target):
-        structures = results.sizes["f"] * results.sizes["xi"]
+        structures = results.sizes["f"] * results.sizes["xi"] * len(done["alpha"])
         console().print(f"{len(suite)} motions × {structures} structures stored in {out}", highlight=False)

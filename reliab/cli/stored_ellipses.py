@@ -9,6 +9,8 @@ from reliab.errors import InputError
 if TYPE_CHECKING:
     import xarray as xr
 
+_WHOLE = 1.0
+
 
 def require_column(
     dataset: "xr.Dataset", name: str, wanted: "list[float] | list[str] | None", path: Path
@@ -49,15 +51,15 @@ def require_column(
             )
 
 
-def of_fraction(dataset: "xr.Dataset", alpha: float | None, path: Path) -> "xr.Dataset":
-    """Carry stored boundaries of α = 1 to a smaller share; refuse any other change of it.
+def of_fractions(dataset: "xr.Dataset", alpha: list[float] | None, path: Path) -> "xr.Dataset":
+    """Choose shares of the stiffness among stored boundaries, or carry those of α = 1 to a smaller share.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         The boundaries.
-    alpha : float or None
-        Fraction that is asked for [-].
+    alpha : list of float or None
+        Fractions that are asked for [-]; all that are stored by default.
     path : pathlib.Path
         File or store of the boundaries.
 
@@ -69,23 +71,38 @@ def of_fraction(dataset: "xr.Dataset", alpha: float | None, path: Path) -> "xr.D
     Raises
     ------
     InputError
-        If they were computed with another fraction than 1, do not state it, or the law that carries them does
-        not hold.
+        If they were computed with other fractions, none of which is 1, do not state one, or the law that
+        carries them does not hold.
     """
-    stated = dataset.attrs.get("experimental_fraction")
-    stored = 1.0 if stated is None else float(stated)
-    if alpha is None or math.isclose(alpha, stored, rel_tol=1e-9):
+    from reliab.progress import silent
+    from reliab.sweep.shares import for_each_share
+
+    if alpha is None:
         return dataset
-    if stated is None or stored != 1.0:
+    return for_each_share(sorted(set(alpha)), lambda share, _: _of_fraction(dataset, share, path), silent)
+
+
+def _of_fraction(dataset: "xr.Dataset", alpha: float, path: Path) -> "xr.Dataset":
+    """Choose one share, or carry the boundaries of α = 1 to it."""
+    from reliab.criterion.experimental_share import carry_to_share
+    from reliab.sweep.shares import SHARE_ATTRIBUTE, at_share, shares_of
+
+    shares = shares_of(dataset)
+    if _near(alpha, shares):
+        return at_share(dataset, alpha)
+    stated = "alpha" in dataset.coords or SHARE_ATTRIBUTE in dataset.attrs
+    if not stated or not _near(_WHOLE, shares):
         raise InputError(
             "The experimental fraction is that with which the boundaries were computed",
-            value=f"--alpha {alpha:g}, where it is {stored:g}",
+            value=f"--alpha {alpha:g}, where it is {', '.join(f'{share:g}' for share in shares)}",
             remedy="Leave --alpha out, or give --motions, whose boundaries are computed for any fraction",
             where=str(path),
         )
-    from reliab.criterion.experimental_share import carry_to_share
+    return carry_to_share(at_share(dataset, _WHOLE), alpha)
 
-    return carry_to_share(dataset, alpha)
+
+def _near(alpha: float, shares: tuple[float, ...]) -> bool:
+    return any(math.isclose(alpha, share, rel_tol=1e-9) for share in shares)
 
 
 def among(dataset: "xr.Dataset", f: list[float] | None, xi: list[float] | None) -> "xr.Dataset":

@@ -20,6 +20,7 @@ from reliab.criterion.provenance import Provenance, kind_of_motions, records_che
 from reliab.criterion.sample_grid import SampleGrid
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
+from reliab.sweep.shares import at_share, share_of
 from reliab.vocabulary import CurveName, Metric, Side
 
 
@@ -165,7 +166,7 @@ class Derivation:
         progress: Progress = silent,
     ) -> Self:
         """Learn from ellipses; the parameters are those of :func:`derive_criterion`."""
-        chosen = _only(ellipses, "f", frequency).pipe(_only, "xi", damping_ratio)
+        chosen = at_share(ellipses).pipe(_only, "f", frequency).pipe(_only, "xi", damping_ratio)
         require_meaning(chosen, threshold=threshold, metric=metric)
         curves = names_along(chosen, "curve")
         error = {
@@ -256,7 +257,7 @@ class Derivation:
             n_events=int(np.unique(self.ellipses["event"]).size),
             records_checksum=records_checksum(self.ellipses),
             window=str(self.ellipses.attrs.get("window", "unknown")),
-            experimental_fraction=float(self.ellipses.attrs.get("experimental_fraction", 1.0)),
+            experimental_fraction=share_of(self.ellipses),
             curve=self.lag.grid.curve,
             settings={
                 **self.method.settings,

@@ -1,7 +1,7 @@
 """A table of ellipses in a CSV file, such as the paper's Table 2.
 
 Columns `a` [-] and `b` [ms²]; where present, `motion` (or `record`), `event`, `f` (or `f_hz`) [Hz],
-`xi`, `threshold` and `metric`. Without `event`, the motion's name before the first "/" is its
+`xi`, `alpha`, `threshold` and `metric`. Without `event`, the motion's name before the first "/" is its
 earthquake; without a motion, every row is an earthquake of its own.
 """
 
@@ -14,10 +14,12 @@ import xarray as xr
 
 from reliab.errors import InputError
 from reliab.files import decoding, ordinary
-from reliab.vocabulary import ELLIPSE_DIMENSIONS, LABELS, Metric
+from reliab.sweep.shares import at_share
+from reliab.vocabulary import LABELS, Dimension, Metric
 
 _OTHER_NAMES = {"record": "motion", "f_hz": "f"}
-_CELL = ("f", "xi", "threshold", "metric")
+_SHARE = str(Dimension.SHARE)
+_CELL = ("f", "xi", _SHARE, "threshold", "metric")
 
 
 def read_ellipses(
@@ -40,7 +42,8 @@ def read_ellipses(
     Returns
     -------
     xarray.Dataset
-        `a` and `b` over (motion, f, xi, threshold, metric, curve, side), with the coordinate `event`.
+        `a` and `b` over (motion, f, xi, threshold, metric, curve, side), with the coordinate `event`, and
+        with `alpha` after `xi` where the file has several shares of the stiffness.
 
     Raises
     ------
@@ -53,18 +56,23 @@ def read_ellipses(
         {"f": frequency, "xi": damping_ratio, "threshold": threshold, "metric": str(metric)},
         index=table.index,
     )
+    states_share = _SHARE in table
+    table = table.assign(**({} if states_share else {_SHARE: "1"}))
     table = table.join(given[[name for name in given if name not in table]])
-    for name in ("a", "b", "f", "xi", "threshold"):
+    for name in ("a", "b", "f", "xi", _SHARE, "threshold"):
         table[name] = _positive(table[name], name, str(path))
     repeated = table.duplicated(["motion", *_CELL])
     if repeated.any():
         raise InputError(
             "A motion may stand only once for one structure and error",
             value=table["motion"][repeated].iloc[0],
-            remedy="Rename one, or add the columns f, xi, threshold that distinguish them",
+            remedy="Rename one, or add the columns f, xi, alpha, threshold that distinguish them",
             where=f"{path}, line {_line(repeated)}",
         )
-    return _dataset(table)
+    cube = _dataset(table)
+    if cube.sizes[_SHARE] > 1:
+        return cube
+    return at_share(cube) if states_share else cube.isel({_SHARE: 0}, drop=True)
 
 
 def _table(path: Path) -> pd.DataFrame:
@@ -112,9 +120,8 @@ def _line(wrong: "pd.Series[bool]") -> int:
 def _dataset(table: pd.DataFrame) -> xr.Dataset:
     order = table["motion"].drop_duplicates().to_numpy()
     events = table.drop_duplicates("motion").set_index("motion")["event"]
-    cube = (
-        table.assign(curve="ellipse", side="lag").set_index(list(ELLIPSE_DIMENSIONS))[["a", "b"]].to_xarray()
-    )
+    dimensions = ["motion", *_CELL, "curve", "side"]
+    cube = table.assign(curve="ellipse", side="lag").set_index(dimensions)[["a", "b"]].to_xarray()
     cube = cube.sel(motion=order).assign_coords(event=("motion", events[order].to_numpy().astype(np.str_)))
     for name in cube.variables:
         cube[name].attrs.update(long_name=LABELS[str(name)].long_name, units=LABELS[str(name)].units)

@@ -7,6 +7,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from reliab.errors import InputError
+from reliab.sweep.shares import at_share
 from reliab.vocabulary import LABELS, CurveName, Dimension, Side
 
 FEWEST_MOTIONS = 3
@@ -188,8 +189,9 @@ def of_curve(ellipses: xr.Dataset, curve: str, side: str) -> xr.Dataset:
     Raises
     ------
     InputError
-        If the dataset has no such ellipses.
+        If the dataset has no such ellipses, or is of several shares of the stiffness.
     """
+    ellipses = at_share(ellipses)
     for name, value in ((Dimension.CURVE, curve), (Dimension.SIDE, side)):
         if name in ellipses.dims:
             ellipses = ellipses.isel({name: position_of_name(ellipses, name, value)})

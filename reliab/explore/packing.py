@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from reliab.criterion.ellipse_sample import is_ellipse, names_along
 from reliab.criterion.meaning import MOST_AT_REST, REST
 from reliab.errors import InputError
+from reliab.sweep.shares import at_share, share_of
 from reliab.vocabulary import CurveName
 
 _DROPPED_BITS = 12
@@ -72,7 +73,7 @@ def pack(ellipses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
         "dampingRatios": first["xi"].values.astype(float).tolist(),
         "motions": first["motion"].values.tolist(),
         "events": first["event"].values.tolist(),
-        "share": float(first.attrs.get("experimental_fraction", 1.0)),
+        "share": share_of(first),
         "meaningless": [_meaningless(table) for table in tables],
         "offsets": offsets,
         "codes": base64.b64encode(zlib.compress(planes.tobytes())).decode("ascii"),
@@ -81,6 +82,7 @@ def pack(ellipses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
 
 def _inscribed(ellipses: xr.Dataset) -> xr.Dataset:
     """Inscribed ellipses, or least-squares ones where no inscribed ones are stored, in the page's order."""
+    ellipses = at_share(ellipses)
     curves = names_along(ellipses, "curve")
     if "curve" in ellipses.dims:
         chosen = CurveName.INSCRIBED if CurveName.INSCRIBED in curves else curves[0]

@@ -47,7 +47,7 @@ class Structure:
             raise InputError(
                 "The experimental fraction of the stiffness must lie in (0, 1]",
                 value=self.experimental_fraction,
-                remedy="Give the specimen's share of the total stiffness, 1 for the worst case",
+                remedy="Give the specimen's share of the total stiffness, 1 for the whole of it",
             )
 
     @property

@@ -16,6 +16,7 @@ from reliab.study.description import RecordsStudy, SimulatedStudy
 from reliab.study.stages import digest
 from reliab.sweep import open_results
 from reliab.sweep.real_suite import REAL, stored_results
+from reliab.sweep.shares import at_share
 from reliab.validation.cross_validation import StoredTruth
 
 Show = Callable[[str], AbstractContextManager[Progress]]
@@ -124,7 +125,8 @@ class Material(Records):
     def _chosen(self, results: xr.Dataset) -> xr.Dataset:
         structures = self._study.structures
         f, xi = list(structures.f), list(structures.xi)
-        return results.sel(f=f, xi=xi, method="nearest", tolerance=1e-9)
+        of_share = at_share(results, structures.experimental_fraction)
+        return of_share.sel(f=f, xi=xi, method="nearest", tolerance=1e-9)
 
     def _stored(self, results: Path) -> Path:
         structures = self._study.structures
@@ -133,13 +135,6 @@ class Material(Records):
     def _check_stored(self) -> None:
         results = open_results(self.stored or "", window=Window.parse(self._study.errors.window).label)
         structures = self._study.structures
-        fraction = float(results.attrs["experimental_fraction"])
-        if fraction != structures.experimental_fraction:
-            raise InputError(
-                "Stored results hold only for the experimental fraction with which they were simulated",
-                value=f"{structures.experimental_fraction:g}, stored is {fraction:g}",
-                remedy="Give ground motions instead, or that fraction",
-            )
         try:
             self._chosen(results)
         except KeyError:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from reliab.sweep.request import SweepRequest
     from reliab.sweep.results import open_results
     from reliab.sweep.run import run_sweep
+    from reliab.sweep.shares import at_share, shares_of
 
 _HOMES = {
     "CURVES": "reliab.sweep.ellipse_dataset",
@@ -25,12 +26,14 @@ _HOMES = {
     "Grid": "reliab.sweep.grid",
     "ScaledGrid": "reliab.sweep.grid",
     "SweepRequest": "reliab.sweep.request",
+    "at_share": "reliab.sweep.shares",
     "open_ellipses": "reliab.sweep.ellipse_file",
     "open_results": "reliab.sweep.results",
     "open_windows": "reliab.sweep.ellipse_file",
     "predict_ellipses": "reliab.sweep.first_order_table",
     "run_sweep": "reliab.sweep.run",
     "share_at_rest": "reliab.sweep.ellipse_dataset",
+    "shares_of": "reliab.sweep.shares",
     "trace_ellipses": "reliab.sweep.ellipse_table",
     "write_compact": "reliab.sweep.compact",
     "write_ellipses": "reliab.sweep.ellipse_file",
@@ -43,12 +46,14 @@ __all__ = [
     "Grid",
     "ScaledGrid",
     "SweepRequest",
+    "at_share",
     "open_ellipses",
     "open_results",
     "open_windows",
     "predict_ellipses",
     "run_sweep",
     "share_at_rest",
+    "shares_of",
     "trace_ellipses",
     "write_compact",
     "write_ellipses",

@@ -14,6 +14,7 @@ import xarray as xr
 from reliab.errors import InputError
 from reliab.files import decoding, written_whole
 from reliab.sweep.netcdf import read_netcdf
+from reliab.sweep.shares import SHARE_ATTRIBUTE
 from reliab.sweep.store_layout import SCHEMA_VERSION
 from reliab.vocabulary import Dimension, Metric
 
@@ -66,7 +67,7 @@ def open_compact(path: Path) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        `rms` and `mte` over (motion, f, xi, kp, tau).
+        `rms` and `mte` over (motion, f, xi, kp, tau), or (motion, f, xi, alpha, kp, tau).
 
     Raises
     ------
@@ -85,7 +86,8 @@ def open_compact(path: Path) -> xr.Dataset:
             step = float(dataset.attrs.pop(_CODED))
             for metric in Metric:
                 dataset[metric] = _decoded(dataset[metric], step)
-        dataset.attrs["experimental_fraction"] = float(dataset.attrs["experimental_fraction"])
+        if Dimension.SHARE not in dataset.dims:
+            dataset.attrs[SHARE_ATTRIBUTE] = float(dataset.attrs[SHARE_ATTRIBUTE])
     return dataset
 
 

@@ -1,7 +1,7 @@
 """Ellipses of many ground motions, traced by solving the loop, without a stored grid."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import xarray as xr
@@ -21,6 +21,7 @@ from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_d
 from reliab.sweep.excitation import excitation_of
 from reliab.sweep.records import joined_coordinates, motion_coordinates
 from reliab.sweep.request import check_model, loop_of, structures_of
+from reliab.sweep.shares import SHARE_ATTRIBUTE, for_each_share
 from reliab.vocabulary import Metric, Side
 
 _TOGETHER = 32
@@ -47,8 +48,8 @@ class EllipseRequest:
         Sides of the boundary: actuators that are late, early, or both, which is the default.
     window : Window, optional
         Part of the record over which the error is computed.
-    experimental_fraction : float, optional
-        Share of the stiffness in the laboratory [-].
+    experimental_fractions : tuple of float, optional
+        Shares of the stiffness in the laboratory [-]; the whole of it by default.
     engine : Engine, optional
         How the loop is solved.
     model : HybridTest, optional
@@ -68,7 +69,7 @@ class EllipseRequest:
     curves: tuple[type[Curve], ...] = CURVES
     sides: tuple[Side, ...] = tuple(Side)
     window: Window = field(default_factory=Window)
-    experimental_fraction: float = 1.0
+    experimental_fractions: tuple[float, ...] = (1.0,)
     engine: Engine = Engine.AUTOMATIC
     model: HybridTest | None = None
 
@@ -83,8 +84,31 @@ class EllipseRequest:
 
     @property
     def structures(self) -> list[Structure]:
-        """Every structure, the damping ratio varying fastest."""
-        return structures_of(self.frequencies, self.damping_ratios, self.experimental_fraction)
+        """Every structure, the share of the stiffness varying fastest, then the damping ratio."""
+        return structures_of(self.frequencies, self.damping_ratios, self.experimental_fractions)
+
+    def each_share(
+        self, compute: Callable[["EllipseRequest", Progress], xr.Dataset], progress: Progress
+    ) -> xr.Dataset:
+        """Answer the request for each share of the stiffness and join the answers.
+
+        Parameters
+        ----------
+        compute : callable
+            Takes a request of one share and a progress, returns the ellipses.
+        progress : callable
+            Called with the steps done for all shares and their number.
+
+        Returns
+        -------
+        xarray.Dataset
+            With the dimension `alpha` where there are several shares.
+        """
+
+        def of_share(share: float, advance: Progress) -> xr.Dataset:
+            return compute(replace(self, experimental_fractions=(share,)), advance)
+
+        return for_each_share(self.experimental_fractions, of_share, progress)
 
 
 def trace_ellipses(
@@ -107,8 +131,14 @@ def trace_ellipses(
         `a` [-], `b` [ms²], `sse` [ms⁴], `n` and `no_ellipse` over (motion, f, xi, threshold, metric, curve,
         side); a and b are NaN where a side has no ellipse and zero where the model's effects alone exceed
         the threshold, for the reason in `no_ellipse`. `error_at_rest` [-] over (motion, f, xi, metric) is
-        the error of an actuator that does not move.
+        the error of an actuator that does not move. Of several shares of the stiffness all have the dimension
+        `alpha` after `xi`; of one it is the attribute `experimental_fraction`.
     """
+    return request.each_share(lambda asked, advance: _of_share(motions, asked, advance), progress)
+
+
+def _of_share(motions: Sequence[Motion], request: EllipseRequest, progress: Progress) -> xr.Dataset:
+    """Trace the boundaries of structures of one share."""
     tables, rests, headers = [], [], []
     for begin in range(0, len(motions), _TOGETHER):
         batch = [motions[place] for place in range(begin, min(begin + _TOGETHER, len(motions)))]
@@ -171,7 +201,7 @@ def labelled(
     headers : sequence of dict
         Coordinates of each motion.
     request : EllipseRequest
-        The request that the table answers.
+        The request that the table answers, of one share of the stiffness.
     error_at_rest : numpy.ndarray, optional
         Error of an actuator that does not move [-], shape (motion, f, xi, metric).
 
@@ -189,7 +219,7 @@ def labelled(
         sides=request.sides,
         attributes={
             "window": request.window.label,
-            "experimental_fraction": request.experimental_fraction,
+            SHARE_ATTRIBUTE: request.experimental_fractions[0],
         },
         error_at_rest=error_at_rest,
     )

@@ -60,6 +60,11 @@ def predict_ellipses(
     array([4.])
     """
     _check(request)
+    return request.each_share(lambda asked, advance: _of_share(motions, asked, advance), progress)
+
+
+def _of_share(motions: Sequence[Motion], request: EllipseRequest, progress: Progress) -> xr.Dataset:
+    """Predict the ellipses of structures of one share."""
     tables, headers = [], []
     for done, motion in enumerate(motions, start=1):
         excitation = excitation_of(motion, request.window)

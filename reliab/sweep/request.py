@@ -15,6 +15,7 @@ from reliab.loop.excitation import Excitation
 from reliab.loop.hybrid_test import HybridTest
 from reliab.loop.structure import Structure
 from reliab.sweep.grid import Grid, ScaledGrid
+from reliab.vocabulary import Dimension
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,8 +32,8 @@ class SweepRequest:
         Actuators to simulate; scaled to the structures by default.
     windows : tuple of Window, optional
         Parts of the record over which errors are computed; the whole record by default.
-    experimental_fraction : float, optional
-        Share of the stiffness in the laboratory [-].
+    experimental_fractions : tuple of float, optional
+        Shares of the stiffness in the laboratory [-], increasing; the whole of it by default.
     engine : Engine, optional
         How the loop is solved.
     model : HybridTest, optional
@@ -42,20 +43,24 @@ class SweepRequest:
     Raises
     ------
     InputError
-        If frequencies, damping ratios or windows are missing, repeated or not increasing, or the model has
-        another structure.
+        If frequencies, damping ratios, shares or windows are missing, repeated or not increasing, or the
+        model has another structure.
     """
 
     frequencies: tuple[float, ...]
     damping_ratios: tuple[float, ...]
     grid: Grid = field(default_factory=ScaledGrid)
     windows: tuple[Window, ...] = (Window(),)
-    experimental_fraction: float = 1.0
+    experimental_fractions: tuple[float, ...] = (1.0,)
     engine: Engine = Engine.AUTOMATIC
     model: HybridTest | None = None
 
     def __post_init__(self) -> None:
-        for what, values in (("frequencies", self.frequencies), ("damping ratios", self.damping_ratios)):
+        for what, values in (
+            ("frequencies", self.frequencies),
+            ("damping ratios", self.damping_ratios),
+            ("shares of the stiffness", self.experimental_fractions),
+        ):
             if not values or np.any(np.diff(values) <= 0.0):
                 raise InputError(
                     f"A sweep needs {what} that increase", value=list(values), remedy="Give each once, sorted"
@@ -77,8 +82,15 @@ class SweepRequest:
 
     @property
     def structures(self) -> list[Structure]:
-        """Every structure, the damping ratio varying fastest."""
-        return structures_of(self.frequencies, self.damping_ratios, self.experimental_fraction)
+        """Every structure, the share of the stiffness varying fastest, then the damping ratio."""
+        return structures_of(self.frequencies, self.damping_ratios, self.experimental_fractions)
+
+    @property
+    def structure_axes(self) -> dict[Dimension, tuple[float, ...]]:
+        """Dimensions of the structures with their values; the share is one where there are several."""
+        axes = {Dimension.FREQUENCY: self.frequencies, Dimension.DAMPING_RATIO: self.damping_ratios}
+        several = len(self.experimental_fractions) > 1
+        return axes | ({Dimension.SHARE: self.experimental_fractions} if several else {})
 
     def describe(self) -> dict[str, object]:
         """Everything that determines the results for a given record, as plain values."""
@@ -91,12 +103,17 @@ class SweepRequest:
             "kp": coordinates["kp"].values.tolist(),
             "tau": coordinates["tau"].values.tolist(),
             "windows": [window.label for window in self.windows],
-            "experimental_fraction": self.experimental_fraction,
+            **self._described_shares(),
             "engine": str(self.engine),
             "tolerance": REDUCTION_TOLERANCE,
             "tolerance_lead": LEAD_TOLERANCE,
             **model,
         }
+
+    def _described_shares(self) -> dict[str, object]:
+        if len(self.experimental_fractions) > 1:
+            return {"experimental_fractions": list(self.experimental_fractions)}
+        return {"experimental_fraction": self.experimental_fractions[0]}
 
     def digest(self) -> str:
         """SHA-256 of everything that determines the results for a given record, in hexadecimal."""
@@ -104,13 +121,14 @@ class SweepRequest:
 
 
 def structures_of(
-    frequencies: Sequence[float], damping_ratios: Sequence[float], experimental_fraction: float
+    frequencies: Sequence[float], damping_ratios: Sequence[float], experimental_fractions: Sequence[float]
 ) -> list[Structure]:
-    """Every pair of frequency [Hz] and damping ratio [-] as a structure, the damping ratio fastest."""
+    """Every frequency [Hz] with every damping ratio [-] and share [-] as a structure, the share fastest."""
     return [
-        Structure(frequency=f, damping_ratio=xi, experimental_fraction=experimental_fraction)
+        Structure(frequency=f, damping_ratio=xi, experimental_fraction=share)
         for f in frequencies
         for xi in damping_ratios
+        for share in experimental_fractions
     ]
 
 

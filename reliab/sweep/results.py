@@ -9,7 +9,9 @@ from reliab.errors import InputError
 from reliab.files import decoding
 from reliab.sweep import results_accessor  # noqa: F401 - gives opened datasets the accessor `reliab`
 from reliab.sweep.compact import open_compact
+from reliab.sweep.shares import SHARE_ATTRIBUTE
 from reliab.sweep.store_layout import MEND, STORED, read_attributes
+from reliab.vocabulary import Dimension
 
 _COORDINATES = ("motion", "f", "xi", "kp", "tau", "event", "duration", "dt", "pga", "checksum")
 
@@ -28,7 +30,8 @@ def open_results(path: str | Path, *, window: str | None = None) -> xr.Dataset:
     -------
     xarray.Dataset
         `rms`, `mte`, `A` [-], `d` [s] and `stable` over (motion, f, xi, kp, tau), read from disk when they
-        are used; from a NetCDF file only `rms` and `mte`.
+        are used; from a NetCDF file only `rms` and `mte`. Of several shares of the stiffness there is the
+        dimension `alpha` after `xi`; of one it is the attribute `experimental_fraction`.
 
     Raises
     ------
@@ -56,7 +59,9 @@ def open_results(path: str | Path, *, window: str | None = None) -> xr.Dataset:
 def _stored(path: Path, group: str | None) -> xr.Dataset:
     """Open a group of a store, with the coordinates that every store has."""
     dataset = xr.open_zarr(path, group=group, consolidated=False, chunks=None)
-    _ = float(dataset.attrs["experimental_fraction"]), dataset.attrs["study_hash"], dataset.attrs["window"]
+    if Dimension.SHARE not in dataset.dims:
+        _ = float(dataset.attrs[SHARE_ATTRIBUTE])
+    _ = dataset.attrs["study_hash"], dataset.attrs["window"]
     missing = int(np.isnan(dataset["duration"].values).sum())
     if missing:
         raise InputError(

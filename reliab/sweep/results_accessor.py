@@ -14,8 +14,9 @@ from reliab.loop.structure import Structure
 from reliab.progress import Progress, silent
 from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_dataset
 from reliab.sweep.labels import with_labels
+from reliab.sweep.shares import SHARE_ATTRIBUTE, at_share, for_each_share, share_of, shares_of
 from reliab.sweep.store_layout import MEND, STORED
-from reliab.sweep.stored_contours import contours_of, surfaces_of
+from reliab.sweep.stored_contours import contours_of, errors_at_rest, surfaces_of
 from reliab.vocabulary import RESULT_DIMENSIONS, Dimension, Metric, Side
 
 _OF_RECORDS_AND_STRUCTURES = ("motion", "f", "xi", "event", "duration", "dt", "pga", "checksum")
@@ -33,7 +34,7 @@ class ResultsAccessor:
                 value=f"a dataset without {', '.join(absent) or 'rms'}",
                 remedy="Open one with reliab.open_results",
             )
-        self._dataset = dataset
+        self._dataset = at_share(dataset) if len(shares_of(dataset)) == 1 else dataset
 
     def structure(self, f: float, xi: float) -> Structure:
         """Structure of the dataset with given natural frequency [Hz] and damping ratio [-].
@@ -51,7 +52,7 @@ class ResultsAccessor:
         Raises
         ------
         InputError
-            If they are not among the dataset's.
+            If they are not among the dataset's, or it is of several shares of the stiffness.
         """
         for name, value in ((Dimension.FREQUENCY, f), (Dimension.DAMPING_RATIO, xi)):
             stored = self._dataset[name].values
@@ -61,8 +62,7 @@ class ResultsAccessor:
                     value=value,
                     remedy="Choose one of these, or simulate that one",
                 )
-        fraction = float(self._dataset.attrs["experimental_fraction"])
-        return Structure(frequency=f, damping_ratio=xi, experimental_fraction=fraction)
+        return Structure(frequency=f, damping_ratio=xi, experimental_fraction=share_of(self._dataset))
 
     def grid(self, f: float, xi: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Gains k_p [-] and delays τ [s] that were simulated for a structure.
@@ -239,7 +239,8 @@ class ResultsAccessor:
         -------
         xarray.Dataset
             As returned by `reliab.sweep.trace_ellipses`: `a` [-] and `b` [ms²] over (motion, f, xi,
-            threshold, metric, curve, side); NaN also where a contour leaves the grid.
+            threshold, metric, curve, side), with `alpha` after `xi` where the results have several shares;
+            NaN also where a contour leaves the grid.
 
         Raises
         ------
@@ -248,6 +249,13 @@ class ResultsAccessor:
         """
         sides = self.sides if sides is None else tuple(sides)
         self._check_sides(sides)
+        if len(shares := shares_of(self._dataset)) > 1:
+
+            def of(share: float, advance: Progress) -> xr.Dataset:
+                of_share = ResultsAccessor(at_share(self._dataset, share))
+                return of_share.ellipses(thresholds, metrics, curves, sides=sides, progress=advance)
+
+            return for_each_share(shares, of, progress)
         sizes = [self._dataset.sizes[name] for name in ("motion", "f", "xi")]
         table = np.full(
             (*sizes, len(thresholds), len(metrics), len(curves), len(sides), len(COLUMNS)), np.nan
@@ -271,9 +279,9 @@ class ResultsAccessor:
             curves=curves,
             sides=sides,
             attributes={
-                name: self._dataset.attrs[name] for name in ("window", "experimental_fraction", "study_hash")
+                name: self._dataset.attrs[name] for name in ("window", SHARE_ATTRIBUTE, "study_hash")
             },
-            error_at_rest=self._at_rest(metrics),
+            error_at_rest=errors_at_rest(self._dataset, metrics),
         )
 
     @property
@@ -289,12 +297,3 @@ class ResultsAccessor:
                 value="results of delays only",
                 remedy="Simulate again with leads, or ask for the side of the lag",
             )
-
-    def _at_rest(self, metrics: Sequence[Metric]) -> NDArray[np.float64] | None:
-        """Error of an actuator that does not move, shape (motion, f, xi, metric); None in older stores."""
-        if "rms_at_rest" not in self._dataset:
-            return None
-        rms = self._dataset["rms_at_rest"].transpose("motion", "f", "xi").values.astype(np.float64)
-        # Without motion the deviation is the exact response, whose peak normalises MTE^R, so that MTE^R is 1.
-        by_metric = {Metric.RMS: rms, Metric.MTE: np.ones_like(rms)}
-        return np.stack([by_metric[metric] for metric in metrics], axis=-1)

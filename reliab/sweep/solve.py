@@ -28,7 +28,7 @@ _CENTRAL = 2.0  # damping ratios of amplitude error within which the nodes lie
 
 @dataclass(frozen=True, kw_only=True)
 class MotionResults:
-    """Results of one ground motion and one window over (f, xi, kp, tau).
+    """Results of one ground motion and one window over (f, xi, kp, tau), or (f, xi, alpha, kp, tau).
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class MotionResults:
     stable : numpy.ndarray
         Whether the delay is below the critical delay.
     rms_at_rest : numpy.ndarray
-        RMS^R of an actuator that does not move [-], over (f, xi); its MTE^R is 1.
+        RMS^R of an actuator that does not move [-], over the structures; its MTE^R is 1.
     """
 
     rms: NDArray[np.float32]
@@ -83,7 +83,7 @@ def _solve_window(motion: Motion, request: SweepRequest, window: Window) -> Moti
     excitation = excitation_of(motion, window)
     pair = QuadraturePair.of(excitation)
     tables = [_solve_structure(excitation, pair, request, structure) for structure in request.structures]
-    shape = (len(request.frequencies), len(request.damping_ratios))
+    shape = tuple(map(len, request.structure_axes.values()))
     columns = {
         name: np.stack([table[name] for table in tables]).reshape(shape + tables[0][name].shape)
         for name in VARIABLES

@@ -14,8 +14,9 @@ from zarr.codecs import BloscCodec, Crc32cCodec
 from reliab.errors import InputError
 from reliab.files import decoding, ordinary
 from reliab.sweep.request import SweepRequest
+from reliab.sweep.shares import SHARE_ATTRIBUTE
 from reliab.sweep.solve import VARIABLES
-from reliab.vocabulary import LABELS, RESULT_DIMENSIONS, Dimension
+from reliab.vocabulary import LABELS, Dimension
 
 SCHEMA_VERSION = 1
 JOURNAL = "journal"
@@ -34,9 +35,6 @@ MEND = "Mend the store with `reliab simulate --resume`, or simulate again to ano
 """Rule for stored results, and the remedy where it is broken."""
 
 _DTYPES = {name: "bool" if name == "stable" else "float32" for name in VARIABLES}
-_DIMENSIONS = {
-    name: RESULT_DIMENSIONS[:3] if name == "rms_at_rest" else RESULT_DIMENSIONS for name in VARIABLES
-}
 _MOTIONS_PER_CHUNK = 1024
 _PACKAGES = ("reliab", "numpy", "numba", "scipy", "xarray", "zarr")
 
@@ -92,23 +90,20 @@ def create_store(path: Path, request: SweepRequest, names: Sequence[str], events
 def _create_variables(group: zarr.Group, request: SweepRequest, motions: int) -> None:
     coordinates = request.grid.coordinates(request.frequencies, request.damping_ratios)
     axes = {
-        "f": ((Dimension.FREQUENCY,), np.array(request.frequencies)),
-        "xi": ((Dimension.DAMPING_RATIO,), np.array(request.damping_ratios)),
+        **{str(name): ((name,), np.array(values)) for name, values in request.structure_axes.items()},
         **{name: (tuple(map(str, axis.dims)), axis.values) for name, axis in coordinates.items()},
     }
     for name, (dims, values) in axes.items():
         array = _create_array(group, name, values.shape, values.shape, "float64", dims)
         array[...] = values
-    sizes = (
-        motions,
-        len(request.frequencies),
-        len(request.damping_ratios),
-        axes["kp"][1].shape[-1],
-        axes["tau"][1].shape[-1],
-    )
+    of_structures = {Dimension.MOTION: motions} | {
+        name: len(values) for name, values in request.structure_axes.items()
+    }
+    of_actuators = {name: axes[name][1].shape[-1] for name in (Dimension.GAIN, Dimension.DELAY)}
     for name in VARIABLES:
-        over = sizes[: len(_DIMENSIONS[name])]
-        _create_array(group, name, over, (1, *over[1:]), _DTYPES[name], _DIMENSIONS[name])
+        over = of_structures | ({} if name == "rms_at_rest" else of_actuators)
+        sizes = tuple(over.values())
+        _create_array(group, name, sizes, (1, *sizes[1:]), _DTYPES[name], tuple(over))
 
 
 def _create_array(
@@ -137,6 +132,7 @@ def _create_array(
 def _attributes(request: SweepRequest, window: str) -> dict[str, Any]:
     described = request.describe()
     model = {"model": json.dumps(described["model"])} if "model" in described else {}
+    share = {name: described[name] for name in (SHARE_ATTRIBUTE,) if name in described}
     return {
         "schema_version": SCHEMA_VERSION,
         "study_hash": request.digest(),
@@ -145,7 +141,7 @@ def _attributes(request: SweepRequest, window: str) -> dict[str, Any]:
         "grid": described["grid"],
         "engine": described["engine"],
         "tolerance": described["tolerance"],
-        "experimental_fraction": described["experimental_fraction"],
+        **share,
         **model,
         "versions": json.dumps({name: version(name) for name in _PACKAGES}),
     }

@@ -10,7 +10,7 @@ from reliab.boundary import Contour, trace_contours
 from reliab.boundary.contour import REACH, furthest_lead
 from reliab.boundary.surface import ErrorSurfaces
 from reliab.loop.structure import Structure
-from reliab.vocabulary import Side
+from reliab.vocabulary import Metric, Side
 
 
 def surfaces_of(errors: xr.DataArray) -> ErrorSurfaces:
@@ -84,3 +84,26 @@ def _inside_grid(
     else:
         high = ~within | (values[..., -1] >= threshold)
     return np.asarray(wide.all(axis=-1) & high.all(axis=-1))
+
+
+def errors_at_rest(results: xr.Dataset, metrics: Sequence[Metric]) -> NDArray[np.float64] | None:
+    """Error of an actuator that does not move.
+
+    Parameters
+    ----------
+    results : xarray.Dataset
+        Results of one share of the stiffness.
+    metrics : sequence of Metric
+        Which errors.
+
+    Returns
+    -------
+    numpy.ndarray or None
+        Error [-], shape (motion, f, xi, metric); None where the results are of an older version.
+    """
+    if "rms_at_rest" not in results:
+        return None
+    rms = results["rms_at_rest"].transpose("motion", "f", "xi").values.astype(np.float64)
+    # Without motion the deviation is the exact response, whose peak normalises MTE^R, so that MTE^R is 1.
+    by_metric = {Metric.RMS: rms, Metric.MTE: np.ones_like(rms)}
+    return np.stack([by_metric[metric] for metric in metrics], axis=-1)

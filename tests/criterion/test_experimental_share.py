@@ -30,7 +30,7 @@ def test_carried_ellipses_are_near_those_that_are_traced():
     whole, part = (
         trace_ellipses(
             motions,
-            EllipseRequest(frequencies=(1.0,), damping_ratios=(0.02,), experimental_fraction=alpha),
+            EllipseRequest(frequencies=(1.0,), damping_ratios=(0.02,), experimental_fractions=(alpha,)),
         )
         for alpha in (1.0, 0.5)
     )

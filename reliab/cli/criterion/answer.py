@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from reliab.criterion import Criterion
 
 _HEADINGS = (
-    *("f [Hz]", "ξ [-]", "error [-]", "confidence [-]", "a [-]", "b [ms²]"),
+    *("f [Hz]", "ξ [-]", "α [-]", "error [-]", "confidence [-]", "a [-]", "b [ms²]"),
     *("|A − 1| alone ≤", "lag alone ≤ [ms]", "lead alone ≤ [ms]"),
 )
 _CURVES = {
@@ -54,12 +54,14 @@ def row(
         Ready for JSON.
     """
     from reliab.criterion.summary import describe_sample, summarise
+    from reliab.sweep.shares import at_share
 
     summary = summarise(criterion, frequency, damping_ratio)
     if criterion.population is None:
         summary.update(_kept_by(criterion, summary))
     elif dataset is not None and frequency in dataset["f"] and damping_ratio in dataset["xi"]:
-        summary.update(describe_sample(dataset, criterion, frequency, damping_ratio))
+        of_share = at_share(dataset, criterion.provenance.experimental_fraction)
+        summary.update(describe_sample(of_share, criterion, frequency, damping_ratio))
     return summary
 
 
@@ -99,7 +101,7 @@ def check_one(count: int, out: Path | None) -> None:
         raise InputError(
             "A criterion's file holds one criterion",
             value=f"{count} of them",
-            remedy="Give one threshold and one confidence",
+            remedy="Give one threshold, one confidence and one share of the stiffness",
             where=str(out),
         )
 
@@ -151,7 +153,7 @@ def show(rows: Sequence[Mapping[str, Any]], posteriors: Sequence[Mapping[str, An
     )
     for row in rows:
         shown.add_row(
-            *(f"{row[key]:g}" for key in ("f", "xi", "threshold", "confidence")),
+            *(f"{row[key]:g}" for key in ("f", "xi", "alpha", "threshold", "confidence")),
             *(f"{row[key]:.3g}" for key in ("a", "b", "amplitude_limit", "delay_limit_ms")),
             "-" if row["lead_limit_ms"] is None else f"{row['lead_limit_ms']:.3g}",
         )
@@ -161,13 +163,13 @@ def show(rows: Sequence[Mapping[str, Any]], posteriors: Sequence[Mapping[str, An
     terminal.print(shown)
     together = "a and b together" if first["joint"] else "a and b each for itself"
     terminal.print(f"Method: {first['method']}, {together}. Law: {first['law']}.", highlight=False)
-    for sentence in _definitions(first):
+    for sentence in _definitions(rows):
         terminal.print(sentence, markup=False, highlight=False)
     for warning in dict.fromkeys(warning for row in rows for warning in row["warnings"]):
         terminal.print(f"Note: {warning}", markup=False, highlight=False)
 
 
-def _definitions(first: Mapping[str, Any]) -> tuple[str, ...]:
+def _definitions(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
     """Say what the limits and the error mean."""
     from reliab.vocabulary import LABELS
 
@@ -175,8 +177,10 @@ def _definitions(first: Mapping[str, Any]) -> tuple[str, ...]:
         "Each limit alone is that of a test without the other error; a test with both must "
         "lie inside the ellipse."
     )
+    first = rows[0]
     error = f"Error: {LABELS[first['metric']].long_name}. Window: {first['window']}."
-    fraction = f"Experimental fraction α: {first['alpha']:g}."
+    shares = ", ".join(dict.fromkeys(f"{row['alpha']:g}" for row in rows))
+    fraction = f"Experimental fraction α: {shares}."
     return alone, f"{error} {fraction} Ellipses: {_CURVES[first['curve']]}."
 
 

@@ -23,7 +23,7 @@ from reliab.cli.criterion.options import (
 from reliab.cli.options import (
     DampingRatios,
     Ellipses,
-    FractionIfGiven,
+    Fractions,
     Frequencies,
     JsonTarget,
     MetricName,
@@ -57,7 +57,7 @@ def criterion(
     confidence: Confidences = None,
     metric: MetricName = "rms",
     window: WindowIfGiven = None,
-    alpha: FractionIfGiven = None,
+    alpha: Fractions = None,
     model: ModelFile = None,
     structure: StructureFile = None,
     method: MethodName = None,
@@ -86,6 +86,7 @@ def criterion(
     from reliab.cli.criterion.derivation import derived
     from reliab.cli.criterion.printed_law import printed
     from reliab.cli.criterion.rig import rig_beside, show_rig
+    from reliab.cli.criterion.shares import shares_beside, show_shares
     from reliab.cli.output import write_json
     from reliab.criterion.laws import OF_MANY_MOTIONS
 
@@ -99,11 +100,17 @@ def criterion(
     ]
     write(criteria[0], out)
     content = {"criteria": rows, **(rows[0] if len(rows) == 1 else {})}
-    content |= {**_beside(demand, derivation, structures), **rig_beside(demand)}
+    content |= {
+        **_beside(demand, derivation, structures),
+        **rig_beside(demand),
+        **shares_beside(dataset, criteria, structures),
+    }
     if not write_json(content, json_target):
         show(rows, derivation.posteriors)
         if "rig" in content:
             show_rig(content["rig"])
+        if "share_law" in content:
+            show_shares(content["share_law"])
         if compare:
             show_comparison(content["comparison"])
     _refuse_unconverged(derivation.posteriors, chains)

@@ -1,5 +1,6 @@
 """Criteria that `reliab criterion` derives from ellipses."""
 
+import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -26,11 +27,11 @@ class Derived:
     Parameters
     ----------
     criteria : list of Criterion
-        One for each error and share of ground motions.
+        One for each share of the stiffness, error and share of ground motions.
     dataset : xarray.Dataset or None
         The ellipses; None for a printed law without a source of them.
     derivations : list of Derivation
-        What was learned, one for each error; none for a printed law.
+        What was learned, one for each share of the stiffness and error; none for a printed law.
     """
 
     criteria: "list[Criterion]"
@@ -44,7 +45,7 @@ class Derived:
 
 
 def derived(demand: Demand) -> Derived:
-    """Derive a criterion for each error and share of ground motions.
+    """Derive a criterion for each share of the stiffness, error and share of ground motions.
 
     What is learned at an error serves all shares.
 
@@ -66,6 +67,7 @@ def derived(demand: Demand) -> Derived:
     from reliab.criterion.derivation import Derivation
     from reliab.criterion.laws import FITTED, known
     from reliab.criterion.methods import RECOMMENDED, method_of
+    from reliab.sweep.shares import at_share, shares_of
 
     law = known(FITTED, demand.law)
     method = method_of(demand.method or RECOMMENDED, **demand.settings)
@@ -77,13 +79,15 @@ def derived(demand: Demand) -> Derived:
         )
     dataset = demand.dataset()
     errors = demand.threshold or _default_thresholds(dataset)
-    promises = [(error, share) for error in errors for share in demand.confidence or [_NINETY_FIVE]]
-    check_one(len(promises), demand.out)
-    derivations: dict[float, Derivation] = {}
-    for threshold in dict.fromkeys(errors):
+    promises = list(itertools.product(errors, demand.confidence or [_NINETY_FIVE]))
+    shares = shares_of(dataset)
+    _check_of_one_share(demand, shares)
+    check_one(len(shares) * len(promises), demand.out)
+    derivations: dict[tuple[float, float], Derivation] = {}
+    for share, threshold in itertools.product(shares, dict.fromkeys(errors)):
         with progress_bar(f"Learning at {threshold:g}") as progress:
-            derivations[threshold] = Derivation.of(
-                dataset,
+            derivations[share, threshold] = Derivation.of(
+                at_share(dataset, share),
                 method=method,
                 law=law,
                 threshold=threshold,
@@ -91,8 +95,24 @@ def derived(demand: Demand) -> Derived:
                 chains=demand.chains,
                 progress=progress,
             )
-    criteria = [derivations[error].criterion(share, joint=demand.joint) for error, share in promises]
+    criteria = [
+        derivations[share, error].criterion(confidence, joint=demand.joint)
+        for share in shares
+        for error, confidence in promises
+    ]
     return Derived(criteria=criteria, dataset=dataset, derivations=list(derivations.values()))
+
+
+def _check_of_one_share(demand: Demand, shares: tuple[float, ...]) -> None:
+    """Refuse options that are of one share of the stiffness where there are several."""
+    given = {"--figures": demand.figures, "--compare": demand.compare or None, "--chains": demand.chains}
+    unserved = [name for name, value in given.items() if value is not None]
+    if len(shares) > 1 and unserved:
+        raise InputError(
+            f"{' and '.join(unserved)} are of one share of the stiffness",
+            value=f"α = {', '.join(f'{share:g}' for share in shares)}",
+            remedy="Give one --alpha, or leave them out",
+        )
 
 
 def _default_thresholds(dataset: "xr.Dataset") -> list[float]:

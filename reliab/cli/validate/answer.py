@@ -43,13 +43,15 @@ def answer(validation: "CrossValidation", ellipses: "xr.Dataset", recognised: in
     dict
         The answer, for JSON.
     """
+    from reliab.sweep.shares import share_of
+
     counts = validation.counts
     return {
         "scheme": validation.scheme,
         "threshold": validation.threshold,
         "metric": validation.metric,
         "window": str(ellipses.attrs.get("window", "unknown")),
-        "alpha": float(ellipses.attrs.get("experimental_fraction", 1.0)),
+        "alpha": share_of(ellipses),
         "n_motions": int(counts.sizes["motion"]),
         "n_events": len(set(counts["event"].values.tolist())),
         "n_of_learned_earthquakes": recognised,

@@ -5,7 +5,7 @@ import typer
 from reliab.cli.options import (
     DampingRatios,
     Ellipses,
-    FractionIfGiven,
+    Fractions,
     Frequencies,
     JsonTarget,
     MetricName,
@@ -46,7 +46,7 @@ def validate(
     threshold: Threshold = None,
     metric: MetricName = "rms",
     window: WindowIfGiven = None,
-    alpha: FractionIfGiven = None,
+    alpha: Fractions = None,
     scheme: Scheme = None,
     leave_out: LeaveOut = None,
     learn: Learn = None,

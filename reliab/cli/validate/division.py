@@ -10,6 +10,7 @@ from reliab.cli.ellipse_source import EllipseSource
 from reliab.cli.validate.judged_motions import DEFAULT_SCHEME, REAL
 from reliab.errors import InputError
 from reliab.motions import load_motions
+from reliab.sweep.shares import share_of
 from reliab.validation.cross_validation import Fold, folds_of, from_another, leave_structures_out, transfer
 from reliab.validation.earthquakes import earthquakes_among
 
@@ -104,7 +105,7 @@ def _from_shipped_suite(dataset: xr.Dataset, source: EllipseSource, judge: list[
         threshold=source.threshold,
         metric=source.metric,
         window=str(dataset.attrs["window"]),
-        alpha=float(dataset.attrs["experimental_fraction"]),
+        alpha=[share_of(dataset)],
     )
     learn_from = shipped_suite.dataset()
     events, checksums = (dataset[name].values.tolist() for name in ("event", "checksum"))

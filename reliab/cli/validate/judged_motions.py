@@ -31,6 +31,14 @@ class JudgedMotions(SourceOptions):
     trials: int | None
     json_target: str | None
 
+    def __post_init__(self) -> None:
+        if self.alpha is not None and len(self.alpha) > 1:
+            raise InputError(
+                "Criteria are judged at one share of the stiffness",
+                value=f"--alpha {' '.join(f'{share:g}' for share in self.alpha)}",
+                remedy="Give one, or --rebuilt-error, which compares tests of several",
+            )
+
     @property
     def error(self) -> float:
         """Error up to which a test is good [-]."""
@@ -59,7 +67,9 @@ class JudgedMotions(SourceOptions):
         InputError
             If the source is wrong, or does not hold the structures that are asked for.
         """
-        dataset = self.source.dataset()
+        from reliab.sweep.shares import at_share
+
+        dataset = at_share(self.source.dataset())
         for name, wanted in (("f", self.f), ("xi", self.xi)):
             held = dataset[name].values.tolist()
             for value in wanted or []:
@@ -85,6 +95,7 @@ class JudgedMotions(SourceOptions):
         Truth
             The errors.
         """
+        from reliab.sweep.shares import at_share, share_of
         from reliab.validation.cross_validation import EllipseTruth, SimulatedTruth, StoredTruth
 
         if self.motions is not None:
@@ -94,7 +105,7 @@ class JudgedMotions(SourceOptions):
             return SimulatedTruth(
                 motions=list(load_motions(*self.motions, sets=self.sets)),
                 window=Stretch.parse(str(dataset.attrs["window"])),
-                experimental_fraction=float(dataset.attrs["experimental_fraction"]),
+                experimental_fraction=share_of(dataset),
             )
         from reliab.sweep import open_results
         from reliab.sweep.real_suite import stored_results
@@ -104,4 +115,5 @@ class JudgedMotions(SourceOptions):
             return EllipseTruth(dataset)
         window = str(dataset.attrs.get("window", "record"))
         structures = (dataset[name].values.tolist() for name in ("f", "xi"))
-        return StoredTruth(open_results(stored_results(stored, *structures), window=window))
+        results = open_results(stored_results(stored, *structures), window=window)
+        return StoredTruth(at_share(results, share_of(dataset)))

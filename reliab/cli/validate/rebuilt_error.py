@@ -36,8 +36,8 @@ class RebuiltErrors:
         Sources of ground motions and sets of their catalogue; the suite that is built in by default.
     f, xi : list of float or None
         Structures [Hz, -]; the paper's by default.
-    alpha : float or None
-        Share of their stiffness in the laboratory [-]; 1 by default.
+    alpha : list of float or None
+        Shares of their stiffness in the laboratory [-]; 1 by default.
     threshold : float or None
         Error up to which a test is good [-]; 0.05 by default.
     metric : str
@@ -56,7 +56,7 @@ class RebuiltErrors:
     sets: list[str] | None
     f: list[float] | None
     xi: list[float] | None
-    alpha: float | None
+    alpha: list[float] | None
     threshold: float | None
     metric: str
     confidence: list[float] | None
@@ -95,13 +95,13 @@ class RebuiltErrors:
                 remedy="Give one",
             )
         suite = list(load_motions(*(self.motions or ("synthetic",)), sets=self.sets))
-        alpha = 1.0 if self.alpha is None else self.alpha
         return Design.of(
             suite[:: max(1, len(suite) // trials)][:trials],
             [
-                Structure(frequency=f, damping_ratio=xi, experimental_fraction=alpha)
+                Structure(frequency=f, damping_ratio=xi, experimental_fraction=share)
                 for f in self.f or [ONE_HERTZ]
                 for xi in self.xi or [TWO_PERCENT]
+                for share in self.alpha or [1.0]
             ],
             trials=trials,
             threshold=FIVE_PERCENT if self.threshold is None else self.threshold,

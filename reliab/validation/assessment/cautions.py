@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.criterion.experimental_share import whole_is_worst
 from reliab.validation.assessment.band import noise_floor
 from reliab.validation.assessment.doubts import ERROR_NAMES
 from reliab.validation.assessment.findings import FaultEffect, Findings
@@ -191,9 +192,15 @@ def _of_validity(findings: Findings) -> Iterator[str]:
             f"{structure.frequency:g} Hz: check the frequency and the units of time."
         )
     if structure.experimental_fraction < 1.0 and findings.placement is None:
+        measured = whole_is_worst(structure.frequency, structure.damping_ratio)
+        judgement = (
+            "it is conservative"
+            if measured
+            else "that it is conservative was measured from 0.5 to 3 Hz and 1 to 10 % of damping only"
+        )
         yield (
             "The criterion is for a structure that stands wholly in the laboratory (α = 1); for "
-            f"α = {structure.experimental_fraction:g} it is conservative."
+            f"α = {structure.experimental_fraction:g} {judgement}."
         )
     if findings.stability_margin <= 0.0:
         yield "The delay exceeds the critical one: the loop is unstable."

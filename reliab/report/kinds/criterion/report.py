@@ -26,6 +26,7 @@ from reliab.report.wording import (
     values,
     window_in_words,
 )
+from reliab.sweep.shares import share_of
 from reliab.vocabulary import Metric
 
 
@@ -76,7 +77,7 @@ def criterion_report(
     """
     reported = ReportedCriteria(ellipses=ellipses, criteria=tuple(criteria))
     chosen = reported.criterion
-    fraction = float(ellipses.attrs.get("experimental_fraction", 1.0))
+    fraction = share_of(ellipses)
     blocks: list[Block] = [result_section(reported, population), motions_section(reported)]
     if coverage is not None and len(coverage):
         blocks.append(rates_section(coverage, confidence=chosen.confidence))

@@ -48,7 +48,9 @@ Values = NDArray[np.float64]
 
 def loop_section(example: xr.Dataset) -> Section:
     """Figures 1 to 7: the loop, one ground motion, errors of delay and of amplitude."""
-    caption = "Figure 1 of the paper: the loop. All stiffness stands in the laboratory, the worst case."
+    caption = (
+        "Figure 1 of the paper: the loop. All stiffness stands in the laboratory, the paper's worst case."
+    )
     loop = Figure(drawing=block_diagram(), caption=caption, label="fig:paper-1")
     return Section(
         title="One ground motion: errors of delay and of amplitude",

@@ -28,6 +28,7 @@ from reliab.report.sections.limits import limits_section
 from reliab.report.sections.method import method_section
 from reliab.report.sources import SOURCES
 from reliab.report.wording import PERCENT, percent
+from reliab.sweep.shares import share_of
 
 _SHORT = {"^Equation": "Eq.", "^Figure": "Fig.", "^Text.*": "Text"}
 _UNITS = {"1": "-", "ms2": "ms²", "ms4": "ms⁴", "N m2": "N m²"}
@@ -82,7 +83,7 @@ def paper_report(
     records, printed = Records(ellipses=ellipses, example=example, cases=cases), PrintedTables.read()
     numbers, contained = tabulate(items_of(printed, records)), containment(records)
     window = str(ellipses.attrs.get("window", "record"))
-    fraction = float(ellipses.attrs.get("experimental_fraction", 1.0))
+    fraction = share_of(ellipses)
     return Document(
         kind="Reproduction of a published study",
         title=title,

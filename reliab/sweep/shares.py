@@ -1,0 +1,174 @@
+"""Shares of the stiffness in the laboratory: an attribute of a dataset, or a dimension of several shares.
+
+A dataset of one share, as every version wrote it, names it in its attribute `experimental_fraction`. One of
+several shares has the dimension `alpha` after `xi`, and no such attribute; `at_share` cuts one share out of
+it, which is then like any dataset of one share.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Final
+
+import numpy as np
+import xarray as xr
+
+from reliab.errors import InputError
+from reliab.progress import Progress
+from reliab.sweep.labels import with_labels
+from reliab.vocabulary import Dimension
+
+SHARE_ATTRIBUTE: Final = "experimental_fraction"
+"""Attribute of a dataset of one share."""
+
+_WHOLE = 1.0
+
+
+def shares_of(dataset: xr.Dataset) -> tuple[float, ...]:
+    """Shares of the stiffness in the laboratory that a dataset is of.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results or ellipses.
+
+    Returns
+    -------
+    tuple of float
+        Shares [-]; the whole stiffness where the dataset does not state one.
+
+    Examples
+    --------
+    >>> shares_of(xr.Dataset(attrs={"experimental_fraction": 0.5}))
+    (0.5,)
+    >>> shares_of(xr.Dataset(coords={"alpha": [0.25, 1.0]}))
+    (0.25, 1.0)
+    """
+    if Dimension.SHARE in dataset.coords:
+        return tuple(float(share) for share in np.atleast_1d(dataset[Dimension.SHARE].values))
+    return (float(dataset.attrs.get(SHARE_ATTRIBUTE, _WHOLE)),)
+
+
+def share_of(dataset: xr.Dataset) -> float:
+    """Share of the stiffness in the laboratory of a dataset of one share.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results or ellipses.
+
+    Returns
+    -------
+    float
+        Share [-]; 1 where the dataset does not state one.
+
+    Raises
+    ------
+    InputError
+        If the dataset is of several shares.
+    """
+    shares = shares_of(dataset)
+    if len(shares) > 1:
+        raise InputError(
+            "This is asked of one share of the stiffness in the laboratory",
+            value=f"a dataset of α = {_listed(shares)}",
+            remedy="Choose one with reliab.sweep.at_share, or on the command line with --alpha",
+        )
+    return shares[0]
+
+
+def at_share(dataset: xr.Dataset, share: float | None = None) -> xr.Dataset:
+    """Cut one share of the stiffness out of a dataset.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results or ellipses of one share or several.
+    share : float, optional
+        Share [-], one of the dataset's; may be left out where there is only one.
+
+    Returns
+    -------
+    xarray.Dataset
+        Without the dimension `alpha`, with the share in the attribute `experimental_fraction`.
+
+    Raises
+    ------
+    InputError
+        If the dataset is not of that share, or is of several and none is given.
+
+    Examples
+    --------
+    >>> several = xr.Dataset({"a": ("alpha", [4e-4, 1e-4])}, coords={"alpha": [0.5, 1.0]})
+    >>> float(at_share(several, 0.5)["a"]), at_share(several, 0.5).attrs
+    (0.0004, {'experimental_fraction': 0.5})
+    """
+    shares = shares_of(dataset)
+    wanted = share_of(dataset) if share is None else share
+    near = [place for place, stored in enumerate(shares) if np.isclose(wanted, stored, rtol=1e-9)]
+    if not near:
+        raise InputError(
+            "The share of the stiffness must be among those of the dataset",
+            value=f"α = {wanted:g}, it is of α = {_listed(shares)}",
+            remedy="Choose one of these, or simulate that one",
+        )
+    if Dimension.SHARE not in dataset.coords:
+        return dataset
+    if Dimension.SHARE in dataset.dims:
+        dataset = dataset.isel({Dimension.SHARE: near[0]})
+    return dataset.drop_vars(Dimension.SHARE).assign_attrs({SHARE_ATTRIBUTE: shares[near[0]]})
+
+
+def for_each_share(
+    shares: Sequence[float], compute: Callable[[float, Progress], xr.Dataset], progress: Progress
+) -> xr.Dataset:
+    """Compute a dataset of each share and join them along `alpha`.
+
+    Parameters
+    ----------
+    shares : sequence of float
+        Shares of the stiffness in the laboratory [-].
+    compute : callable
+        Takes a share and a progress, returns a dataset of that share.
+    progress : callable
+        Called with the steps done for all shares and their number.
+
+    Returns
+    -------
+    xarray.Dataset
+        Of one share what was computed, unchanged; of several with the dimension `alpha` after `xi`.
+    """
+    parts = []
+    for turn, share in enumerate(shares):
+
+        def advance(done: int, total: int, turn: int = turn) -> None:
+            progress(turn * total + done, len(shares) * total)
+
+        parts.append(compute(share, advance))
+    if len(parts) == 1:
+        return parts[0]
+    joined = xr.concat(
+        parts,
+        xr.DataArray(list(shares), dims=Dimension.SHARE, name=str(Dimension.SHARE)),
+        data_vars="all",
+        coords="minimal",
+        compat="override",
+        join="exact",
+        combine_attrs="override",
+    )
+    joined.attrs.pop(SHARE_ATTRIBUTE, None)
+    cautions = dict.fromkeys(part.attrs["caution"] for part in parts if "caution" in part.attrs)
+    if cautions:
+        joined.attrs["caution"] = " ".join(cautions)
+    return with_labels(joined.map(_beside_the_damping_ratio, keep_attrs=True))
+
+
+def _listed(shares: Sequence[float]) -> str:
+    return ", ".join(f"{share:g}" for share in shares)
+
+
+def _beside_the_damping_ratio(values: xr.DataArray) -> xr.DataArray:
+    """Move the dimension of the share behind that of the damping ratio."""
+    if Dimension.SHARE not in values.dims:
+        return values
+    names = [name for name in values.dims if name != Dimension.SHARE]
+    names.insert(names.index(Dimension.DAMPING_RATIO) + 1, Dimension.SHARE)
+    return values.transpose(*names)
