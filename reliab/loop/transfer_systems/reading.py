@@ -43,7 +43,7 @@ def transfer_function_of(model: Any, delay: float = 0.0) -> TransferFunction:  #
     if getattr(model, "dt", None) not in {None, 0}:
         raise InputError(
             "A transfer system must be a model in continuous time",
-            value=f"a sampling step of {model.dt} s",
+            value=f"a model in discrete time, dt = {model.dt}",
             remedy="Convert it first, with d2c in MATLAB or python-control",
         )
     if hasattr(model, "A") and hasattr(model, "B"):

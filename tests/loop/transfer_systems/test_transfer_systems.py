@@ -83,9 +83,18 @@ def test_force_row_is_the_specimens_force():
 
 
 class ControlTransferFunction:
-    """What python-control's TransferFunction looks like."""
+    """What python-control's TransferFunction looks like: channels in two lists, poles by a method."""
 
-    num, den, dt = [[np.array([3.0])]], [[np.array([0.01, 1.0])]], 0
+    def __init__(self, num=(3.0,), dt=0, channels=1):
+        self.num = [[np.array(num)] * channels]
+        self.den = [[np.array([0.01, 1.0])] * channels]
+        self.dt = dt
+
+    def poles(self):
+        return np.array([-100.0])
+
+    def zeros(self):
+        return np.array([])
 
 
 class ControlStateSpace:
@@ -101,6 +110,7 @@ class ControlStateSpace:
         signal.ZerosPolesGain([], [-100.0], 300.0),
         signal.StateSpace(-100.0, 300.0, 1.0, 0.0),
         ControlTransferFunction(),
+        ControlTransferFunction(dt=None),
         ControlStateSpace(),
     ],
 )
@@ -155,6 +165,9 @@ def test_other_matlab_files_are_refused(tmp_path):
         (lambda: TransferFunction.from_poles([], [-1 + 1j], 1.0), "conjugate pairs"),
         (lambda: first_order_lag(0.0), "must be positive"),
         (lambda: transfer_function_of(signal.TransferFunction([1.0], [1.0, 0.5], dt=0.1)), "continuous time"),
+        (lambda: transfer_function_of(ControlTransferFunction(dt=0.1)), "discrete time, dt = 0.1"),
+        (lambda: transfer_function_of(ControlTransferFunction(dt=True)), "discrete time, dt = True"),
+        (lambda: transfer_function_of(ControlTransferFunction(channels=2)), "one input and one output"),
         (lambda: transfer_function_of("servo"), "scipy.signal or python-control"),
         (lambda: first_order_lag(0.01).plant(Specimen(stiffness=1.0, mass=1.0)), "more poles than zeros"),
         (lambda: ServoHydraulic(leakage=-1.0), "must be positive"),
