@@ -18,6 +18,7 @@ _NAMES = {
     "resolved": "A(f) and d(f), with the force's lag",
     "rebuilt": "rebuilt from the test",
 }
+_SHORT = {"law_18": "(18)", "law_with_share": "with α", "resolved": "A(f), d(f)", "rebuilt": "rebuilt"}
 
 
 def partitioned_structures_report(
@@ -112,9 +113,14 @@ def _by_structure(tests: pd.DataFrame) -> Section:
     frame = relative.groupby("structure", sort=False).median().reset_index()
     columns = (
         Column(key="structure", heading="Structure", wide=True),
-        *(Column(key=name, heading=_NAMES[name], number=Fixed(decimals=2)) for name in PREDICTIONS),
+        *(
+            Column(key=name, heading=_SHORT[name], number=Fixed(decimals=2), group="Median of the ratio")
+            for name in PREDICTIONS
+        ),
     )
-    caption = "Median of predicted over simulated error by structure."
+    caption = (
+        "Predicted over simulated error by structure, for the predictions of the table above in its order."
+    )
     table = Table(frame=frame, columns=columns, caption=caption, label="tab:structures")
     return Section(title="By structure", blocks=(table,))
 
