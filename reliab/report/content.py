@@ -119,6 +119,7 @@ class _Writer:
             "verdict": self._prose(document.verdict),
             "tone": document.tone,
             "facts": [[literal(name), self._prose(text)] for name, text in document.facts.items() if text],
+            "leading": [self._figure(figure) for figure in [document.leading_figure()] if figure],
             "blocks": self._blocks(document.blocks),
             "sources": [{"label": source.label, "text": literal(source.text)} for source in self._sources],
             "provenance": [[literal(name), literal(text)] for name, text in document.provenance.items()],
@@ -146,7 +147,9 @@ class _Writer:
                 return {"kind": "text", "text": literal(piece)}
 
     def _blocks(self, blocks: Iterable[Block], level: int = 1) -> list[dict[str, Any]]:
-        return [self._block(block, level) for block in blocks]
+        return [
+            self._block(block, level) for block in blocks if not (isinstance(block, Figure) and block.leads)
+        ]
 
     def _block(self, block: Block, level: int) -> dict[str, Any]:
         match block:

@@ -143,12 +143,15 @@ class Figure:
     floats : bool, optional
         Whether it may stand at the top or bottom of a page, so that text fills the gap; never in a
         sheet.
+    leads : bool, optional
+        Whether it stands on the first page, before the contents; at most one figure of a report.
     """
 
     drawing: Drawing
     caption: Prose
     label: str = ""
     floats: bool = False
+    leads: bool = False
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -218,7 +221,7 @@ class Document:
     Raises
     ------
     ValueError
-        If a label is used twice or refers to nothing.
+        If a label is used twice or refers to nothing, or if two figures lead.
 
     Examples
     --------
@@ -249,11 +252,26 @@ class Document:
             if faulty:
                 message = f"A label must {rule}; {', '.join(faulty)} does not."
                 raise ValueError(message)
+        if sum(figure.leads for figure in _figures(self.blocks)) > 1:
+            message = "One figure stands on the first page; two are marked so."
+            raise ValueError(message)
+
+    def leading_figure(self) -> Figure | None:
+        """Figure of the first page, if there is one."""
+        return next((figure for figure in _figures(self.blocks) if figure.leads), None)
 
     def referred(self) -> tuple[str, ...]:
         """Labels that the text refers to, in the order in which it does."""
         texts = [self.verdict, *self.facts.values(), *_texts(self.blocks)]
         return tuple(dict.fromkeys(label for text in texts for label in references(text)))
+
+
+def _figures(blocks: Iterable[Block]) -> Iterator[Figure]:
+    for block in blocks:
+        if isinstance(block, Section):
+            yield from _figures(block.blocks)
+        elif isinstance(block, Figure):
+            yield block
 
 
 def _labels(blocks: Iterable[Block]) -> Iterator[str]:

@@ -5,9 +5,19 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.figure import Figure as Drawing
 
 from reliab.report.content import files_of
-from reliab.report.document import Column, Document, Equation, Paragraph, Section, Source, Table
+from reliab.report.document import (
+    Column,
+    Document,
+    Equation,
+    Figure,
+    Paragraph,
+    Section,
+    Source,
+    Table,
+)
 from reliab.report.numbers import Fixed, Scientific, Significant, Whole
 from reliab.report.prose import prose
 
@@ -33,6 +43,19 @@ def test_sources_are_numbered_as_they_are_referred_to():
     made = document(Paragraph(text=prose("As in @three and @one.")), sources=sources)
     content = json.loads(files_of(made)["document.json"])
     assert [each["label"] for each in content["sources"]] == ["three", "one"]
+
+
+def figure(label, **options):
+    return Figure(drawing=Drawing(figsize=(2, 1)), caption="C", label=label, **options)
+
+
+def test_one_figure_stands_on_the_first_page_and_there_only():
+    made = document(Section(title="S", blocks=(figure("fig:a"), figure("fig:b", leads=True))))
+    content = json.loads(files_of(made)["document.json"])
+    assert [part["label"] for part in content["leading"]] == ["fig:b"]
+    assert [part["label"] for part in content["blocks"][0]["blocks"]] == ["fig:a"]
+    with pytest.raises(ValueError, match="two are marked"):
+        document(figure("fig:a", leads=True), Section(title="S", blocks=(figure("fig:b", leads=True),)))
 
 
 def test_a_table_needs_its_columns():

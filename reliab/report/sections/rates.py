@@ -51,7 +51,9 @@ def rates_table(validation: CrossValidation) -> pd.DataFrame:
     return pd.concat(parts, ignore_index=True).dropna(subset="rate").reset_index(drop=True)
 
 
-def rates_section(rates: pd.DataFrame, *, confidence: float, division: str = "") -> Section:
+def rates_section(
+    rates: pd.DataFrame, *, confidence: float, division: str = "", leads: bool = False
+) -> Section:
     """Show what criteria contain.
 
     Parameters
@@ -62,6 +64,8 @@ def rates_section(rates: pd.DataFrame, *, confidence: float, division: str = "")
         The stated confidence that is shown by frequency; the nearest there is [-].
     division : str, optional
         How motions were divided into learned and judged ones, where a report has several divisions.
+    leads : bool, optional
+        Whether the calibration curve stands on the first page.
 
     Returns
     -------
@@ -86,14 +90,14 @@ def rates_section(rates: pd.DataFrame, *, confidence: float, division: str = "")
         title=f"Put to the test: {division}" if division else "Put to the test on held-out earthquakes",
         blocks=(
             opening,
-            *_figures(contained, confidence, mark),
+            *_figures(contained, confidence, mark, leads=leads),
             _table(measured[measured["f"].isna()], mark),
         ),
         label=f"sec:coverage{mark}",
     )
 
 
-def _figures(contained: pd.DataFrame, confidence: float, mark: str) -> Iterator[Figure]:
+def _figures(contained: pd.DataFrame, confidence: float, mark: str, *, leads: bool) -> Iterator[Figure]:
     overall = contained[contained["f"].isna()]
     several = overall.groupby("candidate")["confidence"].transform("nunique") > 1
     yield Figure(
@@ -106,6 +110,7 @@ def _figures(contained: pd.DataFrame, confidence: float, mark: str) -> Iterator[
             else "",
         ),
         label=f"fig:calibration{mark}",
+        leads=leads,
     )
     stated = contained["confidence"].to_numpy()
     nearest = float(stated[np.argmin(np.abs(stated - confidence))])
@@ -120,6 +125,7 @@ def _figures(contained: pd.DataFrame, confidence: float, mark: str) -> Iterator[
                 share=percent(nearest),
             ),
             label=f"fig:by-frequency{mark}",
+            floats=True,
         )
 
 

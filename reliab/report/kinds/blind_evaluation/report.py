@@ -161,7 +161,14 @@ def _probabilities(run: Mapping[str, Any]) -> Section:
     caption = "How often effects were right that were named with a probability; the numbers count effects."
     return Section(
         title="Whether stated probabilities are kept",
-        blocks=(Figure(drawing=discrepancy_reliability(bins), caption=caption, label="fig:reliability"),),
+        blocks=(
+            Paragraph(
+                text=prose("Stated probabilities are compared with what was true in @fig:reliability.")
+            ),
+            Figure(
+                drawing=discrepancy_reliability(bins), caption=caption, label="fig:reliability", leads=True
+            ),
+        ),
     )
 
 

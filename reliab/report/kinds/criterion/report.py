@@ -29,6 +29,11 @@ from reliab.report.wording import (
 from reliab.sweep.shares import share_of
 from reliab.vocabulary import Metric
 
+_NEXT = (
+    "judge a test with reliab assess TEST.csv --criterion FILE.json: it takes the index of the test from its "
+    "command and measured displacement, and states the error of the test itself beside"
+)
+
 
 def criterion_report(
     *,
@@ -90,7 +95,12 @@ def criterion_report(
         kind="Reliability criterion",
         title=title,
         verdict=_verdict(reported, population),
-        facts={**_facts(reported, coverage), **_real(real_motions), "Purpose": purpose},
+        facts={
+            **_facts(reported, coverage),
+            **_real(real_motions),
+            "Purpose": purpose,
+            "To do next": _NEXT,
+        },
         blocks=tuple(blocks),
         provenance=provenance_of(provenance, chosen.provenance),
         sources=SOURCES,

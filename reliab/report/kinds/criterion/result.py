@@ -65,6 +65,7 @@ def result_section(reported: ReportedCriteria, population: str = "ground motions
                 xi=xi,
             ),
             label="fig:criterion",
+            leads=True,
         ),
         *_over_structures(reported),
     ]

@@ -184,7 +184,7 @@ def gap_figure(diagnosis: Diagnosis) -> Figure:
         "held-out tests beside that of the noise."
     )
     drawing = discrepancy_gap([_panel(diagnosed) for diagnosed in diagnosis.blocks])
-    return Figure(drawing=drawing, caption=caption, label="fig:gap")
+    return Figure(drawing=drawing, caption=caption, label="fig:gap", leads=True)
 
 
 def _panel(diagnosed: BlockDiagnosis) -> GapPanel:

@@ -16,6 +16,16 @@ from reliab.report.wording import percent, spelled_out
 
 _CLOSED, _WHOLLY = 0.9, 0.995
 
+_NEXT = {
+    Verdict.NO_MISSING_EFFECT: "keep the calibrated values, which stand in model.toml, for the next tests",
+    Verdict.NAMED: "use model.toml, which holds the effects and the calibrated values, for the next tests, and "
+    "compare its prediction with the first of them",
+    Verdict.UNKNOWN_EFFECT: "look at the residual of the block below; a term of your own can be given to the "
+    "diagnosis",
+    Verdict.NOT_IDENTIFIABLE: "measure tests of other amplitudes and frequencies, or more channels, and "
+    "diagnose again",
+}
+
 
 def discrepancy_report(
     diagnosis: Diagnosis,
@@ -57,7 +67,7 @@ def discrepancy_report(
         title=diagnosis.campaign.name,
         verdict=_verdict(diagnosis),
         tone="good" if diagnosis.verdict is Verdict.NO_MISSING_EFFECT else "plain",
-        facts=_facts(diagnosis),
+        facts={**_facts(diagnosis), "To do next": _NEXT[diagnosis.verdict]},
         blocks=(*sections, _method(remarks)),
         provenance=provenance_of(provenance),
     )

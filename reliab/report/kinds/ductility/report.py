@@ -71,6 +71,7 @@ def ductility_report(
             "Structures": f"{values(sorted(set(structures['f'])), 'Hz')} with "
             f"{values(sorted(set(PERCENT * structures['xi'])), '%')} damping",
             "Error": f"{percent(threshold)} RMS",
+            "To do next": "judge a test with a nonlinear specimen by its own error, with reliab assess",
         },
         blocks=(*opening, _method(limits), _levels(levels, overall), _limits(limits)),
         provenance=provenance_of(provenance),
@@ -111,6 +112,7 @@ def _levels(levels: pd.DataFrame, narrowest: pd.DataFrame) -> Section:
                 caption="Tolerance over that of the linear test: median, middle half and 90 % of the tests "
                 "over all structures. Below 1 the nonlinear test is the more demanding one.",
                 label="fig:levels",
+                leads=True,
             ),
         ),
     )

@@ -172,6 +172,7 @@ def motions_section(records: Records) -> Section:
                 "printed."
             ),
             label="fig:paper-13",
+            leads=True,
         ),
     )
     return Section(title="Many ground motions: a criterion", blocks=blocks)

@@ -101,6 +101,7 @@ def _predictions(table: pd.DataFrame, tests: pd.DataFrame) -> Section:
             drawing=error_beyond_the_model(long, prediction="Predicted error"),
             caption="Simulated error of every test over three predictions of it; on the line they agree.",
             label="fig:predictions",
+            leads=True,
         ),
     )
     return Section(title="Predicted against simulated error", blocks=blocks)

@@ -152,7 +152,7 @@ def _compensators(table: pd.DataFrame, rows: Sequence[Mapping[str, Any]]) -> Sec
     if kept:
         drawing = benchmark_spread(pd.DataFrame(kept))
         text = "First floor against the undivided structure (J4), by compensator and case, for all plants."
-        blocks.append(Figure(drawing=drawing, caption=text, label="fig:spread"))
+        blocks.append(Figure(drawing=drawing, caption=text, label="fig:spread", leads=True))
     return Section(title="Compensators", blocks=tuple(blocks))
 
 

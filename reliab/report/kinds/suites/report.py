@@ -162,6 +162,7 @@ def _measures(measures: Mapping[str, pd.DataFrame]) -> Section:
                 drawing=suite_measures(measures),
                 caption="Where the lines differ, the suites differ.",
                 label="fig:measures",
+                leads=True,
             ),
             Table(
                 frame=pd.DataFrame(rows),

@@ -101,6 +101,7 @@ def _disagreeing(rows: pd.DataFrame, disagreeing: pd.DataFrame) -> Section:
                     "Every row by its ratios; a row that is explained moves to the crossing of the lines."
                 ),
                 label="fig:rows",
+                leads=True,
             ),
             _ratios(disagreeing),
         ),

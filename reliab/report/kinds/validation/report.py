@@ -19,6 +19,11 @@ from reliab.report.sections.rates import rates_section
 from reliab.report.sources import SOURCES
 from reliab.report.wording import percent
 
+_NEXT = {
+    True: "use the criterion for the kind of ground motions, actuators and structures that were tried here",
+    False: "use a criterion whose line in the figure follows the diagonal, or state what this one contains",
+}
+
 
 def validation_report(
     *,
@@ -79,7 +84,8 @@ def validation_report(
         The report.
     """
     blocks: list[Block] = [
-        rates_section(table, confidence=confidence, division=name) for name, table in rates.items()
+        rates_section(table, confidence=confidence, division=name, leads=not place)
+        for place, (name, table) in enumerate(rates.items())
     ]
     if verdicts is not None and len(verdicts):
         blocks.append(verdicts_section(verdicts, confidence))
@@ -99,7 +105,12 @@ def validation_report(
         title=title,
         verdict=verdict,
         tone="good" if tone else "bad",
-        facts={"Divisions": ", ".join(rates), "Confidence": percent(confidence), "Purpose": purpose},
+        facts={
+            "Divisions": ", ".join(rates),
+            "Confidence": percent(confidence),
+            "Purpose": purpose,
+            "To do next": _NEXT[tone],
+        },
         blocks=tuple(blocks),
         provenance=provenance_of(provenance),
         sources=SOURCES,
