@@ -18,8 +18,8 @@ _CLOSED, _WHOLLY = 0.9, 0.995
 
 _NEXT = {
     Verdict.NO_MISSING_EFFECT: "keep the calibrated values, which stand in model.toml, for the next tests",
-    Verdict.NAMED: "use model.toml, which holds the effects and the calibrated values, for the next tests, and "
-    "compare its prediction with the first of them",
+    Verdict.NAMED: "use model.toml, which holds the effects and the calibrated values, for the next "
+    "tests, and compare its prediction with the first of them",
     Verdict.UNKNOWN_EFFECT: "look at the residual of the block below; a term of your own can be given to the "
     "diagnosis",
     Verdict.NOT_IDENTIFIABLE: "measure tests of other amplitudes and frequencies, or more channels, and "

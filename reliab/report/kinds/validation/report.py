@@ -83,10 +83,7 @@ def validation_report(
     Document
         The report.
     """
-    blocks: list[Block] = [
-        rates_section(table, confidence=confidence, division=name, leads=not place)
-        for place, (name, table) in enumerate(rates.items())
-    ]
+    blocks = _rates(rates, confidence)
     if verdicts is not None and len(verdicts):
         blocks.append(verdicts_section(verdicts, confidence))
     if beyond is not None and len(beyond):
@@ -115,6 +112,14 @@ def validation_report(
         provenance=provenance_of(provenance),
         sources=SOURCES,
     )
+
+
+def _rates(rates: Mapping[str, pd.DataFrame], confidence: float) -> list[Block]:
+    """One section for each division; the curve of the first stands on the first page."""
+    return [
+        rates_section(table, confidence=confidence, division=name, leads=not place)
+        for place, (name, table) in enumerate(rates.items())
+    ]
 
 
 def _verdict(rates: pd.DataFrame, confidence: float) -> tuple[Prose, bool]:
