@@ -52,7 +52,7 @@ def one_channel_observations(definition: Definition) -> tuple[Observation, ...]:
     """Return the one-channel campaigns in which an effect is not a mere change of calibration."""
     if definition.name in {"force_bias", "excitation_scale"}:
         return ()
-    if definition.block in {"actuator", "numerical"}:
+    if definition.block in {"actuator", "numerical"} or definition.name == "added_mass":
         return (Observation.ONE_CHANNEL_RIG,)
     return ONE_CHANNEL
 

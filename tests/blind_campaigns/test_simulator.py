@@ -97,6 +97,23 @@ def test_inertia_on_a_rig_without_delay_adds_to_the_mass() -> None:
     assert abs(phasor(response.command, 1.0, 8) - exact) < 2e-5 * abs(exact)
 
 
+def test_a_mass_on_an_oscillator_is_another_spring_damper_and_excitation() -> None:
+    mass = STRUCTURE.mass
+    ratio = mass / (mass + 20.0)
+    ground = pulse(12.0)
+    heavier = simulate_loop(rig(effect("added_mass", mass_kg=20.0)), ground, rate_hz=RATE)
+    lost = -(1.0 - ratio) * 2.0 * STRUCTURE.damping_ratio * STRUCTURE.omega * mass
+    viscous = effect("viscous_damping", damping_n_s_per_m=lost)
+    stiff = 1.0 - (1.0 - ratio) / STRUCTURE.experimental_fraction  # of the specimen's spring
+    softer = replace(
+        rig(viscous),
+        specimen=Specimen(stiffness_n_per_m=stiff * STRUCTURE.own_spring),
+        excitation_scale=ratio,
+    )
+    twin = simulate_loop(softer, ground, rate_hz=RATE)
+    assert np.abs(twin.piston - heavier.piston).max() < 1e-6 * np.abs(heavier.piston).max()
+
+
 @pytest.mark.parametrize(("share", "grows"), [(0.97, False), (1.03, True)])
 def test_critical_delay_separates_decay_from_growth(share: float, grows: bool) -> None:  # noqa: FBT001
     structure = replace(STRUCTURE, experimental_fraction=1.0)

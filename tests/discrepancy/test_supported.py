@@ -20,7 +20,7 @@ WHOLE = 1.0  # energy that the calibrated model leaves
 class Known(FittedModels):
     """Models that leave given energies, in training as on left-out tests."""
 
-    def __init__(self, energies):
+    def __init__(self, energies, *, flat=True):
         self.rejected = set()
         self.fitted = {}
         for effects, energy in {(): WHOLE, **energies}.items():
@@ -32,7 +32,7 @@ class Known(FittedModels):
             )
         self.null = self.fitted[frozenset()]
         self.problem = SimpleNamespace(
-            flat=True,
+            flat=flat,
             tempering=(1.0,),
             segments=(SimpleNamespace(bins=30),),
             whitened=lambda space, *_: np.array([np.sqrt(space.energy)]),
@@ -51,6 +51,12 @@ def test_a_second_effect_explains_more_of_the_first_one_s_error_than_it_leaves(r
     models = Known({(CUBIC,): 0.1, (VISCOUS,): 0.9, (CUBIC, VISCOUS): remaining})
     assert models.supports(CUBIC, VISCOUS) is supported
     assert models.supports(CUBIC)
+
+
+@pytest.mark.parametrize(("remaining", "supported"), [(0.75e-4, True), (0.85e-4, False)])
+def test_beside_a_much_larger_effect_one_is_named_that_takes_a_tenth_off_the_noise(remaining, supported):
+    models = Known({(CUBIC,): 1e-4, (VISCOUS,): 0.9, (CUBIC, VISCOUS): remaining}, flat=False)
+    assert models.supports(CUBIC, VISCOUS) is supported
 
 
 @pytest.mark.parametrize(("remaining", "supported"), [(0.04, True), (0.055, False)])

@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from reliab.discrepancy.campaign.campaign import Channel
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
@@ -10,6 +12,7 @@ from reliab.discrepancy.locating.standstill import standstill
 from reliab.discrepancy.naming.estimates import estimates
 from reliab.discrepancy.result.gap import Gap
 from reliab.discrepancy.result.missing_effect import Unknown
+from reliab.discrepancy.spectra.noise import NoiseModel
 from reliab.discrepancy.terms import OutsideTerm
 from reliab.discrepancy.terms.periodic import Disturbance
 from reliab.vocabulary import Block
@@ -36,11 +39,17 @@ def unexplained(judged: tuple[Problem, Fit], best: Fit, proved: Gap, *, noise: b
     disturbance = _disturbance(problem, judged[1], proved.after)
     if disturbance is not None:
         return disturbance
-    return None if noise else _remainder(problem, best, proved)
+    return None if noise else _remainder(judged[0], best, proved)
 
 
 def _remainder(problem: Problem, best: Fit, proved: Gap) -> Unknown | None:
-    """Return an error of the model that is large beside the found effects, or beside the signal."""
+    """Return an error of the model that is large beside the found effects, or beside the signal.
+
+    The force that balances a command is computed from derivatives of the command. Where these are rough, at
+    frequencies above those that are judged, the error is one of this computation.
+    """
+    if _is_balanced(problem) and not _judged_error(problem, best) > SMALLEST_GAP:
+        return None
     large = proved.unexplained_share > LARGEST_REMAINDER if best.space.effects else True
     if not (large and proved.model_error > SMALLEST_GAP):
         return None
@@ -50,6 +59,20 @@ def _remainder(problem: Problem, best: Fit, proved: Gap) -> Unknown | None:
         description="the remainder follows the motion, and no effect or term that was tried explains it",
         held_out_nrmse=proved.after,
     )
+
+
+def _is_balanced(problem: Problem) -> bool:
+    """Whether the channel is the force that the numerical substructure would balance."""
+    return problem.block.block is Block.NUMERICAL and problem.block.channel is Channel.FORCE
+
+
+def _judged_error(problem: Problem, best: Fit) -> float:
+    """RMS of what a model leaves over that of the channel, at the frequencies at which it is judged."""
+    unit = NoiseModel.white(problem.block.rate, 1.0)
+    rows = problem.whitened(best.space, best.coordinates, unit)
+    spectra = [np.abs(s.spectrum(problem.measured(s.test))) ** 2 for s in problem.segments]
+    signal = sum(float(power[0] + 2.0 * power[1:].sum()) for power in spectra)
+    return float(np.sqrt(rows @ rows / max(signal, 1e-300)))
 
 
 def _unknown(outside: Sequence[type[OutsideTerm]], best: Fit, error: float) -> Unknown:
@@ -72,8 +95,7 @@ def _interrupted(problem: Problem, best: Fit, error: float) -> Unknown | None:
     The force that the numerical substructure would balance is no prediction of the load cell: it is computed
     back from the command, which a controller with steps of its own holds, too.
     """
-    balanced = problem.block.block is Block.NUMERICAL and problem.block.channel is Channel.FORCE
-    seen = None if balanced else standstill(problem, best)
+    seen = None if _is_balanced(problem) else standstill(problem, best)
     if seen is None:
         return None
     return Unknown(
