@@ -166,20 +166,24 @@ def _measures(measures: Mapping[str, pd.DataFrame]) -> Section:
             ),
             Table(
                 frame=pd.DataFrame(rows),
-                columns=(
-                    Column(key="measure", heading="Measure"),
-                    Column(key="suite", heading="Suite"),
-                    Column(key="unit", heading="Unit"),
-                    Column(key="reference_median", heading=reference, number=Significant(), group="median"),
-                    Column(key="median", heading="suite", number=Significant(), group="median"),
-                    Column(key="reference_spread", heading=reference, number=Fixed(), group="spread"),
-                    Column(key="spread", heading="suite", number=Fixed(), group="spread"),
-                    Column(key="distance", heading="Distance", number=Fixed()),
-                ),
+                columns=_columns(reference),
                 caption=prose("Measures of each suite beside those of {reference}.", reference=reference),
                 label="tab:measures",
             ),
         ),
+    )
+
+
+def _columns(reference: str) -> tuple[Column, ...]:
+    return (
+        Column(key="measure", heading="Measure"),
+        Column(key="suite", heading="Suite"),
+        Column(key="unit", heading="Unit"),
+        Column(key="reference_median", heading=reference, number=Significant(), group="median"),
+        Column(key="median", heading="suite", number=Significant(), group="median"),
+        Column(key="reference_spread", heading=reference, number=Fixed(), group="spread"),
+        Column(key="spread", heading="suite", number=Fixed(), group="spread"),
+        Column(key="distance", heading="Distance", number=Fixed()),
     )
 
 
