@@ -109,9 +109,25 @@ def run(arguments: Sequence[str]) -> int:
         return _fail(str(error), _BAD_INPUT)
     except IncompleteError as error:
         return _fail(str(error), _INCOMPLETE)
+    except ModuleNotFoundError as error:
+        if (missing := _not_installed(error)) is None:
+            raise
+        return _fail(str(missing), _BAD_INPUT)
     except SystemExit as end:
         return end.code if isinstance(end.code, int) else 0
     return 0
+
+
+def _not_installed(error: ModuleNotFoundError) -> InputError | None:
+    """Say which package a small installation lacks; None where a module of this package is missing."""
+    package = str(error.name).partition(".")[0]
+    if package == "reliab":
+        return None
+    return InputError(
+        f"This command needs the package {package}",
+        value="none installed",
+        remedy=f"Install it with: python -m pip install {package}",
+    )
 
 
 def spread(arguments: Sequence[str], command: Any) -> Iterator[str]:  # noqa: ANN401 - Typer hides its type
