@@ -138,7 +138,7 @@ def _reason(error: Exception) -> str:
 
 
 @contextlib.contextmanager
-def written_whole(path: str | Path) -> Iterator[Path]:
+def written_whole(path: str | Path, *, synced: bool = True) -> Iterator[Path]:
     """Write a file beside its place, and put it there when it is complete and on the disk.
 
     Whoever reads the file sees the one before or the new one, also after a crash or on a full disk.
@@ -147,6 +147,8 @@ def written_whole(path: str | Path) -> Iterator[Path]:
     ----------
     path : str or pathlib.Path
         The file, replaced if it is there; through a link, the file that the link names.
+    synced : bool, optional
+        Whether to wait until it is on the disk; without that, a crash of the whole machine may lose it.
 
     Yields
     ------
@@ -174,9 +176,11 @@ def written_whole(path: str | Path) -> Iterator[Path]:
     unfinished = place.with_name(f"{UNFINISHED}{uuid.uuid4().hex}{place.suffix}")
     try:
         yield unfinished
-        _sync(unfinished)
+        if synced:
+            _sync(unfinished)
         unfinished.replace(place)
-        _sync(place.parent)
+        if synced:
+            _sync(place.parent)
     except BaseException:
         with contextlib.suppress(OSError):
             unfinished.unlink(missing_ok=True)

@@ -1,11 +1,11 @@
 """Results on disk: a Zarr store with one chunk per motion that an interruption does not damage.
 
 A store is first created empty under a temporary name and then renamed, so that it never exists in part. Every
-chunk carries a checksum (CRC-32C) and is written at once or not at all. After a motion's results its entry in
-the journal is written: data on the record, and the digest of the results, which shows that they are complete;
-`--resume` verifies each digest and solves again what does not match. When all motions are done, the journal
-is copied into the coordinates. A store that was interrupted and resumed holds the same bytes as one that was
-not: nothing in it depends on time or order.
+chunk carries a checksum (CRC-32C) and is written at once or not at all. Within a quarter of a second after a
+motion's results its entry in the journal is written: data on the record, and the digest of the results, which
+shows that they are complete; `--resume` verifies each digest and solves again what does not match. When all
+motions are done, the journal is copied into the coordinates. A store that was interrupted and resumed holds
+the same bytes as one that was not: nothing in it depends on time or order.
 """
 
 import contextlib
@@ -14,6 +14,7 @@ import hashlib
 import json
 import tempfile
 import threading
+import time
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
@@ -27,6 +28,7 @@ from numpy.typing import NDArray
 from reliab.errors import IncompleteError, InputError
 from reliab.files import decoding
 from reliab.motions import Motion
+from reliab.sweep.chunk import write_chunk
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.solve import VARIABLES, MotionResults
 from reliab.sweep.store_layout import (
@@ -39,6 +41,7 @@ from reliab.sweep.store_layout import (
 )
 
 _RULE = "A store can be resumed only if it is complete except for results of motions"
+_JOURNAL_EVERY = 0.25  # s; what a kill costs at most, beside motions that are being solved
 _REMEDY = "Simulate again to another store"
 
 
@@ -53,6 +56,8 @@ class ResultsStore:
         self.request = request
         self._group = zarr.open_group(path, mode="r+")
         self._turn = threading.Lock()
+        self._unwritten: dict[int, str] = {}
+        self._journal_written = time.monotonic()
 
     @classmethod
     @contextlib.contextmanager
@@ -97,7 +102,8 @@ class ResultsStore:
                 _check_resumable(path, request, names, resume=resume)
             else:
                 create_store(path, request, names, events)
-            yield cls(path, request)
+            with contextlib.closing(cls(path, request)) as store:
+                yield store
 
     def complete(self) -> list[bool]:
         """Tell for each motion whether its results are complete and undamaged."""
@@ -132,14 +138,31 @@ class ResultsStore:
             "digest": _digest([[getattr(result, name) for name in VARIABLES] for result in results]),
         }
         with self._safe(f"at {motion.name}"):
-            for arrays, result in zip(self._arrays, results, strict=True):
+            for group, arrays, result in zip(group_names(self.request), self._arrays, results, strict=True):
                 for name, array in arrays.items():
-                    array[index] = getattr(result, name)
+                    write_chunk(self.path / group / name, array, index, getattr(result, name))
             with self._turn:
-                self._journal_array[index] = json.dumps(entry)
+                self._unwritten[index] = json.dumps(entry)
+                if time.monotonic() - self._journal_written >= _JOURNAL_EVERY:
+                    self._write_journal()
+
+    def _write_journal(self) -> None:
+        """Write the entries of motions whose results are stored."""
+        if self._unwritten:
+            motions = sorted(self._unwritten)
+            entries = [self._unwritten[motion] for motion in motions]
+            self._journal_array.oindex[motions] = np.array(entries, dtype=np.dtypes.StringDType())
+        self._unwritten, self._journal_written = {}, time.monotonic()
+
+    def close(self) -> None:
+        """Write what the journal still lacks, also after an interruption."""
+        with self._turn, contextlib.suppress(OSError):
+            self._write_journal()
 
     def finish(self) -> None:
         """Copy the journal's data on the records into the coordinates."""
+        with self._safe("at its end"):
+            self._write_journal()
         entries = [json.loads(entry) for entry in self._journal()]
         with self._safe("at its end"):
             for group in self._windows:
@@ -153,6 +176,7 @@ class ResultsStore:
         try:
             yield
         except OSError as error:
+            self.close()
             reason = "the disk is full" if error.errno == errno.ENOSPC else str(error)
             raise IncompleteError(
                 f"Writing {self.path} failed {where}: {reason}. The results of {sum(self.complete())} "

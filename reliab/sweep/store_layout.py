@@ -9,10 +9,11 @@ from typing import Any
 
 import numpy as np
 import zarr
-from zarr.codecs import BloscCodec, Crc32cCodec
+from zarr.codecs import Crc32cCodec
 
 from reliab.errors import InputError
 from reliab.files import decoding, ordinary
+from reliab.sweep.chunk import codecs
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.shares import SHARE_ATTRIBUTE
 from reliab.sweep.solve import VARIABLES
@@ -114,7 +115,7 @@ def _create_array(
     dtype: type | str,
     dims: Sequence[str],
 ) -> "zarr.Array[Any]":
-    compressors = [Crc32cCodec()] if dtype is str else [BloscCodec(cname="zstd", clevel=1), Crc32cCodec()]
+    compressors = [Crc32cCodec()] if dtype is str else codecs()
     label = LABELS.get(name)
     attributes: dict[str, Any] = {} if label is None else {"long_name": label.long_name, "units": label.units}
     return group.create_array(
@@ -124,6 +125,8 @@ def _create_array(
         dtype=dtype,
         dimension_names=[str(dim) for dim in dims],
         compressors=compressors,
+        # A folder for each index of a chunk would take longer to make than its values to simulate.
+        chunk_key_encoding={"name": "default", "separator": "."},
         fill_value=float("nan") if dtype in ("float32", "float64") else None,
         attributes=attributes,
     )
