@@ -1,6 +1,7 @@
 """Ellipse parameter b against a, motion by motion, with their correlation (Figure 11)."""
 
 import numpy as np
+import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -9,6 +10,7 @@ from reliab.report.axes import A_PARAMETER, B_PARAMETER, label_logarithmic, mark
 from reliab.report.style import BLUE, VERMILION, letters, panels, styled
 
 _HEIGHT = 58.0
+_RESAMPLINGS = 1000
 
 
 @styled
@@ -23,7 +25,8 @@ def parameter_correlation(sample: EllipseSample) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Two panels; each names the correlation of what it shows.
+        Two panels; each names the correlation of what it shows. The band holds 95 % of the lines of
+        resampled earthquakes.
     """
     figure, axes = panels(1, 2, height=_HEIGHT)
     letters(axes, ("linear", "logarithmic"))
@@ -42,12 +45,19 @@ def parameter_correlation(sample: EllipseSample) -> Figure:
 
 def _line(axes: Axes, sample: EllipseSample) -> None:
     slope, intercept = np.polyfit(sample.a, sample.b, 1)
-    ends = np.array([0.0, 1.05 * sample.a.max()])
-    axes.plot(
-        ends,
-        intercept + slope * ends,
+    axes.set(xlim=(0.0, 1.05 * sample.a.max()), ylim=(0.0, 1.05 * sample.b.max()))
+    sns.regplot(
+        x=sample.a,
+        y=sample.b,
+        units=sample.events,
+        n_boot=_RESAMPLINGS,
+        seed=0,
+        scatter=False,
+        truncate=False,
         color=VERMILION,
         label=f"$b$ = {scientific(slope)}$\\,a$ {intercept:+.2f} ms²".replace("-", "−"),
+        line_kws={"linewidth": 1.2},
+        ax=axes,
     )
-    axes.set(xlim=(0.0, None), ylim=(0.0, None))
+    name_axes(axes, A_PARAMETER, B_PARAMETER)
     axes.legend(loc="upper left")

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 import numpy as np
+import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
@@ -66,13 +67,15 @@ def _draw(axes: Axes, values: NDArray[np.float64], fits: Mapping[str, Distributi
     outside = int((values > end).sum())
     width = 2.0 * np.subtract(*np.quantile(values, [0.75, 0.25])) / values.size ** (1.0 / 3.0)
     bins = np.arange(0.0, end + width, width)
-    axes.hist(
-        values,
+    sns.histplot(
+        x=values,
         bins=bins.tolist(),
         weights=np.full(values.size, 1.0 / (values.size * width)),
         color=PALE,
         edgecolor="white",
+        alpha=1.0,
         label="motions",
+        ax=axes,
     )
     x = np.linspace(0.0, bins[-1], _POINTS)[1:]
     for rank, (name, fit) in enumerate(fits.items()):

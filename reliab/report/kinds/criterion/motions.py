@@ -56,7 +56,8 @@ def _correlation(reported: ReportedCriteria) -> Figure:
         drawing=parameter_correlation(reported.sample),
         caption=prose(
             "Every motion has its own ellipse. $a$ and $b$ rise together: a motion that tolerates "
-            "amplitude errors also tolerates delays, since near resonance both are one complex error."
+            "amplitude errors also tolerates delays, since near resonance both are one complex error. "
+            "Band: 95 % of the lines of resampled earthquakes."
         ),
         label="fig:correlation",
     )

@@ -150,7 +150,10 @@ def motions_section(records: Records) -> Section:
     blocks: tuple[Block, ...] = (
         Figure(
             drawing=parameter_correlation(sample),
-            caption=prose("Figure 11 of the paper: $a$ and $b$ of the motions rise together."),
+            caption=prose(
+                "Figure 11 of the paper: $a$ and $b$ of the motions rise together. Band: 95 % of the lines "
+                "of resampled earthquakes."
+            ),
             label="fig:paper-11",
         ),
         Figure(
