@@ -4,7 +4,7 @@ from copy import copy
 from dataclasses import dataclass, replace
 
 from reliab.discrepancy.fitting.fit import Fit, fit, reweighted
-from reliab.discrepancy.fitting.fitted_models import FittedModels
+from reliab.discrepancy.fitting.fitted_models import MATERIAL, FittedModels
 from reliab.discrepancy.fitting.left_out import left_out
 from reliab.discrepancy.fitting.screening import screened
 from reliab.discrepancy.fitting.space import ModelSpace
@@ -45,7 +45,9 @@ def offset_rival(search: FittedModels, best: Fit, offset: type[Effect]) -> Offse
     Returns
     -------
     OffsetRival or None
-        None where no effect promises to explain anything.
+        None where no effect promises to explain anything, or where the best of them predicts tests that are
+        left out clearly worse than the offset does, whatever its evidence: a noise model fitted to the
+        rival's own residual may take a constant for slow noise.
     """
     block = copy(search.problem.block)
     block.offsets = tuple(kind for kind in block.offsets if kind is not offset)
@@ -59,8 +61,11 @@ def offset_rival(search: FittedModels, best: Fit, offset: type[Effect]) -> Offse
     first = promising[0]
     larger = ModelSpace(block, (*best.space.effects, first.kind))
     rival = reweighted(problem, fit(problem, larger, [first.start], without.noise))
+    error = left_out(problem, rival)
+    if (1.0 - MATERIAL) * error.energy > search.error(best).energy:
+        return None
     if not problem.flat:
         odds = rival.log_evidence - best.log_evidence
     else:
-        odds = search.likelihood(left_out(problem, rival)) - search.likelihood(search.error(best))
+        odds = search.likelihood(error) - search.likelihood(search.error(best))
     return OffsetRival(effect=first.kind, fit=rival, odds=odds)

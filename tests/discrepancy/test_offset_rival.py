@@ -1,0 +1,16 @@
+"""An offset is doubtful only where another effect predicts the tests as well."""
+
+from blind_campaigns.campaign import Options, generate
+
+from reliab.discrepancy import diagnose, read_campaign
+from reliab.loop.effects import library
+
+ROUNDED_LOAD_CELL_WITH_AN_OFFSET = 9_500_031
+
+
+def test_an_effect_that_predicts_worse_does_not_cast_doubt_on_an_offset(tmp_path):
+    """Rounding lets a rival take the offset for slow noise: by its evidence alone it won."""
+    generate(ROUNDED_LOAD_CELL_WITH_AN_OFFSET, tmp_path / "campaign", options=Options(with_rivals=False))
+    (named,) = diagnose(read_campaign(tmp_path / "campaign")).effects
+    assert named.effect is library()["force_bias"]
+    assert named.error_with < 0.25 * named.error_without
