@@ -15,6 +15,8 @@ _NAMES = {Block.NUMERICAL: "numerical substructure"}
 SHORT_RECORD = 256
 """Samples of a test below which a remark says that it is short."""
 
+_DELIVERED = 0.5  # of the work without regard to its sign
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Diagnosis:
@@ -78,6 +80,11 @@ class Diagnosis:
             for test in self.campaign.tests
             if test.size < SHORT_RECORD
         ]
+        if all(test.absorbed < -_DELIVERED for test in self.campaign.tests):
+            remarks.append(
+                "In every test the specimen delivers energy to the actuator: check the sign of force_n, which"
+                " is positive where the specimen resists a positive displacement."
+            )
         return tuple(dict.fromkeys(remarks))
 
     def as_dict(self) -> dict[str, Any]:
@@ -111,6 +118,11 @@ def _limits_of(block: BlockDiagnosis) -> list[str]:
         for item in block.misstated
     ]
     remarks += [offset.remark for offset in block.uncertain_offsets]
+    if block.block.block is not Block.NUMERICAL and gap.after > 1.0:
+        remarks.append(
+            f"The model of the {name} misses held-out tests by more than their signal: check the units and"
+            " signs of the columns, and the nominal values."
+        )
     if block.converged is False:
         remarks.append(
             f"The posterior of the {name} has not converged: standard deviations are those of a normal"

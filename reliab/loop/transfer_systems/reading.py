@@ -37,7 +37,7 @@ def transfer_function_of(model: Any, delay: float = 0.0) -> TransferFunction:  #
 
     Examples
     --------
-    >>> transfer_function_of(signal.ZerosPolesGain([], [-100.0], 100.0)).denominator
+    >>> transfer_function_of(scipy.signal.ZerosPolesGain([], [-100.0], 100.0)).denominator
     (1.0, 100.0)
     """
     if getattr(model, "dt", None) not in {None, 0}:
