@@ -139,6 +139,7 @@ def _confusion(run: Mapping[str, Any]) -> Section:
             drawing=discrepancy_confusion(groups[name]),
             caption=f"{name}: what is hidden against what is answered, verdicts without a name in brackets.",
             label=f"fig:confusion{place}",
+            leads=not place,
         )
         for place, name in enumerate(name for name in _GROUPS if name in groups)
     ]
@@ -161,14 +162,7 @@ def _probabilities(run: Mapping[str, Any]) -> Section:
     caption = "How often effects were right that were named with a probability; the numbers count effects."
     return Section(
         title="Whether stated probabilities are kept",
-        blocks=(
-            Paragraph(
-                text=prose("Stated probabilities are compared with what was true in @fig:reliability.")
-            ),
-            Figure(
-                drawing=discrepancy_reliability(bins), caption=caption, label="fig:reliability", leads=True
-            ),
-        ),
+        blocks=(Figure(drawing=discrepancy_reliability(bins), caption=caption, label="fig:reliability"),),
     )
 
 
