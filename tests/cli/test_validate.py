@@ -66,6 +66,7 @@ def test_earthquakes_are_divided_as_asked(scheme):
     assert 0.75 < found["rows"][0]["containment"]["rate"] < 1.0
 
 
+@pytest.mark.slow
 def test_frequencies_can_be_left_out():
     found = answer(
         *("--ellipses", "real_suite", "--xi", 0.02, "--leave-out", "f", "--scheme", "k_fold"),

@@ -168,6 +168,7 @@ def test_a_surface_that_is_not_trusted_has_not_converged(damped):
     assert doubtful.statement.startswith("Not converged")
 
 
+@pytest.mark.slow
 def test_a_run_goes_on_where_it_ended(damped, tmp_path):
     problem, fitted, _ = damped
     whole = sample_posterior(problem, fitted, steps=160)

@@ -153,10 +153,16 @@ def made_tests():
     yield "sample", sample, (1.0, 0.02, 1.0)
 
 
-MADE = list(made_tests())
+REPRESENTATIVE = {"noisy", "in motion", "sample"}
 
 
-@pytest.mark.parametrize(("text", "structure"), [case[1:] for case in MADE], ids=[case[0] for case in MADE])
+@pytest.mark.parametrize(
+    ("text", "structure"),
+    [
+        pytest.param(*case, id=name, marks=() if name in REPRESENTATIVE else pytest.mark.slow)
+        for name, *case in made_tests()
+    ],
+)
 def test_a_test_is_judged_as_by_assess(by_javascript, tmp_path, text, structure):
     path = tmp_path / "test.csv"
     path.write_text(text, encoding="utf-8")

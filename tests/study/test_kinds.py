@@ -44,7 +44,9 @@ def text_of_run(study, folder, text_of):
             ("held-out earthquakes", "Actuators that are no constant gain and delay"),
             marks=pytest.mark.slow,
         ),
-        ("synthetic_vs_real", ("Response spectra", "Criteria of the suites")),
+        pytest.param(
+            "synthetic_vs_real", ("Response spectra", "Criteria of the suites"), marks=pytest.mark.slow
+        ),
     ],
 )
 def test_shipped_studies_run_on_other_motions(name, sentences, suite_folder, tmp_path, text_of):

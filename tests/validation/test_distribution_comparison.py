@@ -40,6 +40,7 @@ def test_every_motion_is_held_out_once():
     assert np.sum(list(leave_one_event_out(events)), axis=0).tolist() == [1, 1, 1, 1]
 
 
+@pytest.mark.slow
 def test_every_distribution_is_compared(printed_table2):
     table = compare_distributions(printed_table2["a"].values.ravel(), printed_table2["event"].values)
     assert set(table.index) == set(DISTRIBUTIONS)
