@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from reliab.discrepancy.fitting.fit import Fit, bounded_step, improved
 from reliab.discrepancy.fitting.problem import Problem, relative_powers
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.spectra.segment import Segment
+from reliab.discrepancy.spectra.segment import Segment, energy_of
 
 Array = NDArray[np.float64]
 
@@ -109,7 +109,7 @@ def left_out(problem: Problem, fitted: Fit, fixed: tuple[int, ...] = ()) -> Left
             tried.append(stayed)
         segments = [problem.segments[k] for k in members]
         energies.append(min(_missed(problem, fitted.space, x, segments) for x in tried))
-        signals.append(sum(_energy(s.spectrum(problem.measured(s.test))) for s in segments))
+        signals.append(sum(energy_of(s.spectrum(problem.measured(s.test))) for s in segments))
         foretold.append(problem.flat or _determined(fitted, ~excluded))
         units.append(sum(powers[k] * (problem.segments[k].end - problem.segments[k].begin) for k in members))
     return LeftOut(
@@ -139,7 +139,7 @@ def _missed(problem: Problem, space: ModelSpace, coordinates: Array, segments: S
         s.spectrum(problem.measured(s.test)) - s.coarse_spectrum(predicted, problem.block.every)
         for s in segments
     ]
-    energy = sum(map(_energy, missed))
+    energy = sum(map(energy_of, missed))
     return energy if np.isfinite(energy) else _RAN_AWAY
 
 
@@ -170,8 +170,3 @@ def refitted(fitted: Fit, excluded: NDArray[np.bool_], fixed: tuple[int, ...]) -
     slope = derivatives.T @ residual + x
     step = bounded_step(curvature, slope, least, np.maximum(most, least + 1e-12), 0.0)
     return np.asarray(np.clip(x + step, lower, upper))
-
-
-def _energy(spectrum: NDArray[np.complex128]) -> float:
-    power = np.abs(spectrum) ** 2
-    return float(power[0] + 2.0 * power[1:].sum())

@@ -13,6 +13,7 @@ from reliab.discrepancy.naming.estimates import estimates
 from reliab.discrepancy.result.gap import Gap
 from reliab.discrepancy.result.missing_effect import Unknown
 from reliab.discrepancy.spectra.noise import NoiseModel
+from reliab.discrepancy.spectra.segment import energy_of
 from reliab.discrepancy.terms import OutsideTerm
 from reliab.discrepancy.terms.periodic import Disturbance
 from reliab.vocabulary import Block
@@ -70,8 +71,7 @@ def _judged_error(problem: Problem, best: Fit) -> float:
     """RMS of what a model leaves over that of the channel, at the frequencies at which it is judged."""
     unit = NoiseModel.white(problem.block.rate, 1.0)
     rows = problem.whitened(best.space, best.coordinates, unit)
-    spectra = [np.abs(s.spectrum(problem.measured(s.test))) ** 2 for s in problem.segments]
-    signal = sum(float(power[0] + 2.0 * power[1:].sum()) for power in spectra)
+    signal = sum(energy_of(s.spectrum(problem.measured(s.test))) for s in problem.segments)
     return float(np.sqrt(rows @ rows / max(signal, 1e-300)))
 
 

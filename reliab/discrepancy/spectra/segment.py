@@ -89,6 +89,23 @@ class Segment:
         return Periodogram(frequency=fft.rfftfreq(n, 1.0 / self.rate)[1:], power=power[1:])
 
 
+def energy_of(spectrum: Spectrum) -> float:
+    """Energy of a signal at the frequencies of its one-sided spectrum.
+
+    Parameters
+    ----------
+    spectrum : numpy.ndarray
+        As :meth:`Segment.spectrum` gives it, from zero frequency on.
+
+    Returns
+    -------
+    float
+        Sum of the squares, in the unit of the signal squared.
+    """
+    power = np.abs(spectrum) ** 2
+    return float(power[0] + 2.0 * power[1:].sum())
+
+
 def _value_and_slope(values: Array, place: int) -> tuple[float, float]:
     """Value at a place, which may be the one after the last, and what it grows by from place to place."""
     near = values[max(place - 3, 0) : place + 3]
