@@ -12,7 +12,9 @@ from reliab.discrepancy.blocks.frame_balance import FrameBalanceBlock
 from reliab.discrepancy.blocks.loop import LoopBlock
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
-from reliab.discrepancy.campaign.campaign import Campaign, Channel
+from reliab.discrepancy.campaign.campaign import Campaign, Channel, Stretch
+from reliab.discrepancy.fitting.fit import Fit
+from reliab.discrepancy.fitting.informed_band import informed_up_to
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.locating.noise_test import is_model_error
@@ -21,9 +23,9 @@ from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
 from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.discrepancy.spectra.scales import motions_of, scales_of
 from reliab.discrepancy.spectra.segment import cut_segments
-from reliab.discrepancy.spectra.starting import settled
+from reliab.discrepancy.spectra.starting import answered, settled
 from reliab.errors import InputError
-from reliab.loop.effects import Scales
+from reliab.loop.effects import Role, Scales
 from reliab.loop.hybrid_test import Motion3
 from reliab.progress import Progress, silent
 
@@ -126,21 +128,13 @@ def _pistons(actuator: BlockDiagnosis) -> list[Motion3]:
 
 def _examined(block: ObservedBlock, campaign: Campaign, advance: Callable[[], None]) -> BlockDiagnosis:
     """Search a block in `_STEPS` steps; `advance` is called after each."""
-    every = math.lcm(block.every, block.sketch.every)
-    training, proof = (
-        Problem(
-            block=block,
-            segments=cut_segments(
-                settled(stretches, block.motions, block.memory), campaign.rate, block.highest_of, every
-            ),
-        )
-        for stretches in (campaign.training, campaign.proof)
-    )
-    search = Search(training)
+    search = Search(_problem(block, campaign, campaign.training))
     advance()
     search.whole()
     advance()
     searched = search.again()
+    if isinstance(block, BalanceBlock) and _samples(searched.best):
+        searched = _where_informed(block, campaign, searched)
     advance()
     if is_model_error(searched.problem, searched.best):
         searched = searched.tempered()
@@ -150,6 +144,32 @@ def _examined(block: ObservedBlock, campaign: Campaign, advance: Callable[[], No
     searched.settle()
     advance()
     searched.sharpen()
-    diagnosed = diagnose_block(searched, proof)
+    diagnosed = diagnose_block(searched, _problem(searched.problem.block, campaign, campaign.proof))
     advance()
     return diagnosed
+
+
+def _problem(block: ObservedBlock, campaign: Campaign, stretches: Sequence[Stretch]) -> Problem:
+    """Return the stretches of a block that a model can predict, as segments."""
+    every = math.lcm(block.every, block.sketch.every)
+    predictable = answered(settled(stretches, block.motions, block.memory), block.motions, block.unanswered)
+    return Problem(block=block, segments=cut_segments(predictable, campaign.rate, block.highest_of, every))
+
+
+def _where_informed(block: BalanceBlock, campaign: Campaign, whole: Search) -> Search:
+    """Search where the command explains the force.
+
+    Frequencies at which it does not can spoil the first search, whose model then explains too few of the
+    others. With the model of a second search, up to there, the band is determined anew.
+    """
+    wide = whole.problem
+    narrow = block.judged_up_to(informed_up_to(wide, whole.best))
+    search = Search(_problem(narrow, campaign, campaign.training))
+    search.whole()
+    cleared = block.judged_up_to(informed_up_to(wide, search.best))
+    return search.on(_problem(cleared, campaign, campaign.training)).again()
+
+
+def _samples(fitted: Fit) -> bool:
+    """Whether a model's controller knows what it demands at its own instants only."""
+    return any(effect.role is Role.INTEGRATION for effect in fitted.space.effects)

@@ -4,9 +4,14 @@ The command is exact, so that its derivatives are, too: the force that must have
 follows from the equation of motion and is compared with the measured one. An error of the integration is a
 transfer function from the demanded to the command's acceleration, which is inverted. Above half of the
 controller's rate the command contains no information on the demanded acceleration; there the nominal specimen
-is used. Natural frequency and damping ratio are calibrated, because an operator may state them wrongly; a
-wrong value would otherwise look like an error of the integration.
+is used. Below, whatever was demanded above is folded onto it at the controller's instants, so that models
+with such an error are judged only up to the frequency to which the command explains the force. The last
+demands of a record are answered after its end, which is left out. Natural frequency and damping ratio are
+calibrated, because an operator may state them wrongly; a wrong value would otherwise look like an error of
+the integration.
 """
+
+from copy import copy
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +29,7 @@ from reliab.vocabulary import Block
 Array = NDArray[np.float64]
 
 _RETURN = 1.0  # s, within which a record is closed to a period
+_STEPS_TO_ANSWER = 2.0  # of an integration, after which the command shows what was demanded
 
 
 class BalanceBlock(ObservedBlock):
@@ -55,6 +61,24 @@ class BalanceBlock(ObservedBlock):
         self._circular_frequency = nominal.structure.circular_frequency if nominal.structure else 0.0
         self._spring = nominal.specimen.stiffness / nominal.mass if nominal.specimen else 0.0
         self.motions = tuple(motion_of_command(test, campaign.step) for test in campaign.tests)
+        self._informed = self.highest_signal
+
+    @property
+    def highest(self) -> float:
+        """Highest frequency at which models are judged [Hz]."""
+        return self._informed
+
+    @property
+    def unanswered(self) -> float:
+        """Time at the end of a record [s] whose demands the command answers after it."""
+        step = next(p for p in IntegrationError.parameters if p.name == "step_s")
+        return _STEPS_TO_ANSWER * step.upper
+
+    def judged_up_to(self, frequency: float) -> "BalanceBlock":
+        """Return the same block judged up to a frequency [Hz] only."""
+        narrow = copy(self)
+        narrow._informed = min(frequency, self.highest_signal)  # noqa: SLF001 - the same class
+        return narrow
 
     def predict(self, model: HybridTest, test: int) -> Array:
         """Force that balances ground motion and command [N], shape (n,)."""

@@ -89,6 +89,11 @@ class ObservedBlock(ABC):
         return 0.0
 
     @property
+    def unanswered(self) -> float:
+        """Time at the end of a record [s] of which the output shows in the input only after it."""
+        return 0.0
+
+    @property
     def sketch(self) -> "ObservedBlock":
         """The same block predicted at fewer instants, for derivatives; itself where it is fast anyway."""
         return self

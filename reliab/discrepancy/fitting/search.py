@@ -5,10 +5,11 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from reliab.discrepancy.fitting.fit import Fit, fit, refined, reweighted, sharpened, transferred
+from reliab.discrepancy.fitting.fit import Fit, fit, refined, reweighted, sharpened
 from reliab.discrepancy.fitting.fitted_models import COST, OUTSIDE_COST, FittedModels
 from reliab.discrepancy.fitting.line_terms import line_terms
 from reliab.discrepancy.fitting.observations import observations
+from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.screening import Screened, screened
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.loop.effects import Effect, library
@@ -116,15 +117,18 @@ class Search(FittedModels):
         return best if best is not inside else self.forward(inside, every, deepest=1)
 
     def again(self) -> "Search":
-        """Search again with the converter's error that the best model expects; itself if there is none.
+        """Search again with the converter's error that the best model expects; itself if there is none."""
+        best = self.best
+        corrected = self.problem.corrected(best.space, best.coordinates)
+        return self if corrected is self.problem or best is self.null else self.on(corrected)
+
+    def on(self, problem: Problem) -> "Search":
+        """Search on other data of the same block.
 
         Models that were near the best are fitted anew from where they stood; the search goes on from there.
         """
         best = self.best
-        corrected = self.problem.corrected(best.space, best.coordinates)
-        if corrected is self.problem or best is self.null:
-            return self
-        search = Search(corrected)
+        search = Search(problem)
         near = [
             candidate
             for candidate in self.fitted.values()
@@ -132,7 +136,10 @@ class Search(FittedModels):
         ]
         with ThreadPoolExecutor(_WORKERS) as pool:
             for candidate in pool.map(
-                lambda candidate: refined(corrected, transferred(corrected, candidate)), near
+                lambda candidate: refined(
+                    problem, fit(problem, candidate.space, [candidate.coordinates], candidate.noise)
+                ),
+                near,
             ):
                 search._keep(candidate)
         search.whole(search.best)

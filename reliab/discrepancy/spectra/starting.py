@@ -1,4 +1,8 @@
-"""Records that do not start at rest: the stretch in which the model forgets its unknown initial state."""
+"""Ends of records that a model cannot predict.
+
+At the start of a record that does not begin at rest the model forgets an unknown initial state. What an
+integration demands at the end of a record moves the command after it.
+"""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -56,3 +60,31 @@ def _begin(motion: Motion3, end: int, memory: float) -> int:
     most = int(_LARGEST_SHARE * end)
     swing = int(reversals[_REVERSALS - 1]) if reversals.size >= _REVERSALS else most
     return min(max(swing, int(memory / motion.step)), most)
+
+
+def answered(
+    stretches: Sequence[Stretch], motions: Sequence[Motion3], unanswered: float
+) -> tuple[Stretch, ...]:
+    """Leave out the end of records whose output shows in the input only after it.
+
+    Parameters
+    ----------
+    stretches : sequence of Stretch
+        Parts of tests.
+    motions : sequence of Motion3
+        Motion of the piston in every test.
+    unanswered : float
+        Time before the end of a record that is left out [s].
+
+    Returns
+    -------
+    tuple of Stretch
+        The same parts; those that reach into this time end where it begins, unless they lie within it.
+    """
+    ends = [motion.values.shape[1] - round(unanswered / motion.step) for motion in motions]
+    return tuple(
+        replace(stretch, end=min(stretch.end, ends[stretch.test]))
+        if stretch.begin < ends[stretch.test]
+        else stretch
+        for stretch in stretches
+    )
