@@ -3,8 +3,9 @@
 from dataclasses import replace
 
 import pytest
+from blind_campaigns.campaign import Options, generate
 
-from reliab.discrepancy import read_campaign
+from reliab.discrepancy import diagnose, read_campaign
 from reliab.discrepancy.blocks.balance import BalanceBlock
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.search import Search
@@ -55,3 +56,22 @@ def test_a_structure_that_is_stated_wrongly_is_calibrated_and_no_integration_err
     _, frequency, ratio = best.space.values(best.coordinates)
     assert frequency * 1.02 == pytest.approx(1.0, abs=0.004)
     assert ratio * frequency * 1.2 * 1.02 == pytest.approx(1.0, abs=0.03)  # the damping coefficient
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [9500001, 9500254, 9500279])
+def test_demands_above_half_of_the_controllers_rate_do_not_lengthen_its_step(tmp_path, seed):
+    """A play lets the demand hold much above half of the controller's rate, which is folded below it.
+
+    With models judged up to 45 Hz and to a record's end the steps came out 27 % too long, or as a third of
+    their length, with a ratio of the time step of 0.9999 beside them.
+    """
+    label = generate(seed, tmp_path / "campaign", options=Options(with_rivals=False))
+    effects = diagnose(read_campaign(tmp_path / "campaign")).as_dict()["effects"]
+    assert {effect["name"] for effect in effects} == label.names
+    stated = next(effect for effect in effects if effect["name"] == "integration_error")["parameters"]
+    truth = next(effect for effect in label.effects if effect["name"] == "integration_error")
+    assert stated["step_s"]["value"] == pytest.approx(truth["parameters"]["step_s"]["value"], rel=0.03)
+    assert stated["numerical_damping_ratio"]["value"] == pytest.approx(
+        truth["derived"]["numerical_damping_ratio"], rel=0.02
+    )

@@ -1,10 +1,10 @@
-"""Records that begin in motion are judged after their first swing, others from their first sample."""
+"""Records that begin in motion are judged after their first swing; ends that nothing answers are left out."""
 
 import numpy as np
 import pytest
 
 from reliab.discrepancy.campaign.campaign import Stretch
-from reliab.discrepancy.spectra.starting import settled
+from reliab.discrepancy.spectra.starting import answered, settled
 from reliab.loop.hybrid_test import Motion3
 
 STEP = 0.005
@@ -41,3 +41,17 @@ def test_a_free_vibration_that_started_before_is_waited_for():
     assert settled([whole], moving, 60.0)[0].begin * STEP == pytest.approx(4.0, abs=STEP)  # a fifth
     resting = [Motion3.through(np.sin(2.0 * np.pi * TIME) * np.sin(np.pi * TIME / 20.0) ** 2, STEP)]
     assert settled([whole], resting, 3.0)[0].begin == 0
+
+
+@pytest.mark.parametrize(
+    ("unanswered", "end"), [(0.0, 20.0), (0.2, 19.8), (30.0, 16.0)], ids=["none", "short", "a fifth at most"]
+)
+def test_the_end_that_nothing_answers_is_left_out(unanswered, end):
+    motions = [Motion3.through(np.sin(TIME), STEP)]
+    whole, inner = Stretch(test=0, begin=0, end=TIME.size), Stretch(test=0, begin=100, end=400)
+    late = Stretch(test=0, begin=TIME.size - 2, end=TIME.size)
+    shortened, kept, last = answered([whole, inner, late], motions, unanswered)
+    assert shortened.begin == 0
+    assert shortened.end * STEP == pytest.approx(end, abs=STEP)
+    assert kept == inner
+    assert last == late

@@ -27,15 +27,16 @@ def informed_up_to(problem: Problem, fitted: Fit) -> float:
     Returns
     -------
     float
-        The highest frequency that is judged, where the model explains more than half of the power up to it.
+        The highest frequency that is judged, where the model explains more than half of the power up to
+        there.
     """
-    left = problem.residuals(fitted.space, fitted.coordinates)
+    remainders = problem.residuals(fitted.space, fitted.coordinates)
     highest = max(segment.highest for segment in problem.segments)
     grid = np.arange(_FINEST, highest, _FINEST)
     signal, remainder = np.zeros(grid.size), np.zeros(grid.size)
     for segment in problem.segments:
         signal += _power_of(segment, problem.measured(segment.test), grid)
-        remainder += _power_of(segment, left[segment.test], grid)
+        remainder += _power_of(segment, remainders[segment.test], grid)
     strongest = int(np.argmax(signal))
     unexplained = np.flatnonzero(remainder[strongest:] > (1.0 - _LEAST_EXPLAINED) * signal[strongest:])
     return float(grid[strongest + unexplained[0]]) if unexplained.size else highest

@@ -74,14 +74,18 @@ def answered(
     motions : sequence of Motion3
         Motion of the piston in every test.
     unanswered : float
-        Time before the end of a record that is left out [s].
+        Time before the end of a record that is left out [s], a fifth of the record at most.
 
     Returns
     -------
     tuple of Stretch
         The same parts; those that reach into this time end where it begins, unless they lie within it.
     """
-    ends = [motion.values.shape[1] - round(unanswered / motion.step) for motion in motions]
+    sizes = [motion.values.shape[1] for motion in motions]
+    ends = [
+        size - min(round(unanswered / motion.step), int(_LARGEST_SHARE * size))
+        for size, motion in zip(sizes, motions, strict=True)
+    ]
     return tuple(
         replace(stretch, end=min(stretch.end, ends[stretch.test]))
         if stretch.begin < ends[stretch.test]

@@ -1,0 +1,48 @@
+"""The band of a block's input ends where a model no longer explains half of the output."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from reliab.discrepancy.fitting.informed_band import informed_up_to
+from reliab.discrepancy.spectra.segment import Segment
+
+RATE, SIZE, HIGHEST = 256.0, 16384, 45.0
+FREQUENCY = np.fft.rfftfreq(SIZE, 1.0 / RATE)
+FITTED = SimpleNamespace(space=None, coordinates=None)
+
+
+def of_power(power):
+    """Signal with a power at each frequency and random phases, without a mean."""
+    phases = np.random.default_rng(3).uniform(0.0, 2.0 * np.pi, FREQUENCY.size)
+    spectrum = np.sqrt(power) * np.exp(1j * phases)
+    spectrum[0] = 0.0
+    return np.fft.irfft(spectrum, SIZE)
+
+
+def problem_of(measured, left):
+    return SimpleNamespace(
+        segments=(Segment(test=0, begin=0, end=SIZE, rate=RATE, highest=HIGHEST),),
+        measured=lambda _test: measured,
+        residuals=lambda _space, _coordinates: {0: left},
+    )
+
+
+@pytest.mark.parametrize("crossing", [3.0, 12.0, 30.0])
+def test_it_ends_where_half_of_a_falling_spectrum_is_left(crossing):
+    measured = of_power((1.0 + FREQUENCY) ** -4.0)
+    left = of_power(np.full(FREQUENCY.size, 0.5 * (1.0 + crossing) ** -4.0))
+    assert informed_up_to(problem_of(measured, left), FITTED) == pytest.approx(crossing, abs=0.3)
+
+
+def test_frequencies_below_the_strongest_motion_do_not_end_it():
+    measured = of_power(np.exp(-((FREQUENCY - 8.0) ** 2)) + 1e-6)
+    left = of_power(np.full(FREQUENCY.size, 1e-7))
+    left_below = left + of_power(np.where(FREQUENCY < 4.0, 1e-3, 0.0))
+    assert informed_up_to(problem_of(measured, left_below), FITTED) == HIGHEST
+
+
+def test_a_model_that_explains_nothing_ends_it_at_the_strongest_motion():
+    measured = of_power(np.exp(-((FREQUENCY - 8.0) ** 2)) + 1e-6)
+    assert informed_up_to(problem_of(measured, measured), FITTED) == pytest.approx(8.0, abs=0.5)
