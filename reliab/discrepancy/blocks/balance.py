@@ -12,6 +12,7 @@ the integration.
 """
 
 from copy import copy
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +28,7 @@ from reliab.loop.hybrid_test import HybridTest, Motion3
 from reliab.vocabulary import Block
 
 Array = NDArray[np.float64]
+Spectrum = NDArray[np.complex128]
 
 _RETURN = 1.0  # s, within which a record is closed to a period
 _STEPS_TO_ANSWER = 2.0  # of an integration, after which the command shows what was demanded
@@ -62,6 +64,8 @@ class BalanceBlock(ObservedBlock):
         self._spring = nominal.specimen.stiffness / nominal.mass if nominal.specimen else 0.0
         self.motions = tuple(motion_of_command(test, campaign.step) for test in campaign.tests)
         self._informed = self.highest_signal
+        self._command = lru_cache(maxsize=len(self.tests))(self._read_command)
+        self._ground = lru_cache(maxsize=2 * len(self.tests))(self._read_ground)
 
     @property
     def highest(self) -> float:
@@ -82,29 +86,60 @@ class BalanceBlock(ObservedBlock):
 
     def predict(self, model: HybridTest, test: int) -> Array:
         """Force that balances ground motion and command [N], shape (n,)."""
-        ground = self.tests[test].channels[Channel.GROUND]
-        for effect in model.acting(Role.RECORD):
-            if isinstance(effect, RecordEffect):
-                ground = effect.applied(ground, 1.0 / self.rate)
+        records = tuple(effect for effect in model.acting(Role.RECORD) if isinstance(effect, RecordEffect))
+        ground = self._ground(records, test)
         displacement, velocity, acceleration = self.motions[test].values
-        substructure = model.substructure
-        returned = ground + substructure.damping * velocity + substructure.stiffness * displacement
+        structure = model.substructure
+        returned = ground.values + structure.damping * velocity + structure.stiffness * displacement
         for effect in model.acting(Role.INTEGRATION):
             if isinstance(effect, IntegrationError):
-                returned = returned + substructure.damping * effect.velocity_lead * acceleration
-                likely = -returned - self._spring * displacement
-                acceleration = self._demanded(effect, acceleration, likely)
+                lead = structure.damping * effect.velocity_lead
+                returned = returned + lead * acceleration
+                moved = self._command(test)
+                likely = -ground.spectrum - (structure.stiffness + self._spring) * moved[0].spectrum
+                likely -= structure.damping * moved[1].spectrum + lead * moved[2].spectrum
+                acceleration = self._demanded(effect, moved[2], likely)
         return np.asarray(-model.mass * (returned + acceleration))
 
-    def _demanded(self, effect: IntegrationError, acceleration: Array, likely: Array) -> Array:
+    def _demanded(self, effect: IntegrationError, moved: "ClosedSignal", likely: Spectrum) -> Array:
         """Acceleration that the controller demanded, `likely` where its own instants are too far apart."""
-        size = acceleration.size
-        length = fft.next_fast_len(size + int(_RETURN * self.rate), real=True)
-        moved, expected = (fft.rfft(_closed(values, length)) for values in (acceleration, likely))
-        frequency = fft.rfftfreq(length, 1.0 / self.rate)
+        frequency = fft.rfftfreq(moved.length, 1.0 / self.rate)
         seen = frequency < 0.5 / effect.step_s
-        expected[seen] = moved[seen] / effect.transfer(frequency[seen], self._circular_frequency)
-        return np.asarray(fft.irfft(expected, length)[:size])
+        likely[seen] = moved.spectrum[seen] / effect.transfer(frequency[seen], self._circular_frequency)
+        return np.asarray(fft.irfft(likely, moved.length)[: moved.values.size])
+
+    def _read_ground(self, records: tuple[RecordEffect, ...], test: int) -> "ClosedSignal":
+        ground = self.tests[test].channels[Channel.GROUND]
+        for effect in records:
+            ground = effect.applied(ground, 1.0 / self.rate)
+        return ClosedSignal(ground, self.rate)
+
+    def _read_command(self, test: int) -> tuple["ClosedSignal", ...]:
+        return tuple(ClosedSignal(values, self.rate) for values in self.motions[test].values)
+
+
+class ClosedSignal:
+    """A signal, and its spectrum when it has returned to its begin on a straight line.
+
+    The spectrum is linear in the signal, and is computed when it is first asked for.
+
+    Parameters
+    ----------
+    values : numpy.ndarray
+        The signal, shape (n,).
+    rate : float
+        Sampling rate [Hz].
+    """
+
+    def __init__(self, values: Array, rate: float) -> None:
+        self.values = values
+        self.length = fft.next_fast_len(values.size + int(_RETURN * rate), real=True)
+
+    @cached_property
+    def spectrum(self) -> Spectrum:
+        """Discrete Fourier transform of `length` values, shape (length // 2 + 1,)."""
+        way = np.linspace(self.values[-1], self.values[0], self.length - self.values.size + 1)[1:]
+        return np.asarray(fft.rfft(np.concatenate([self.values, way])), dtype=np.complex128)
 
 
 def motion_of_command(test: MeasuredTest, step: float) -> Motion3:
@@ -117,9 +152,3 @@ def motion_of_command(test: MeasuredTest, step: float) -> Motion3:
     values = motion.values.copy()
     values[2, 1:-1] += np.diff(values[2] + test.channels[Channel.GROUND], 2) / 12.0
     return Motion3(values=values, step=step)
-
-
-def _closed(values: Array, length: int) -> Array:
-    """Values that return to their begin on a straight line, shape (length,)."""
-    way = np.linspace(values[-1], values[0], length - values.size + 1)[1:]
-    return np.concatenate([values, way])
