@@ -1,5 +1,7 @@
 """An oscillator without a rig, of any frequency, shaken by an excitation of unknown scale and sign."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import fft
@@ -88,6 +90,7 @@ def test_a_linear_oscillator_is_calibrated(campaign):
     found = diagnose(measured).as_dict()
     assert found["verdict"] == "no_missing_effect"
     assert found["gap"]["nrmse_after"] < 0.006
+    assert not any("stated wrongly" in remark for remark in found["remarks"])
 
 
 def test_a_hardening_oscillator_is_named(campaign):
@@ -96,3 +99,12 @@ def test_a_hardening_oscillator_is_named(campaign):
     assert [effect["name"] for effect in found["effects"]] == ["cubic_stiffness"]
     assert found["effects"][0]["parameters"]["cubic_n_per_m3"]["value"] == pytest.approx(stiffness, rel=0.02)
     assert found["gap"]["nrmse_after"] < 0.006
+    assert not any("stated wrongly" in remark for remark in found["remarks"])
+
+
+def test_a_damper_in_one_channel_may_be_a_damping_ratio_that_is_stated_wrongly(campaign):
+    measured, _ = campaign(0.0)
+    stated = replace(measured.structure, damping_ratio=0.8 * DAMPING_RATIO)
+    found = diagnose(replace(measured, structure=stated)).as_dict()
+    assert [effect["name"] for effect in found["effects"]] == ["viscous_damping"]
+    assert any("stated wrongly" in remark for remark in found["remarks"])

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from reliab.discrepancy.campaign.campaign import Campaign
+from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.discrepancy.locating.finding import Finding
 from reliab.discrepancy.result.block_diagnosis import STRUCTURE, BlockDiagnosis, Verdict
 from reliab.discrepancy.result.gap import Gap
@@ -15,6 +15,7 @@ _NAMES = {Block.NUMERICAL: "numerical substructure"}
 SHORT_RECORD = 256
 """Samples of a test below which a remark says that it is short."""
 
+_LIKE_A_STRUCTURE = {"added_mass", "viscous_damping"}
 _DELIVERED = 0.5  # of the work without regard to its sign
 
 
@@ -118,6 +119,12 @@ def _limits_of(block: BlockDiagnosis) -> list[str]:
         for item in block.misstated
     ]
     remarks += [offset.remark for offset in block.uncertain_offsets]
+    named = {effect.name for effect in (*block.effects, *block.doubtful)}
+    if block.block.inputs == (Channel.GROUND,) and named & _LIKE_A_STRUCTURE:
+        remarks.append(
+            "In a single channel an added mass or a damper looks like a natural frequency or a damping ratio"
+            " that is stated wrongly: check the table [structure], or record command and force as well."
+        )
     if block.block.block is not Block.NUMERICAL and gap.after > 1.0:
         remarks.append(
             f"The model of the {name} misses held-out tests by more than their signal: check the units and"
