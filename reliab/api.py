@@ -5,36 +5,18 @@ The functions take plain numbers and names and hand over to the rooms of the pac
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Final, TypeVar
 
 import xarray as xr
 
 from reliab.boundary import Curve
 from reliab.errors import InputError
 from reliab.indices.window import Window
-from reliab.loop.engine import Engine
 from reliab.loop.hybrid_test import HybridTest
-from reliab.loop.hybrid_test.model_file import read_model
 from reliab.motions import MotionSuite
 from reliab.progress import Progress, silent
-from reliab.sweep import (
-    CURVES,
-    EllipseRequest,
-    ExplicitGrid,
-    Grid,
-    ScaledGrid,
-    SweepRequest,
-    predict_ellipses,
-    trace_ellipses,
-)
+from reliab.sweep import CURVES, EllipseRequest, predict_ellipses, trace_ellipses
+from reliab.sweep.plain import WHOLLY_EXPERIMENTAL, StatedStructures, one_of, sweep_request
 from reliab.vocabulary import Metric, Side
-
-_Choice = TypeVar("_Choice")
-_GRIDS: Final[dict[str, Grid]] = {"scaled": ScaledGrid(), "paper": ExplicitGrid()}
-_GRIDS_OF_DELAYS: Final[dict[str, Grid]] = {"scaled": ScaledGrid(lead_steps=0), "paper": ExplicitGrid()}
-_FREQUENCIES: Final = (1.0,)
-_DAMPING_RATIOS: Final = (0.02,)
-_WHOLLY_EXPERIMENTAL: Final = 1.0
 
 
 def simulate(
@@ -45,7 +27,7 @@ def simulate(
     xi: Sequence[float] | None = None,
     grid: str = "scaled",
     window: Sequence[str] = ("record",),
-    alpha: float | Sequence[float] = _WHOLLY_EXPERIMENTAL,
+    alpha: float | Sequence[float] = WHOLLY_EXPERIMENTAL,
     model: str | Path | HybridTest | None = None,
     engine: str = "automatic",
     resume: bool = False,
@@ -106,17 +88,7 @@ def simulate(
     >>> results["rms"].dims, results["rms"].shape
     (('motion', 'f', 'xi', 'kp', 'tau'), (2, 1, 1, 41, 57))
     """
-    test = _hybrid_test(model, f, xi, alpha)
-    structure = test and test.structure
-    request = SweepRequest(
-        frequencies=(structure.frequency,) if structure else tuple(sorted(f or _FREQUENCIES)),
-        damping_ratios=(structure.damping_ratio,) if structure else tuple(sorted(xi or _DAMPING_RATIOS)),
-        grid=_one_of(grid, _GRIDS if test is None else _GRIDS_OF_DELAYS, "grid"),
-        windows=tuple(Window.parse(text) for text in window),
-        experimental_fractions=(structure.experimental_fraction,) if structure else _increasing(alpha),
-        engine=_one_of(engine, {choice.value: choice for choice in Engine}, "engine"),
-        model=test,
-    )
+    request = sweep_request(f=f, xi=xi, grid=grid, window=window, alpha=alpha, model=model, engine=engine)
     from reliab.sweep import open_results, run_sweep
 
     path = run_sweep(
@@ -133,7 +105,7 @@ def ellipses(
     threshold: Sequence[float] = (0.05,),
     metric: Sequence[str] = ("rms",),
     window: str = "record",
-    alpha: float | Sequence[float] = _WHOLLY_EXPERIMENTAL,
+    alpha: float | Sequence[float] = WHOLLY_EXPERIMENTAL,
     model: str | Path | HybridTest | None = None,
     curves: Sequence[type[Curve]] = CURVES,
     first_order: bool = False,
@@ -190,7 +162,7 @@ def ellipses(
     >>> bool((found["a"].sel(threshold=0.10) > found["a"].sel(threshold=0.05)).all())
     True
     """
-    metrics = tuple(_one_of(name, {str(choice): choice for choice in Metric}, "metric") for name in metric)
+    metrics = tuple(one_of(name, {str(choice): choice for choice in Metric}, "metric") for name in metric)
     if isinstance(source, xr.Dataset):
         if first_order:
             raise InputError(
@@ -200,56 +172,17 @@ def ellipses(
             )
         stored: xr.Dataset = source.reliab.ellipses(tuple(threshold), metrics, curves, progress=progress)
         return stored
-    test = _hybrid_test(model, f, xi, alpha)
-    structure = test and test.structure
+    stated = StatedStructures.of(f=f, xi=xi, alpha=alpha, model=model)
     request = EllipseRequest(
-        frequencies=(structure.frequency,) if structure else tuple(f or _FREQUENCIES),
-        damping_ratios=(structure.damping_ratio,) if structure else tuple(xi or _DAMPING_RATIOS),
+        frequencies=stated.frequencies,
+        damping_ratios=stated.damping_ratios,
         thresholds=tuple(threshold),
         metrics=metrics,
         curves=tuple(curves),
         window=Window.parse(window),
-        experimental_fractions=(structure.experimental_fraction,) if structure else _increasing(alpha),
-        model=test,
-        sides=(Side.LAG,) if test else tuple(Side),
+        experimental_fractions=stated.experimental_fractions,
+        model=stated.model,
+        sides=tuple(Side) if stated.model is None else (Side.LAG,),
     )
     trace = predict_ellipses if first_order else trace_ellipses
     return trace(source, request, progress=progress)
-
-
-def _hybrid_test(
-    model: str | Path | HybridTest | None,
-    f: Sequence[float] | None,
-    xi: Sequence[float] | None,
-    alpha: float | Sequence[float],
-) -> HybridTest | None:
-    """Take a model, read it if need be, and see that its structure is the only one."""
-    if model is None:
-        return None
-    if f or xi or _increasing(alpha) != (_WHOLLY_EXPERIMENTAL,):
-        raise InputError(
-            "A model brings its own structure",
-            value="a model together with f, xi or alpha",
-            remedy="Leave these out, or change the [structure] table of the model",
-        )
-    test = model if isinstance(model, HybridTest) else read_model(model).test
-    if test.structure is None:
-        raise InputError(
-            "The error of a whole test needs a numerical substructure",
-            remedy="Add a [structure] table to the model",
-            where="" if isinstance(model, HybridTest) else str(model),
-        )
-    return test
-
-
-def _increasing(alpha: float | Sequence[float]) -> tuple[float, ...]:
-    """Experimental fractions [-] in increasing order, of one or several."""
-    return tuple(sorted(alpha)) if isinstance(alpha, Sequence) else (alpha,)
-
-
-def _one_of(name: str, choices: dict[str, _Choice], what: str) -> _Choice:
-    if name not in choices:
-        raise InputError(
-            f"The {what} is one of {', '.join(choices)}", value=name, remedy="Choose one of these"
-        )
-    return choices[name]

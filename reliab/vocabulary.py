@@ -33,6 +33,9 @@ class Dimension(StrEnum):
     WINDOW = "window"
 
 
+SHARE_ATTRIBUTE: Final = "experimental_fraction"
+"""Attribute of a dataset of one share of the stiffness in the laboratory."""
+
 RESULT_DIMENSIONS: Final = (
     Dimension.MOTION,
     Dimension.FREQUENCY,

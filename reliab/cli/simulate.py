@@ -57,34 +57,33 @@ def simulate(
     With --model the structure and the effects are the model's, and gain, delay and the index (A, d) of the
     results are those of its actuator alone.
     """
-    from reliab import api
     from reliab.motions import load_motions
-    from reliab.sweep.shares import shares_of
+    from reliab.sweep.plain import sweep_request
+    from reliab.sweep.run import run_sweep
+    from reliab.sweep.store_layout import attributes
 
     suite = load_motions(*(motions or ["synthetic"]), sets=sets)
+    request = sweep_request(
+        f=f,
+        xi=xi,
+        grid=grid,
+        window=window or ["record"],
+        alpha=alpha or [1.0],
+        model=model,
+        engine=engine,
+    )
     with progress_bar("Simulating") as progress:
-        results = api.simulate(
-            suite,
-            out=out,
-            f=f,
-            xi=xi,
-            grid=grid,
-            window=window or ["record"],
-            alpha=alpha or [1.0],
-            model=model,
-            engine=engine,
-            resume=resume,
-            workers=workers,
-            scheduler=scheduler,
-            progress=progress,
-        )
+        run_sweep(suite, request, out, resume=resume, workers=workers, scheduler=scheduler, progress=progress)
+    described = request.describe()
+    stated = attributes(request, request.windows[0].label)
     done = {
         "store": str(out),
         "motions": len(suite),
-        **{name: results[name].values.tolist() for name in ("f", "xi", "kp", "tau")},
-        "alpha": list(shares_of(results)),
-        **{name: results.attrs[name] for name in _STATED if name in results.attrs},
+        **{name: described[name] for name in ("f", "xi", "kp", "tau")},
+        "alpha": list(request.experimental_fractions),
+        **{name: stated[name] for name in _STATED if name in stated},
     }
     if not write_json(done, json_target):
-        structures = results.sizes["f"] * results.sizes["xi"] * len(done["alpha"])
-        console().print(f"{len(suite)} motions × {structures} structures stored in {out}", highlight=False)
+        console().print(
+            f"{len(suite)} motions × {len(request.structures)} structures stored in {out}", highlight=False
+        )

@@ -10,7 +10,7 @@ then responds to the line nearly as to the record. The exact response x_I follow
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TypeVar
 
 import numpy as np
@@ -167,23 +167,40 @@ def cut(excitation: Excitation, structure: Structure, *, step: float | None = No
     )
 
 
+@lru_cache(maxsize=4096)
+def _weights(pole: complex, step: float) -> tuple[complex, complex, complex]:
+    """Weights and decay of one mode, as `ramp_weights`."""
+    early, late, decay = (complex(weight[0]) for weight in ramp_weights(np.array([pole]), step))
+    return early, late, decay
+
+
 def _lines(
     mode: NDArray[np.complex128], pole: complex, step: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Straight lines that drive the mode from edge to edge: their values at both ends of each block."""
-    early, late, decay = ramp_weights(np.array([pole]), step)
-    effect = mode[1:] - decay * mode[:-1]
-    first, second = complex(early[0]), complex(late[0])
-    determinant = (first.conjugate() * second).imag
-    left = (second.imag * effect.real - second.real * effect.imag) / determinant
-    right = (first.real * effect.imag - first.imag * effect.real) / determinant
+    return _drive_mode(mode, *_weights(pole, step))
+
+
+@compiled
+def _drive_mode(
+    mode: NDArray[np.complex128], early: complex, late: complex, decay: complex
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Solve both parts of F₀a₀ + F₁a₁ for each block; in real numbers, which compilers turn into less."""
+    left, right = np.empty(mode.size - 1), np.empty(mode.size - 1)
+    determinant = early.real * late.imag - early.imag * late.real
+    for i in range(left.size):
+        x, y = mode[i].real, mode[i].imag
+        u = mode[i + 1].real - (decay.real * x - decay.imag * y)
+        v = mode[i + 1].imag - (decay.real * y + decay.imag * x)
+        left[i] = (late.imag * u - late.real * v) / determinant
+        right[i] = (early.real * v - early.imag * u) / determinant
     return left, right
 
 
 def _mode(excitation: Excitation, pole: complex, times: NDArray[np.float64]) -> NDArray[np.complex128]:
     """Exact z of the mode z' = pz + a_g at given times, zero before the record starts."""
-    early, late, decay = (complex(w[0]) for w in ramp_weights(np.array([pole]), excitation.time_step))
-    return _step_mode(excitation.acceleration, excitation.time_step, pole, (early, late, decay), times)
+    h = excitation.time_step
+    return _step_mode(excitation.acceleration, h, pole, _weights(pole, h), times)
 
 
 @compiled

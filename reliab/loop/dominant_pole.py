@@ -188,9 +188,16 @@ def transfer(
     structure: Structure, gain: NDArray[np.float64], delay: NDArray[np.float64], s: NDArray[np.complex128]
 ) -> NDArray[np.complex128]:
     """Exact transfer function k_p e^(−sτ)/Q(s) from −a_g to the measured displacement [s²]."""
+    return transfer_of_shift(structure, gain, np.exp(-s * delay), s)
+
+
+def transfer_of_shift(
+    structure: Structure, gain: NDArray[np.float64], shift: NDArray[np.complex128], s: NDArray[np.complex128]
+) -> NDArray[np.complex128]:
+    """Return the same of an actuator whose e^(−sτ) is known."""
     w0, xi = structure.circular_frequency, structure.damping_ratio
     alpha = structure.experimental_fraction
-    actuator = gain * np.exp(-s * delay)
+    actuator = gain * shift
     return actuator / (s**2 + 2.0 * xi * w0 * s + w0**2 * (1.0 - alpha + alpha * actuator))
 
 

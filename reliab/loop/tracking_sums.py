@@ -68,15 +68,14 @@ class QuadraturePair:
         """Pair a record with its Hilbert transform."""
         record = excitation.acceleration
         silence = np.zeros_like(record)
-        surrounded = np.concatenate([silence, record, silence])
-        turned = np.imag(scipy.signal.hilbert(surrounded))[: 2 * record.size]
+        length = scipy.fft.next_fast_len(3 * record.size, real=True)
+        late = np.concatenate([silence, record])
+        turned = scipy.fft.irfft(-1j * scipy.fft.rfft(late, length), length)[: late.size]
         shift = record.size * excitation.time_step
         begin, end = excitation.window
         later = (begin + shift, end + shift)
         return cls(
-            straight=Excitation(
-                acceleration=surrounded[: 2 * record.size], time_step=excitation.time_step, window=later
-            ),
+            straight=Excitation(acceleration=late, time_step=excitation.time_step, window=later),
             turned=Excitation(acceleration=turned, time_step=excitation.time_step, window=later),
         )
 

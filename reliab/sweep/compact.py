@@ -14,9 +14,8 @@ import xarray as xr
 from reliab.errors import InputError
 from reliab.files import decoding, written_whole
 from reliab.sweep.netcdf import read_netcdf
-from reliab.sweep.shares import SHARE_ATTRIBUTE
 from reliab.sweep.store_layout import SCHEMA_VERSION
-from reliab.vocabulary import Dimension, Metric
+from reliab.vocabulary import SHARE_ATTRIBUTE, Dimension, Metric
 
 _SMALLEST_ERROR, _LARGEST_ERROR = 1e-5, 1.0
 _AT_REST = "rms_at_rest"

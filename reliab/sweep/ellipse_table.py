@@ -21,8 +21,8 @@ from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_d
 from reliab.sweep.excitation import excitation_of
 from reliab.sweep.records import joined_coordinates, motion_coordinates
 from reliab.sweep.request import check_model, loop_of, structures_of
-from reliab.sweep.shares import SHARE_ATTRIBUTE, for_each_share
-from reliab.vocabulary import Metric, Side
+from reliab.sweep.shares import for_each_share
+from reliab.vocabulary import SHARE_ATTRIBUTE, Metric, Side
 
 _TOGETHER = 32
 """Number of motions that are traced together; limits the memory."""

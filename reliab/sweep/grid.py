@@ -7,7 +7,6 @@ from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from reliab.boundary.contour import REACH, furthest_lead
@@ -18,6 +17,9 @@ from reliab.loop.structure import Structure
 from reliab.vocabulary import Dimension
 
 _FEWEST_GAINS, _FEWEST_DELAYS = 5, 4
+
+Axis = tuple[tuple[str, ...], NDArray[np.float64]]
+"""Names of dimensions and the values over them, as xarray takes a variable."""
 
 
 class Grid(ABC):
@@ -39,9 +41,7 @@ class Grid(ABC):
         """Whether actuators that lead are among those simulated."""
 
     @abstractmethod
-    def coordinates(
-        self, frequencies: Sequence[float], damping_ratios: Sequence[float]
-    ) -> dict[str, xr.Variable]:
+    def coordinates(self, frequencies: Sequence[float], damping_ratios: Sequence[float]) -> dict[str, Axis]:
         """Coordinates `kp` [-] and `tau` [s] of the dataset for all structures."""
 
     def cells(self, structure: Structure) -> Cells:
@@ -109,11 +109,11 @@ class ExplicitGrid(Grid):
         self,
         frequencies: Sequence[float],  # noqa: ARG002 - the same for all
         damping_ratios: Sequence[float],  # noqa: ARG002 - the same for all
-    ) -> dict[str, xr.Variable]:
+    ) -> dict[str, Axis]:
         """Coordinates `kp` [-] and `tau` [s] of the dataset for all structures."""
         return {
-            Dimension.GAIN: xr.Variable((Dimension.GAIN,), np.array(self.gain)),
-            Dimension.DELAY: xr.Variable((Dimension.DELAY,), np.array(self.delay)),
+            Dimension.GAIN: ((Dimension.GAIN,), np.array(self.gain)),
+            Dimension.DELAY: ((Dimension.DELAY,), np.array(self.delay)),
         }
 
 
@@ -172,17 +172,13 @@ class ScaledGrid(Grid):
         """Whether actuators that lead are among those simulated."""
         return self.lead_steps > 0
 
-    def coordinates(
-        self, frequencies: Sequence[float], damping_ratios: Sequence[float]
-    ) -> dict[str, xr.Variable]:
+    def coordinates(self, frequencies: Sequence[float], damping_ratios: Sequence[float]) -> dict[str, Axis]:
         """Coordinates `kp` [-] over (xi, kp) and `tau` [s] over (f, xi, tau)."""
         gain = np.stack([self._gains(xi) for xi in damping_ratios])
         delay = np.stack([[self._delays(f, xi) for xi in damping_ratios] for f in frequencies])
         return {
-            Dimension.GAIN: xr.Variable((Dimension.DAMPING_RATIO, Dimension.GAIN), gain),
-            Dimension.DELAY: xr.Variable(
-                (Dimension.FREQUENCY, Dimension.DAMPING_RATIO, Dimension.DELAY), delay
-            ),
+            Dimension.GAIN: ((Dimension.DAMPING_RATIO, Dimension.GAIN), gain),
+            Dimension.DELAY: ((Dimension.FREQUENCY, Dimension.DAMPING_RATIO, Dimension.DELAY), delay),
         }
 
     def _gains(self, damping_ratio: float) -> NDArray[np.float64]:

@@ -9,9 +9,8 @@ from reliab.errors import InputError
 from reliab.files import decoding
 from reliab.sweep import results_accessor  # noqa: F401 - gives opened datasets the accessor `reliab`
 from reliab.sweep.compact import open_compact
-from reliab.sweep.shares import SHARE_ATTRIBUTE
 from reliab.sweep.store_layout import MEND, STORED, read_attributes
-from reliab.vocabulary import Dimension
+from reliab.vocabulary import SHARE_ATTRIBUTE, Dimension
 
 _COORDINATES = ("motion", "f", "xi", "kp", "tau", "event", "duration", "dt", "pga", "checksum")
 

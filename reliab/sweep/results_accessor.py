@@ -14,10 +14,10 @@ from reliab.loop.structure import Structure
 from reliab.progress import Progress, silent
 from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_dataset
 from reliab.sweep.labels import with_labels
-from reliab.sweep.shares import SHARE_ATTRIBUTE, at_share, for_each_share, share_of, shares_of
+from reliab.sweep.shares import at_share, for_each_share, share_of, shares_of
 from reliab.sweep.store_layout import MEND, STORED
 from reliab.sweep.stored_contours import contours_of, errors_at_rest, surfaces_of
-from reliab.vocabulary import RESULT_DIMENSIONS, Dimension, Metric, Side
+from reliab.vocabulary import RESULT_DIMENSIONS, SHARE_ATTRIBUTE, Dimension, Metric, Side
 
 _OF_RECORDS_AND_STRUCTURES = ("motion", "f", "xi", "event", "duration", "dt", "pga", "checksum")
 

@@ -6,7 +6,6 @@ it, which is then like any dataset of one share.
 """
 
 from collections.abc import Callable, Sequence
-from typing import Final
 
 import numpy as np
 import xarray as xr
@@ -14,10 +13,7 @@ import xarray as xr
 from reliab.errors import InputError
 from reliab.progress import Progress
 from reliab.sweep.labels import with_labels
-from reliab.vocabulary import Dimension
-
-SHARE_ATTRIBUTE: Final = "experimental_fraction"
-"""Attribute of a dataset of one share."""
+from reliab.vocabulary import SHARE_ATTRIBUTE, Dimension
 
 _WHOLE = 1.0
 

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from reliab.indices.frequency_evaluation import evaluate_sums
@@ -196,7 +195,8 @@ def _evenly(values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _polynomial_weights(nodes: NDArray[np.float64], values: NDArray[np.float64]) -> NDArray[np.float64]:
     """Weights of the polynomial through the nodes, constant beyond them; shape (values, nodes)."""
-    inside = np.clip(values, nodes[0], nodes[-1])
-    return np.asarray(
-        scipy.interpolate.BarycentricInterpolator(nodes, np.eye(nodes.size))(inside), dtype=np.float64
-    )
+    powers = np.polynomial.chebyshev.chebvander
+    centre, half = 0.5 * (nodes[0] + nodes[-1]), 0.5 * (nodes[-1] - nodes[0]) or 1.0
+    inside = (np.clip(values, nodes[0], nodes[-1]) - centre) / half
+    at_nodes = powers((nodes - centre) / half, nodes.size - 1)
+    return np.asarray(powers(inside, nodes.size - 1) @ np.linalg.inv(at_nodes), dtype=np.float64)

@@ -15,9 +15,8 @@ from reliab.errors import InputError
 from reliab.files import decoding, ordinary
 from reliab.sweep.chunk import codecs
 from reliab.sweep.request import SweepRequest
-from reliab.sweep.shares import SHARE_ATTRIBUTE
 from reliab.sweep.solve import VARIABLES
-from reliab.vocabulary import LABELS, Dimension
+from reliab.vocabulary import LABELS, SHARE_ATTRIBUTE, Dimension
 
 SCHEMA_VERSION = 1
 JOURNAL = "journal"
@@ -77,7 +76,7 @@ def create_store(path: Path, request: SweepRequest, names: Sequence[str], events
     chunk = min(len(names), _MOTIONS_PER_CHUNK)
     for group_name, window in zip(group_names(request), request.windows, strict=True):
         group = root.create_group(group_name) if group_name else root
-        group.attrs.update(_attributes(request, window.label))
+        group.attrs.update(attributes(request, window.label))
         _create_variables(group, request, len(names))
         for name, values in (("motion", names), ("event", events)):
             array = _create_array(group, name, (len(names),), (chunk,), str, (Dimension.MOTION,))
@@ -92,7 +91,7 @@ def _create_variables(group: zarr.Group, request: SweepRequest, motions: int) ->
     coordinates = request.grid.coordinates(request.frequencies, request.damping_ratios)
     axes = {
         **{str(name): ((name,), np.array(values)) for name, values in request.structure_axes.items()},
-        **{name: (tuple(map(str, axis.dims)), axis.values) for name, axis in coordinates.items()},
+        **coordinates,
     }
     for name, (dims, values) in axes.items():
         array = _create_array(group, name, values.shape, values.shape, "float64", dims)
@@ -132,7 +131,8 @@ def _create_array(
     )
 
 
-def _attributes(request: SweepRequest, window: str) -> dict[str, Any]:
+def attributes(request: SweepRequest, window: str) -> dict[str, Any]:
+    """Attributes of the group of a window: what was asked for, and the versions that answer."""
     described = request.describe()
     model = {"model": json.dumps(described["model"])} if "model" in described else {}
     share = {name: described[name] for name in (SHARE_ATTRIBUTE,) if name in described}

@@ -1,0 +1,162 @@
+"""A sweep asked for in plain numbers and names, as on the command line."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, TypeVar
+
+from reliab.errors import InputError
+from reliab.indices.window import Window
+from reliab.loop.engine import Engine
+from reliab.loop.hybrid_test import HybridTest
+from reliab.sweep.grid import ExplicitGrid, Grid, ScaledGrid
+from reliab.sweep.request import SweepRequest
+
+_Choice = TypeVar("_Choice")
+_GRIDS: Final[dict[str, Grid]] = {"scaled": ScaledGrid(), "paper": ExplicitGrid()}
+_GRIDS_OF_DELAYS: Final[dict[str, Grid]] = {"scaled": ScaledGrid(lead_steps=0), "paper": ExplicitGrid()}
+_FREQUENCIES: Final = (1.0,)
+_DAMPING_RATIOS: Final = (0.02,)
+WHOLLY_EXPERIMENTAL: Final = 1.0
+"""Experimental fraction of the stiffness where none is given [-]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StatedStructures:
+    """Structures in plain numbers, or the one that a model with effects brings.
+
+    Parameters
+    ----------
+    frequencies, damping_ratios, experimental_fractions : tuple of float
+        Natural frequencies [Hz], damping ratios [-] and shares of the stiffness in the laboratory [-].
+    model : HybridTest, optional
+        The model, if there is one.
+    """
+
+    frequencies: tuple[float, ...]
+    damping_ratios: tuple[float, ...]
+    experimental_fractions: tuple[float, ...]
+    model: HybridTest | None = None
+
+    @classmethod
+    def of(
+        cls,
+        *,
+        f: Sequence[float] | None,
+        xi: Sequence[float] | None,
+        alpha: float | Sequence[float],
+        model: str | Path | HybridTest | None,
+    ) -> "StatedStructures":
+        """Take what was stated, and 1 Hz and 2 % where nothing was.
+
+        Parameters
+        ----------
+        f, xi : sequence of float, optional
+            Natural frequencies [Hz] and damping ratios [-].
+        alpha : float or sequence of float
+            Experimental fraction of the stiffness [-]; several are put in increasing order.
+        model : str, pathlib.Path or HybridTest, optional
+            A hybrid test with effects, or the file of one.
+
+        Raises
+        ------
+        InputError
+            If a model is stated beside a structure, or has none.
+        """
+        shares = tuple(sorted(alpha)) if isinstance(alpha, Sequence) else (alpha,)
+        if model is None:
+            return cls(
+                frequencies=tuple(f or _FREQUENCIES),
+                damping_ratios=tuple(xi or _DAMPING_RATIOS),
+                experimental_fractions=shares,
+            )
+        if f or xi or shares != (WHOLLY_EXPERIMENTAL,):
+            raise InputError(
+                "A model brings its own structure",
+                value="a model together with f, xi or alpha",
+                remedy="Leave these out, or change the [structure] table of the model",
+            )
+        test = _test(model)
+        if test.structure is None:
+            raise InputError(
+                "The error of a whole test needs a numerical substructure",
+                remedy="Add a [structure] table to the model",
+                where="" if isinstance(model, HybridTest) else str(model),
+            )
+        return cls(
+            frequencies=(test.structure.frequency,),
+            damping_ratios=(test.structure.damping_ratio,),
+            experimental_fractions=(test.structure.experimental_fraction,),
+            model=test,
+        )
+
+
+def _test(model: str | Path | HybridTest) -> HybridTest:
+    if isinstance(model, HybridTest):
+        return model
+    from reliab.loop.hybrid_test.model_file import read_model
+
+    return read_model(model).test
+
+
+def sweep_request(
+    *,
+    f: Sequence[float] | None = None,
+    xi: Sequence[float] | None = None,
+    grid: str = "scaled",
+    window: Sequence[str] = ("record",),
+    alpha: float | Sequence[float] = WHOLLY_EXPERIMENTAL,
+    model: str | Path | HybridTest | None = None,
+    engine: str = "automatic",
+) -> SweepRequest:
+    """State what is simulated for every ground motion.
+
+    Parameters
+    ----------
+    f, xi : sequence of float, optional
+        Natural frequencies [Hz] and damping ratios [-]; 1 Hz and 0.02 by default.
+    grid : {"scaled", "paper"}, optional
+        Actuators that are simulated; with a model those of "scaled" are late only.
+    window : sequence of str, optional
+        Where errors are taken, "record", "arias" or seconds.
+    alpha : float or sequence of float, optional
+        Experimental fraction of the stiffness [-].
+    model : str, pathlib.Path or HybridTest, optional
+        A hybrid test with effects, or the file of one, which brings its own structure.
+    engine : {"automatic", "pole", "delay", "spectral"}, optional
+        How the loop is solved.
+
+    Returns
+    -------
+    SweepRequest
+        Structures, actuators and windows.
+
+    Raises
+    ------
+    InputError
+        If a value is not allowed.
+
+    Examples
+    --------
+    >>> sweep_request(f=[2.0, 0.5]).frequencies
+    (0.5, 2.0)
+    """
+    stated = StatedStructures.of(f=f, xi=xi, alpha=alpha, model=model)
+    return SweepRequest(
+        frequencies=tuple(sorted(stated.frequencies)),
+        damping_ratios=tuple(sorted(stated.damping_ratios)),
+        grid=one_of(grid, _GRIDS if stated.model is None else _GRIDS_OF_DELAYS, "grid"),
+        windows=tuple(Window.parse(text) for text in window),
+        experimental_fractions=stated.experimental_fractions,
+        engine=one_of(engine, {choice.value: choice for choice in Engine}, "engine"),
+        model=stated.model,
+    )
+
+
+def one_of(name: str, choices: dict[str, _Choice], what: str) -> _Choice:
+    """Return the choice of a name, and refuse any other name."""
+    if name not in choices:
+        raise InputError(
+            f"The {what} is one of {', '.join(choices)}", value=name, remedy="Choose one of these"
+        )
+    return choices[name]
