@@ -2,6 +2,7 @@
 
 import json
 import os
+import sys
 import unicodedata
 from contextlib import contextmanager
 from functools import cache
@@ -26,6 +27,13 @@ settings.register_profile("many", settings.get_profile("few"), max_examples=300)
 _SHARED = Path(__file__).resolve().parents[2] / "shared"
 
 
+def pytest_addoption(parser):
+    """`--record` notes when and on which commit the slow tests last passed."""
+    parser.addoption(
+        "--record", action="store_true", help="note the slow tests that pass in tests/slow_tests.json"
+    )
+
+
 def pytest_configure(config):
     """Few examples of each property by default, many where the slow tests run too (`-m ""`).
 
@@ -34,6 +42,11 @@ def pytest_configure(config):
     settings.load_profile("few" if config.getoption("markexpr") == "not slow" else "many")
     if config.getoption("numprocesses", None):
         os.environ.setdefault("OMP_NUM_THREADS", "1")
+    if config.getoption("record", default=False) and not hasattr(config, "workerinput"):
+        sys.path.insert(0, str(Path(__file__).parent))
+        from slow_record import RECORD, SlowRecord, commit
+
+        config.pluginmanager.register(SlowRecord(RECORD, commit()))
 
 
 def pytest_xdist_auto_num_workers(config):

@@ -1,0 +1,252 @@
+"""Which tests of a room reach which lines, measured once, and runs of chosen tests in a fresh process."""
+
+import ast
+import gc
+import importlib
+import importlib.abc
+import importlib.util
+import json
+import os
+import signal
+import sys
+import tempfile
+import time
+import traceback
+from collections import defaultdict
+from collections.abc import Callable
+from pathlib import Path
+
+import coverage
+import pytest
+from benchmarks.mutant_places import ROOT, Mutant, callers, home, kernels, lines, lines_of_body, mutated
+
+_HEAVY = (
+    *("numpy", "scipy.stats", "scipy.optimize", "scipy.signal", "scipy.integrate", "pandas", "xarray"),
+    *("numba", "hypothesis", "h5py", "h5netcdf", "typst", "emcee", "pydantic", "rich", "typer"),
+    *("seaborn", "zarr", "numcodecs", "hypothesis.extra.numpy"),
+)
+_OPTIONS = [
+    *("-n", "0", "-q", "-p", "no:cacheprovider", "-p", "no:unraisableexception"),
+    *("-W", "ignore::pytest.PytestAssertRewriteWarning"),
+]
+FIXTURE = "fixture:"
+
+
+class Recorder:
+    """Plugin that names each test to coverage, and notes its time and its shared fixtures."""
+
+    def __init__(self, measurement: coverage.Coverage) -> None:
+        self.measurement = measurement
+        self.seconds: dict[str, float] = defaultdict(float)
+        self.fixtures: dict[str, list[str]] = {}
+        self.current = ""
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_protocol(self, item):
+        self.current = item.nodeid
+        self.fixtures[item.nodeid] = list(getattr(item, "fixturenames", []))
+        self.measurement.switch_context(item.nodeid)
+        yield
+        self.measurement.switch_context("")
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_fixture_setup(self, fixturedef):
+        if fixturedef.scope == "function":
+            return (yield)
+        self.measurement.switch_context(FIXTURE + fixturedef.argname)
+        try:
+            return (yield)
+        finally:
+            self.measurement.switch_context(self.current)
+
+    def pytest_runtest_logreport(self, report):
+        self.seconds[report.nodeid] += report.duration
+        if report.failed:
+            sys.exit(f"{report.nodeid} fails without any change")
+
+
+class Chosen:
+    """Plugin that runs the chosen tests, in their order."""
+
+    def __init__(self, names: list[str]) -> None:
+        self.rank = {name: number for number, name in enumerate(names)}
+
+    def pytest_collection_modifyitems(self, items):
+        items[:] = sorted(
+            (item for item in items if item.nodeid in self.rank), key=lambda item: self.rank[item.nodeid]
+        )
+
+
+class Reach:
+    """Tests of a room by the lines that they reach."""
+
+    def __init__(self, record: dict) -> None:
+        self.seconds: dict[str, float] = record["seconds"]
+        self.lines: dict[str, dict[str, list[str]]] = record["lines"]
+        self.fixtures: dict[str, list[str]] = record["fixtures"]
+
+    def at(self, file: str, numbers: range) -> set[str]:
+        """Tests that reach any of some lines of a file, themselves or by a fixture."""
+        reached = self.lines.get(file, {})
+        contexts = {name for number in numbers for name in reached.get(str(number), [])}
+        shared = {name.removeprefix(FIXTURE) for name in contexts if name.startswith(FIXTURE)}
+        own = {name for name in contexts if name in self.seconds}
+        return own | {test for test, names in self.fixtures.items() if shared.intersection(names)}
+
+    def tests(self, mutant: Mutant) -> list[str]:
+        """Tests that reach a change, quick ones first, and then the others of their files."""
+        place = home(mutant)
+        first = set()
+        if place.in_body:
+            first = self.at(mutant.file, lines(place.statement))
+        elif place.function is not None:
+            first = self.at(mutant.file, lines_of_body(place.function))
+        for file, function in callers(_names(mutant))[0]:
+            first |= self.at(file, lines_of_body(function))
+        if not first and not place.in_body:
+            first = set(self.seconds)
+        files = {_file(name) for name in first}
+        rest = {name for name in self.seconds if _file(name) in files} - first
+        return self._by_cost(first) + self._by_cost(rest)
+
+    def _by_cost(self, names: set[str]) -> list[str]:
+        cost: dict[str, float] = defaultdict(float)
+        for name in names:
+            cost[_file(name)] += self.seconds[name]
+        return sorted(names, key=lambda name: (cost[_file(name)], _file(name), self.seconds[name]))
+
+
+def _file(test: str) -> str:
+    return test.partition("::")[0]
+
+
+def _names(mutant: Mutant) -> set[str]:
+    """Names by which code is used that coverage does not see: kernels, and what stands outside functions."""
+    place = home(mutant)
+    if place.function is not None and any(
+        file == mutant.file and kernel.lineno == place.function.lineno
+        for file, kernel in kernels().get(place.function.name, [])
+    ):
+        return {place.function.name}
+    if place.function is not None:
+        return set()
+    assigned = getattr(place.statement, "targets", [getattr(place.statement, "target", None)])
+    return {
+        part.id for target in assigned if target for part in ast.walk(target) if isinstance(part, ast.Name)
+    }
+
+
+def stale(mutant: Mutant) -> set[str]:
+    """Files whose kernels must be compiled anew, because they hold or call the changed code."""
+    names = _names(mutant)
+    if not names:
+        return set()
+    return {mutant.file} | callers(names)[1]
+
+
+def measured_reach(room: str, tests: list[str]) -> dict:
+    """Run the tests of a room once; which lines each reaches, and how long it takes [s]."""
+    with tempfile.TemporaryDirectory() as name:
+        answer = Path(name) / "reach.json"
+        code = in_fresh_process(lambda: _measure(tests, answer), seconds=3600.0)
+        if code != 0:
+            sys.exit(f"the tests of {room} must pass without any change: code {code}")
+        return json.loads(answer.read_text())
+
+
+def _measure(tests: list[str], answer: Path) -> int:
+    measurement = coverage.Coverage(data_file=None, source=[str(ROOT / "reliab")], config_file=False)
+    recorder = Recorder(measurement)
+    measurement.start()
+    code = pytest.main([*_OPTIONS, *tests], plugins=[recorder])
+    measurement.stop()
+    data = measurement.get_data()
+    reached = {
+        str(Path(file).relative_to(ROOT)): data.contexts_by_lineno(file) for file in data.measured_files()
+    }
+    record = {"seconds": recorder.seconds, "fixtures": recorder.fixtures, "lines": reached}
+    answer.write_text(json.dumps(record))
+    return int(code)
+
+
+def judge(mutant: Mutant, names: list[str], seconds: float) -> str:
+    """Run tests on a change: killed, survived, or endless where they take longer than a time."""
+    if not names:
+        return "unreached"
+    code = in_fresh_process(lambda: _try(mutant, names), seconds)
+    return "endless" if code is None else "survived" if code == 0 else "killed"
+
+
+def _try(mutant: Mutant, names: list[str]) -> int:
+    sys.meta_path.insert(0, _Changed(mutant))
+    _forget_kernels({str(ROOT / file) for file in stale(mutant)})
+    importlib.import_module(_module(mutant.file))
+    files = list(dict.fromkeys(map(_file, names)))
+    return int(pytest.main([*_OPTIONS, "-x", *files], plugins=[Chosen(names)]))
+
+
+def _module(file: str) -> str:
+    return ".".join(Path(file).with_suffix("").parts).removesuffix(".__init__")
+
+
+def _forget_kernels(sources: set[str]) -> None:
+    """Compile the kernels of some files anew, and keep none of them on disk."""
+    from numba.core.caching import Cache
+
+    load, save = Cache.load_overload, Cache.save_overload
+
+    def loaded(cache, *arguments):
+        return None if cache._source_path in sources else load(cache, *arguments)  # noqa: SLF001
+
+    def saved(cache, *arguments):
+        return None if cache._source_path in sources else save(cache, *arguments)  # noqa: SLF001
+
+    Cache.load_overload, Cache.save_overload = loaded, saved
+
+
+class _Changed(importlib.abc.MetaPathFinder, importlib.abc.Loader):
+    """Imports the changed module; what is on disk stays as it is."""
+
+    def __init__(self, mutant: Mutant) -> None:
+        self.name, self.path, self.tree = _module(mutant.file), ROOT / mutant.file, mutated(mutant)
+
+    def find_spec(self, fullname, path=None, target=None):  # noqa: ARG002 - importlib prescribes them
+        if fullname != self.name:
+            return None
+        return importlib.util.spec_from_file_location(fullname, self.path, loader=self)
+
+    def create_module(self, spec):  # noqa: ARG002 - importlib prescribes it
+        return None
+
+    def exec_module(self, module):
+        exec(compile(self.tree, str(self.path), "exec"), module.__dict__)  # noqa: S102 - our own source
+
+
+def in_fresh_process(work: Callable[[], int], seconds: float) -> int | None:
+    """Do work in a copy of this process, where large libraries are loaded; its code, or None after a time."""
+    for name in _HEAVY:
+        importlib.import_module(name)
+    gc.freeze()
+    child = os.fork()
+    if child == 0:
+        os.setsid()
+        sys.stdout.flush()
+        silence = os.open(os.devnull if not os.environ.get("MUTANTS_SHOW") else "/dev/stderr", os.O_WRONLY)
+        os.dup2(silence, 1)
+        os.dup2(silence, 2)
+        code = 9
+        try:
+            code = work()
+        except BaseException:  # noqa: BLE001 - the copy must not go on as its parent
+            traceback.print_exc()
+        finally:
+            os._exit(code)
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        finished, status = os.waitpid(child, os.WNOHANG)
+        if finished:
+            return os.waitstatus_to_exitcode(status)
+        time.sleep(0.02)
+    os.killpg(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    return None
