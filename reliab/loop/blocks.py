@@ -16,7 +16,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.compiled import compiled
+from reliab.loop.block_kernel import Weights, cut_record, peak_of_mode
 from reliab.loop.excitation import Excitation
 from reliab.loop.structure import Structure
 
@@ -26,10 +26,6 @@ record the peak of the parabola through three samples is."""
 
 LONGEST_BLOCK = 0.01
 """Longest block [s], so that the response of a soft structure above its own frequency is resolved too."""
-
-_AT_SAMPLE = 1e-9  # of the record's step; a time closer than this to a sample counts as that sample's
-_NEAR_PEAK = 0.97  # a block that ends this high may hold the peak of the exact response
-_PARTS = 16  # into which such a block is divided
 
 _Number = TypeVar("_Number", np.float64, np.complex128)
 
@@ -50,6 +46,8 @@ class Blocks:
         Ground acceleration [m/s²] at the two ends of each block, shape (blocks,).
     ideal : numpy.ndarray
         Exact response x_I [m] at the edges of the blocks, shape (blocks + 1,).
+    samples : numpy.ndarray
+        Exact z of the mode at the samples of the record [m/s], complex.
     excitation : Excitation
         The record and its window.
     pole : complex
@@ -62,6 +60,7 @@ class Blocks:
     left: NDArray[np.float64]
     right: NDArray[np.float64]
     ideal: NDArray[np.float64]
+    samples: NDArray[np.complex128]
     excitation: Excitation
     pole: complex
 
@@ -95,24 +94,23 @@ class Blocks:
 
     @cached_property
     def _longest_lines(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        count = self.left.size - self.before + self.most_ahead
+        total = self.left.size + self.most_ahead
+        count = total - self.before
         begin = self.excitation.window[0]
-        edges = begin + self.step * np.arange(-self.before, count + 1, dtype=np.float64)
         silence = np.zeros(int(np.ceil((count + 1) * self.step / self.excitation.time_step)) + 2)
         record = np.concatenate([self.excitation.acceleration, silence])
         followed = Excitation(acceleration=record, time_step=self.excitation.time_step)
-        return _lines(_mode(followed, self.pole, edges), self.pole, self.step)
+        left, right, _, _ = _lines(followed, self.pole, begin - self.step * self.before, self.step, total)
+        return left, right
 
     @cached_property
     def ideal_peak(self) -> float:
         """Largest |x_I| [m] inside the window, between the edges of blocks too."""
-        begin, end = self.excitation.window
-        inside = np.abs(self.ideal[self.before :])
-        high = inside >= _NEAR_PEAK * inside.max()
-        starts = begin + self.step * np.flatnonzero(high[1:] | high[:-1])
-        close = np.add.outer(starts, self.step * np.linspace(0.0, 1.0, _PARTS + 1)).ravel()
-        mode = _mode(self.excitation, self.pole, np.minimum(close, end))
-        return float(np.abs(mode.imag).max() / self.pole.imag)
+        ground = self.excitation
+        inside = self.ideal[self.before :]
+        return peak_of_mode(
+            (ground.acceleration, ground.time_step), self.pole, self.samples, inside, ground.window, self.step
+        )
 
 
 def ramp_weights(
@@ -147,84 +145,61 @@ def cut(excitation: Excitation, structure: Structure, *, step: float | None = No
     Blocks
         The record as one straight line a block, with the exact response.
     """
-    begin, end = excitation.window
-    step = min(step or block_length(structure), 0.5 * (end - begin))
-    inside = int(np.ceil((end - begin) / step - 1e-9))
-    before = int(np.ceil(begin / step - 1e-9))
-    edges = begin + step * np.arange(-before, inside + 1, dtype=np.float64)
-    pole = structure.pole
-    mode = _mode(excitation, pole, edges)
-    left, right = _lines(mode, pole, step)
+    place = spacing(excitation, step or block_length(structure))
+    left, right, ideal, samples = _lines(excitation, structure.pole, place.first, place.step, place.blocks)
     return Blocks(
-        step=step,
-        before=before,
-        end=(end - begin) / step - (inside - 1),
+        step=place.step,
+        before=place.before,
+        end=place.end,
         left=left,
         right=right,
-        ideal=-mode.imag / pole.imag,  # x_I = −2Re(z/(p − p̄))
+        ideal=ideal,
+        samples=samples,
         excitation=excitation,
-        pole=pole,
+        pole=structure.pole,
     )
 
 
-@lru_cache(maxsize=4096)
-def _weights(pole: complex, step: float) -> tuple[complex, complex, complex]:
-    """Weights and decay of one mode, as `ramp_weights`."""
-    early, late, decay = (complex(weight[0]) for weight in ramp_weights(np.array([pole]), step))
-    return early, late, decay
+@dataclass(frozen=True, kw_only=True)
+class Spacing:
+    """Where blocks lie: their length H and the first edge [s], their number, and the window among them.
+
+    The window begins after `before` blocks and ends at the fraction `end` of the last one.
+    """
+
+    step: float
+    first: float
+    blocks: int
+    before: int
+    end: float
+
+
+def spacing(excitation: Excitation, step: float) -> Spacing:
+    """Lay blocks of a length [s], or of half the window where that is shorter, so that one starts with it."""
+    begin, end = excitation.window
+    step = min(step, 0.5 * (end - begin))
+    inside = int(np.ceil((end - begin) / step - 1e-9))
+    before = int(np.ceil(begin / step - 1e-9))
+    return Spacing(
+        step=step,
+        first=begin - step * before,
+        blocks=before + inside,
+        before=before,
+        end=(end - begin) / step - (inside - 1),
+    )
 
 
 def _lines(
-    mode: NDArray[np.complex128], pole: complex, step: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Straight lines that drive the mode from edge to edge: their values at both ends of each block."""
-    return _drive_mode(mode, *_weights(pole, step))
+    excitation: Excitation, pole: complex, first: float, step: float, blocks: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.complex128]]:
+    """Straight lines that drive the mode in each block, as `block_kernel.cut_record` returns them."""
+    record = excitation.acceleration, excitation.time_step
+    weights = mode_weights(pole, excitation.time_step), mode_weights(pole, step)
+    return cut_record(record, pole, weights, first, step, blocks)
 
 
-@compiled
-def _drive_mode(
-    mode: NDArray[np.complex128], early: complex, late: complex, decay: complex
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Solve both parts of F₀a₀ + F₁a₁ for each block; in real numbers, which compilers turn into less."""
-    left, right = np.empty(mode.size - 1), np.empty(mode.size - 1)
-    determinant = early.real * late.imag - early.imag * late.real
-    for i in range(left.size):
-        x, y = mode[i].real, mode[i].imag
-        u = mode[i + 1].real - (decay.real * x - decay.imag * y)
-        v = mode[i + 1].imag - (decay.real * y + decay.imag * x)
-        left[i] = (late.imag * u - late.real * v) / determinant
-        right[i] = (early.real * v - early.imag * u) / determinant
-    return left, right
-
-
-def _mode(excitation: Excitation, pole: complex, times: NDArray[np.float64]) -> NDArray[np.complex128]:
-    """Exact z of the mode z' = pz + a_g at given times, zero before the record starts."""
-    h = excitation.time_step
-    return _step_mode(excitation.acceleration, h, pole, _weights(pole, h), times)
-
-
-@compiled
-def _step_mode(
-    a: NDArray[np.float64],
-    h: float,
-    pole: complex,
-    weights: tuple[complex, complex, complex],
-    times: NDArray[np.float64],
-) -> NDArray[np.complex128]:
-    early, late, decay = weights
-    at_samples = np.zeros(a.size, dtype=np.complex128)
-    for i in range(a.size - 1):
-        at_samples[i + 1] = decay * at_samples[i] + early * a[i] + late * a[i + 1]
-    z = np.zeros(times.size, dtype=np.complex128)
-    for k in range(times.size):
-        if times[k] > 0.0:
-            i = min(int(times[k] / h + 1e-9), a.size - 2)
-            into = times[k] - i * h
-            if into < _AT_SAMPLE * h:
-                z[k] = at_samples[i]
-                continue
-            # z(t + s) = e^(ps)z + a(e^(ps) − 1)/p + a'(e^(ps) − 1 − ps)/p²
-            grown = np.exp(pole * into)
-            held = (grown - 1.0) / pole
-            z[k] = grown * at_samples[i] + a[i] * held + (a[i + 1] - a[i]) / h * (held - into) / pole
-    return z
+@lru_cache(maxsize=4096)
+def mode_weights(pole: complex, step: float) -> Weights:
+    """Weights and decay of one mode, as `ramp_weights`."""
+    early, late, decay = (complex(weight[0]) for weight in ramp_weights(np.array([pole]), step))
+    return early, late, decay

@@ -92,11 +92,12 @@ class Cells:
     def driven(self, step: float, late: Recursion) -> DrivenCells:
         """Late cells that respond to the structure's shared drives, for blocks of a given length [s]."""
         if late is self._own_recursions[0]:
-            return self._own_driven
+            return self.own_driven
         return driven_cells(shared_drives(self.structure, step), late.coefficients)
 
     @cached_property
-    def _own_driven(self) -> DrivenCells:
+    def own_driven(self) -> DrivenCells:
+        """Late cells that respond to the shared drives, for blocks of the length that suits the structure."""
         drives = shared_drives(self.structure, block_length(self.structure))
         return driven_cells(drives, self._own_recursions[0].coefficients)
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.compiled import compiled
 from reliab.loop.blocks import Blocks
 from reliab.loop.deviation import Deviation, refined_peak
 from reliab.loop.drive_kernel import LANES, PASS_GAINS, track
@@ -92,9 +93,8 @@ class DrivenRecord:
     @classmethod
     def of(cls, blocks: Blocks, drives: SharedDrives) -> "DrivenRecord":
         """Drives under the record of some blocks."""
-        histories = drives.histories(blocks)
-        scale = float(np.abs(histories).max()) or 1.0
-        return cls(drives=(histories / scale).astype(np.float32), scale=scale)
+        single, scale = in_units(drives.histories(blocks))
+        return cls(drives=single, scale=scale)
 
     def bounded(self, cells: DrivenCells) -> NDArray[np.bool_]:
         """Whether single precision holds the deviations, shape (cells,)."""
@@ -103,8 +103,40 @@ class DrivenRecord:
         return np.asarray(calm & bool(blocks < _MOST_BLOCKS and np.isfinite(self.scale)))
 
 
+@compiled
+def in_units(histories: NDArray[np.float64]) -> tuple[NDArray[np.float32], float]:
+    """Drives in single precision in units of the largest, and that unit."""
+    scale = 0.0
+    for drive in histories.ravel():
+        scale = max(scale, abs(drive)) if np.isfinite(drive) else np.inf
+    scale = scale if scale > 0.0 else 1.0
+    return (histories / scale).astype(np.float32), scale
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Stepped:
+    """What `drive_kernel.track` finds of all driven cells, filled up to whole lanes.
+
+    Attributes
+    ----------
+    squares, around, last : numpy.ndarray
+        As `drive_kernel.track` returns them.
+    """
+
+    squares: NDArray[np.float64]
+    around: NDArray[np.float64]
+    last: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, blocks: Blocks, record: DrivenRecord, cells: DrivenCells) -> "Stepped":
+        """Step the cells through the window."""
+        filled = fill_lanes(cells.coefficients, LANES)
+        squares, around, last = track(record.drives, blocks.before, blocks.end, filled, np.float32(1.0))
+        return cls(squares=squares, around=around, last=last)
+
+
 def deviation(
-    blocks: Blocks, record: DrivenRecord, cells: DrivenCells, which: NDArray[np.bool_]
+    blocks: Blocks, record: DrivenRecord, cells: DrivenCells, which: NDArray[np.bool_], stepped: Stepped
 ) -> tuple[Deviation, NDArray[np.bool_]]:
     """Deviation of the measured displacement from the exact response, for many cells.
 
@@ -117,7 +149,9 @@ def deviation(
     cells : DrivenCells
         The cells.
     which : numpy.ndarray
-        Those of the cells to be stepped, shape (cells,).
+        Those of the cells that are asked for, shape (cells,).
+    stepped : Stepped
+        What stepping found of all cells.
 
     Returns
     -------
@@ -127,11 +161,9 @@ def deviation(
         Whether a deviation stays below its drive, as under a record of high frequencies only, shape (cells,);
         single precision is then not enough.
     """
-    filled = fill_lanes(cells.coefficients[:, which], LANES)
-    count, unit = int(which.sum()), record.scale * cells.size[which]
-    squares, around, last = track(record.drives, blocks.before, blocks.end, filled, np.float32(1.0))
-    left, middle, right = around[:, :count]
-    peak = np.fmax(refined_peak(left, middle, right), last[:count])
-    mean_square = unit**2 * squares[:count] / blocks.intervals
+    unit, asked = record.scale * cells.size[which], np.flatnonzero(which)
+    left, middle, right = stepped.around[:, asked]
+    peak = np.fmax(refined_peak(left, middle, right), stepped.last[asked])
+    mean_square = unit**2 * stepped.squares[asked] / blocks.intervals
     strayed = Deviation(mean_square=mean_square, peak=unit * peak, ideal_peak=blocks.ideal_peak)
     return strayed, (peak > 0.0) & (peak < 1.0)

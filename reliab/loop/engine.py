@@ -26,12 +26,13 @@ from reliab.loop.blocks import Blocks, cut
 from reliab.loop.cells import Cells
 from reliab.loop.deviation import Deviation
 from reliab.loop.dominant_pole import band_edges
-from reliab.loop.drive_stepping import DrivenRecord
+from reliab.loop.drive_stepping import DrivenCells, DrivenRecord, Stepped
 from reliab.loop.excitation import Excitation
 from reliab.loop.pole_plane.basis import pole_basis
 from reliab.loop.pole_plane.responses import Responses
 from reliab.loop.shared_drives import shared_drives
 from reliab.loop.structure import Structure
+from reliab.loop.structure_batch import Prepared
 
 REDUCTION_TOLERANCE = 3e-5
 """Largest relative error of RMS^R that the reduction to the dominant pole may cause [-]; the peak,
@@ -71,6 +72,8 @@ class Loop:
     engine : Engine, optional
         How the loop is solved; by default the dominant pole where it is valid and the delay
         equation elsewhere.
+    prepared : Prepared, optional
+        What was found together with other structures (`structure_batch`); it changes no result.
 
     Examples
     --------
@@ -88,6 +91,7 @@ class Loop:
     excitation: Excitation
     structure: Structure
     engine: Engine = Engine.AUTOMATIC
+    prepared: Prepared | None = None
 
     def cells(self, *, gain: object, delay: object) -> Cells:
         """Actuators before this structure; gain [-] and delay [s] are broadcast and flattened."""
@@ -97,7 +101,7 @@ class Loop:
     @cached_property
     def blocks(self) -> Blocks:
         """The record cut for the stepping engines."""
-        return cut(self.excitation, self.structure)
+        return cut(self.excitation, self.structure) if self.prepared is None else self.prepared.blocks
 
     @cached_property
     def _band_power(self) -> NDArray[np.float64]:
@@ -175,6 +179,8 @@ class Loop:
     @cached_property
     def driven_record(self) -> DrivenRecord:
         """The structure's shared drives under the record."""
+        if self.prepared is not None:
+            return self.prepared.driven_record
         return DrivenRecord.of(self.blocks, shared_drives(self.structure, self.blocks.step))
 
     def _reduced(self, cells: Cells) -> Deviation:
@@ -189,8 +195,9 @@ class Loop:
                 driven = cells.driven(self.blocks.step, part)
                 which = self.driven_record.bounded(driven)
                 if which.any():
-                    place = driven.place[which]
-                    strayed, faint = drive_stepping.deviation(self.blocks, self.driven_record, driven, which)
+                    place, record = driven.place[which], self.driven_record
+                    stepped = self._stepped(cells, driven)
+                    strayed, faint = drive_stepping.deviation(self.blocks, record, driven, which, stepped)
                     deviation.put(part.cells[place], strayed)
                     alone[place] = faint
             if alone.any():
@@ -198,6 +205,11 @@ class Loop:
                 strayed = pole_stepping.deviation(self.blocks, coefficients, ahead=part.ahead)
                 deviation.put(part.cells[alone], strayed)
         return deviation
+
+    def _stepped(self, cells: Cells, driven: DrivenCells) -> Stepped:
+        if self.prepared is not None and self.prepared.cells is cells:
+            return self.prepared.stepped
+        return Stepped.of(self.blocks, self.driven_record, driven)
 
     def _mixed(self, cells: Cells, reducible: NDArray[np.bool_], rough: NDArray[np.bool_]) -> Deviation:
         """Reduce the loop where that is good enough, and solve the delay equation elsewhere."""

@@ -50,6 +50,14 @@ class Excitation:
         """Length of the window [s]."""
         return self.window[1] - self.window[0]
 
+    def since(self, time: float) -> "Excitation":
+        """Leave out what is more than a sample before a time [s]; the window stays on the same samples."""
+        first = max(0, int(time / self.time_step) - 1)
+        begin, end = (edge - first * self.time_step for edge in self.window)
+        return Excitation(
+            acceleration=self.acceleration[first:], time_step=self.time_step, window=(begin, end)
+        )
+
     def band_power(self, edges: NDArray[np.float64]) -> NDArray[np.float64]:
         """Power of the record in frequency bands.
 

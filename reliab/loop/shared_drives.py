@@ -89,7 +89,7 @@ class SharedDrives:
 
     def histories(self, blocks: Blocks) -> NDArray[np.float64]:
         """Shared drives [m] in each block of a record, shape (blocks, drives)."""
-        return _histories(blocks.left, blocks.right, blocks.ideal, self.sources, self.mixture)
+        return step_drives(blocks.left, blocks.right, blocks.ideal, self.sources, self.mixture)
 
 
 @lru_cache(maxsize=1024)
@@ -187,13 +187,14 @@ def _fit(
 
 
 @compiled
-def _histories(
+def step_drives(
     left: NDArray[np.float64],
     right: NDArray[np.float64],
     ideal: NDArray[np.float64],
     sources: NDArray[np.float64],
     mixture: NDArray[np.float64],
 ) -> NDArray[np.float64]:
+    """Shared drives [m] in each block, from the lines of a record and the exact response to them."""
     drives = np.zeros((left.size, DRIVES))
     k, m = np.empty((12, DRIVES)), np.empty((DRIVES, DRIVES))
     k[:], m[:] = sources, mixture

@@ -138,7 +138,10 @@ def tracking_sums(pair: QuadraturePair, cells: TrackedCells) -> TrackingSums:
     """
     structure, step = cells.structure, cells.step
     memory = _MEMORY / (structure.damping_ratio * structure.circular_frequency)
-    straight, aside = (cut(block, structure, step=step) for block in (pair.straight, pair.turned))
+    begin = pair.straight.window[0] - memory - step
+    straight, aside = (
+        cut(record.since(begin), structure, step=step) for record in (pair.straight, pair.turned)
+    )
     first = max(0, straight.before - int(memory / step))
     taper = np.sin(np.pi * np.arange(straight.left.size - straight.before) / straight.intervals) ** 4
     before = straight.before - first

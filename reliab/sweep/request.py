@@ -14,6 +14,7 @@ from reliab.loop.engine import LEAD_TOLERANCE, REDUCTION_TOLERANCE, Engine, Loop
 from reliab.loop.excitation import Excitation
 from reliab.loop.hybrid_test import HybridTest
 from reliab.loop.structure import Structure
+from reliab.loop.structure_batch import Prepared
 from reliab.sweep.grid import Grid, ScaledGrid
 from reliab.vocabulary import Dimension
 
@@ -156,11 +157,16 @@ def check_model(model: HybridTest | None, structures: list[Structure]) -> None:
 
 
 def loop_of(
-    model: HybridTest | None, excitation: Excitation, structure: Structure, engine: Engine
+    model: HybridTest | None,
+    excitation: Excitation,
+    structure: Structure,
+    engine: Engine,
+    *,
+    prepared: Prepared | None = None,
 ) -> Loop | EffectLoop:
     """Return the loop of a model with effects, or the linear loop of a structure where there is none."""
     if model is None:
-        return Loop(excitation=excitation, structure=structure, engine=engine)
+        return Loop(excitation=excitation, structure=structure, engine=engine, prepared=prepared)
     return EffectLoop(excitation=excitation, test=model)
 
 

@@ -10,9 +10,11 @@ from reliab.indices.frequency_evaluation import evaluate_sums
 from reliab.indices.response_error import relative_error
 from reliab.indices.window import Window
 from reliab.loop.cells import Cells
+from reliab.loop.engine import Engine
 from reliab.loop.excitation import Excitation
 from reliab.loop.stability import critical_delay
 from reliab.loop.structure import Structure
+from reliab.loop.structure_batch import Prepared, StructureBatch
 from reliab.loop.tracking_sums import QuadraturePair, TrackedCells, tracking_sums
 from reliab.motions import Motion
 from reliab.sweep.excitation import excitation_of
@@ -54,6 +56,17 @@ class MotionResults:
 VARIABLES = ("rms", "mte", "A", "d", "stable", "rms_at_rest")
 
 
+def _by_poles(request: SweepRequest) -> bool:
+    """Whether most cells of a sweep are solved by the dominant pole."""
+    return request.model is None and request.engine in (Engine.AUTOMATIC, Engine.POLE)
+
+
+@lru_cache(maxsize=8)
+def _batch(grid: Grid, structures: tuple[Structure, ...]) -> StructureBatch:
+    """All structures with their cells, brought together once for all motions."""
+    return StructureBatch.of([_cells(grid, structure) for structure in structures])
+
+
 @lru_cache(maxsize=256)
 def _cells(grid: Grid, structure: Structure) -> Cells:
     """Cells of a structure, computed once for all motions."""
@@ -81,7 +94,13 @@ def solve_motion(motion: Motion, request: SweepRequest) -> list[MotionResults]:
 def _solve_window(motion: Motion, request: SweepRequest, window: Window) -> MotionResults:
     excitation = excitation_of(motion, window)
     pair = QuadraturePair.of(excitation)
-    tables = [_solve_structure(excitation, pair, request, structure) for structure in request.structures]
+    structures = request.structures
+    batch = _batch(request.grid, tuple(structures)) if _by_poles(request) else None
+    prepared = batch.prepare(excitation) if batch else [None for _ in structures]
+    tables = [
+        _solve_structure(excitation, pair, request, structure, found)
+        for structure, found in zip(structures, prepared, strict=True)
+    ]
     shape = tuple(map(len, request.structure_axes.values()))
     columns = {
         name: np.stack([table[name] for table in tables]).reshape(shape + tables[0][name].shape)
@@ -91,11 +110,15 @@ def _solve_window(motion: Motion, request: SweepRequest, window: Window) -> Moti
 
 
 def _solve_structure(
-    excitation: Excitation, pair: QuadraturePair, request: SweepRequest, structure: Structure
+    excitation: Excitation,
+    pair: QuadraturePair,
+    request: SweepRequest,
+    structure: Structure,
+    prepared: Prepared | None,
 ) -> dict[str, NDArray[np.generic]]:
     cells = _cells(request.grid, structure)
     shape = (request.grid.gains(structure).size, request.grid.delays(structure).size)
-    loop = loop_of(request.model, excitation, structure, request.engine)
+    loop = loop_of(request.model, excitation, structure, request.engine, prepared=prepared)
     deviation = loop.deviation(cells)
     amplitude, delay = _evaluate(pair, request.grid, structure)
     with np.errstate(over="ignore"):  # a violently unstable cell becomes infinite on disk

@@ -27,10 +27,12 @@ from reliab.loop.engine import Engine, Loop
 from reliab.loop.excitation import Excitation
 from reliab.loop.pole_plane.plane import mean_squares
 from reliab.loop.structure import Structure
+from reliab.loop.structure_batch import StructureBatch
 from reliab.motions import Motion, load_motions, resample
 from reliab.sweep import ExplicitGrid
 
 RATE_HZ = 1024.0
+STRUCTURES = [Structure(frequency=0.25 * k, damping_ratio=0.02) for k in range(1, 9)]
 REPETITIONS = 15
 
 
@@ -161,6 +163,11 @@ def main() -> None:
     def pole() -> object:
         return Loop(excitation=excitation, structure=structure, engine=Engine.POLE).deviation(cells)
 
+    batch = StructureBatch.of([ExplicitGrid().cells(some) for some in STRUCTURES])
+
+    def together() -> object:
+        return batch.prepare(excitation)
+
     def delayed() -> object:
         return delay_stepper.deviation(blocks, structure, cells.gain, cells.delay)
 
@@ -170,6 +177,7 @@ def main() -> None:
         "Runge-Kutta at 1024 Hz (baseline)": reference,
         "delay engine": cells.gain.size / best(delayed),
         "pole engine": cells.gain.size / best(pole),
+        "pole engine, eight structures a call": len(STRUCTURES) * cells.gain.size / best(together),
         "pole plane, RMS^R only": plane[0],
         "the same, further actuators": plane[1],
         "JiTCDDE": jitcdde_rate(motion, structure),

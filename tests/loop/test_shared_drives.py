@@ -8,7 +8,7 @@ import pytest
 from reliab.indices.response_error import relative_error
 from reliab.loop import drive_stepping, pole_stepping
 from reliab.loop.delay_stepper import response
-from reliab.loop.drive_stepping import DrivenRecord
+from reliab.loop.drive_stepping import DrivenRecord, Stepped
 from reliab.loop.engine import Engine, Loop
 from reliab.loop.excitation import Excitation
 from reliab.loop.shared_drives import shared_drives
@@ -149,7 +149,9 @@ def test_deviation_below_its_drive_is_left_to_double_precision():
     loop = Loop(excitation=excitation, structure=Structure(frequency=1.0, damping_ratio=0.03))
     cells = loop.cells(gain=[0.98, 1.0], delay=[0.001, 0.0])
     driven = cells.driven(loop.blocks.step, cells.recursions(loop.blocks.step)[0])
-    _, faint = drive_stepping.deviation(loop.blocks, loop.driven_record, driven, np.ones(2, dtype=bool))
+    stepped = Stepped.of(loop.blocks, loop.driven_record, driven)
+    both = np.ones(2, dtype=bool)
+    _, faint = drive_stepping.deviation(loop.blocks, loop.driven_record, driven, both, stepped)
     assert faint.tolist() == [True, False]
 
 

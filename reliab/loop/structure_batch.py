@@ -1,0 +1,201 @@
+"""Several structures under one record: cut, drives and late cells of all in one compiled call.
+
+Between short compiled calls Python holds the interpreter's lock, so that a second thread waits. A sweep
+therefore solves what most cells of its structures need (blocks, shared drives, and the cells that these
+drive) in one call, and hands it to the loop of each structure, which solves the rest.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.compiled import compiled
+from reliab.loop.block_kernel import cut_record
+from reliab.loop.blocks import Blocks, Spacing, block_length, mode_weights, spacing
+from reliab.loop.cells import Cells
+from reliab.loop.drive_kernel import LANES, Single, track
+from reliab.loop.drive_stepping import DrivenRecord, Stepped, in_units
+from reliab.loop.excitation import Excitation
+from reliab.loop.pole_recursion import fill_lanes
+from reliab.loop.shared_drives import DRIVES, shared_drives, step_drives
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Prepared:
+    """What one compiled call found of one structure under a record.
+
+    Attributes
+    ----------
+    cells : Cells
+        The cells that were prepared.
+    blocks : Blocks
+        The record, cut for the structure.
+    driven_record : DrivenRecord
+        Its shared drives.
+    stepped : Stepped
+        The cells that they drive.
+    """
+
+    cells: Cells
+    blocks: Blocks
+    driven_record: DrivenRecord
+    stepped: Stepped
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StructureBatch:
+    """Structures with their cells, and all that does not depend on the record.
+
+    Attributes
+    ----------
+    cells : tuple of Cells
+        The cells of each structure.
+    steps : numpy.ndarray
+        Length of a block of each structure [s], shape (structures,).
+    poles, weights : numpy.ndarray
+        Pole of each structure [1/s], and weights and decay of its mode over a block, shapes (structures,) and
+        (structures, 3).
+    sources, mixtures : numpy.ndarray
+        Shared drives of each structure, as of `SharedDrives`.
+    coefficients : numpy.ndarray
+        Of `drive_kernel.track`, of the driven cells of all structures, each filled up to whole lanes,
+        shape (11, lanes).
+    first : numpy.ndarray
+        First lane of each structure, and the end, shape (structures + 1,).
+    """
+
+    cells: tuple[Cells, ...]
+    steps: NDArray[np.float64]
+    poles: NDArray[np.complex128]
+    weights: NDArray[np.complex128]
+    sources: NDArray[np.float64]
+    mixtures: NDArray[np.float64]
+    coefficients: NDArray[np.float32]
+    first: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, cells: Sequence[Cells]) -> "StructureBatch":
+        """Bring the cells of several structures together."""
+        structures = [some.structure for some in cells]
+        steps = [block_length(structure) for structure in structures]
+        drives = [shared_drives(structure, step) for structure, step in zip(structures, steps, strict=True)]
+        filled = [fill_lanes(some.own_driven.coefficients, LANES) for some in cells]
+        poles = [structure.pole for structure in structures]
+        return cls(
+            cells=tuple(cells),
+            steps=np.array(steps),
+            poles=np.array(poles),
+            weights=np.array([mode_weights(pole, step) for pole, step in zip(poles, steps, strict=True)]),
+            sources=np.stack([shared.sources for shared in drives]),
+            mixtures=np.stack([shared.mixture for shared in drives]),
+            coefficients=np.concatenate(filled, axis=1),
+            first=np.cumsum([0, *(lanes.shape[1] for lanes in filled)]),
+        )
+
+    def prepare(self, excitation: Excitation) -> Sequence[Prepared | None]:
+        """Cut a record for all structures and step their driven cells.
+
+        Parameters
+        ----------
+        excitation : Excitation
+            Record and window.
+
+        Returns
+        -------
+        sequence of Prepared or None
+            One for each structure; None for all where the window is shorter than two blocks of one of them.
+        """
+        places = [spacing(excitation, step) for step in self.steps.tolist()]
+        if any(place.step != step for place, step in zip(places, self.steps.tolist(), strict=True)):
+            return [None for _ in self.cells]
+        h = excitation.time_step
+        counts = np.array([place.blocks for place in places])
+        batch = _step_structures(
+            (excitation.acceleration, h),
+            self.poles,
+            (np.array([mode_weights(pole, h) for pole in self.poles.tolist()]), self.weights),
+            (np.array([place.first for place in places]), self.steps, counts),
+            (np.array([place.before for place in places]), np.array([place.end for place in places])),
+            (self.sources, self.mixtures),
+            (self.coefficients, self.first),
+            np.float32(1.0),
+        )
+        ends = np.cumsum([0, *counts.tolist()])
+        return [self._of_structure(excitation, place, rank, ends, batch) for rank, place in enumerate(places)]
+
+    def _of_structure(
+        self, excitation: Excitation, place: Spacing, rank: int, ends: NDArray[np.int64], batch: "_Batch"
+    ) -> Prepared:
+        left, right, ideal, samples, drives, scales, squares, around, last = batch
+        blocks, lanes = slice(ends[rank], ends[rank + 1]), slice(self.first[rank], self.first[rank + 1])
+        edges = slice(ends[rank] + rank, ends[rank + 1] + rank + 1)
+        return Prepared(
+            cells=self.cells[rank],
+            blocks=Blocks(
+                step=place.step,
+                before=place.before,
+                end=place.end,
+                left=left[blocks],
+                right=right[blocks],
+                ideal=ideal[edges],
+                samples=samples[rank],
+                excitation=excitation,
+                pole=complex(self.poles[rank]),
+            ),
+            driven_record=DrivenRecord(drives=drives[blocks], scale=float(scales[rank])),
+            stepped=Stepped(squares=squares[lanes], around=around[:, lanes], last=last[lanes]),
+        )
+
+
+_Batch = tuple[
+    NDArray[np.float64],
+    NDArray[np.float64],
+    NDArray[np.float64],
+    NDArray[np.complex128],
+    NDArray[np.float32],
+    NDArray[np.float64],
+    NDArray[np.float64],
+    NDArray[np.float64],
+    NDArray[np.float64],
+]
+
+
+@compiled
+def _step_structures(
+    record: tuple[NDArray[np.float64], float],
+    poles: NDArray[np.complex128],
+    weights: tuple[NDArray[np.complex128], NDArray[np.complex128]],
+    spacings: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]],
+    bounds: tuple[NDArray[np.int64], NDArray[np.float64]],
+    shared: tuple[NDArray[np.float64], NDArray[np.float64]],
+    cells: tuple[NDArray[np.float32], NDArray[np.int64]],
+    one: Single,
+) -> _Batch:
+    """Cut the record for each structure, step its drives, and the cells that they drive.
+
+    Blocks and cells of all structures stand one after the other; `samples` is over (structure, sample).
+    """
+    (starts, steps, counts), (before, end), (coefficients, first) = spacings, bounds, cells
+    total, structures = counts.sum(), poles.size
+    left, right, ideal = np.empty(total), np.empty(total), np.empty(total + structures)
+    samples = np.empty((structures, record[0].size), dtype=np.complex128)
+    drives, scales = np.empty((total, DRIVES), dtype=np.float32), np.empty(structures)
+    lanes = coefficients.shape[1]
+    squares, around, last = np.empty(lanes), np.empty((3, lanes)), np.empty(lanes)
+    at = 0
+    for k in range(structures):
+        own, next_own = weights[0][k], weights[1][k]
+        both = (own[0], own[1], own[2]), (next_own[0], next_own[1], next_own[2])
+        lines = cut_record(record, poles[k], both, starts[k], steps[k], counts[k])
+        here = slice(at, at + counts[k])
+        left[here], right[here], ideal[at + k : at + k + counts[k] + 1], samples[k] = lines
+        histories = step_drives(lines[0], lines[1], lines[2], shared[0][k], shared[1][k])
+        drives[here], scales[k] = in_units(histories)
+        of_structure = slice(first[k], first[k + 1])
+        squares[of_structure], around[:, of_structure], last[of_structure] = track(
+            drives[here], before[k], end[k], coefficients[:, of_structure], one
+        )
+        at += counts[k]
+    return left, right, ideal, samples, drives, scales, squares, around, last
