@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from reliab.errors import InputError
-from reliab.indices.frequency_evaluation import frequency_evaluation
+from reliab.indices.frequency_evaluation import evaluate_sums, frequency_evaluation
 from reliab.loop import delay_stepper
 from reliab.loop.blocks import cut
 from reliab.loop.excitation import Excitation
 from reliab.loop.structure import Structure
+from reliab.loop.tracking_sums import TrackingSums
 from reliab.motions import load_motions
 
 
@@ -65,3 +66,36 @@ def test_window_makes_the_end_of_a_stopped_record_harmless():
 def test_histories_that_cannot_be_compared(command, measured):
     with pytest.raises(InputError, match="must"):
         frequency_evaluation(command, measured, 0.001)
+
+
+@pytest.mark.parametrize(("samples", "points"), [(16, 16), (17, 32), (32, 32), (33, 64)])
+def test_index_is_the_weighted_mean_of_the_ratios_of_transforms(samples, points):
+    """Equations (1) to (5) written out, with the transform as a sum."""
+    rng = np.random.default_rng(samples)
+    command, measured = rng.normal(size=(2, samples))
+    step, i = 0.01, np.arange(1, points // 2 + 1)
+    turn = np.exp(-2j * np.pi * np.outer(i, np.arange(samples)) / points)
+    into, out = turn @ command, turn @ measured
+    weight = np.abs(into) ** 2 / np.sum(np.abs(into) ** 2)
+    index, frequency = np.sum(weight * out / into), np.sum(weight * i / (points * step))
+    found = frequency_evaluation(command, measured, step, window="boxcar")
+    assert found.amplitude == pytest.approx(abs(index))
+    assert found.phase == pytest.approx(np.angle(index))
+    assert found.equivalent_frequency == pytest.approx(frequency)
+    assert found.equivalent_delay == pytest.approx(-np.angle(index) / (2 * np.pi * frequency))
+
+
+def test_sums_of_a_gain_and_a_delay_give_them_back():
+    power, frequency = np.array([4.0, 0.5]), np.array([1.5, 3.0])
+    gain, delay = np.array([0.98, 1.03]), np.array([0.004, -0.002])
+    cross = power * gain * np.exp(-2j * np.pi * frequency * delay)
+    found = evaluate_sums(TrackingSums(cross=cross, power=power, equivalent_frequency=frequency))
+    assert found[0] == pytest.approx(gain)
+    assert found[1] == pytest.approx(delay)
+
+
+def test_fewest_samples():
+    history = np.sin(np.arange(16.0))
+    assert frequency_evaluation(history, history, 0.1).amplitude == pytest.approx(1.0)
+    with pytest.raises(InputError, match="at least 16"):
+        frequency_evaluation(history[1:], history[1:], 0.1)

@@ -65,3 +65,17 @@ def test_arias_window_holds_nine_tenths_of_the_intensity():
 
 def test_shorter_record_than_the_window_is_taken_whole():
     assert Window.parse("40").bounds(np.ones(101), 0.1) == (0.0, pytest.approx(10.0))
+
+
+def test_errors_are_shares_of_the_peak_of_the_exact_response():
+    """Deviations of 0, 3 and 0 mm beside a peak of 6 mm; the trapezoidal rule halves the ends."""
+    ideal, measured = np.array([0.0, 6e-3, 0.0]), np.array([0.0, 9e-3, 0.0])
+    assert response_error(measured, ideal, Metric.MTE) == pytest.approx(0.5)
+    assert response_error(measured, ideal) == pytest.approx(0.5 * np.sqrt(0.5))
+
+
+@pytest.mark.parametrize(("text", "end"), [("record", 10.0), ("2.5", 2.5), ("40", 10.0)])
+def test_bounds_and_label_of_a_window(text, end):
+    window = Window.parse(text)
+    assert window.label == text
+    assert window.bounds(np.ones(101), 0.1) == pytest.approx((0.0, end))

@@ -46,3 +46,37 @@ def test_cross_correlation_finds_a_fraction_of_a_sample(delay):
 
     found = delay_by_cross_correlation(history(t), history(t - delay), 0.001)
     assert found == pytest.approx(delay, abs=2e-5)
+
+
+def test_measures_without_unit_do_not_depend_on_the_unit():
+    measured = 0.97 * np.sin(PHASE - 0.03)
+    for measure in (maximum_tracking_error, rms_tracking_error, phase_amplitude_errors):
+        in_millimetres, in_metres = measure(1e3 * COMMAND, 1e3 * measured), measure(COMMAND, measured)
+        assert np.asarray(vars_of(in_millimetres)) == pytest.approx(vars_of(in_metres), rel=1e-9, abs=1e-12)
+
+
+def vars_of(index):
+    return [index] if isinstance(index, float) else [index.phase, index.amplitude]
+
+
+def test_areas_and_energies_begin_at_zero_and_add_up_segment_by_segment():
+    """A triangle, and a force of 5 N over an error that grows by 2 m."""
+    command, measured = np.array([0.0, 1.0, 1.0]), np.array([0.0, 0.0, 3.0])
+    assert tracking_indicator(command, measured) == pytest.approx([0.0, 0.0, 1.5])
+    assert energy_error(command, measured, np.array([5.0, 5.0, 7.0])) == pytest.approx([0.0, -5.0, 13.0])
+
+
+def test_an_actuator_that_follows_exactly_has_no_lag():
+    for seed in range(20):
+        history = np.random.default_rng(seed).normal(size=50)
+        assert phase_amplitude_errors(history, 1.1 * history).phase == pytest.approx(0.0, abs=1e-7)
+
+
+def test_cross_correlation_of_two_pulses_is_their_distance_and_that_at_an_end_is_not_refined():
+    command, measured = np.zeros(50), np.zeros(50)
+    command[10], measured[[16, 17]] = 1.0, [1.0, 0.5]
+    # the parabola through 0, 1 and ½ has its top a sixth of a sample after the middle
+    assert delay_by_cross_correlation(command, measured, 0.01) == pytest.approx(0.01 * (6 + 1 / 6))
+    command, measured = np.zeros(50), np.zeros(50)
+    command[0], measured[-1] = 1.0, 1.0
+    assert delay_by_cross_correlation(command, measured, 0.01) == pytest.approx(0.49)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from reliab.errors import InputError
-from reliab.indices.tracking_over_frequency import tracking_over_frequency
+from reliab.indices.tracking_over_frequency import TrackingOverFrequency, tracking_over_frequency
 
 STEP = 1.0 / 512.0
 
@@ -54,3 +54,50 @@ def test_noise_alone_is_refused(command):
     noise = np.random.default_rng(1).standard_normal(command.size)
     with pytest.raises(InputError, match="coherent"):
         tracking_over_frequency(command, noise, STEP)
+
+
+@pytest.mark.parametrize(("samples", "spacing"), [(40_000, 1.0 / 8.0), (5_120, 2.5 / 10.0)])
+def test_resolution_is_that_of_eight_seconds_or_of_two_fifths_of_a_shorter_test(command, samples, spacing):
+    part = command[:samples]
+    found = tracking_over_frequency(part, part, STEP)
+    assert np.diff(found.frequency).min() == pytest.approx(spacing)
+
+
+def test_deviations_follow_from_coherence_and_the_number_of_stretches(command):
+    """Half-overlapping stretches of 8 s, each worth 1/1.06 of an independent one (Bendat and Piersol)."""
+    noise = 3e-5 * np.random.default_rng(0).standard_normal(command.size)
+    found = tracking_over_frequency(command, command + noise, STEP)
+    stretches = len(range(0, command.size - 4095, 2048)) / 1.06
+    relative = np.sqrt((1.0 - found.coherence) / (2.0 * found.coherence * stretches))
+    assert found.coherence.min() >= 0.98
+    assert found.amplitude_deviation == pytest.approx(found.amplitude * relative, rel=0.03)
+    assert found.delay_deviation == pytest.approx(relative / (2.0 * np.pi * found.frequency), rel=0.03)
+
+
+def test_where_both_sensors_have_their_zero_changes_nothing(command):
+    measured, offset = lagged(command, 0.01), np.ptp(command)
+    found = tracking_over_frequency(command, measured, STEP)
+    shifted = tracking_over_frequency(command + offset, measured + offset, STEP)
+    near = (found.frequency > 0.5) & (found.frequency < 3.0)
+    assert shifted.at(found.frequency[near])[0] == pytest.approx(found.amplitude[near], abs=5e-4)
+    assert shifted.at(found.frequency[near])[1] == pytest.approx(found.delay[near], abs=1e-4)
+    assert found.follow(command + offset, STEP) - offset == pytest.approx(
+        found.follow(command, STEP), abs=1e-9 * offset
+    )
+
+
+def test_between_known_frequencies_values_are_interpolated_and_beyond_them_held():
+    found = TrackingOverFrequency(
+        frequency=np.array([1.0, 3.0]),
+        amplitude=np.array([0.9, 1.1]),
+        delay=np.array([0.01, 0.03]),
+        amplitude_deviation=np.zeros(2),
+        delay_deviation=np.zeros(2),
+        coherence=np.ones(2),
+    )
+    assert found.at(np.array([0.0, 2.0, -2.0, 9.0]))[0] == pytest.approx([0.9, 1.0, 1.0, 1.1])
+    assert found.at(2.0)[1] == pytest.approx(0.02)
+    assert [found.known(frequency) for frequency in (0.99, 1.0, 3.0, 3.01)] == [False, True, True, False]
+    assert found.spread == pytest.approx((0.2, 0.02))
+    s = 2j * np.pi * np.array([2.0, -2.0])
+    assert found.transfer(s) == pytest.approx(np.exp([-0.08j * np.pi, 0.08j * np.pi]))
