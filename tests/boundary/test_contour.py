@@ -29,6 +29,55 @@ def test_ellipse_of_known_axes_comes_back(half_width):
     assert found.sse < 1e-6
 
 
+@pytest.mark.parametrize(
+    ("below", "above", "step", "first", "last"),
+    [
+        (0.02, 0.02, 0.001, -19, 19),  # the paper's step; the tips themselves have no delay to search
+        (0.0125, 0.0307, 0.001, -12, 30),
+        (0.006, 0.02, 0.001, -5, 19),
+        (0.002, 0.002, 0.001 / 3, -5, 5),
+        (0.0035, 0.05, 0.0005, -6, 99),
+        (0.0997, 0.0997, 0.001, -99, 99),
+        (0.28, 0.2, 0.003, -93, 66),
+    ],
+)
+def test_amplitudes_step_by_a_thousandth_and_at_least_five_and_at_most_a_hundred_to_a_side(
+    below, above, step, first, last
+):
+    def error(amplitude, delay, _):
+        offset = amplitude - 1.0
+        return 0.05 * np.hypot(offset / np.where(offset < 0.0, below, above), delay / 0.003)
+
+    (contour,) = trace_contours(error, np.array([0.05]), STRUCTURE)
+    assert contour.amplitude == pytest.approx(1.0 + step * np.arange(first, last + 1), abs=1e-9)
+    assert contour.corners == pytest.approx(np.array([[1.0 - below, 1.0 + above], [0.0, 0.0]]), rel=1e-6)
+    half_width = np.where(contour.amplitude < 1.0, below, above)
+    height = 0.003 * np.sqrt(1.0 - ((contour.amplitude - 1.0) / half_width) ** 2)
+    assert contour.delay == pytest.approx(height, rel=1e-5)
+    assert contour.outline[0].size == contour.outline[1].size == contour.amplitude.size + 2
+
+
+def test_a_loop_that_has_diverged_lies_outside_every_contour():
+    """Errors that are not finite count as larger than any threshold."""
+    for beyond in (np.nan, np.inf):
+
+        def error(amplitude, delay, _, beyond=beyond):
+            size = np.hypot((amplitude - 1.0) / 0.01, delay / 0.003)
+            return np.where(size < 1.1, 0.05 * size, beyond)
+
+        (contour,) = trace_contours(error, np.array([0.05]), STRUCTURE)
+        assert Ellipse.fit(contour).b == pytest.approx(9.0, rel=1e-4)
+
+
+def test_a_loop_with_other_errors_than_the_threshold_allows_has_no_contour():
+    def error(amplitude, delay, contour):
+        return np.hypot(0.04 + 0.02 * contour, np.hypot(amplitude - 1.0, delay))
+
+    first, none = trace_contours(error, np.array([0.05, 0.05]), STRUCTURE)
+    assert first.delay.max() == pytest.approx(0.03, rel=1e-6)
+    assert none.outline[0].size == 0
+
+
 def test_points_lie_on_the_threshold_for_both_errors():
     rng = np.random.default_rng(7)
     t = np.arange(0.0, 20.0, 0.01)

@@ -10,6 +10,7 @@ from reliab.boundary.contour import furthest_lead
 from reliab.indices.response_error import relative_error
 from reliab.loop.engine import Loop
 from reliab.loop.excitation import Excitation
+from reliab.loop.stability import longest_lead
 from reliab.loop.structure import Structure
 from reliab.motions import load_motions
 from reliab.vocabulary import Metric, Side
@@ -102,6 +103,13 @@ def test_true_ellipse_is_inscribed_in_itself():
         circle = Contour(amplitude=1.0 + 0.01 * np.cos(angle), delay=side.sign * 0.002 * np.sin(angle))
         found = InscribedEllipse.fit(circle)
         assert (found.a, found.b) == (pytest.approx(1e-4), pytest.approx(4.0))
+
+
+def test_leads_are_searched_up_to_seven_decay_lengths_or_a_quarter_of_the_period():
+    light, heavy = (Structure(frequency=2.0, damping_ratio=xi) for xi in (0.05, 0.4))
+    assert furthest_lead(light, np.array(1.0)) == pytest.approx(7.0 * 0.05 / (4.0 * np.pi))
+    assert furthest_lead(heavy, np.array(1.0)) == pytest.approx(longest_lead(heavy, np.array(1.0)))
+    assert furthest_lead(heavy, np.array(1.0)) < 7.0 * 0.4 / (4.0 * np.pi)
 
 
 def test_open_side_says_where_it_was_left():

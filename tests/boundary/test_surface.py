@@ -19,7 +19,9 @@ def coordinates(gain, delay):
 def cubic(gain, delay):
     """An error whose logarithm is a polynomial of third degree, which a bicubic spline gives back exactly."""
     x, y = coordinates(gain, delay)
-    logarithm = -6.0 + 0.3 * x - 0.2 * y + 0.05 * x * y + 0.02 * x**2 - 0.01 * y**2 - 1e-3 * x**3 + 2e-4 * y**3
+    logarithm = (
+        -6.0 + 0.3 * x - 0.2 * y + 0.05 * x * y + 0.02 * x**2 - 0.01 * y**2 - 1e-3 * x**3 + 2e-4 * y**3
+    )
     return np.sqrt(np.exp(logarithm) - FLOOR**2)
 
 
