@@ -107,10 +107,16 @@ class DrivenRecord:
 def in_units(histories: NDArray[np.float64]) -> tuple[NDArray[np.float32], float]:
     """Drives in single precision in units of the largest, and that unit."""
     scale = 0.0
-    for drive in histories.ravel():
-        scale = max(scale, abs(drive)) if np.isfinite(drive) else np.inf
+    for i in range(histories.shape[0]):
+        for j in range(histories.shape[1]):
+            drive = abs(histories[i, j])
+            scale = max(scale, drive) if np.isfinite(drive) else np.inf
     scale = scale if scale > 0.0 else 1.0
-    return (histories / scale).astype(np.float32), scale
+    single = np.empty(histories.shape, dtype=np.float32)
+    for i in range(histories.shape[0]):
+        for j in range(histories.shape[1]):
+            single[i, j] = histories[i, j] / scale
+    return single, scale
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -188,14 +188,21 @@ def _step_structures(
     for k in range(structures):
         own, next_own = weights[0][k], weights[1][k]
         both = (own[0], own[1], own[2]), (next_own[0], next_own[1], next_own[2])
-        lines = cut_record(record, poles[k], both, starts[k], steps[k], counts[k])
-        here = slice(at, at + counts[k])
-        left[here], right[here], ideal[at + k : at + k + counts[k] + 1], samples[k] = lines
-        histories = step_drives(lines[0], lines[1], lines[2], shared[0][k], shared[1][k])
-        drives[here], scales[k] = in_units(histories)
-        of_structure = slice(first[k], first[k + 1])
-        squares[of_structure], around[:, of_structure], last[of_structure] = track(
-            drives[here], before[k], end[k], coefficients[:, of_structure], one
-        )
+        a0, a1, exact, own_samples = cut_record(record, poles[k], both, starts[k], steps[k], counts[k])
+        own_drives, scales[k] = in_units(step_drives(a0, a1, exact, shared[0][k], shared[1][k]))
+        own_cells = coefficients[:, first[k] : first[k + 1]]
+        own_squares, own_around, own_last = track(own_drives, before[k], end[k], own_cells, one)
+        # Compilers take seconds for an assignment to a slice, and nothing for a loop.
+        for i in range(own_samples.size):
+            samples[k, i] = own_samples[i]
+        ideal[at + k] = exact[0]
+        for i in range(counts[k]):
+            left[at + i], right[at + i], ideal[at + k + i + 1] = a0[i], a1[i], exact[i + 1]
+            for j in range(DRIVES):
+                drives[at + i, j] = own_drives[i, j]
+        for i in range(own_last.size):
+            squares[first[k] + i], last[first[k] + i] = own_squares[i], own_last[i]
+            for j in range(3):
+                around[j, first[k] + i] = own_around[j, i]
         at += counts[k]
     return left, right, ideal, samples, drives, scales, squares, around, last
