@@ -187,6 +187,8 @@ def main() -> None:
     for name, rate in rates.items():
         shown = "not installed" if rate is None else f"{rate:14.4g} /s {rate / reference:12.3g} x baseline"
         print(f"{name:36s} {shown}")
+    steps = rates["pole engine"] * blocks.left.size
+    print(f"pole engine: {steps:.3g} system-steps/s of {1e3 * blocks.step:g} ms")
 
 
 if __name__ == "__main__":
