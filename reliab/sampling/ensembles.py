@@ -1,7 +1,7 @@
 """Independent affine-invariant ensembles, resumable from a file."""
 
 import hashlib
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -9,20 +9,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from reliab.errors import InputError
-from reliab.files import decoding, ordinary
 from reliab.progress import Progress, silent
+from reliab.sampling.chain_file import ChainFile
 from reliab.sampling.diagnostics import FEWEST_ENSEMBLES
 from reliab.sampling.laplace import Laplace
 from reliab.sampling.model import Model
 from reliab.sampling.posterior_sample import PosteriorSample
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from emcee import EnsembleSampler, State
     from emcee.backends import Backend
 
-_BLOCKS = 20  # reports of progress from one ensemble
+_BLOCKS = 100  # reports of progress from one ensemble
 _START = 2.0  # spread of the first walkers, in spreads of the approximate posterior
 
 
@@ -144,18 +144,17 @@ def draw(
     """
     width = ensembles.walkers or width_of(model)
     laplace = Laplace.of(model)
-    with ExitStack() as files:
-        samplers = [
-            _sampler(model, laplace, width, files.enter_context(backend))
-            for backend in (
-                _backend(file, f"{group}/ensemble_{number}", model, ensembles, width)
-                for number in range(ensembles.count)
-            )
-        ]
+    with _chains(file, group, model, ensembles, width) as (chains, save):
+        samplers = [_sampler(model, laplace, width, chain) for chain in chains]
         starts = [_start(laplace, width, (ensembles.seed, number)) for number in range(ensembles.count)]
         steps = ensembles.steps
+
+        def stepped(done: int, total: int) -> None:
+            save()
+            progress(done, total)
+
         while True:
-            _run(samplers, starts, steps // ensembles.thin, ensembles.thin, progress)
+            _run(samplers, starts, steps // ensembles.thin, ensembles.thin, stepped)
             posterior = _kept_draws(model, samplers, steps // ensembles.thin // 2, ensembles.thin)
             if 2 * steps > ensembles.longest or posterior.converged:
                 return posterior
@@ -216,39 +215,20 @@ def _start(laplace: Laplace, width: int, seed: tuple[int, int]) -> "State":
 
 
 @contextmanager
-def _backend(
-    file: Path | None, name: str, model: Model, ensembles: Ensembles, width: int
-) -> "Iterator[Backend]":
-    """Memory, or a group of an HDF5 file that belongs to this very run."""
-    from emcee.backends import Backend, HDFBackend
+def _chains(
+    file: Path | None, group: str, model: Model, ensembles: Ensembles, width: int
+) -> "Iterator[tuple[list[Backend], Callable[[], None]]]":
+    """Chains in memory, and what keeps them in a file where there is one."""
+    from emcee.backends import Backend
 
     if file is None:
-        yield Backend()
+        yield [Backend() for _ in range(ensembles.count)], lambda: None
         return
+    names = [f"{group}/ensemble_{number}".strip("/") for number in range(ensembles.count)]
     signature = _signature(model, ensembles, width)
-    with decoding(
-        "The file of the chains must be an HDF5 file that can be read and written",
-        remedy="Name another file, or delete it to begin anew",
-        where=file,
-    ):
-        backend = HDFBackend(str(ordinary(file)), name=name)
-        if not backend.initialized:
-            backend.reset(width, len(model.parameters))
-            with backend.open("a") as opened:
-                opened[name].attrs["signature"] = signature
-        with backend.open() as opened:
-            stored = opened[name].attrs.get("signature", "")
-        if stored == signature and backend.iteration:
-            np.random.RandomState().set_state(backend.random_state)
-            _ = backend.get_chain(), backend.accepted
-    if stored != signature:
-        raise InputError(
-            "A run is resumed with the model, data and settings that it began with",
-            value=f"another run of {model.name}",
-            remedy="Name another file; only the number of steps may grow",
-            where=str(file),
-        )
-    yield backend
+    shape = (width, len(model.parameters))
+    with ChainFile.opened(file, names, signature, shape, model=model.name) as (kept, chains):
+        yield chains, kept.save
 
 
 def _signature(model: Model, ensembles: Ensembles, width: int) -> str:

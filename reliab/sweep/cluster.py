@@ -4,11 +4,11 @@ from collections.abc import Iterator
 from itertools import islice
 from typing import TYPE_CHECKING
 
-from reliab.errors import InputError
+from reliab.errors import IncompleteError, InputError
 from reliab.sweep.job import Solved, SweepJob
 
 if TYPE_CHECKING:
-    from distributed import Client
+    from distributed import Client, Future
 
 _AHEAD = 4  # tasks submitted per worker thread; limits the memory of the cluster
 _RETRIES = 3  # of a task whose worker died
@@ -36,6 +36,8 @@ def solved(address: str, job: SweepJob, missing: list[int]) -> Iterator[Solved]:
     ------
     InputError
         If dask.distributed is not installed or no scheduler answers.
+    IncompleteError
+        If the scheduler or all workers are lost on the way.
     """
     with _connected(address) as client:
         from distributed import as_completed
@@ -49,10 +51,25 @@ def solved(address: str, job: SweepJob, missing: list[int]) -> Iterator[Solved]:
         ahead = _AHEAD * max(1, sum(client.nthreads().values()))
         running = as_completed([submit(index) for index in islice(queue, ahead)])
         for future in running:
-            yield future.result()
+            yield _result(future)
             future.release()
             for index in islice(queue, 1):
                 running.add(submit(index))
+
+
+def _result(future: "Future[Solved]") -> Solved:
+    """Take what a worker answered; results that were stored before are safe where none did."""
+    from distributed import CancelledError, KilledWorker
+
+    try:
+        solution: Solved = future.result()
+    except (CancelledError, KilledWorker, OSError) as error:
+        reason = str(error).partition("\n")[0].rstrip(".")
+        raise IncompleteError(
+            f"The cluster failed: {reason}. Results that were stored are safe; start it again and run the "
+            "same command with --resume."
+        ) from error
+    return solution
 
 
 def _connected(address: str) -> "Client":

@@ -26,7 +26,7 @@ import zarr
 from numpy.typing import NDArray
 
 from reliab.errors import IncompleteError, InputError
-from reliab.files import decoding
+from reliab.files import UNFINISHED, decoding
 from reliab.motions import Motion
 from reliab.sweep.chunk import write_chunk
 from reliab.sweep.request import SweepRequest
@@ -100,8 +100,9 @@ class ResultsStore:
         with lock:
             if path.exists():
                 _check_resumable(path, request, names, resume=resume)
+                _remove_unfinished(path)
             else:
-                create_store(path, request, names, events)
+                _create(path, request, names, events)
             with contextlib.closing(cls(path, request)) as store:
                 yield store
 
@@ -230,6 +231,25 @@ def _digest(windows: Sequence[Sequence[NDArray[np.generic]]]) -> str:
         for values in variables:
             digest.update(np.ascontiguousarray(values).tobytes())
     return digest.hexdigest()
+
+
+def _create(path: Path, request: SweepRequest, names: Sequence[str], events: Sequence[str]) -> None:
+    try:
+        create_store(path, request, names, events)
+    except OSError as error:
+        raise InputError(
+            "The folder of a results store must be writable, with room for it",
+            value=error.strerror,
+            remedy="Make room, or name another folder",
+            where=str(path),
+        ) from error
+
+
+def _remove_unfinished(path: Path) -> None:
+    """Remove files that a killed process was writing, under our names or Zarr's."""
+    for file in path.rglob("*"):
+        if file.name.startswith(UNFINISHED) or file.suffix == ".partial":
+            file.unlink()
 
 
 def _check_resumable(path: Path, request: SweepRequest, names: Sequence[str], *, resume: bool) -> None:

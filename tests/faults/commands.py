@@ -56,12 +56,21 @@ trials = 64
 
 
 WORKS = {
+    "synthesize": Work(
+        arguments=lambda _, out: ("motions", "synthesize", "--count", 4, "--out", out / "suite"),
+    ),
     "simulate": Work(
         arguments=lambda material, out: (
             *("simulate", "--motions", material / "motions", "--f", 1, "--xi", 0.02, "--workers", 1),
             *("--out", out / "results.zarr", "--json", "-"),
         ),
         again=("--resume",),
+    ),
+    "ellipses": Work(
+        arguments=lambda material, out: (
+            *("ellipses", "--motions", material / "motions", "--f", 1, "--xi", 0.02),
+            *("--out", out / "ellipses.nc", "--json", out / "answer.json"),
+        ),
     ),
     "criterion": Work(
         arguments=lambda material, out: (
@@ -75,7 +84,19 @@ WORKS = {
             *("hierarchical", "--steps", 400, "--chains", out / "chains.h5", "--json", out / "answer.json"),
         ),
     ),
+    "assess": Work(
+        arguments=lambda material, out: (
+            *("assess", material / "campaign/a.csv", "--f", 1, "--xi", 0.05, "--date", "2026-01-01"),
+            *("--report", out / "verdict.pdf", "--json", out / "verdict.json"),
+        ),
+    ),
+    "explore": Work(
+        arguments=lambda material, out: (
+            *("explore", "--ellipses", material / "ellipses.nc", "--out", out / "page.html"),
+        ),
+    ),
     "run": Work(arguments=lambda material, out: ("run", material / "study.toml", "--out", out / "run")),
+    "report": Work(arguments=lambda _, out: ("report", out / "run")),
     "diagnose": Work(
         arguments=lambda material, out: ("diagnose", material / "campaign", "--out", out / "diagnosis")
     ),
@@ -83,12 +104,13 @@ WORKS = {
 
 
 def results(folder: Path) -> dict[str, str]:
-    """SHA-256 of every file of results; chains and manifests hold times or a layout of their own."""
+    """SHA-256 of every file of results; manifests hold the day, and what was being written is no result."""
     return {
         str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
         for path in sorted(folder.rglob("*"))
         if path.is_file()
-        and path.suffix not in {".h5", ".lock"}
+        and path.suffix != ".lock"
         and path.name != "manifest.json"
         and not path.name.startswith(".unfinished-")
+        and not any(part.endswith(".unfinished") for part in path.parts)
     }

@@ -1,6 +1,29 @@
-"""Make `fuzz` and `faults` importable, however pytest was started."""
+"""Make `fuzz` and `faults` importable, however pytest was started, and count the faults that happened."""
 
 import sys
+from collections import Counter
 from pathlib import Path
 
+import pytest
+
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+_COUNTED = pytest.StashKey[Counter]()
+
+
+def pytest_configure(config):
+    config.stash[_COUNTED] = Counter()
+
+
+@pytest.fixture(scope="session")
+def counted(pytestconfig):
+    """Faults that happened, by command and kind; printed at the end of a run in one process (`-n 0`)."""
+    return pytestconfig.stash[_COUNTED]
+
+
+def pytest_terminal_summary(terminalreporter, config):
+    faults = config.stash[_COUNTED]
+    for (name, kind), count in sorted(faults.items()):
+        terminalreporter.write_line(f"{name:12} {kind:24} {count:4}")
+    if faults:
+        terminalreporter.write_line(f"{faults.total()} injected faults")

@@ -9,26 +9,37 @@ Processes are forked from one that has imported everything, which saves most of 
 """
 
 import errno
+import importlib
 import json
 import os
+import resource
 import shutil
 import signal
 import subprocess
 import sys
 import tempfile
+import threading
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+_NOBODY = 65534
+_IMPORTED = (
+    *("arviz", "emcee", "h5netcdf", "matplotlib.pyplot", "typst", "zarr", "rich.table", "reliab.api"),
+    *("reliab.criterion", "reliab.discrepancy", "reliab.explore.page", "reliab.report.kinds.discrepancy"),
+    *("reliab.study", "reliab.sweep", "reliab.validation"),
+)
 ROOT = Path(__file__).resolve().parents[2]
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a process ended, what it said, and how often it wrote."""
+    """How a process ended, what it said, how long it took [s], and how often it wrote."""
 
     code: int
     errors: str
+    seconds: float = 0.0
 
     @property
     def writes(self) -> int:
@@ -43,7 +54,9 @@ class Forks:
             [sys.executable, __file__], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
         )
 
-    def run(self, arguments: Sequence[object], folder: Path, *, at: int = 0, action: str = "kill") -> Outcome:
+    def run(
+        self, arguments: Sequence[object], folder: Path, *, at: float = 0, action: str = "kill"
+    ) -> Outcome:
         """Run a command line.
 
         Parameters
@@ -52,10 +65,12 @@ class Forks:
             What stands after `reliab`.
         folder : pathlib.Path
             The folder below which writes are counted.
-        at : int, optional
+        at : float, optional
             The write at which something happens; 0 for never.
         action : str, optional
-            What happens: kill, terminate, vanish (the folder is removed) or full (the disk is).
+            What happens: kill, terminate, vanish (the folder is removed) or full (the disk is). For "clock"
+            `at` is the time after which the process is killed [s], for "quota" the largest file [bytes];
+            with "readonly" it may not write to the folder.
         """
         asked = {"arguments": [*map(str, arguments)], "folder": str(folder), "at": at, "action": action}
         print(json.dumps(asked), file=self._server.stdin, flush=True)
@@ -91,7 +106,9 @@ class _Fault:
         name = arguments[0] if writes else None
         if isinstance(name, str | bytes) and os.path.abspath(os.fsdecode(name)).startswith(self.folder):  # noqa: PTH100
             self.writes += 1
-            if self.writes == self.at:
+            if self.action == "full" and event in {"os.rename", "os.remove"}:
+                self.at += self.writes == self.at  # neither needs room
+            elif self.writes == self.at:
                 self._happen(os.fsdecode(name))
 
     def _happen(self, name: str) -> None:
@@ -103,6 +120,7 @@ class _Fault:
             case "vanish":
                 shutil.rmtree(self.folder, ignore_errors=True)
             case "full":
+                self.at += 1  # it stays full
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), name)
 
 
@@ -127,22 +145,35 @@ def _announce_hdf5() -> None:
 
 def _serve() -> None:
     """Fork for every line of standard input; answer with how the child ended."""
-    import arviz
-    import emcee
-    import typst
-
-    del arviz, emcee, typst
+    for name in _IMPORTED:
+        importlib.import_module(name)
     _announce_hdf5()
     for line in sys.stdin:
         asked = json.loads(line)
         with tempfile.TemporaryFile() as errors:
+            begun = time.monotonic()
             child = os.fork()
             if child == 0:
                 _run(asked, errors.fileno())
-            _, status = os.waitpid(child, 0)
+            status = _waited(child, asked)
             errors.seek(0)
             text = errors.read().decode(errors="replace")
-        print(json.dumps({"code": os.waitstatus_to_exitcode(status), "errors": text}), flush=True)
+        answer = {
+            "code": os.waitstatus_to_exitcode(status),
+            "errors": text,
+            "seconds": time.monotonic() - begun,
+        }
+        print(json.dumps(answer), flush=True)
+
+
+def _waited(child: int, asked: dict) -> int:
+    """Wait for a child, and kill it when its time is over."""
+    clock = threading.Timer(asked["at"], os.kill, (child, signal.SIGKILL))
+    if asked["action"] == "clock":
+        clock.start()
+    os.waitid(os.P_PID, child, os.WEXITED | os.WNOWAIT)
+    clock.cancel()
+    return os.waitpid(child, 0)[1]
 
 
 def _run(asked: dict, errors: int) -> None:
@@ -152,6 +183,11 @@ def _run(asked: dict, errors: int) -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     fault = _Fault(asked["folder"], asked["at"], asked["action"])
     sys.addaudithook(fault)
+    if asked["action"] == "quota":
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (int(asked["at"]), resource.RLIM_INFINITY))
+    elif asked["action"] == "readonly" and os.geteuid() == 0:
+        os.setuid(_NOBODY)
     code = 70
     try:
         code = run(asked["arguments"])

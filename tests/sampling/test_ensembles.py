@@ -1,13 +1,18 @@
 """Runs can be resumed, are reproducible, and say when they are not to be relied on."""
 
+import errno
+import os
+
 import numpy as np
 import pytest
+from emcee.backends import HDFBackend
 
-from reliab.errors import InputError
+from reliab.errors import IncompleteError, InputError
 from reliab.sampling import (
     ConvergenceWarning,
     Ensembles,
     NormalValues,
+    chain_file,
     sample,
 )
 from reliab.sampling.diagnostics import inference_data
@@ -41,6 +46,72 @@ def test_a_run_goes_on_until_it_has_converged_and_no_further():
     assert 40 < 2 * found.draws.shape[1] <= 4000
     with pytest.warns(ConvergenceWarning):  # half as long was not enough
         sample(MODEL, Ensembles(steps=found.draws.shape[1], walkers=16))
+
+
+class StopError(Exception):
+    pass
+
+
+def stop_after(blocks):
+    calls = []
+
+    def stop(*_):
+        calls.append(None)
+        if len(calls) == blocks:
+            raise StopError
+
+    return stop
+
+
+@SHORT
+def test_an_interrupted_run_keeps_its_draws_and_ends_with_the_same_bytes(tmp_path):
+    sample(MODEL, QUICK, file=tmp_path / "whole.h5", group="a")
+    with pytest.raises(StopError):
+        sample(MODEL, QUICK, file=tmp_path / "run.h5", group="a", progress=stop_after(30))
+    steps = []
+    sample(MODEL, QUICK, file=tmp_path / "run.h5", group="a", progress=lambda done, _: steps.append(done))
+    assert steps[0] == 2 * 31
+    assert (tmp_path / "run.h5").read_bytes() == (tmp_path / "whole.h5").read_bytes()
+
+
+@SHORT
+def test_a_file_of_chains_keeps_those_of_other_runs(tmp_path):
+    first = sample(MODEL, QUICK, file=tmp_path / "run.h5", group="a/b")
+    sample(NormalValues(values=MODEL.values + 1.0), QUICK, file=tmp_path / "run.h5", group="c")
+    steps = []
+    again = sample(
+        MODEL, QUICK, file=tmp_path / "run.h5", group="a/b", progress=lambda done, _: steps.append(done)
+    )
+    np.testing.assert_array_equal(again.draws, first.draws)
+    assert not steps
+
+
+@SHORT
+def test_emcee_reads_the_file_of_chains(tmp_path):
+    sampled = sample(MODEL, QUICK, file=tmp_path / "run.h5", group="a")
+    backend = HDFBackend(str(tmp_path / "run.h5"), name="a/ensemble_0", read_only=True)
+    np.testing.assert_array_equal(backend.get_chain(discard=10), sampled.draws[0])
+
+
+@SHORT
+def test_a_full_disk_says_that_earlier_draws_are_safe(tmp_path, monkeypatch):
+    monkeypatch.setattr(chain_file, "_EVERY", 0.0)
+    monkeypatch.setattr(chain_file, "_SHARE_OF_TIME", 1e9)
+    stored = []
+
+    def full(group, chain, signature):
+        stored.append(chain.iteration)
+        if len(stored) == 20:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        kept(group, chain, signature)
+
+    kept = vars(chain_file)["_store"]
+    monkeypatch.setattr(chain_file, "_store", full)
+    with pytest.raises(IncompleteError, match=r"run\.h5 failed.*draws of before are safe"):
+        sample(MODEL, QUICK, file=tmp_path / "run.h5")
+    monkeypatch.setattr(chain_file, "_store", kept)
+    resumed = sample(MODEL, QUICK, file=tmp_path / "run.h5")
+    np.testing.assert_array_equal(resumed.draws, sample(MODEL, QUICK).draws)
 
 
 @SHORT

@@ -2,13 +2,16 @@
 
 import os
 import signal
+import subprocess
+import sys
 from contextlib import contextmanager
 
 import pytest
 
-from reliab.errors import InputError
+from reliab.errors import IncompleteError, InputError
 from reliab.sweep import open_results, run_sweep
 
+dask = pytest.importorskip("dask")
 distributed = pytest.importorskip("distributed")
 
 
@@ -46,6 +49,43 @@ def test_a_cluster_gives_the_local_results_even_when_a_worker_dies(tmp_path, sui
         )
     assert killed
     assert open_results(path).identical(open_results(store))
+
+
+SCHEDULER = """
+import sys, time
+from distributed import LocalCluster
+if __name__ == "__main__":
+    with LocalCluster(n_workers=1, threads_per_worker=1, protocol="tcp", dashboard_address=None) as workers:
+        print(workers.scheduler_address, flush=True)
+        sys.stdin.read()
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore")
+def test_a_scheduler_that_dies_leaves_what_can_be_resumed(tmp_path, suite, request_, store):
+    (tmp_path / "scheduler.py").write_text(SCHEDULER)
+    process = subprocess.Popen(  # noqa: S603 - the lines above
+        [sys.executable, str(tmp_path / "scheduler.py")],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
+    address = process.stdout.readline().decode().strip()
+
+    def kill_all(done: int, _: int) -> None:
+        if done == 1 and process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.communicate()
+
+    with (
+        dask.config.set({"distributed.comm.timeouts.connect": "2s"}),
+        pytest.raises(IncompleteError, match=r"cluster failed.*--resume"),
+    ):
+        run_sweep(suite, request_, tmp_path / "remote.zarr", scheduler=address, progress=kill_all)
+    run_sweep(suite, request_, tmp_path / "remote.zarr", resume=True)
+    assert open_results(tmp_path / "remote.zarr").identical(open_results(store))
 
 
 def test_scheduler_that_does_not_answer_is_named(tmp_path, suite, request_, monkeypatch):

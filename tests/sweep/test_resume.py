@@ -132,6 +132,23 @@ def test_interrupted_store_is_not_mistaken_for_a_whole_one(tmp_path, suite, requ
     assert open_results(tmp_path / "results.zarr").sizes["motion"] == 6
 
 
+def test_what_a_killed_process_was_writing_is_removed(own_store, suite, request_):
+    before = contents(own_store)
+    (own_store / "rms" / ".unfinished-1").write_bytes(b"half")
+    (own_store / "duration" / "c.0123.partial").write_bytes(b"half")
+    run_sweep(suite, request_, own_store, resume=True)
+    assert contents(own_store) == before
+
+
+def test_a_disk_that_is_full_from_the_start_is_named(tmp_path, suite, request_, monkeypatch):
+    def create_store(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(store, "create_store", create_store)
+    with pytest.raises(InputError, match=r"room for it; found No space left.*Make room"):
+        run_sweep(suite, request_, tmp_path / "results.zarr")
+
+
 def test_second_process_is_refused(tmp_path, suite, request_):
     path = tmp_path / "results.zarr"
     with (

@@ -1,0 +1,209 @@
+"""Chains of ensembles in an HDF5 file that is replaced as a whole, so that no interruption damages it.
+
+HDF5 files that are written in place are damaged when their process dies in between. The chains are kept in
+memory instead, and every few seconds all of them are written to a new file that takes the place of the old
+one. Groups and datasets are those of emcee's own HDF5 files.
+"""
+
+import contextlib
+import time
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from reliab.errors import IncompleteError, InputError
+from reliab.files import decoding, ordinary, written_whole
+
+if TYPE_CHECKING:
+    import h5py
+    from emcee.backends import Backend
+
+_EVERY: Final = 5.0  # s; what a kill costs at most, beside the steps that are being made
+_SHARE_OF_TIME: Final = 0.1  # that writing may take, where the chains are long
+_RULE: Final = "The file of the chains must be an HDF5 file that can be read and written"
+_REMEDY: Final = "Name another file, or delete it to begin anew"
+
+
+class ChainFile:
+    """The file in which the chains of several ensembles are kept while they are drawn.
+
+    Use :meth:`opened`, which reads what an earlier run left.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        The file.
+    signature : str
+        What belongs to this very run: model, data and settings.
+    chains : mapping of str to emcee.backends.Backend
+        Chains in memory by their group in the file.
+    """
+
+    def __init__(self, path: Path, signature: str, chains: "dict[str, Backend]") -> None:
+        self.path = path
+        self._signature = signature
+        self._chains = chains
+        self._written, self._pause = time.monotonic(), _EVERY
+
+    @classmethod
+    @contextlib.contextmanager
+    def opened(
+        cls, path: Path, names: Sequence[str], signature: str, shape: tuple[int, int], *, model: str
+    ) -> "Iterator[tuple[ChainFile, list[Backend]]]":
+        """Read the chains of an earlier run, or begin with empty ones; at the end all are written.
+
+        Parameters
+        ----------
+        path : pathlib.Path
+            The file; it need not exist.
+        names : sequence of str
+            Group of each ensemble.
+        signature : str
+            What belongs to this very run.
+        shape : tuple of int
+            Walkers and parameters.
+        model : str
+            Name of the model, for the error.
+
+        Yields
+        ------
+        ChainFile
+            To be asked to `save` now and then.
+        list of emcee.backends.Backend
+            The chains.
+
+        Raises
+        ------
+        InputError
+            If it is no such file, cannot be written, or holds another run.
+        IncompleteError
+            If it can no longer be written at the end.
+        """
+        with decoding(_RULE, remedy=_REMEDY, where=path):
+            stored = _read(path, names, shape)
+        if any(known != signature for known, _ in stored.values() if known is not None):
+            raise InputError(
+                "A run is resumed with the model, data and settings that it began with",
+                value=f"another run of {model}",
+                remedy="Name another file; only the number of steps may grow",
+                where=str(path),
+            )
+        file = cls(path, signature, {name: chain for name, (_, chain) in stored.items()})
+        with decoding(_RULE, remedy=_REMEDY, where=path):
+            file._write()
+        try:
+            yield file, list(file._chains.values())
+        except BaseException:
+            with contextlib.suppress(Exception):
+                file._write()
+            raise
+        file.save(now=True)
+
+    def save(self, *, now: bool = False) -> None:
+        """Write the chains if some seconds have passed.
+
+        Parameters
+        ----------
+        now : bool, optional
+            Whether to write them in any case.
+
+        Raises
+        ------
+        IncompleteError
+            If the disk is full or fails; the file is then as before.
+        """
+        if not now and time.monotonic() - self._written < self._pause:
+            return
+        begun = time.monotonic()
+        try:
+            self._write()
+        except OSError as error:
+            raise IncompleteError(
+                f"Writing {self.path} failed: {error}. The draws of before are safe; remove the cause and "
+                "run the same command again."
+            ) from error
+        self._written = time.monotonic()
+        self._pause = max(_EVERY, (self._written - begun) / _SHARE_OF_TIME)
+
+    def _write(self) -> None:
+        """Write a new file with these chains and what the old one holds beside them."""
+        import h5py
+
+        with written_whole(self.path) as unfinished, h5py.File(unfinished, "w") as new:
+            if self.path.exists():
+                with h5py.File(self.path, "r") as old:
+                    for name in _groups(old):
+                        if name not in self._chains:
+                            old.copy(name, new, name)
+            for name, chain in self._chains.items():
+                _store(new.create_group(name), chain, self._signature)
+
+
+def _read(
+    path: Path, names: Sequence[str], shape: tuple[int, int]
+) -> "dict[str, tuple[str | None, Backend]]":
+    """Signature, where there is one, and chain by name."""
+    import h5py
+    from emcee.backends import Backend
+
+    chains: dict[str, tuple[str | None, Backend]] = {}
+    with contextlib.ExitStack() as files:
+        held = files.enter_context(h5py.File(path, "r")) if ordinary(path).exists() else {}
+        for name in names:
+            chain = Backend()
+            chain.reset(*shape)
+            signature = None
+            if name in held:
+                signature = str(held[name].attrs.get("signature", ""))
+                if chain_fits := held[name]["chain"].shape[1:] == shape:
+                    _fill(chain, held[name])
+                signature = signature if chain_fits else ""
+            chains[name] = signature, chain
+    return chains
+
+
+def _fill(chain: "Backend", held: "h5py.Group") -> None:
+    done = int(held.attrs["iteration"])
+    if not done:
+        return
+    chain.chain, chain.log_prob = held["chain"][:done], held["log_prob"][:done]
+    chain.accepted, chain.iteration = held["accepted"][...], done
+    state = tuple(held.attrs[f"random_state_{number}"] for number in range(5))
+    np.random.RandomState().set_state(state)
+    if len(chain.chain) < done or chain.log_prob.shape != chain.chain.shape[:2]:
+        message = "chains of different lengths"
+        raise ValueError(message)
+    chain.random_state = state
+
+
+def _store(group: "h5py.Group", chain: "Backend", signature: str) -> None:
+    from emcee import __version__
+
+    described: dict[str, Any] = {
+        "version": __version__,
+        "nwalkers": chain.nwalkers,
+        "ndim": chain.ndim,
+        "has_blobs": False,
+        "iteration": chain.iteration,
+        "signature": signature,
+    }
+    states = {f"random_state_{number}": part for number, part in enumerate(chain.random_state or ())}
+    group.attrs.update({**described, **states})
+    group.create_dataset("accepted", data=chain.accepted)
+    for name in ("chain", "log_prob"):
+        values = getattr(chain, name)[: chain.iteration]
+        group.create_dataset(name, data=values, maxshape=(None, *values.shape[1:]))
+
+
+def _groups(file: "h5py.File") -> list[str]:
+    """Every group with a chain in it."""
+    names: list[str] = []
+
+    def visit(name: str, item: Any) -> None:  # noqa: ANN401 - a group or a dataset
+        if name.endswith("/chain") and hasattr(item, "shape"):
+            names.append(name.removesuffix("/chain"))
+
+    file.visititems(visit)
+    return names
