@@ -46,3 +46,14 @@ def test_cells(gain, delay):
 def test_window(window):
     with pytest.raises(InputError, match="window"):
         Excitation(acceleration=np.ones(101), time_step=0.1, window=window)
+
+
+def test_the_record_since_a_time_has_the_same_samples_in_its_window():
+    record = np.arange(1001.0)
+    whole = Excitation(acceleration=record, time_step=0.01, window=(6.003, 8.5))
+    later = whole.since(4.0)
+    left_out = record.size - later.acceleration.size
+    assert left_out == 399
+    assert later.acceleration[0] == record[left_out]
+    assert later.window == pytest.approx((6.003 - 3.99, 8.5 - 3.99))
+    assert whole.since(-1.0).acceleration.size == record.size
