@@ -2,7 +2,6 @@
 
 import contextlib
 import os
-import re
 import shlex
 import shutil
 import signal
@@ -12,24 +11,16 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-import typer
 
-from reliab.cli import app, run, spread
+from reliab.cli import run
 
 ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT / "tests"))
+from written_commands import blocks, command_blocks, parameters, reliab_lines  # noqa: E402
+
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 RECIPES = README.split("## Recipes")[1].split("## Studies")[0]
-INSTALL = "python -m pip install"  # what the test's own environment has already
 LONG = ("--method hierarchical", "--scheduler", "reliab diagnose", "--rebuilt-error")  # 10 s and more
-
-
-def blocks(kind: str) -> list[str]:
-    return re.findall(rf"```{kind}\n(.*?)```", RECIPES, flags=re.DOTALL)
-
-
-def lines_of(block: str) -> list[str]:
-    lines = [line.removeprefix("$ ") for line in block.splitlines()]
-    return [line for line in lines if not line.startswith(INSTALL)]
 
 
 def is_long(line: str) -> bool:
@@ -38,16 +29,12 @@ def is_long(line: str) -> bool:
 
 def recipes() -> Iterator:
     """Every recipe; one with long lines runs whole among the slow tests, without them by default."""
-    for block in blocks("console"):
-        lines = lines_of(block)
-        marks = pytest.mark.slow if is_long(block) else ()
+    for lines in command_blocks(RECIPES):
+        marks = pytest.mark.slow if any(map(is_long, lines)) else ()
         yield pytest.param(lines, id=lines[0][:40], marks=marks)
         short = [line for line in lines if not is_long(line)]
         if 0 < len(short) < len(lines) and all(line.startswith("reliab ") for line in lines):
             yield pytest.param(short, id=f"{lines[0][:40]} without its long lines")
-
-
-COMMANDS = [line for block in blocks("console") for line in lines_of(block) if line.startswith("reliab ")]
 
 
 @pytest.fixture
@@ -89,20 +76,14 @@ def run_in_a_shell(lines, folder):
     assert code == 0, printed.read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("line", COMMANDS)
+@pytest.mark.parametrize("line", reliab_lines(RECIPES))
 def test_every_command_of_a_recipe_is_understood(line):
     """Also those of the recipes that only the slow tests run: each option exists and takes its value."""
-    command = typer.main.get_command(app)
-    name, *arguments = spread(shlex.split(line)[1:], command)
-    command = command.commands[name]
-    while hasattr(command, "commands"):
-        name, *arguments = arguments
-        command = command.commands[name]
-    assert command.make_context(name, arguments).params
+    assert parameters(line)
 
 
 @pytest.mark.usefixtures("checkout")
-@pytest.mark.parametrize("block", blocks("python"))
+@pytest.mark.parametrize("block", blocks(RECIPES, "python"))
 def test_python_recipe_runs(block, capsys):
     exec(block, {})  # noqa: S102 - our own README
     assert float(capsys.readouterr().out) > 0.0

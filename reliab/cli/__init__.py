@@ -24,6 +24,7 @@ from reliab.cli import (
     monitor,
     motions,
     report,
+    samples,
     simulate,
     validate,
 )
@@ -52,6 +53,7 @@ app.command("assess", epilog=example_of("assess"))(assess.assess)
 app.command("monitor", epilog=example_of("monitor"))(monitor.monitor)
 app.command("explore", epilog=example_of("explore"))(explore.explore)
 app.command("fetch", epilog=example_of("fetch"))(fetch.fetch)
+app.command("samples", epilog=example_of("samples"))(samples.samples)
 app.command("validate", epilog=example_of("validate"))(validate.validate)
 app.command("diagnose", epilog=example_of("diagnose"))(diagnose.diagnose)
 app.command("run", epilog=example_of("run"))(run_command.run)

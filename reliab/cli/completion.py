@@ -7,6 +7,7 @@ stand as well, an empty word is left to the shell, which offers files.
 from collections.abc import Iterable
 
 _SAMPLES = ("sample_test",)
+_CAMPAIGNS = ("rig_a", "rig_b", "rig_c")
 _SUITES = ("synthetic",)
 _RESULTS = ("real_suite",)
 
@@ -21,6 +22,11 @@ def studies(incomplete: str) -> list[str]:
 def samples(incomplete: str) -> list[str]:
     """Complete the name of a test that ships."""
     return _begun(incomplete, _SAMPLES) if incomplete else []
+
+
+def campaigns(incomplete: str) -> list[str]:
+    """Complete the name of a campaign that ships."""
+    return _begun(incomplete, _CAMPAIGNS) if incomplete else []
 
 
 def suites(incomplete: str) -> list[str]:

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from reliab.cli.completion import campaigns
 from reliab.cli.options import (
     OF_REPORT,
     JsonTarget,
@@ -46,7 +47,12 @@ _EFFECTS = {"effect": "left", "probability": "right", "parameter": "left", "valu
 def diagnose(
     context: typer.Context,
     campaign: Annotated[
-        Path, typer.Argument(metavar="CAMPAIGN_DIR", help="Folder with campaign.toml and the tests.")
+        Path,
+        typer.Argument(
+            metavar="CAMPAIGN_DIR",
+            autocompletion=campaigns,
+            help="Folder with campaign.toml and the tests; or rig_a, rig_b, rig_c, which ship.",
+        ),
     ],
     *,
     out: Annotated[
@@ -60,13 +66,14 @@ def diagnose(
     json_target: JsonTarget = None,
 ) -> None:
     """Find where simulation and measurement disagree, name what is missing, prove it on held-out tests."""
-    from reliab.discrepancy import add, read_campaign
+    from reliab.discrepancy import add, campaign_folder, read_campaign
     from reliab.discrepancy import diagnose as diagnose_campaign
 
     setting = setting_of(title, date, paper, laboratory, logo)
     if out is None:
         _refuse_without_report(context)
-    measured = read_campaign(campaign)
+    folder = campaign_folder(campaign)
+    measured = read_campaign(folder)
     if out is not None:
         _make(out)
     with progress_bar("Searching the blocks") as progress:
@@ -82,7 +89,7 @@ def diagnose(
     if not write_json(content, json_target):
         _show(addition.diagnosis)
     if out is not None:
-        _report(addition, campaign, out, setting)
+        _report(addition, folder, out, setting)
 
 
 def _make(folder: Path) -> None:

@@ -6,14 +6,15 @@ EXAMPLES: Final = {
     "simulate": "reliab simulate --motions synthetic --f 0.5 1 --xi 0.02 --out results.zarr",
     "ellipses": "reliab ellipses --motions records --f 1 --xi 0.02 --out ellipses.nc",
     "criterion": "reliab criterion --ellipses real_suite --f 1 --xi 0.02 --confidence 0.95",
-    "assess": "reliab assess datasets/sample_test/test.csv --f 1±0.01 --xi 0.02",
-    "monitor": "reliab monitor datasets/sample_test/test.csv --f 1 --xi 0.02",
+    "assess": "reliab assess sample_test --f 1±0.01 --xi 0.02",
+    "monitor": "reliab monitor sample_test --f 1 --xi 0.02",
     "explore": "reliab explore --out criterion.html",
     "validate": "reliab validate --rebuilt-error --f 1 --xi 0.02 --trials 1",
-    "diagnose": "reliab diagnose datasets/campaigns/rig_a --out diagnosis",
+    "diagnose": "reliab diagnose rig_a --out diagnosis",
     "run": "reliab run --list",
     "report": "reliab report runs/quick",
     "fetch": "reliab fetch datasets/real_suite/results.nc",
+    "samples": "reliab samples datasets",
     "info": "reliab info --json -",
 }
 """Examples by command."""

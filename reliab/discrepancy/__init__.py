@@ -2,6 +2,7 @@
 
 from reliab.discrepancy.adding.adding import Addition, add
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
+from reliab.discrepancy.campaign.folder import campaign_folder
 from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.diagnose import diagnose
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Verdict
@@ -20,6 +21,7 @@ __all__ = [
     "MissingEffect",
     "Verdict",
     "add",
+    "campaign_folder",
     "diagnose",
     "read_campaign",
 ]

@@ -11,6 +11,8 @@ COMMANDS = typer.main.get_command(app).commands
 CASES = [
     ("assess", "tests", "sa", ["sample_test"]),
     ("assess", "tests", "", []),  # left to the shell, which offers files
+    ("monitor", "source", "sa", ["sample_test"]),
+    ("diagnose", "campaign", "rig_b", ["rig_b"]),
     ("assess", "metric", "", ["rms", "mte"]),
     ("report", "paper", "l", ["letter"]),
     ("simulate", "motions", "syn", ["synthetic"]),

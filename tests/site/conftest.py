@@ -1,17 +1,16 @@
-import shutil
 import sys
 from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(Path(__file__).parent))
+from reliab.cli import run
+
+sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1])]
 
 
 @pytest.fixture
-def checkout(tmp_path, monkeypatch):
-    """Stand in a folder that holds what the commands on the site name."""
-    for name in ("campaigns/rig_a", "sample_test", "frames"):
-        shutil.copytree(ROOT / "datasets" / name, tmp_path / "datasets" / name)
+def empty_folder(tmp_path, monkeypatch):
+    """Stand in a folder that holds what `reliab samples` writes, as the first page tells its readers."""
     monkeypatch.chdir(tmp_path)
+    assert run(["samples"]) == 0
     return tmp_path

@@ -1,10 +1,10 @@
 """Pages of the documentation site, and the commands and code on them."""
 
-import re
 from pathlib import Path
 
+from written_commands import blocks, command_blocks
+
 SITE = Path(__file__).parents[2] / "reports" / "site"
-INSTALL = "python -m pip install"  # what the test's own environment has already
 PAGES = sorted(path for path in SITE.rglob("*.md") if path.name != "README.md")
 
 
@@ -14,11 +14,9 @@ def name_of(page: Path) -> str:
 
 def commands(page: Path) -> list[list[str]]:
     """Return the commands of each block of a page that is to be typed into a terminal."""
-    blocks = re.findall(r"```console\n(.*?)```", page.read_text(encoding="utf-8"), flags=re.DOTALL)
-    lines = [[line.removeprefix("$ ") for line in block.splitlines()] for block in blocks]
-    return [[line for line in block if not line.startswith(INSTALL)] for block in lines]
+    return command_blocks(page.read_text(encoding="utf-8"))
 
 
 def code(page: Path) -> list[str]:
     """Return the cells of a page that the site's build executes."""
-    return re.findall(r"```\{code-cell\}\n(.*?)```", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+    return blocks(page.read_text(encoding="utf-8"), "{code-cell}")

@@ -5,13 +5,13 @@ import shlex
 
 import matplotlib as mpl
 import pytest
-import typer
 from pages import PAGES, SITE, code, commands, name_of
+from written_commands import parameters, reliab_lines
 
-from reliab.cli import app, run, spread
+from reliab.cli import run
 
 LONG_CODE = ("notebooks/campaign", "paper", "gallery")
-LINES = [line for page in PAGES for block in commands(page) for line in block if line.startswith("reliab ")]
+LINES = {line for page in PAGES for line in reliab_lines(page.read_text(encoding="utf-8"))}
 
 
 def pages_with(what, long):
@@ -22,19 +22,13 @@ def pages_with(what, long):
     ]
 
 
-@pytest.mark.parametrize("line", sorted(set(LINES)))
+@pytest.mark.parametrize("line", sorted(LINES))
 def test_every_command_is_understood(line):
     """Each option exists and takes its value."""
-    command = typer.main.get_command(app)
-    name, *arguments = spread(shlex.split(line)[1:], command)
-    command = command.commands[name]
-    while hasattr(command, "commands"):
-        name, *arguments = arguments
-        command = command.commands[name]
-    command.make_context(name, arguments)
+    assert parameters(line)
 
 
-@pytest.mark.usefixtures("checkout")
+@pytest.mark.usefixtures("empty_folder")
 @pytest.mark.slow
 @pytest.mark.parametrize("page", pages_with(commands, lambda page: False))  # noqa: ARG005
 def test_commands_of_a_page_run_one_after_the_other(page):

@@ -24,6 +24,7 @@ from reliab.cli.monitor.options import (
 from reliab.cli.options import FIVE_PERCENT, MetricName
 from reliab.cli.output import console
 from reliab.errors import InputError
+from reliab.shipped import or_shipped
 
 _ALARM = 1
 
@@ -68,6 +69,7 @@ def monitor(
     stated = StatedTest.parse(f=f, xi=xi, alpha=alpha, scale=scale, feedback_lag=feedback_lag)
     columns = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
     declared = {part: name for part, name in columns.items() if name is not None}
+    source = source if source == "-" else str(or_shipped(Path(source), "datasets", "test.csv"))
     rows = rows_of(
         chunks_of_text(source, wait),
         name="standard input" if source == "-" else Path(source).name,

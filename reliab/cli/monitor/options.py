@@ -4,10 +4,15 @@ from typing import Annotated
 
 import typer
 
+from reliab.cli.completion import samples
+
 Source = Annotated[
     str,
     typer.Argument(
-        metavar="FILE|-", help="CSV file that is still being written, or - to read rows from standard input."
+        metavar="FILE|-",
+        autocompletion=samples,
+        help="CSV file that is still being written, or - to read rows from standard input; or sample_test, "
+        "which ships.",
     ),
 ]
 Frequency = Annotated[

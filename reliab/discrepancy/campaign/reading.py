@@ -30,6 +30,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError
 
 from reliab.discrepancy.campaign.campaign import Campaign, MeasuredTest
+from reliab.discrepancy.campaign.folder import CAMPAIGN_FILE, campaign_folder
 from reliab.discrepancy.campaign.table import read_table
 from reliab.errors import InputError
 from reliab.files import ordinary
@@ -38,8 +39,6 @@ from reliab.loop.hybrid_test import Specimen
 from reliab.loop.partition.frame_file import frame_of_tables
 from reliab.loop.partition.partition import Partition
 from reliab.loop.structure import Structure
-
-CAMPAIGN_FILE = "campaign.toml"
 
 MOST_SAMPLES = 3_000_000
 """Largest number of samples of all tests, a thousand tests of 23 s at 128 Hz. By extrapolation from 4 and 16
@@ -115,7 +114,8 @@ def read_campaign(folder: Path | str) -> Campaign:
     Parameters
     ----------
     folder : path
-        Folder with `campaign.toml` and the files of the tests.
+        Folder with `campaign.toml` and the files of the tests, or the name of a campaign that ships
+        ("rig_a").
 
     Returns
     -------
@@ -128,7 +128,7 @@ def read_campaign(folder: Path | str) -> Campaign:
         If a file is missing or breaks a rule, or the tests are too long together; the message says where and
         what to do.
     """
-    folder = Path(folder)
+    folder = campaign_folder(folder)
     described = _described(folder / CAMPAIGN_FILE)
     _check_files([test.file for test in described.tests])
     held_out = _held_out(described.tests)
@@ -262,7 +262,7 @@ def _explained(error: ValidationError, text: str, path: Path) -> InputError:
     return InputError(
         rule,
         value=value,
-        remedy="Compare with the format in datasets/campaigns/README.md",
+        remedy="Compare with datasets/campaigns/README.md, which `reliab samples` writes",
         where=f"{path.name}, line {line}" if line else path.name,
     )
 
