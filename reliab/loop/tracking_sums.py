@@ -30,6 +30,9 @@ _SUMS = 5
 LANES = 16
 """Cells that advance side by side."""
 
+_Lanes = list[tuple[NDArray[np.float64], NDArray[np.float64]]]
+"""Coefficients of command and measured displacement, a pair for each set of lanes."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class TrackingSums:
@@ -102,23 +105,32 @@ class TrackedCells:
         return min(_LONGEST_BLOCK, _LARGEST_PHASE_STEP / self.structure.circular_frequency)
 
     @cached_property
-    def recursions(self) -> list[tuple[Recursion, NDArray[np.float64]]]:
-        """Recursions of the measured displacement, each with the coefficients of the command's."""
+    def recursions(self) -> list[tuple[Recursion, _Lanes]]:
+        """Recursions of the measured displacement, each with the coefficients of command and itself."""
         late, early = np.flatnonzero(self.delay >= 0.0), np.flatnonzero(self.delay < 0.0)
-        pairs: list[tuple[Recursion, NDArray[np.float64]]] = []
+        pairs: list[tuple[Recursion, _Lanes]] = []
         if late.size:
             cells = self.structure, self.gain[late], self.delay[late]
             (measured,) = recursions(modal_loop(*cells), self.step, late)
-            pairs.append((measured, recursion(modal_loop(*cells, measured=False), self.step)))
+            command = recursion(modal_loop(*cells, measured=False), self.step)
+            pairs.append((measured, _in_lanes(command, measured.coefficients)))
         if early.size:
             loop = leading_loop(self.structure, self.gain[early], -self.delay[early])
             _, command = leading_recursion(loop.command(self.gain[early]), self.step)
             place = np.full(self.gain.size, -1)
             place[early] = np.arange(early.size)
             pairs += [
-                (segment, command[:, place[segment.cells]]) for segment in recursions(loop, self.step, early)
+                (segment, _in_lanes(command[:, place[segment.cells]], segment.coefficients))
+                for segment in recursions(loop, self.step, early)
             ]
         return pairs
+
+
+def _in_lanes(command: NDArray[np.float64], measured: NDArray[np.float64]) -> _Lanes:
+    """Coefficients of both in sets of lanes, the last filled up."""
+    both = fill_lanes(command, LANES), fill_lanes(measured, LANES)
+    sets = range(0, both[0].shape[1], LANES)
+    return [(both[0][:, at : at + LANES].copy(), both[1][:, at : at + LANES].copy()) for at in sets]
 
 
 def tracking_sums(pair: QuadraturePair, cells: TrackedCells) -> TrackingSums:
@@ -143,18 +155,15 @@ def tracking_sums(pair: QuadraturePair, cells: TrackedCells) -> TrackingSums:
         cut(record.since(begin), structure, step=step) for record in (pair.straight, pair.turned)
     )
     first = max(0, straight.before - int(memory / step))
-    taper = np.sin(np.pi * np.arange(straight.left.size - straight.before) / straight.intervals) ** 4
+    sine = np.sin(np.pi * np.arange(straight.left.size - straight.before) / straight.intervals)
+    taper = np.square(np.square(sine))
     before = straight.before - first
     ends = _ends(straight, first), _ends(aside, first)
     sums = np.empty((_SUMS, cells.gain.size))
-    for measured, command in cells.recursions:
+    for measured, lanes_of in cells.recursions:
         lines = straight.prolonged(measured.ahead)
         ahead = np.stack(lines)[:, first + measured.ahead :]
-        filled = tuple(fill_lanes(lanes, LANES) for lanes in (command, measured.coefficients))
-        parts = [
-            _accumulate(*ends, ahead, taper, before, *(lanes[:, at : at + LANES] for lanes in filled))
-            for at in range(0, filled[0].shape[1], LANES)
-        ]
+        parts = [_accumulate(*ends, ahead, taper, before, *lanes) for lanes in lanes_of]
         sums[:, measured.cells] = np.concatenate(parts, axis=1)[:, : measured.cells.size]
     # Samples one and two steps apart show sin ωH and sin 2ωH; 8 sin ωH − sin 2ωH = 6ωH + O((ωH)⁵).
     frequency = (8.0 * sums[3] - sums[4]) / sums[2] / (12.0 * np.pi * step)
