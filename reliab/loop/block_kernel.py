@@ -57,8 +57,8 @@ def cut_record(
     first: float,
     step: float,
     blocks: int,
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.complex128]]:
-    """Straight lines that drive the mode from edge to edge, exact response there, and z at the samples.
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Straight lines that drive the mode from edge to edge, and the exact response there.
 
     Parameters
     ----------
@@ -81,8 +81,6 @@ def cut_record(
         Ground acceleration at the ends of each block, shape (blocks,).
     ideal : numpy.ndarray
         Exact response x_I [m] at the edges, shape (blocks + 1,).
-    samples : numpy.ndarray
-        z at the samples of the record.
     """
     a, h = record
     samples = at_samples(a, weights[0])
@@ -99,14 +97,14 @@ def cut_record(
         right[k] = (early.real * v - early.imag * u) / determinant
         ideal[k + 1] = -after.imag / pole.imag
         before = after
-    return left, right, ideal, samples
+    return left, right, ideal
 
 
 @compiled
 def peak_of_mode(
     record: tuple[NDArray[np.float64], float],
     pole: complex,
-    samples: NDArray[np.complex128],
+    weights: Weights,
     ideal: NDArray[np.float64],
     window: tuple[float, float],
     step: float,
@@ -117,14 +115,15 @@ def peak_of_mode(
     ----------
     record, pole, step
         As of `cut_record`.
-    samples : numpy.ndarray
-        z at the samples of the record.
+    weights : tuple
+        Weights of the mode over a sample.
     ideal : numpy.ndarray
         Exact response [m] at the edges inside the window.
     window : tuple of float
         Begin and end of the window [s].
     """
     a, h = record
+    samples = at_samples(a, weights)
     high = 0.0
     for edge in ideal:
         high = max(high, abs(edge))

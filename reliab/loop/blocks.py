@@ -46,8 +46,6 @@ class Blocks:
         Ground acceleration [m/s²] at the two ends of each block, shape (blocks,).
     ideal : numpy.ndarray
         Exact response x_I [m] at the edges of the blocks, shape (blocks + 1,).
-    samples : numpy.ndarray
-        Exact z of the mode at the samples of the record [m/s], complex.
     excitation : Excitation
         The record and its window.
     pole : complex
@@ -60,7 +58,6 @@ class Blocks:
     left: NDArray[np.float64]
     right: NDArray[np.float64]
     ideal: NDArray[np.float64]
-    samples: NDArray[np.complex128]
     excitation: Excitation
     pole: complex
 
@@ -100,17 +97,17 @@ class Blocks:
         silence = np.zeros(int(np.ceil((count + 1) * self.step / self.excitation.time_step)) + 2)
         record = np.concatenate([self.excitation.acceleration, silence])
         followed = Excitation(acceleration=record, time_step=self.excitation.time_step)
-        left, right, _, _ = _lines(followed, self.pole, begin - self.step * self.before, self.step, total)
+        left, right, _ = _lines(followed, self.pole, begin - self.step * self.before, self.step, total)
         return left, right
 
     @cached_property
     def ideal_peak(self) -> float:
         """Largest |x_I| [m] inside the window, between the edges of blocks too."""
         ground = self.excitation
+        record = ground.acceleration, ground.time_step
+        weights = mode_weights(self.pole, ground.time_step)
         inside = self.ideal[self.before :]
-        return peak_of_mode(
-            (ground.acceleration, ground.time_step), self.pole, self.samples, inside, ground.window, self.step
-        )
+        return peak_of_mode(record, self.pole, weights, inside, ground.window, self.step)
 
 
 def ramp_weights(
@@ -146,7 +143,7 @@ def cut(excitation: Excitation, structure: Structure, *, step: float | None = No
         The record as one straight line a block, with the exact response.
     """
     place = spacing(excitation, step or block_length(structure))
-    left, right, ideal, samples = _lines(excitation, structure.pole, place.first, place.step, place.blocks)
+    left, right, ideal = _lines(excitation, structure.pole, place.first, place.step, place.blocks)
     return Blocks(
         step=place.step,
         before=place.before,
@@ -154,7 +151,6 @@ def cut(excitation: Excitation, structure: Structure, *, step: float | None = No
         left=left,
         right=right,
         ideal=ideal,
-        samples=samples,
         excitation=excitation,
         pole=structure.pole,
     )
@@ -191,7 +187,7 @@ def spacing(excitation: Excitation, step: float) -> Spacing:
 
 def _lines(
     excitation: Excitation, pole: complex, first: float, step: float, blocks: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.complex128]]:
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Straight lines that drive the mode in each block, as `block_kernel.cut_record` returns them."""
     record = excitation.acceleration, excitation.time_step
     weights = mode_weights(pole, excitation.time_step), mode_weights(pole, step)

@@ -21,6 +21,8 @@ from reliab.loop.excitation import Excitation
 from reliab.loop.pole_recursion import fill_lanes
 from reliab.loop.shared_drives import DRIVES, shared_drives, step_drives
 
+_MOST_BLOCKS = 4_000_000  # of all structures together, of some 50 bytes each
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Prepared:
@@ -105,10 +107,12 @@ class StructureBatch:
         Returns
         -------
         sequence of Prepared or None
-            One for each structure; None for all where the window is shorter than two blocks of one of them.
+            One for each structure; None for all where the window is shorter than two blocks of one of them,
+            or the record so long that the blocks of all would fill the memory.
         """
         places = [spacing(excitation, step) for step in self.steps.tolist()]
-        if any(place.step != step for place, step in zip(places, self.steps.tolist(), strict=True)):
+        shortened = any(place.step != step for place, step in zip(places, self.steps.tolist(), strict=True))
+        if shortened or sum(place.blocks for place in places) > _MOST_BLOCKS:
             return [None for _ in self.cells]
         h = excitation.time_step
         counts = np.array([place.blocks for place in places])
@@ -128,7 +132,7 @@ class StructureBatch:
     def _of_structure(
         self, excitation: Excitation, place: Spacing, rank: int, ends: NDArray[np.int64], batch: "_Batch"
     ) -> Prepared:
-        left, right, ideal, samples, drives, scales, squares, around, last = batch
+        left, right, ideal, drives, scales, squares, around, last = batch
         blocks, lanes = slice(ends[rank], ends[rank + 1]), slice(self.first[rank], self.first[rank + 1])
         edges = slice(ends[rank] + rank, ends[rank + 1] + rank + 1)
         return Prepared(
@@ -140,7 +144,6 @@ class StructureBatch:
                 left=left[blocks],
                 right=right[blocks],
                 ideal=ideal[edges],
-                samples=samples[rank],
                 excitation=excitation,
                 pole=complex(self.poles[rank]),
             ),
@@ -153,7 +156,6 @@ _Batch = tuple[
     NDArray[np.float64],
     NDArray[np.float64],
     NDArray[np.float64],
-    NDArray[np.complex128],
     NDArray[np.float32],
     NDArray[np.float64],
     NDArray[np.float64],
@@ -175,12 +177,11 @@ def _step_structures(
 ) -> _Batch:
     """Cut the record for each structure, step its drives, and the cells that they drive.
 
-    Blocks and cells of all structures stand one after the other; `samples` is over (structure, sample).
+    Blocks and cells of all structures stand one after the other.
     """
     (starts, steps, counts), (before, end), (coefficients, first) = spacings, bounds, cells
     total, structures = counts.sum(), poles.size
     left, right, ideal = np.empty(total), np.empty(total), np.empty(total + structures)
-    samples = np.empty((structures, record[0].size), dtype=np.complex128)
     drives, scales = np.empty((total, DRIVES), dtype=np.float32), np.empty(structures)
     lanes = coefficients.shape[1]
     squares, around, last = np.empty(lanes), np.empty((3, lanes)), np.empty(lanes)
@@ -188,13 +189,11 @@ def _step_structures(
     for k in range(structures):
         own, next_own = weights[0][k], weights[1][k]
         both = (own[0], own[1], own[2]), (next_own[0], next_own[1], next_own[2])
-        a0, a1, exact, own_samples = cut_record(record, poles[k], both, starts[k], steps[k], counts[k])
+        a0, a1, exact = cut_record(record, poles[k], both, starts[k], steps[k], counts[k])
         own_drives, scales[k] = in_units(step_drives(a0, a1, exact, shared[0][k], shared[1][k]))
         own_cells = coefficients[:, first[k] : first[k + 1]]
         own_squares, own_around, own_last = track(own_drives, before[k], end[k], own_cells, one)
         # Compilers take seconds for an assignment to a slice, and nothing for a loop.
-        for i in range(own_samples.size):
-            samples[k, i] = own_samples[i]
         ideal[at + k] = exact[0]
         for i in range(counts[k]):
             left[at + i], right[at + i], ideal[at + k + i + 1] = a0[i], a1[i], exact[i + 1]
@@ -205,4 +204,4 @@ def _step_structures(
             for j in range(3):
                 around[j, first[k] + i] = own_around[j, i]
         at += counts[k]
-    return left, right, ideal, samples, drives, scales, squares, around, last
+    return left, right, ideal, drives, scales, squares, around, last

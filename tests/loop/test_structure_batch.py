@@ -42,6 +42,11 @@ def test_other_cells_of_a_prepared_loop_are_stepped_anew():
     assert loop.deviation(other).peak.tolist() == alone.peak.tolist()
 
 
+def test_a_record_that_would_fill_the_memory_is_left_to_each_structure():
+    long = Excitation(acceleration=np.zeros(4_100_000), time_step=0.01)
+    assert StructureBatch.of([ExplicitGrid().cells(STRUCTURES[0])]).prepare(long) == [None]
+
+
 def test_a_window_shorter_than_two_blocks_is_left_to_each_structure():
     excitation = Excitation(acceleration=RECORD, time_step=0.01, window=(4.0, 4.015))
     assert StructureBatch.of([ExplicitGrid().cells(STRUCTURES[0])]).prepare(excitation) == [None]
