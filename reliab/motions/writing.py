@@ -3,6 +3,7 @@
 import csv
 import re
 import shutil
+import unicodedata
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -15,6 +16,7 @@ from reliab.motions.suite import MotionSuite
 from reliab.motions.units import AccelerationUnit
 
 _UNSAFE = re.compile(r"[^A-Za-z0-9._+-]+")
+_LONGEST_NAME = 100  # of a file or folder, of which most systems allow 255
 
 
 def write_suite(suite: MotionSuite, folder: str | Path, *, event: str | None = None) -> Path:
@@ -116,8 +118,8 @@ def _files(suite: MotionSuite) -> Iterator[str]:
     """Name of a file for each motion, unique even where capitals do not count."""
     taken: set[str] = set()
     for name, set_name in zip(suite.names, suite.set_names, strict=True):
-        stem = _UNSAFE.sub("_", name).strip(".") or "motion"
-        folder = f"{_UNSAFE.sub('_', set_name).strip('.') or 'motions'}/"
+        stem = _as_file(name) or "motion"
+        folder = f"{_as_file(set_name) or 'motions'}/"
         file, again = f"{folder}{stem}.txt", 2
         while file.lower() in taken:
             file, again = f"{folder}{stem}_{again}.txt", again + 1
@@ -125,5 +127,14 @@ def _files(suite: MotionSuite) -> Iterator[str]:
         yield file
 
 
+def _as_file(name: str) -> str:
+    return _UNSAFE.sub("_", name)[:_LONGEST_NAME].strip(".")
+
+
 def _one_line(text: str) -> str:
-    return " ".join(text.split())
+    """Write a label in one line of text, with what is no text as Python writes it."""
+    line = " ".join(text.split())
+    return "".join(
+        sign.encode("unicode_escape").decode() if unicodedata.category(sign) in {"Cc", "Cs"} else sign
+        for sign in line
+    )

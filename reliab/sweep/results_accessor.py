@@ -16,7 +16,7 @@ from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_d
 from reliab.sweep.labels import with_labels
 from reliab.sweep.shares import at_share, for_each_share, share_of, shares_of
 from reliab.sweep.store_layout import MEND, STORED
-from reliab.sweep.stored_contours import contours_of, errors_at_rest, surfaces_of
+from reliab.sweep.stored_contours import batches, contours_of, errors_at_rest, surfaces_of
 from reliab.vocabulary import RESULT_DIMENSIONS, SHARE_ATTRIBUTE, Dimension, Metric, Side
 
 _OF_RECORDS_AND_STRUCTURES = ("motion", "f", "xi", "event", "duration", "dt", "pga", "checksum")
@@ -264,12 +264,13 @@ class ResultsAccessor:
         total = sizes[1] * sizes[2]
         for i, f in enumerate(self._dataset["f"].values.tolist()):
             for j, xi in enumerate(self._dataset["xi"].values.tolist()):
-                results, structure = self.at_structure(f, xi), self.structure(f, xi)
-                for k, metric in enumerate(metrics):
-                    contours = contours_of(results[metric], structure, pairs)
-                    rows = curve_table(contours, curves)
-                    by_side = rows.reshape(sizes[0], len(thresholds), len(sides), *rows.shape[2:])
-                    table[:, i, j, :, k] = by_side.swapaxes(2, 3)
+                structure = self.structure(f, xi)
+                for some in batches(sizes[0]):
+                    results = ResultsAccessor(self._dataset.isel(motion=some)).at_structure(f, xi)
+                    for k, metric in enumerate(metrics):
+                        rows = curve_table(contours_of(results[metric], structure, pairs), curves)
+                        by_side = rows.reshape(-1, len(thresholds), len(sides), *rows.shape[2:])
+                        table[some, i, j, :, k] = by_side.swapaxes(2, 3)
                 progress(i * sizes[2] + j + 1, total)
         return ellipse_dataset(
             table,

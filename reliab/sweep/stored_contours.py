@@ -1,6 +1,6 @@
 """Contours of equal error traced on the grid of a results dataset."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import xarray as xr
@@ -11,6 +11,30 @@ from reliab.boundary.contour import REACH, furthest_lead
 from reliab.boundary.surface import ErrorSurfaces
 from reliab.loop.structure import Structure
 from reliab.vocabulary import Metric, Side
+
+_TOGETHER = 100  # motions
+
+
+def batches(motions: int) -> Iterator[slice]:
+    """Divide motions into some at a time, so that memory does not grow with their number.
+
+    Parameters
+    ----------
+    motions : int
+        How many there are.
+
+    Yields
+    ------
+    slice
+        Places of the motions that are read and traced together.
+
+    Examples
+    --------
+    >>> [(some.start, some.stop) for some in batches(250)]
+    [(0, 100), (100, 200), (200, 250)]
+    """
+    for begin in range(0, motions, _TOGETHER):
+        yield slice(begin, min(begin + _TOGETHER, motions))
 
 
 def surfaces_of(errors: xr.DataArray) -> ErrorSurfaces:

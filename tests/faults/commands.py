@@ -23,10 +23,13 @@ class Work:
         Returns the arguments for a folder of input and one of results.
     again : tuple of str, optional
         What is added to take up an interrupted command.
+    once : bool, optional
+        Whether a command that is done refuses to be run again in the same place.
     """
 
     arguments: Callable[[Path, Path], Sequence[object]]
     again: tuple[str, ...] = ()
+    once: bool = False
 
 
 def material(folder: Path) -> None:
@@ -58,6 +61,7 @@ trials = 64
 WORKS = {
     "synthesize": Work(
         arguments=lambda _, out: ("motions", "synthesize", "--count", 4, "--out", out / "suite"),
+        once=True,
     ),
     "simulate": Work(
         arguments=lambda material, out: (

@@ -84,6 +84,8 @@ def check_nothing_is_half_written(out, files):
 def check_resumed(name, sources, forks, out, undisturbed):
     expected, files, _ = undisturbed(name)
     check_nothing_is_half_written(out, files)
+    if WORKS[name].once and results(out) == files:
+        return
     arguments = WORKS[name].arguments(sources, out)
     begun = (out / "results.zarr").exists()
     resumed = forks.run([*arguments, *(WORKS[name].again if begun else ())], out)

@@ -84,3 +84,17 @@ def test_a_folder_that_cannot_be_made_is_explained(tmp_path: Path) -> None:
         write_suite(MotionSuite.from_motions([motion()]), tmp_path / "file" / "out")
     with pytest.raises(InputError, match="at least one motion"):
         write_suite(MotionSuite([]), tmp_path / "out")
+
+
+def test_names_of_any_length_or_script_become_files_and_stay_names(tmp_path: Path) -> None:
+    names = [
+        "n" * 10_000,
+        "n" * 10_001,
+        "../../etc/passwd",
+        "..",
+        "\u05d6\u05dc \u0627\u0644",
+        "[red] \x1b[31m#$<b>",
+    ]
+    write_suite(MotionSuite.from_motions([motion(name, set_name=name) for name in names]), tmp_path / "out")
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+    assert list(load_motions(tmp_path / "out").names) == [*names[:-1], r"[red] \x1b[31m#$<b>"]

@@ -158,6 +158,13 @@ def test_every_stored_window_has_its_own_errors(store, results, suite):
         open_results(store, window="40")
 
 
+def test_motions_traced_some_at_a_time_have_the_curves_of_all_together(store, monkeypatch):
+    results = open_results(store)
+    together = results.reliab.ellipses((0.02, 0.05), tuple(Metric))
+    monkeypatch.setattr("reliab.sweep.stored_contours._TOGETHER", 4)
+    xr.testing.assert_identical(results.reliab.ellipses((0.02, 0.05), tuple(Metric)), together)
+
+
 def test_contour_that_leaves_an_explicit_grid_is_not_made_up(tmp_path, suite):
     grid = ExplicitGrid(
         gain=tuple(np.linspace(0.99, 1.01, 21).round(4)), delay=tuple(np.linspace(0, 5e-4, 6))
