@@ -25,7 +25,7 @@ _HEAVY = (
     *("numba", "hypothesis", "h5py", "h5netcdf", "typst", "emcee", "pydantic", "rich", "typer"),
     *("seaborn", "zarr", "numcodecs", "hypothesis.extra.numpy"),
 )
-_OPTIONS = [
+OPTIONS = [
     *("-n", "0", "-q", "-p", "no:cacheprovider", "-p", "no:unraisableexception"),
     *("-W", "ignore::pytest.PytestAssertRewriteWarning"),
 ]
@@ -105,18 +105,18 @@ class Reach:
             first |= self.at(file, lines_of_body(function))
         if not first and not place.in_body:
             first = set(self.seconds)
-        files = {_file(name) for name in first}
-        rest = {name for name in self.seconds if _file(name) in files} - first
+        files = {file_of(name) for name in first}
+        rest = {name for name in self.seconds if file_of(name) in files} - first
         return self._by_cost(first) + self._by_cost(rest)
 
     def _by_cost(self, names: set[str]) -> list[str]:
         cost: dict[str, float] = defaultdict(float)
         for name in names:
-            cost[_file(name)] += self.seconds[name]
-        return sorted(names, key=lambda name: (cost[_file(name)], _file(name), self.seconds[name]))
+            cost[file_of(name)] += self.seconds[name]
+        return sorted(names, key=lambda name: (cost[file_of(name)], file_of(name), self.seconds[name]))
 
 
-def _file(test: str) -> str:
+def file_of(test: str) -> str:
     return test.partition("::")[0]
 
 
@@ -158,7 +158,7 @@ def _measure(tests: list[str], answer: Path) -> int:
     measurement = coverage.Coverage(data_file=None, source=[str(ROOT / "reliab")], config_file=False)
     recorder = Recorder(measurement)
     measurement.start()
-    code = pytest.main([*_OPTIONS, *tests], plugins=[recorder])
+    code = pytest.main([*OPTIONS, *tests], plugins=[recorder])
     measurement.stop()
     data = measurement.get_data()
     reached = {
@@ -170,22 +170,25 @@ def _measure(tests: list[str], answer: Path) -> int:
 
 
 def judge(mutant: Mutant, names: list[str], seconds: float) -> str:
-    """Run tests on a change: killed, survived, or endless where they take longer than a time."""
+    """Run tests on a change, imported anew: killed, survived, or endless where they take too long."""
     if not names:
         return "unreached"
-    code = in_fresh_process(lambda: _try(mutant, names), seconds)
+    return outcome(in_fresh_process(lambda: _try(mutant, names), seconds))
+
+
+def outcome(code: int | None) -> str:
     return "endless" if code is None else "survived" if code == 0 else "killed"
 
 
 def _try(mutant: Mutant, names: list[str]) -> int:
     sys.meta_path.insert(0, _Changed(mutant))
     _forget_kernels({str(ROOT / file) for file in stale(mutant)})
-    importlib.import_module(_module(mutant.file))
-    files = list(dict.fromkeys(map(_file, names)))
-    return int(pytest.main([*_OPTIONS, "-x", *files], plugins=[Chosen(names)]))
+    importlib.import_module(module_of(mutant.file))
+    files = list(dict.fromkeys(map(file_of, names)))
+    return int(pytest.main([*OPTIONS, "-x", *files], plugins=[Chosen(names)]))
 
 
-def _module(file: str) -> str:
+def module_of(file: str) -> str:
     return ".".join(Path(file).with_suffix("").parts).removesuffix(".__init__")
 
 
@@ -208,7 +211,7 @@ class _Changed(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     """Imports the changed module; what is on disk stays as it is."""
 
     def __init__(self, mutant: Mutant) -> None:
-        self.name, self.path, self.tree = _module(mutant.file), ROOT / mutant.file, mutated(mutant)
+        self.name, self.path, self.tree = module_of(mutant.file), ROOT / mutant.file, mutated(mutant)
 
     def find_spec(self, fullname, path=None, target=None):  # noqa: ARG002 - importlib prescribes them
         if fullname != self.name:

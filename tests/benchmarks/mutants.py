@@ -3,8 +3,10 @@
     python tests/benchmarks/mutants.py indices --count 40 --out mutants.jsonl
 
 The tests of the room run once to see which lines each reaches (`pip install coverage`); a change is then
-tried by those tests only that reach it, quick ones first, in a process that has loaded the libraries, until
-the first fails. Code that is compiled is reached by whatever calls it by name. Nothing on disk is changed.
+tried by those tests only that reach it, quick ones first, until the first fails, in a copy of a process that
+has collected them; where code is compiled or stands outside functions, or where the change survives this, in
+a process that imports it anew. Code that is compiled is reached by whatever calls it by name. Nothing on disk
+is changed.
 A mutant is a line of the output as soon as it is judged, so that a run that is stopped loses nothing and one
 that is started again with the same seed goes on. Slow tests are left out. Changes that no test can notice
 are listed with their reasons in equivalent_mutants.toml and count neither way.
@@ -21,6 +23,7 @@ from pathlib import Path
 sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).resolve().parents[2])]
 
 from benchmarks.mutant_places import ROOT, Mutant, mutants  # noqa: E402
+from benchmarks.mutant_session import judge_together  # noqa: E402
 from benchmarks.mutant_tests import Reach, judge, measured_reach  # noqa: E402
 
 _KILLED = ("killed", "endless")
@@ -29,21 +32,35 @@ _KILLED = ("killed", "endless")
 def main() -> None:
     options = _options()
     everything = mutants(options.room)
-    chosen = random.Random(options.seed).sample(everything, min(options.count, len(everything)))  # noqa: S311
+    shuffled = random.Random(options.seed).sample(everything, len(everything))  # noqa: S311 - no secret
+    chosen = shuffled[: options.count]
     tests = options.tests or [f"tests/{options.room.partition('/')[0]}", f"reliab/{options.room}"]
     reach = Reach(_record(options.room, tests, options.reach))
+    _try(chosen, tests, reach, options.out)
     judged = _judged(options.out)
     for mutant in chosen:
-        key = (mutant.file, mutant.place)
-        if key not in judged:
-            names = reach.tests(mutant)
-            seconds = 60.0 + 5.0 * sum(reach.seconds[name] for name in names)
-            judged[key] = judge(mutant, names, seconds)
-            with options.out.open("a", encoding="utf-8") as file:
-                row = {**vars(mutant), "text": mutant.text, "outcome": judged[key], "tests": len(names)}
-                file.write(json.dumps(row) + "\n")
-        print(f"{judged[key]:9} {mutant.file}:{mutant.line} {mutant.change}: {mutant.text}", flush=True)
+        print(f"{judged[_key(mutant)]:9} {mutant.file}:{mutant.line} {mutant.change}: {mutant.text}")
     print(_score(chosen, judged), f"of {len(everything)} possible")
+
+
+def _try(chosen: list[Mutant], tests: list[str], reach: Reach, out: Path) -> None:
+    """Try changes in one session; in a process of its own what that cannot try, or what survived it."""
+    judged = _judged(out)
+    work = []
+    for mutant in chosen:
+        if _key(mutant) not in judged:
+            names = reach.tests(mutant)
+            work.append((mutant, names, 60.0 + 5.0 * sum(reach.seconds[name] for name in names)))
+
+    def note(mutant: Mutant, outcome: str) -> None:
+        with out.open("a", encoding="utf-8") as file:
+            file.write(json.dumps({**vars(mutant), "text": mutant.text, "outcome": outcome}) + "\n")
+
+    judge_together(tests, work, lambda mutant, outcome: outcome in _KILLED and note(mutant, outcome))
+    judged = _judged(out)
+    for mutant, names, seconds in work:
+        if _key(mutant) not in judged:
+            note(mutant, judge(mutant, names, seconds))
 
 
 def _options() -> argparse.Namespace:
@@ -68,6 +85,10 @@ def _record(room: str, tests: list[str], file: Path | None) -> dict:
     return record
 
 
+def _key(mutant: Mutant) -> tuple[str, int]:
+    return mutant.file, mutant.place
+
+
 def _judged(out: Path) -> dict[tuple[str, int], str]:
     rows = map(json.loads, out.read_text().splitlines() if out.exists() else [])
     return {(row["file"], row["place"]): row["outcome"] for row in rows}
@@ -79,7 +100,7 @@ def _score(chosen: list[Mutant], judged: dict[tuple[str, int], str]) -> str:
     equivalent = {(row["file"], row["line"], row["change"]) for row in listed.get("equivalent", [])}
     outcomes = Counter(
         "killed"
-        if judged[mutant.file, mutant.place] in _KILLED
+        if judged[_key(mutant)] in _KILLED
         else "equivalent"
         if (mutant.file, mutant.text, mutant.change) in equivalent
         else "survived"

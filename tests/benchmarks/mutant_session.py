@@ -1,0 +1,86 @@
+"""Many changes tried in copies of one process that has collected the tests of a room.
+
+A change within a function that is not compiled replaces the function's code in the copy, so that nothing is
+imported or collected again.
+"""
+
+import gc
+import importlib
+import sys
+from collections import defaultdict
+from collections.abc import Callable
+from types import CodeType, FunctionType
+
+import pytest
+from benchmarks.mutant_places import ROOT, Mutant, home, mutated
+from benchmarks.mutant_tests import OPTIONS, Chosen, in_fresh_process, module_of, outcome, stale
+
+Work = tuple[Mutant, list[str], float]
+"""A change, the names of the tests that try it, and the time that they may take [s]."""
+
+
+def judge_together(tests: list[str], work: list[Work], note: Callable[[Mutant, str], None]) -> None:
+    """Try changes in one session of the tests; note the outcome of those whose code can be replaced."""
+    in_fresh_process(lambda: int(pytest.main([*OPTIONS, *tests], plugins=[_Session(work, note)])), 1e6)
+
+
+class _Session:
+    """Plugin that tries changes instead of running the tests once."""
+
+    def __init__(self, work: list[Work], note: Callable[[Mutant, str], None]) -> None:
+        self.work, self.note = work, note
+
+    @pytest.hookimpl(tryfirst=True)
+    def pytest_runtestloop(self, session):
+        for mutant, _, _ in self.work:
+            importlib.import_module(module_of(mutant.file))
+        functions = _functions()
+        for mutant, names, seconds in self.work:
+            code = _changed_code(mutant)
+            targets = functions.get(_key(code), []) if code is not None and names else []
+            if targets:
+                answer = in_fresh_process(lambda: _run(session, names, targets, code), seconds)  # noqa: B023 - used at once
+                self.note(mutant, outcome(answer))
+        return True
+
+
+def _functions() -> dict[tuple[str, int, str], list[FunctionType]]:
+    """Functions of the package that are alive, by what names their code."""
+    functions = defaultdict(list)
+    for thing in gc.get_objects():
+        if isinstance(thing, FunctionType) and thing.__code__.co_filename.startswith(str(ROOT / "reliab")):
+            functions[_key(thing.__code__)].append(thing)
+    return functions
+
+
+def _key(code: CodeType) -> tuple[str, int, str]:
+    return code.co_filename, code.co_firstlineno, code.co_qualname
+
+
+def _changed_code(mutant: Mutant) -> CodeType | None:
+    """Code of the changed function; None where the change is elsewhere or in compiled code."""
+    place = home(mutant)
+    if not place.in_body or stale(mutant):
+        return None
+    first = min([place.function.lineno, *(mark.lineno for mark in place.function.decorator_list)])
+    waiting = [compile(mutated(mutant), str(ROOT / mutant.file), "exec")]
+    while waiting:
+        code = waiting.pop()
+        if code.co_name == place.function.name and code.co_firstlineno == first:
+            return code
+        waiting += [part for part in code.co_consts if isinstance(part, CodeType)]
+    return None
+
+
+def _run(session: pytest.Session, names: list[str], targets: list[FunctionType], code: CodeType) -> int:
+    """Run tests until the first fails, with changed code."""
+    for function in targets:
+        function.__code__ = code
+    items = list(session.items)
+    Chosen(names).pytest_collection_modifyitems(items)
+    for item, following in zip(items, [*items[1:], None], strict=True):
+        item.config.hook.pytest_runtest_protocol(item=item, nextitem=following)
+        if session.testsfailed:
+            return 1
+    sys.stdout.flush()
+    return 0
