@@ -29,6 +29,7 @@ OPTIONS = [
     *("-n", "0", "-q", "-p", "no:cacheprovider", "-p", "no:unraisableexception"),
     *("-W", "ignore::pytest.PytestAssertRewriteWarning"),
 ]
+_BUDGET = 60.0  # s for all tests of a change
 FIXTURE = "fixture:"
 
 
@@ -107,7 +108,16 @@ class Reach:
             first = set(self.seconds)
         files = {file_of(name) for name in first}
         rest = {name for name in self.seconds if file_of(name) in files} - first
-        return self._by_cost(first) + self._by_cost(rest)
+        return self._within_budget(self._by_cost(first) + self._by_cost(rest))
+
+    def _within_budget(self, names: list[str]) -> list[str]:
+        """Tests of a change up to the longest time; a share that is too low, never too high, comes of it."""
+        total = 0.0
+        for number, name in enumerate(names):
+            total += self.seconds[name]
+            if total > _BUDGET and number:
+                return names[:number]
+        return names
 
     def _by_cost(self, names: set[str]) -> list[str]:
         cost: dict[str, float] = defaultdict(float)

@@ -4,9 +4,8 @@
 
 The tests of the room run once to see which lines each reaches (`pip install coverage`); a change is then
 tried by those tests only that reach it, quick ones first, until the first fails, in a copy of a process that
-has collected them; where code is compiled or stands outside functions, or where the change survives this, in
-a process that imports it anew. Code that is compiled is reached by whatever calls it by name. Nothing on disk
-is changed.
+has collected them; where code is compiled or stands outside functions, in a process that imports it anew.
+Code that is compiled is reached by whatever calls it by name. Nothing on disk is changed.
 A mutant is a line of the output as soon as it is judged, so that a run that is stopped loses nothing and one
 that is started again with the same seed goes on. Slow tests are left out. Changes that no test can notice
 are listed with their reasons in equivalent_mutants.toml and count neither way.
@@ -44,7 +43,7 @@ def main() -> None:
 
 
 def _try(chosen: list[Mutant], tests: list[str], reach: Reach, out: Path) -> None:
-    """Try changes in one session; in a process of its own what that cannot try, or what survived it."""
+    """Try changes in one session, and in a process of its own what that cannot try."""
     judged = _judged(out)
     work = []
     for mutant in chosen:
@@ -56,7 +55,7 @@ def _try(chosen: list[Mutant], tests: list[str], reach: Reach, out: Path) -> Non
         with out.open("a", encoding="utf-8") as file:
             file.write(json.dumps({**vars(mutant), "text": mutant.text, "outcome": outcome}) + "\n")
 
-    judge_together(tests, work, lambda mutant, outcome: outcome in _KILLED and note(mutant, outcome))
+    judge_together(tests, work, note)
     judged = _judged(out)
     for mutant, names, seconds in work:
         if _key(mutant) not in judged:
