@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from reliab.discrepancy.spectra.noise import Periodogram, fit_noise, line_places
+from reliab.discrepancy.spectra.noise import (
+    CORNERS,
+    NoiseModel,
+    Periodogram,
+    fit_noise,
+    line_places,
+    mains_frequencies,
+    near_mains,
+)
 from reliab.discrepancy.spectra.quantisation import converter_step, expected_error
 from reliab.discrepancy.spectra.smoothing import _spectra, reliable_frequency, smoothed_motion
 
@@ -26,6 +34,51 @@ def test_spectrum_of_autoregressive_noise(memory):
     expected = 1.0 / (1.0 - 2.0 * memory * np.cos(turn) + memory**2)
     assert np.abs(np.log(found.density(frequency) / expected)).max() < 0.25
     assert found.rms == pytest.approx(1.0 / np.sqrt(1.0 - memory**2), rel=0.05)
+
+
+@pytest.mark.parametrize("part", range(1 + len(CORNERS)))
+def test_each_part_is_white_noise_or_first_order_autoregressive(part):
+    """Level at zero frequency w; beyond it w(1 − ρ)²/|1 − ρe^(−iω)|², of variance w(1 − ρ)/(1 + ρ)."""
+    weights = np.zeros(1 + len(CORNERS))
+    weights[part] = 4.0
+    model = NoiseModel(rate=RATE, weights=weights)
+    rho = 0.0 if part == 0 else np.exp(-2.0 * np.pi * CORNERS[part - 1] / RATE)
+    frequency = np.array([0.0, 0.3, 5.0, 60.0, 0.5 * RATE])
+    turn = np.exp(-2j * np.pi * frequency / RATE)
+    assert model.density(frequency) == pytest.approx(4.0 * np.abs((1.0 - rho) / (1.0 - rho * turn)) ** 2)
+    assert model.rms == pytest.approx(2.0 * np.sqrt((1.0 - rho) / (1.0 + rho)), rel=1e-3)
+
+
+def test_white_noise_has_its_variance():
+    white = NoiseModel.white(RATE, 9.0)
+    assert white.density(np.array([1.0, 100.0])) == pytest.approx([9.0, 9.0])
+    assert white.rms == pytest.approx(3.0)
+
+
+def test_a_power_that_is_a_sum_of_the_parts_comes_back():
+    """Without scatter the likelihood is highest at the spectrum itself."""
+    frequency = np.arange(1, 4001) * 0.5 * RATE / 4000
+    truth = NoiseModel(rate=RATE, weights=np.array([1.0, 0.0, 50.0, 0.0, 0.0, 10.0, 0.0, 0.0]))
+    power = truth.density(frequency)
+    found = fit_noise([Periodogram(frequency=frequency, power=power)], RATE)
+    centre = frequency[20:-20]
+    assert found.density(centre) == pytest.approx(truth.density(centre), rel=0.03)
+    assert found.rms == pytest.approx(truth.rms, rel=3e-3)
+
+
+def test_noise_that_is_there_in_any_case_is_never_undercut():
+    frequency = np.arange(1, 2001) * 0.5 * RATE / 2000
+    found = fit_noise([Periodogram(frequency=frequency, power=np.full(2000, 1e-3))], RATE, least=2.0)
+    assert (found.density(frequency) >= 2.0).all()
+    assert found.density(frequency).max() < 2.01
+
+
+def test_harmonics_of_the_mains_fold_at_the_nyquist_frequency():
+    """At 256 Hz the third of 50 Hz, 150 Hz, appears at 106 Hz; the fifth, 250 Hz, at 6 Hz, too low."""
+    expected = [16.0, 44.0, 50.0, 56.0, 60.0, 76.0, 92.0, 94.0, 100.0, 104.0, 106.0, 120.0]
+    assert mains_frequencies(128.0) == pytest.approx(expected)
+    near = near_mains(np.array([49.2, 49.4, 50.6, 50.8, 30.0]), 128.0)
+    assert near.tolist() == [False, True, True, False, False]
 
 
 def test_lines_of_the_mains_are_left_out():

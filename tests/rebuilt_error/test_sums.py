@@ -1,0 +1,119 @@
+"""Sums over the error of a running test, and properties of the first mode, by their definitions."""
+
+import numpy as np
+import pytest
+
+from reliab.errors import InputError
+from reliab.loop.structure import Structure
+from reliab.rebuilt_error.error_statistics import mean_square
+from reliab.rebuilt_error.running_error import RunningError
+from reliab.rebuilt_error.stability_indicator import Damping
+from reliab.rebuilt_error.whole_structure import WholeStructure, first_mode, whole_structure
+
+STEP = 1.0 / 256.0
+OFFSET, STANDING = 2e-4, -3e-4
+
+
+@pytest.fixture
+def histories():
+    time = np.arange(1500) * STEP
+    command = 1e-2 * np.cos(2.0 * np.pi * 1.1 * time) * np.exp(-((time - 2.0) ** 2))
+    return command, 0.99 * np.interp(time - 0.004, time, command) + 5e-4
+
+
+def running(offset=OFFSET):
+    structure = whole_structure(Structure(frequency=1.0, damping_ratio=0.05))
+    return RunningError(structure, STEP, 0.0, 0.99, offset)
+
+
+def by_definition(test):
+    error = test.error
+    ideal = test.measured - test.offset - error
+    ends = 0.5 * (error[0] ** 2 + error[-1] ** 2)
+    return [np.sum(error**2), ends, np.abs(error).max(), np.abs(ideal).max(), error[-1]]
+
+
+@pytest.mark.parametrize("cuts", [(), (1,), (700, 701), (5, 1499)])
+def test_sums_are_those_of_the_error_however_the_samples_arrive(histories, cuts):
+    test = running()
+    for command, measured in zip(*(np.split(history, cuts) for history in histories), strict=True):
+        test.feed(command, measured)
+        assert test.sums == pytest.approx(by_definition(test), rel=1e-9)
+    assert test.motion[0] == np.count_nonzero(np.diff(histories[0]))
+
+
+def test_a_later_offset_changes_the_sums_to_those_of_the_changed_error(histories):
+    """And what is fed after it goes on from there."""
+    test = running(offset=0.0)
+    test.feed(*(history[:900] for history in histories))
+    before = test.error.copy()
+    test.begin_anew(OFFSET, STANDING)
+    assert np.abs(test.error - before).max() > 1e-5
+    assert test.sums == pytest.approx(by_definition(test), rel=1e-9)
+    test.feed(*(history[900:] for history in histories))
+    assert test.sums == pytest.approx(by_definition(test), rel=1e-9)
+
+
+def test_energies_forget_the_past_by_one_weight_a_step(histories):
+    test = running()
+    test.feed(*histories)
+    command, measured = histories
+    strayed = measured - command
+    between = np.stack(
+        [
+            0.5 * (command[1:] + command[:-1]),
+            np.diff(command) / STEP,
+            np.ones(command.size - 1),
+            0.5 * (strayed[1:] + strayed[:-1]),
+        ]
+    )
+    weight = 0.99 ** np.arange(command.size - 2, -1, -1)
+    assert test.moments == pytest.approx((weight * between) @ between.T, rel=1e-9, abs=1e-12)
+
+
+def test_samples_without_a_partner_or_a_value_are_refused():
+    for command, measured in (
+        (np.zeros(3), np.zeros(4)),
+        (np.zeros((2, 2)), np.zeros((2, 2))),
+        (np.zeros(2), np.array([0.0, np.nan])),
+        (np.array([np.inf, 0.0]), np.zeros(2)),
+    ):
+        with pytest.raises(InputError, match=r"one length|finite"):
+            running().feed(command, measured)
+
+
+def test_mean_square_is_that_of_straight_lines_between_squares():
+    assert mean_square(np.array([0.0, 2.0, 0.0])) == pytest.approx(2.0)
+    assert mean_square(np.array([2.0, 0.0, 4.0])) == pytest.approx((4.0 / 2.0 + 16.0 / 2.0) / 2.0)
+
+
+def heavy(mass, frequency, ratio, share):
+    w0 = 2.0 * np.pi * frequency
+    return WholeStructure(
+        mass=np.array([[mass]]),
+        damping=np.array([[2.0 * ratio * w0 * mass]]),
+        stiffness=np.array([[w0**2 * mass]]),
+        interface=np.ones(1),
+        specimen_stiffness=share * w0**2 * mass,
+    )
+
+
+@pytest.mark.parametrize("mass", [1.0, 3.0, 2500.0])
+def test_damping_of_the_first_mode_does_not_depend_on_the_mass(mass):
+    """Half of αω₀, and a window that forgets all but 1/e in two periods."""
+    damping = Damping.of(heavy(mass, 1.5, 0.04, 0.6), STEP)
+    assert damping.ratio == pytest.approx(0.04)
+    assert damping.factor == pytest.approx(0.5 * 0.6 * 2.0 * np.pi * 1.5)
+    assert damping.samples == pytest.approx(256.0 / 1.5)
+    assert damping.forgetting ** (2.0 * damping.samples) == pytest.approx(np.exp(-1.0))
+
+
+def test_the_first_mode_is_the_lowest_that_moves_the_interface_by_one():
+    still = WholeStructure(
+        mass=np.diag([2.0, 1.0]),
+        damping=np.zeros((2, 2)),
+        stiffness=np.diag([2.0, 100.0]),
+        interface=np.array([0.0, 2.0]),
+        specimen_stiffness=50.0,
+    )
+    assert first_mode(still) == pytest.approx([0.0, 0.5])
