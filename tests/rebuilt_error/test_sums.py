@@ -6,6 +6,7 @@ import pytest
 from reliab.errors import InputError
 from reliab.loop.structure import Structure
 from reliab.rebuilt_error.error_statistics import mean_square
+from reliab.rebuilt_error.initial import _amplitude, _constant
 from reliab.rebuilt_error.running_error import RunningError
 from reliab.rebuilt_error.stability_indicator import Damping
 from reliab.rebuilt_error.whole_structure import WholeStructure, first_mode, whole_structure
@@ -117,3 +118,18 @@ def test_the_first_mode_is_the_lowest_that_moves_the_interface_by_one():
         specimen_stiffness=50.0,
     )
     assert first_mode(still) == pytest.approx([0.0, 0.5])
+
+
+def test_what_a_gain_and_a_delay_do_not_explain_is_the_constant(histories):
+    command, _ = histories
+    velocity = np.gradient(command, STEP)
+    for constant in (3e-4, -2e-5):
+        measured = 0.97 * command - 0.004 * velocity + constant
+        assert _constant(command, measured, STEP) == pytest.approx(constant, rel=1e-6)
+
+
+def test_the_amplitude_at_the_beginning_is_that_of_displacement_and_velocity():
+    place = np.arange(400)
+    command = 3e-3 + 2e-5 * place + 1e-8 * place**2
+    amplitude = np.hypot(3e-3, 2e-5 / STEP / (2.0 * np.pi * 1.5))
+    assert _amplitude(command, STEP, 1.5) == pytest.approx(amplitude, rel=1e-6)
