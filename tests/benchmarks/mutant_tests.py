@@ -18,7 +18,17 @@ from pathlib import Path
 
 import coverage
 import pytest
-from benchmarks.mutant_places import ROOT, Mutant, callers, home, kernels, lines, lines_of_body, mutated
+from benchmarks.mutant_places import (
+    ROOT,
+    Mutant,
+    callers,
+    home,
+    kernels,
+    lines,
+    lines_of_body,
+    mutated,
+    parsed,
+)
 
 _HEAVY = (
     *("numpy", "scipy.stats", "scipy.optimize", "scipy.signal", "scipy.integrate", "pandas", "xarray"),
@@ -104,8 +114,10 @@ class Reach:
             first = self.at(mutant.file, lines_of_body(place.function))
         for file, function in callers(_names(mutant))[0]:
             first |= self.at(file, lines_of_body(function))
-        if not first and not place.in_body:
-            first = set(self.seconds)
+        if not first and (not place.in_body or _names(mutant)):
+            bodies = [part for part in ast.walk(parsed(mutant.file)) if isinstance(part, ast.FunctionDef)]
+            first = {name for body in bodies for name in self.at(mutant.file, lines_of_body(body))}
+            first = first or set(self.seconds)
         files = {file_of(name) for name in first}
         rest = {name for name in self.seconds if file_of(name) in files} - first
         return self._within_budget(self._by_cost(first) + self._by_cost(rest))

@@ -5,7 +5,15 @@ import csv
 import numpy as np
 import pytest
 
-from reliab.boundary import Contour, Cosine, Ellipse, Parabola, motion_contours, trace_contours
+from reliab.boundary import (
+    Contour,
+    Cosine,
+    Ellipse,
+    InscribedEllipse,
+    Parabola,
+    motion_contours,
+    trace_contours,
+)
 from reliab.errors import InputError
 from reliab.indices.response_error import relative_error
 from reliab.loop.engine import Loop
@@ -115,6 +123,31 @@ def test_curves_fit_their_own_points():
     parabola = Parabola.fit(Contour(amplitude=amplitude, delay=1e-3 * (1.6 - 1e4 * (amplitude - 1.0) ** 2)))
     assert (parabola.a, parabola.b) == (pytest.approx(-1e4), pytest.approx(1.6))
     np.testing.assert_allclose(parabola.delay(np.array([1.0])), 1.6e-3)
+
+
+@pytest.mark.parametrize("curve", [Cosine, Ellipse, InscribedEllipse, Parabola])
+def test_the_fitting_error_is_that_of_squared_delays_in_milliseconds(curve):
+    """Equation (10), with each curve's delay written out from its parameters."""
+    offset = np.linspace(-0.008, 0.008, 17)
+    delay = 1.5 * np.sqrt(1.0 - (offset / 0.01) ** 2) + 0.02 * np.cos(900.0 * offset)
+    found = curve.fit(Contour(amplitude=1.0 + offset, delay=1e-3 * delay))
+    a, b = found.a, found.b
+    of_curve = {
+        Cosine: a * np.cos(b * offset),
+        Parabola: a * offset**2 + b,
+        Ellipse: np.sqrt(b - b / a * offset**2),
+        InscribedEllipse: np.sqrt(b - b / a * offset**2),
+    }[curve]
+    assert found.n == 17
+    assert found.sse == pytest.approx(np.sum((of_curve**2 - delay**2) ** 2), rel=1e-9)
+    assert found.delay(1.0 + offset) == pytest.approx(1e-3 * of_curve, rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize("curve", [Cosine, Ellipse, InscribedEllipse, Parabola])
+def test_a_contour_without_points_gives_a_curve_that_accepts_nothing(curve):
+    none = curve.fit(Contour(amplitude=np.zeros(0), delay=np.zeros(0)))
+    assert (none.a, none.b, none.sse, none.n) == (0.0, 0.0, 0.0, 0)
+    assert np.isnan(none.delay(np.array([0.99, 1.0]))).all()
 
 
 def test_two_points_are_no_contour():

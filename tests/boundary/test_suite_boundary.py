@@ -43,6 +43,12 @@ def test_contours_are_those_of_each_motion(frequency, xi):
     assert_same(loops_under(motions, Structure(frequency=frequency, damping_ratio=xi)), 2e-4)
 
 
+def test_a_suite_may_hold_one_motion():
+    assert_same(
+        loops_under(load_motions("synthetic")[3:4], Structure(frequency=1.0, damping_ratio=0.05)), 2e-4
+    )
+
+
 def test_contours_of_short_windows_and_of_a_chosen_engine_are_those_of_each_motion():
     motions = load_motions("synthetic")[:2]
     structure = Structure(frequency=1.0, damping_ratio=0.03)

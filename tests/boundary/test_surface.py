@@ -37,6 +37,16 @@ def test_a_cubic_surface_comes_back_between_the_cells():
     assert error == pytest.approx(cubic(gain, delay), rel=1e-9)
 
 
+def test_the_larger_side_of_the_gains_sets_the_scale():
+    """Gains mirrored: the logarithm is then cubic in mirrored coordinates."""
+    gain, delay = np.meshgrid(1.0 / GAIN[::-1], DELAY, indexing="ij")
+    mirrored = ErrorSurfaces(1.0 / GAIN[::-1], DELAY, cubic(1.0 / gain, delay)[np.newaxis])
+    rng = np.random.default_rng(2)
+    gain, delay = np.exp(rng.uniform(-0.2, 0.12, 200)), rng.uniform(-0.01, 0.03, 200)
+    error = mirrored.error(1.0 / gain, delay, np.zeros(200, dtype=np.int64))
+    assert error == pytest.approx(cubic(gain, delay), rel=1e-9)
+
+
 def test_every_surface_passes_through_its_cells():
     gain, delay = (grid.ravel() for grid in np.meshgrid(GAIN, DELAY, indexing="ij"))
     for surface in (0, 1):

@@ -9,6 +9,7 @@ from reliab.loop.actuator import Actuator
 from reliab.loop.effects import find_effect
 from reliab.loop.excitation import Excitation
 from reliab.loop.hybrid_test import HybridTest, drive, load, read_force, run_closed_loop
+from reliab.loop.hybrid_test.open_loop import Motion3
 from reliab.loop.structure import Structure
 
 STEP = 1.0 / 512.0
@@ -76,3 +77,16 @@ def test_a_delay_of_just_a_step_is_the_limit_of_shorter_ones():
     for name in ("measured", "force"):
         shorter, longer = (getattr(one, name) for one in readings)
         np.testing.assert_allclose(longer, shorter, atol=1e-4 * np.abs(shorter).max())
+
+
+@pytest.mark.parametrize("parts", [1, 4])
+def test_a_motion_through_samples_of_a_cubic_is_that_cubic(parts):
+    time = 0.01 * np.arange(30)
+    motion = Motion3.through(2.0 * time**3 - time, 0.01, parts=parts)
+    fine = 0.01 / parts * np.arange(29 * parts + 1)
+    assert motion.step == pytest.approx(0.01 / parts)
+    expected = np.stack([2.0 * fine**3 - fine, 6.0 * fine**2 - 1.0, 12.0 * fine])
+    np.testing.assert_allclose(motion.values, expected, atol=1e-9)
+    coarse = motion.at_each(parts)
+    assert coarse.step == pytest.approx(0.01)
+    np.testing.assert_allclose(coarse.values[0], 2.0 * time**3 - time, atol=1e-12)

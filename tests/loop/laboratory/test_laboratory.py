@@ -23,7 +23,7 @@ from reliab.loop.laboratory.benchmark import (
     scaled_record,
 )
 from reliab.loop.laboratory.criteria import NAMES, benchmark_criteria, tracking_delay
-from reliab.loop.laboratory.laboratory import run_laboratory
+from reliab.loop.laboratory.laboratory import _runge_kutta_step, run_laboratory
 from reliab.loop.laboratory.rig import Limits, Rig, Sensors
 from reliab.loop.partition.partition import Partition, floor_interface
 from reliab.loop.structure import Structure
@@ -268,3 +268,17 @@ def test_bad_laboratories_are_refused():
     for build in (lambda: Limits(rate=0.0), lambda: Sensors(force_noise=-1.0)):
         with pytest.raises(InputError):
             build()
+
+
+def test_a_step_of_the_classical_runge_kutta_method_is_that_of_the_textbook():
+    """Slopes at the beginning, twice in the middle and at the end, under a load that changes meanwhile."""
+    rng = np.random.default_rng(3)
+    dynamics, loads, step = rng.normal(size=(3, 3)), rng.normal(size=(3, 2)), 0.1
+    state, begin, middle, end = rng.normal(size=3), *rng.normal(size=(3, 2))
+    k1 = dynamics @ state + loads @ begin
+    k2 = dynamics @ (state + 0.5 * step * k1) + loads @ middle
+    k3 = dynamics @ (state + 0.5 * step * k2) + loads @ middle
+    k4 = dynamics @ (state + step * k3) + loads @ end
+    expected = state + step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+    transition, early, between, late = _runge_kutta_step(dynamics, loads, step)
+    assert transition @ state + early @ begin + between @ middle + late @ end == pytest.approx(expected)

@@ -57,6 +57,18 @@ def test_damping_ratios_come_back():
     np.testing.assert_allclose(frame.damping_ratios[[0, 2]], [0.02, 0.04], rtol=1e-10)
 
 
+def test_rayleigh_damping_that_would_drive_a_mode_is_refused_and_the_least_that_does_not_is_taken():
+    """At 1 and 2 rad/s with ζ and 4ζ: ζ(ω) = ½(a₀/ω + a₁ω) falls below zero only under 0.76 rad/s."""
+    ratios, frequencies = (0.01, 0.04), (1.0 / (2.0 * np.pi), 2.0 / (2.0 * np.pi))
+    on_mass, on_stiffness = np.linalg.solve(0.5 * np.array([[1.0, 1.0], [0.5, 2.0]]), ratios)
+    limit = np.sqrt(-on_mass / on_stiffness)
+    for omega in (1.01 * limit, 3.0):
+        damping = rayleigh_damping([[2.0]], [[2.0 * omega**2]], ratios, frequencies)
+        assert damping[0, 0] == pytest.approx(2.0 * (on_mass + on_stiffness * omega**2))
+    with pytest.raises(InputError, match="every mode a positive damping ratio"):
+        rayleigh_damping([[2.0]], [[2.0 * (0.99 * limit) ** 2]], ratios, frequencies)
+
+
 def test_poles_are_those_of_the_modes():
     mass, stiffness = shear_frame([2.0, 1.0], [300.0, 100.0])
     frame = Frame(mass=mass, stiffness=stiffness, damping=modal_damping(mass, stiffness, 0.05))

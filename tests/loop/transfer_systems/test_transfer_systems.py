@@ -192,3 +192,9 @@ def test_draws_have_the_stated_deviations():
     assert damping.std() == pytest.approx(0.1, rel=0.08)
     assert np.std([system.static_gain for system in drawn]) == pytest.approx(0.02, rel=0.08)
     assert np.std([system.delay for system in drawn]) == pytest.approx(6e-4, rel=0.08)
+
+
+@pytest.mark.parametrize("gain", [0.0, -1.0, np.inf, -np.inf, np.nan])
+def test_a_gain_that_is_none_is_refused(gain):
+    with pytest.raises(InputError, match="positive and finite"):
+        gain_and_delay(gain)
