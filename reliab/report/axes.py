@@ -1,14 +1,18 @@
 """What axes are called, with their units, and what several figures draw alike."""
 
+from functools import cache
 from typing import Any, Final
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.font_manager import findfont, get_font
+from matplotlib.ft2font import FT2Font
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 from numpy.typing import ArrayLike, NDArray
 
+from reliab.report.style import RC
 from reliab.vocabulary import Metric
 
 _STEPS = ((1, 2, 3, 4, 5, 6, 7, 8, 9), (1, 1.5, 2, 3, 5, 7), (1, 2, 5), (1, 3), (1,))
@@ -35,25 +39,43 @@ ERRORS: Final = {Metric.RMS: "$RMS^R$", Metric.MTE: "$MTE^R$"}
 """How the errors of the whole test are written."""
 
 
-def plain(text: str) -> str:
-    r"""Text of a user, so that no character of it is taken for mathematics.
+def plain(text: str, *, longest: int = 60) -> str:
+    r"""Text of a user, so that no character of it is taken for mathematics, drawn as a box or out of place.
 
     Parameters
     ----------
     text : str
         Any text.
+    longest : int, optional
+        Number of characters after which it is cut.
 
     Returns
     -------
     str
-        The text for a label.
+        The text for a label; characters that the fonts lack stand as their numbers.
 
     Examples
     --------
-    >>> print(plain("A$b"))
-    A\$b
+    >>> print(plain("A$b 地"))
+    A\$b \u5730
+    >>> print(plain("A name that is long", longest=6))
+    A nam…
     """
-    return " ".join(text.split()).replace("$", r"\$")
+    drawn = "".join(_drawn_as(character) for character in " ".join(text.split()))
+    short = drawn if len(drawn) <= longest else f"{drawn[: longest - 1]}…"
+    return short.replace("$", r"\$")
+
+
+def _drawn_as(character: str) -> str:
+    if character.isprintable() and any(font.get_char_index(ord(character)) for font in _fonts()):
+        return character
+    return character.encode("unicode_escape").decode()
+
+
+@cache
+def _fonts() -> tuple[FT2Font, ...]:
+    """Fonts of the figures, the first of which with a character draws it."""
+    return tuple(get_font(findfont(name)) for name in RC["font.family"])
 
 
 def name_axes(axes: Axes, x: str, y: str) -> None:

@@ -20,6 +20,15 @@ _SPACES: Final = re.compile(r"\s+")
 _LONG_WORD: Final = re.compile(r"\S{41,}")
 _PLACES_TO_BREAK: Final = re.compile(r"(?<=[/\\_.:;,=&?-])(?=\S)|(?<=\S{20})(?=\S)")
 _ZERO_WIDTH_SPACE: Final = "\u200b"
+_SET_SCRIPTS: Final = (
+    (0x0000, 0x06FF),  # Latin, Greek, Cyrillic, Armenian, Hebrew, Arabic
+    (0x0900, 0x097F),  # Devanagari
+    (0x10A0, 0x10FF),  # Georgian
+    (0x1D00, 0x2BFF),  # more Latin and Greek, punctuation, arrows, signs
+    (0xFB00, 0xFDFF),  # ligatures, Hebrew and Arabic forms
+    (0x1D400, 0x1D7FF),  # mathematical letters
+)
+"""Characters for which the fonts that come with typst have pictures; others would be set as boxes."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,6 +111,8 @@ def prose(template: str, **values: object) -> tuple[Piece, ...]:
 def literal(text: str) -> str:
     r"""Clean literal text: no control characters, single spaces, places to break in very long words.
 
+    Characters of scripts that the fonts of reports lack, such as Chinese, stand as their numbers.
+
     Parameters
     ----------
     text : str
@@ -116,8 +127,10 @@ def literal(text: str) -> str:
     --------
     >>> literal("two\nlines\x00")
     'two lines'
+    >>> print(literal("地震"))
+    \u5730\u9707
     """
-    printable = "".join(" " if character.isspace() else character for character in text if _is_set(character))
+    printable = "".join(_set_as(character) for character in text if _is_set(character))
     single = _SPACES.sub(" ", printable)
     return _LONG_WORD.sub(lambda word: _PLACES_TO_BREAK.sub(_ZERO_WIDTH_SPACE, word[0]), single)
 
@@ -162,6 +175,14 @@ def references(text: Prose) -> Iterator[str]:
     for piece in pieces:
         if isinstance(piece, Reference):
             yield piece.label
+
+
+def _set_as(character: str) -> str:
+    if character.isspace():
+        return " "
+    if any(first <= ord(character) <= last for first, last in _SET_SCRIPTS):
+        return character
+    return character.encode("unicode_escape").decode()
 
 
 def _is_set(character: str) -> bool:

@@ -1,11 +1,13 @@
 """Names are data: nothing in them is markup, steers the terminal or stops a command."""
 
+import json
 import os
 import subprocess
 import sys
 
 import pytest
-from fuzz.corpus import ellipse_dataset
+from fuzz.corpus import campaign, ellipse_dataset
+from fuzz.damage import write
 from motions.conftest import AT2
 
 from reliab.cli import run
@@ -74,3 +76,31 @@ def test_an_error_names_a_file_without_steering_the_terminal(tmp_path, capsys):
     written = capsys.readouterr().err
     assert "\x1b[2J" not in written
     assert r"\x1b[2J" in written
+
+
+@pytest.mark.slow
+def test_a_campaign_and_its_tests_may_have_any_names(tmp_path, capsys):
+    name = "".join(NAMES[kind] for kind in ("typst", "html", "markup of Rich", "separators of paths"))
+    content = dict(campaign()[0])
+    text = content["campaign.toml"].decode()
+    text = text.replace('"small"', json.dumps(f"{name}\x1b[31m")).replace(
+        '"one"', json.dumps(f"\u202e{name}")
+    )
+    write({**content, "campaign.toml": text.encode()}, tmp_path / "campaign")
+    assert run(["diagnose", str(tmp_path / "campaign"), "--out", str(tmp_path / "out")]) == 0
+    written = capsys.readouterr().out
+    assert not set(written) & set("\x1b\u202e")
+    assert "[bold]a[/bold]" in written
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["campaign", "out"]
+    assert (tmp_path / "out/report.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_tests_are_judged_and_followed_whatever_their_files_are_called(tmp_path, capsys):
+    name = "".join([*NAMES.values()][:6])
+    path = tmp_path / f"{name.replace('/', '_')}.csv"
+    path.write_bytes(campaign()[0]["a.csv"])
+    assert run(["assess", str(path), "--f", "1", "--xi", "0.05"]) == 0
+    assert run(["assess", str(path), str(path), "--f", "1", "--xi", "0.05"]) == 0
+    run(["monitor", str(path), "--f", "1", "--xi", "0.05", "--wait", "0.05"])
+    written = "".join(capsys.readouterr())
+    assert not set(written) & set("\x1b\x07\x08\r\x9b\u202e\u2066\u2028")

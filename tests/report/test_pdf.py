@@ -121,3 +121,8 @@ def test_any_text_can_be_set(text):
 def test_a_file_that_cannot_be_written_is_explained(tmp_path):
     with pytest.raises(InputError, match="must be writable"):
         write_pdf(report(), tmp_path / "missing" / "report.pdf", date=DATE)
+
+
+def test_scripts_without_letters_in_the_fonts_stand_as_numbers():
+    assert literal("Пример مثال דוגמה ≤ ₂") == "Пример مثال דוגמה ≤ ₂"
+    assert literal("例 ไทย 🌋") == r"\u4f8b \u0e44\u0e17\u0e22 \U0001f30b"

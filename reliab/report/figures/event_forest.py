@@ -13,6 +13,7 @@ from reliab.report.style import BLUE, GREY, INK, VERMILION, letters, panels, sty
 _MARGIN, _ROW = 28.0, 3.7
 _TALLEST = 205.0
 _NORMAL_95 = 1.96
+_LONGEST = 24  # characters of the name of an earthquake
 
 
 @styled
@@ -46,7 +47,7 @@ def event_forest(sample: EllipseSample, *, limits: tuple[float, float]) -> Figur
     spreads = np.sqrt(shares.within)
     for k, (place, values) in enumerate(zip(axes[0], (sample.a, sample.b), strict=True)):
         _draw(place, values, sample.events, order, float(spreads[k]), limits[k])
-    axes[0, 0].set_yticks(np.arange(order.size), [plain(str(event)) for event in order])
+    axes[0, 0].set_yticks(np.arange(order.size), [plain(str(event), longest=_LONGEST) for event in order])
     axes[0, 0].set_ylim(-0.7, order.size - 0.3)
     axes[0, 0].set_xlabel(A_PARAMETER)
     axes[0, 1].set_xlabel(B_PARAMETER)
