@@ -115,6 +115,9 @@ def run(arguments: Sequence[str]) -> int:
         if (missing := _not_installed(error)) is None:
             raise
         return _fail(str(missing), _BAD_INPUT)
+    except OSError as error:  # a folder that may not be entered, a disk that fails
+        rule = f"{error.strerror or error}"
+        return _fail(f"{error.filename}: {rule}" if error.filename else rule, _BAD_INPUT)
     except SystemExit as end:
         return end.code if isinstance(end.code, int) else 0
     return 0

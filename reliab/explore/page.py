@@ -144,7 +144,9 @@ def words() -> dict[str, Any]:
 def bundled_script() -> str:
     """Return all scripts of the page as one, each after what it imports, and the main one at the end."""
     sources = {path.stem: path.read_text(encoding="utf-8") for path in sorted(_FOLDER.glob("*.js"))}
-    needs = {name: {module for _, module in _IMPORT.findall(text)} for name, text in sources.items()}
+    needs = {
+        name: dict.fromkeys(module for _, module in _IMPORT.findall(text)) for name, text in sources.items()
+    }  # in order, which sets of text are not: equal input gives equal bytes
     order = [name for name in TopologicalSorter(needs).static_order() if name != _MAIN]
     modules = [_as_function(name, sources[name]) for name in order]
     return "\n".join([*modules, f"await (async () => {{\n{_body(sources[_MAIN])}}})();\n"])

@@ -1,7 +1,9 @@
 """How the command line behaves whatever the command: examples, versions, interruption, colour."""
 
+import errno
 import io
 import json
+import os
 import shlex
 import sys
 
@@ -65,3 +67,12 @@ def test_errors_are_coloured_unless_no_color_is_set(monkeypatch, variable, colou
     monkeypatch.setattr("sys.stderr", Terminal())
     assert run(["assess", "missing.csv", "--f", "1"]) == 2
     assert ("\x1b[31m" in sys.stderr.getvalue()) == coloured
+
+
+def test_what_the_system_refuses_is_one_sentence(monkeypatch, capsys):
+    def write_suite(*_, **__):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), "/locked/suite")
+
+    monkeypatch.setattr("reliab.motions.writing.write_suite", write_suite)
+    assert run(["motions", "synthesize", "--count", "2", "--out", "suite"]) == 2
+    assert capsys.readouterr().err == "Error: /locked/suite: Permission denied\n"

@@ -1,0 +1,90 @@
+"""Equal input gives equal bytes: any number of threads, a cluster, another folder, time zone and language."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from faults.commands import WORKS, material, results
+from faults.crashing import command
+
+PLACES = {
+    "another zone and language": {"TZ": "Asia/Kathmandu", "LC_ALL": "tr_TR.UTF-8", "LANG": "tr_TR.UTF-8"},
+    "ASCII": {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONIOENCODING": "ascii"},
+    "two threads": {"OMP_NUM_THREADS": "2", "NUMBA_NUM_THREADS": "2", "PYTHONHASHSEED": "7"},
+}
+
+
+@pytest.fixture(scope="module")
+def sources(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("sources")
+    material(folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def usual(sources, tmp_path_factory):
+    """Function that runs a command in the usual place, each once; its results."""
+    known = {}
+
+    def run(name):
+        if name not in known:
+            out = tmp_path_factory.mktemp(name)
+            outcome = command(WORKS[name].arguments(sources, out), {})
+            assert outcome.code in (0, 3), outcome.errors
+            known[name] = results(out)
+        return known[name]
+
+    return run
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("name", ["simulate", "ellipses", "criterion", "explore", "run"])
+def test_bytes_depend_on_no_place(name, place, sources, tmp_path, usual, monkeypatch):
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(filter(None, sys.path)))
+    monkeypatch.chdir(tmp_path.parent)
+    outcome = command(WORKS[name].arguments(sources, tmp_path), PLACES[place])
+    assert outcome.code == 0, outcome.errors
+    assert len(usual(name)) > 0
+    assert results(tmp_path) == usual(name)
+
+
+@pytest.mark.slow
+def test_bytes_depend_on_no_number_of_threads(sources, tmp_path, usual):
+    arguments = [*WORKS["simulate"].arguments(sources, tmp_path)]
+    arguments[arguments.index("--workers") + 1] = 2
+    outcome = command(arguments, {})
+    assert outcome.code == 0, outcome.errors
+    assert results(tmp_path) == usual("simulate")
+
+
+CLUSTER = """
+import sys
+from distributed import LocalCluster
+if __name__ == "__main__":
+    with LocalCluster(n_workers=2, threads_per_worker=1, protocol="tcp", dashboard_address=None) as workers:
+        print(workers.scheduler_address, flush=True)
+        sys.stdin.read()
+"""
+
+
+@pytest.mark.slow
+def test_a_cluster_writes_the_same_bytes(sources, tmp_path, usual):
+    (tmp_path / "cluster.py").write_text(CLUSTER)
+    out = tmp_path / "out"
+    out.mkdir()
+    with subprocess.Popen(  # noqa: S603 - the lines above
+        [sys.executable, str(tmp_path / "cluster.py")],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+    ) as cluster:
+        address = cluster.stdout.readline().strip()
+        arguments = [*WORKS["simulate"].arguments(sources, out), "--scheduler", address]
+        outcome = command(arguments, {})
+        cluster.stdin.close()
+    assert outcome.code == 0, outcome.errors
+    assert results(out) == usual("simulate")
