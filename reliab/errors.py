@@ -30,10 +30,10 @@ class InputError(ReliabError, ValueError):
     """
 
     def __init__(self, rule: str, *, value: object = None, remedy: str = "", where: str = "") -> None:
-        self.rule = rule
+        self.rule = rule = _shortened(rule)  # it may name a key of the user's file
         self.value = value
         self.remedy = remedy
-        self.where = where
+        self.where = where = _shortened(where)
         place = f"{where}: " if where else ""
         clause = "" if value is None else f"; found {_shortened(str(value))}"
         advice = f" {remedy}." if remedy else ""

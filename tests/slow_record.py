@@ -47,15 +47,16 @@ class SlowRecord:
             self.failed.add(report.nodeid)
         elif report.when == "call" and report.passed:
             self.passed.add(report.nodeid)
+        if report.when == "teardown" and report.nodeid in self.passed - self.failed:
+            self._note(report.nodeid)
 
-    def pytest_sessionfinish(self):
-        if not self.passed - self.failed:
-            return
-        today = datetime.now(UTC).date().isoformat()
-        line = {"passed": today, "commit": self.commit}
-        record = read(self.file) | dict.fromkeys(self.passed - self.failed, line)
-        text = json.dumps(record, indent=1, sort_keys=True, ensure_ascii=False)
-        self.file.write_text(text + "\n", encoding="utf-8")
+    def _note(self, name):
+        """Write the record at once: a run of hours may be stopped."""
+        line = {"passed": datetime.now(UTC).date().isoformat(), "commit": self.commit}
+        text = json.dumps(read(self.file) | {name: line}, indent=1, sort_keys=True, ensure_ascii=False)
+        new = self.file.with_suffix(".new")
+        new.write_text(text + "\n", encoding="utf-8")
+        new.replace(self.file)
 
     def pytest_terminal_summary(self, terminalreporter):
         number = len(self.passed - self.failed)

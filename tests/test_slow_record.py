@@ -31,15 +31,18 @@ def test_only_slow_tests_that_pass_are_noted(tmp_path):
     record = SlowRecord(file, "0123456789ab")
     for each in (
         report("a::passes", "passed"),
+        report("a::passes", "passed", when="teardown"),
         report("a::fails", "failed"),
+        report("a::fails", "passed", when="teardown"),
         report("a::leaves_a_mess", "passed"),
         report("a::leaves_a_mess", "failed", when="teardown"),
         report("a::skipped", "skipped"),
+        report("a::skipped", "passed", when="teardown"),
         report("a::quick", "passed", marks=()),
+        report("a::quick", "passed", when="teardown", marks=()),
         report("old::test", "failed"),
     ):
         record.pytest_runtest_logreport(each)
-    record.pytest_sessionfinish()
     noted = read(file)
     assert set(noted) == {"a::passes", "old::test"}
     assert noted["a::passes"]["commit"] == "0123456789ab"

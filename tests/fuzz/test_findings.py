@@ -14,6 +14,7 @@ from fuzz.targets import TARGETS, examine
 from reliab.criterion import read_ellipses
 from reliab.discrepancy import read_campaign
 from reliab.errors import InputError
+from reliab.loop.hybrid_test.model_file import read_model
 from reliab.loop.transfer_systems.reading import read_matlab
 from reliab.sweep import open_ellipses, open_results
 from reliab.validation.assessment.readers import read_columns
@@ -166,3 +167,13 @@ def test_a_test_without_ends_of_lines_is_not_followed_for_ever(tmp_path):
     pieces = chunks_of_text(str(tmp_path / "test.csv"), wait=0.01)
     with pytest.raises(InputError, match="A line of a test must be shorter"):
         list(rows_of(pieces, name="test.csv", declared={}, units=None))
+
+
+@pytest.mark.parametrize("table", ["", "[actuator]\n"])
+def test_a_key_without_end_gives_a_short_error(tmp_path, table):
+    sound = corpus.models()[0]["model.toml"].decode()
+    path = tmp_path / "model.toml"
+    path.write_text(table + "x" * 10_000 + " = 1\n" if table else "x" * 10_000 + " = 1\n" + sound)
+    with pytest.raises(InputError) as refused:
+        read_model(path)
+    assert len(str(refused.value)) < 2500

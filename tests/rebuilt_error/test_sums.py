@@ -1,5 +1,7 @@
 """Sums over the error of a running test, and properties of the first mode, by their definitions."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -133,3 +135,13 @@ def test_the_amplitude_at_the_beginning_is_that_of_displacement_and_velocity():
     command = 3e-3 + 2e-5 * place + 1e-8 * place**2
     amplitude = np.hypot(3e-3, 2e-5 / STEP / (2.0 * np.pi * 1.5))
     assert _amplitude(command, STEP, 1.5) == pytest.approx(amplitude, rel=1e-6)
+
+
+def test_a_scaled_structure_has_the_scaled_frequency_damping_ratio_and_share():
+    structure = replace(heavy(3.0, 1.5, 0.04, 0.6), specimen_damping=2.0, specimen_mass=0.5)
+    changed = structure.scaled(frequency=1.2, damping_ratio=1.5, share=0.7)
+    expected = heavy(3.0, 1.2 * 1.5, 1.5 * 0.04, 0.7 * 0.6)
+    for field in ("mass", "damping", "stiffness", "specimen_stiffness"):
+        assert getattr(changed, field) == pytest.approx(getattr(expected, field)), field
+    assert changed.specimen_damping == pytest.approx(2.0 * 1.2 * 0.7)
+    assert changed.specimen_mass == pytest.approx(0.5 * 0.7)
