@@ -6,10 +6,11 @@ import shlex
 import matplotlib as mpl
 import pytest
 from pages import PAGES, SITE, code, commands, name_of
-from written_commands import parameters, reliab_lines
+from written_commands import command_blocks, parameters, reliab_lines
 
 from reliab.cli import run
 
+README = SITE.parents[1] / "README.md"
 LONG_CODE = ("notebooks/campaign", "paper", "gallery")
 LINES = {line for page in PAGES for line in reliab_lines(page.read_text(encoding="utf-8"))}
 
@@ -49,6 +50,13 @@ def test_code_of_a_page_runs(page, monkeypatch):
         exec("\n".join(code(page)), {"__name__": "page"})  # noqa: S102 - our own site
     finally:
         plt.close("all")
+
+
+def test_the_cluster_on_a_page_is_the_one_that_the_readme_s_test_starts():
+    started = [block for block in command_blocks(README.read_text(encoding="utf-8")) if "dask" in str(block)]
+    (block,) = [block for page in PAGES for block in commands(page) if "dask" in str(block)]
+    without_port = [[re.sub(r":?\b879\d", "", line) for line in lines] for lines in (*started, block)]
+    assert without_port[0][: len(block)] == without_port[-1]
 
 
 def test_every_link_between_pages_leads_somewhere():
