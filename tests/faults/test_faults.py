@@ -16,6 +16,7 @@ INSTANTS = int(os.environ.get("FAULTS", "5"))
 
 FAILED = (2, 3)
 BEFORE = b"before"
+PAGE = 4096
 
 
 @pytest.fixture(scope="session")
@@ -160,7 +161,8 @@ def test_a_quota_gives_one_error(name, sources, forks, folders, undisturbed, cou
 @pytest.mark.parametrize("name", WORKS)
 def test_a_small_disk_gives_one_error(name, sources, forks, tmp_path, folders, undisturbed, counted):
     """A disk in memory, where the system lets us mount one, on which a real write fails in the middle."""
-    needed = sum(path.stat().st_size for path in undisturbed(name)[2].rglob("*") if path.is_file())
+    files = [path for path in undisturbed(name)[2].rglob("*") if path.is_file()]
+    needed = sum(-(-path.stat().st_size // PAGE) * PAGE for path in files)
     for number in range(2):
         out = folders(name, number)
         held = needed if name == "report" else 0  # which stands there before
