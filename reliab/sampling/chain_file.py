@@ -6,6 +6,7 @@ one. Groups and datasets are those of emcee's own HDF5 files.
 """
 
 import contextlib
+import io
 import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -131,7 +132,8 @@ class ChainFile:
         """Write a new file with these chains and what the old one holds beside them."""
         import h5py
 
-        with written_whole(self.path) as unfinished, h5py.File(unfinished, "w") as new:
+        content = io.BytesIO()  # HDF5 loses an error of the disk that shows when it closes a file
+        with h5py.File(content, "w") as new:
             if self.path.exists():
                 with h5py.File(self.path, "r") as old:
                     for name in _groups(old):
@@ -139,6 +141,8 @@ class ChainFile:
                             old.copy(name, new, name)
             for name, chain in self._chains.items():
                 _store(new.create_group(name), chain, self._signature)
+        with written_whole(self.path) as unfinished:
+            unfinished.write_bytes(content.getbuffer())
 
 
 def _read(

@@ -20,6 +20,7 @@ from reliab.study.description import CriterionStudy, CriterionTable, ErrorsTable
 from reliab.study.material import RESULTS, Material, Show, named
 from reliab.study.stages import Stage
 from reliab.sweep import open_ellipses, write_ellipses
+from reliab.sweep.netcdf import write_netcdf
 from reliab.validation.cross_validation import (
     Candidate,
     CrossValidation,
@@ -190,8 +191,7 @@ def judgement(study: CriterionStudy, material: Material, show: Show) -> Stage:
                 refusals[scheme] = f"Not put to the test by {scheme.replace('_', ' ')}: {refusal}"
                 (folder / _counts_file(scheme)).unlink(missing_ok=True)
             else:
-                with written_whole(folder / _counts_file(scheme)) as file:
-                    validation.counts.to_netcdf(file, engine="h5netcdf")
+                write_netcdf(validation.counts, folder / _counts_file(scheme))
         with written_whole(folder / VALIDATION) as file:
             file.write_text(json.dumps(refusals, ensure_ascii=False), encoding="utf-8")
 
@@ -251,8 +251,7 @@ def paper_cases(sources: tuple[str, ...], name: str) -> Stage:
     def work(folder: Path) -> None:
         from reliab.paper.cases import cases_dataset, run_paper_cases
 
-        with written_whole(folder / CASES) as file:
-            cases_dataset(run_paper_cases(motion), motion).to_netcdf(file, engine="h5netcdf")
+        write_netcdf(cases_dataset(run_paper_cases(motion), motion), folder / CASES)
 
     return Stage(name="cases", inputs={"motion": motion.checksum}, writes=(CASES,), work=work)
 

@@ -12,8 +12,8 @@ import numpy as np
 import xarray as xr
 
 from reliab.errors import InputError
-from reliab.files import decoding, written_whole
-from reliab.sweep.netcdf import read_netcdf
+from reliab.files import decoding
+from reliab.sweep.netcdf import read_netcdf, write_netcdf
 from reliab.sweep.store_layout import SCHEMA_VERSION
 from reliab.vocabulary import SHARE_ATTRIBUTE, Dimension, Metric
 
@@ -51,8 +51,7 @@ def write_compact(results: xr.Dataset, path: str | Path) -> None:
     encoding = {
         str(name): {"zlib": True, "complevel": 9, "shuffle": True, "chunksizes": chunk} for name in Metric
     }
-    with written_whole(path) as file:
-        compact.to_netcdf(file, engine="h5netcdf", encoding=encoding)
+    write_netcdf(compact, path, encoding=encoding)
 
 
 def open_compact(path: Path) -> xr.Dataset:

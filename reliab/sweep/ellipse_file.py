@@ -5,10 +5,9 @@ from pathlib import Path
 import xarray as xr
 
 from reliab.errors import InputError
-from reliab.files import written_whole
 from reliab.indices.window import Window
 from reliab.sweep.labels import with_labels
-from reliab.sweep.netcdf import read_netcdf
+from reliab.sweep.netcdf import read_netcdf, write_netcdf
 from reliab.vocabulary import ELLIPSE_DIMENSIONS, CurveName, Dimension, Side
 
 _RULE = "Ellipses in NetCDF are a and b over motion, f, xi, threshold and metric"
@@ -32,8 +31,7 @@ def write_ellipses(ellipses: xr.Dataset, path: str | Path) -> None:
     """
     encoding = {str(name): {"zlib": True, "complevel": 9, "shuffle": True} for name in ellipses.data_vars}
     try:
-        with written_whole(path) as file:
-            ellipses.to_netcdf(file, engine="h5netcdf", encoding=encoding)
+        write_netcdf(ellipses, path, encoding=encoding)
     except OSError as error:
         raise InputError(
             "The file of ellipses must be writable",

@@ -1,11 +1,12 @@
-"""Reading NetCDF files; damaged files give an error for the user."""
+"""Reading and writing NetCDF files; damaged files and full disks give an error for the user."""
 
+from collections.abc import Hashable, Mapping
 from pathlib import Path
 
 import h5py
 import xarray as xr
 
-from reliab.files import decoding, ordinary
+from reliab.files import decoding, ordinary, written_whole
 
 
 def read_netcdf(path: str | Path, rule: str, remedy: str) -> xr.Dataset:
@@ -35,6 +36,37 @@ def read_netcdf(path: str | Path, rule: str, remedy: str) -> xr.Dataset:
             file.visititems(lambda _name, item: _look_at(item))
         with xr.open_dataset(path, engine="h5netcdf") as file:
             return file.load()
+
+
+def write_netcdf(
+    dataset: xr.Dataset | xr.DataArray,
+    path: str | Path,
+    *,
+    encoding: Mapping[str, Mapping[str, object]] | None = None,
+) -> None:
+    """Write a NetCDF file as a whole.
+
+    The file is made in memory: HDF5 that writes to a disk notices only when it closes the file that the disk
+    is full, and an error there is lost.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset or xarray.DataArray
+        What is written.
+    path : str or pathlib.Path
+        The file, replaced if it is there.
+    encoding : mapping, optional
+        How each variable is stored, as of `xarray.Dataset.to_netcdf`.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written; the file of before stays.
+    """
+    stored: dict[Hashable, Mapping[str, object]] = {}
+    stored.update(encoding or {})
+    with written_whole(path) as file:
+        file.write_bytes(dataset.to_netcdf(engine="h5netcdf", encoding=stored))
 
 
 def _look_at(item: h5py.HLObject) -> None:

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Final
 
 from reliab.errors import InputError
-from reliab.files import written_whole
 from reliab.report import Document
 from reliab.study.description import SimulatedStudy
 from reliab.study.kinds.kind import Kind
@@ -20,6 +19,7 @@ from reliab.study.steps import (
     tracing,
 )
 from reliab.sweep import open_ellipses
+from reliab.sweep.netcdf import write_netcdf
 
 EXAMPLE: Final = "example.nc"
 
@@ -66,8 +66,7 @@ def _example(material: Material, show: Show) -> Stage:
 
         with show("Simulating the example"):
             example = run_paper_example(named(material.motions, _EXAMPLE_MOTION))
-        with written_whole(folder / EXAMPLE) as file:
-            example.to_netcdf(file, engine="h5netcdf")
+        write_netcdf(example, folder / EXAMPLE)
 
     inputs = {"motion": named(material.motions, _EXAMPLE_MOTION).checksum}
     return Stage(name="example", inputs=inputs, writes=(EXAMPLE,), work=work)

@@ -28,6 +28,7 @@ from reliab.study.steps import (
     tracing,
 )
 from reliab.sweep import open_ellipses, open_results
+from reliab.sweep.netcdf import write_netcdf
 from reliab.sweep.real_suite import REAL, real_results
 from reliab.validation.cross_validation import (
     CrossValidation,
@@ -107,8 +108,7 @@ def _measuring(material: Material, show: Show) -> Stage:
         with show("Measuring the motions"):
             with written_whole(folder / MEASURES) as file:
                 suite_measures(material.motions).to_csv(file, index=False)
-            with written_whole(folder / SPECTRA) as file:
-                response_spectra(material.motions).to_netcdf(file, engine="h5netcdf")
+            write_netcdf(response_spectra(material.motions), folder / SPECTRA)
 
     inputs = {"motions": material.checksums}
     return Stage(name="measure", inputs=inputs, writes=(MEASURES, SPECTRA), work=work)
@@ -137,8 +137,7 @@ def _transfer(study: SuitesStudy, show: Show) -> Stage:
                 learn_from=learned,
                 progress=progress,
             )
-        with written_whole(folder / TRANSFER) as file:
-            validation.counts.to_netcdf(file, engine="h5netcdf")
+        write_netcdf(validation.counts, folder / TRANSFER)
 
     inputs = {
         **study.model_dump(include={"structures", "errors", "criterion", "validation"}),
