@@ -75,4 +75,5 @@ def _stored(path: Path, group: str | None) -> xr.Dataset:
     }
     plain = dataset.drop_vars(["journal", *texts], errors="ignore")
     opened: xr.Dataset = plain.assign_coords(texts).set_coords(_COORDINATES)
-    return opened
+    # A store lists its arrays in the order of its folder; whatever is derived from it would inherit that.
+    return opened[sorted(map(str, opened.variables))]
