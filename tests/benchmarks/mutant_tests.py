@@ -15,8 +15,8 @@ import traceback
 from collections import defaultdict
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import coverage
 import pytest
 from benchmarks.mutant_places import (
     ROOT,
@@ -29,6 +29,9 @@ from benchmarks.mutant_places import (
     mutated,
     parsed,
 )
+
+if TYPE_CHECKING:
+    import coverage
 
 _HEAVY = (
     *("numpy", "scipy.stats", "scipy.optimize", "scipy.signal", "scipy.integrate", "pandas", "xarray"),
@@ -46,7 +49,7 @@ FIXTURE = "fixture:"
 class Recorder:
     """Plugin that names each test to coverage, and notes its time and its shared fixtures."""
 
-    def __init__(self, measurement: coverage.Coverage) -> None:
+    def __init__(self, measurement: "coverage.Coverage") -> None:
         self.measurement = measurement
         self.seconds: dict[str, float] = defaultdict(float)
         self.fixtures: dict[str, list[str]] = {}
@@ -177,6 +180,8 @@ def measured_reach(room: str, tests: list[str]) -> dict:
 
 
 def _measure(tests: list[str], answer: Path) -> int:
+    import coverage
+
     measurement = coverage.Coverage(data_file=None, source=[str(ROOT / "reliab")], config_file=False)
     recorder = Recorder(measurement)
     measurement.start()
