@@ -117,7 +117,7 @@ def _ratios(disagreeing: pd.DataFrame) -> Table:
         a_closed=disagreeing["a_after"] / disagreeing["a_printed"],
         b_closed=disagreeing["b_after"] / disagreeing["b_printed"],
     ).sort_values("gap_before", ascending=False)
-    before, after = prose("simulated over printed"), prose("with the difference")
+    before, after = prose("before"), prose("after")
     chance = Fixed(decimals=1, factor=PERCENT)
     return Table(
         frame=ratios,
@@ -132,8 +132,9 @@ def _ratios(disagreeing: pd.DataFrame) -> Table:
             Column(key="chance", heading="Chance", unit="%", number=chance),
         ),
         caption=(
-            "Rows that disagree by more than 10 %, the worst first; “chance” is the share of other "
-            "earthquakes' printed pairs that the row's candidates explain as well."
+            "Rows that disagree by more than 10 %, the worst first: simulated over printed a and b, before "
+            "and after the difference is taken into account; “chance” is the share of other earthquakes' "
+            "printed pairs that the row's candidates explain as well."
         ),
         label="tab:disagreeing",
     )
