@@ -12,11 +12,11 @@ from matplotlib.figure import Figure
 from reliab.report.axes import FREQUENCY, legend_below, name_axes, plain
 from reliab.report.style import GREY, INK, line, panels, styled
 
-_HEIGHT = 92.0
-_WIDTH = 118.0
+_HEIGHT = 76.0
+_WIDTH = 102.0
 _FREQUENCY_HEIGHT = 78.0
 _PERCENT = 100.0
-_SPLIT_HEIGHT = 104.0
+_SPLIT_HEIGHT = 92.0
 _SHIFT = 0.006
 _FAR = 0.8  # of what is stated; a criterion that contains less everywhere has axes of its own
 
