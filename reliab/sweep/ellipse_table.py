@@ -24,7 +24,7 @@ from reliab.sweep.request import check_model, loop_of, structures_of
 from reliab.sweep.shares import for_each_share
 from reliab.vocabulary import SHARE_ATTRIBUTE, Metric, Side
 
-_TOGETHER = 32
+_TOGETHER = 64
 """Number of motions that are traced together; limits the memory."""
 
 

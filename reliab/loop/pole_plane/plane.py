@@ -35,13 +35,14 @@ def mean_squares(
         Whether what the expansion leaves out is at most `LEFT_OUT` of RMS^R, shape (cells,).
     """
     mean_square, known = np.zeros(motion.size), np.zeros(motion.size, dtype=np.bool_)
-    energy = np.stack([response.root_energy for response in responses])
     for expansion in expansions:
         under = motion[expansion.cells]
         asked = np.unique(under)
-        products = np.stack([responses[k].mean_products(expansion.ahead) for k in asked])
-        squares = _quadratic_forms(expansion.weights, products, np.searchsorted(asked, under))
-        left_out = (expansion.left_out * energy[under]).sum(axis=1)
+        place = np.searchsorted(asked, under)
+        sums = [responses[k].sums(expansion.ahead) for k in asked]
+        products, energy = (np.stack(part) for part in zip(*sums, strict=True))
+        squares = _quadratic_forms(expansion.weights, products, place)
+        left_out = np.einsum("ij,ij->i", expansion.left_out, energy[place])
         precise = left_out <= LEFT_OUT * np.sqrt(squares)
         mean_square[expansion.cells[precise]] = squares[precise]
         known[expansion.cells[precise]] = True

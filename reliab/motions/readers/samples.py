@@ -58,7 +58,7 @@ def separated(source: Source, header: Header) -> bytes:
 def _parse_plain(data: bytes) -> NDArray[np.float64] | None:
     if data.translate(None, _PLAIN):
         return None
-    tokens = data.split()
+    tokens = data.decode("ascii").split()  # numbers are read sooner from text than from bytes
     try:
         values = np.fromiter(map(float, tokens), np.float64, len(tokens))
     except ValueError:
