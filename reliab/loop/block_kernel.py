@@ -18,40 +18,59 @@ Weights = tuple[complex, complex, complex]
 
 
 @compiled
-def at_samples(a: NDArray[np.float64], weights: Weights) -> NDArray[np.complex128]:
-    """Exact z at the samples of a record, from rest at the first."""
+def at_samples(records: NDArray[np.float64], weights: Weights) -> NDArray[np.float64]:
+    """Exact z at the samples of records, from rest at the first.
+
+    Shape (samples, 2 records): real and imaginary part under the first record, then under the next.
+    """
     early, late, decay = weights
-    z = np.empty(a.size, dtype=np.complex128)
-    x, y = 0.0, 0.0
-    z[0] = 0.0
-    for i in range(a.size - 1):
-        u = (early.real * a[i] + late.real * a[i + 1]) + (decay.real * x - decay.imag * y)
-        v = (early.imag * a[i] + late.imag * a[i + 1]) + (decay.real * y + decay.imag * x)
-        x, y = u, v
-        z[i + 1] = complex(x, y)
+    count, samples = records.shape
+    z = np.zeros((samples, 2 * count))
+    for m in range(count):
+        x, y = 0.0, 0.0
+        for i in range(samples - 1):
+            a, b = records[m, i], records[m, i + 1]
+            u = (early.real * a + late.real * b) + (decay.real * x - decay.imag * y)
+            v = (early.imag * a + late.imag * b) + (decay.real * y + decay.imag * x)
+            x, y = u, v
+            z[i + 1, 2 * m], z[i + 1, 2 * m + 1] = x, y
     return z
 
 
 @compiled
 def at_time(
-    a: NDArray[np.float64], h: float, pole: complex, samples: NDArray[np.complex128], time: float
-) -> complex:
-    """Exact z at a time [s], zero before the record starts."""
+    records: NDArray[np.float64],
+    h: float,
+    pole: complex,
+    samples: NDArray[np.float64],
+    time: float,
+    z: NDArray[np.float64],
+) -> None:
+    """Exact z at a time [s] into an array of shape (2 records,); zero before the records start."""
     if time <= 0.0:
-        return 0j
-    i = min(int(time / h + 1e-9), a.size - 2)
+        z[:] = 0.0
+        return
+    i = min(int(time / h + 1e-9), records.shape[1] - 2)
     into = time - i * h
     if into < _AT_SAMPLE * h:
-        return complex(samples[i])
+        z[:] = samples[i]
+        return
     # z(t + s) = e^(ps)z + a(e^(ps) − 1)/p + a'(e^(ps) − 1 − ps)/p²
+    inverse = 1.0 / pole
     grown = np.exp(pole * into)
-    held = (grown - 1.0) / pole
-    return complex(grown * samples[i] + a[i] * held + (a[i + 1] - a[i]) / h * (held - into) / pole)
+    held = (grown - 1.0) * inverse
+    ramp = (held - into) * inverse
+    for m in range(records.shape[0]):
+        a, slope = records[m, i], (records[m, i + 1] - records[m, i]) / h
+        x, y = samples[i, 2 * m], samples[i, 2 * m + 1]
+        z[2 * m] = grown.real * x - grown.imag * y + a * held.real + slope * ramp.real
+        z[2 * m + 1] = grown.imag * x + grown.real * y + a * held.imag + slope * ramp.imag
 
 
 @compiled
-def cut_record(
-    record: tuple[NDArray[np.float64], float],
+def cut_records(
+    records: NDArray[np.float64],
+    h: float,
     pole: complex,
     weights: tuple[Weights, Weights],
     first: float,
@@ -62,8 +81,10 @@ def cut_record(
 
     Parameters
     ----------
-    record : tuple
-        Ground acceleration [m/s²] and its time step [s].
+    records : numpy.ndarray
+        Ground accelerations [m/s²] at the same instants, shape (records, samples).
+    h : float
+        Their time step [s].
     pole : complex
         Pole p [1/s].
     weights : tuple
@@ -78,25 +99,29 @@ def cut_record(
     Returns
     -------
     left, right : numpy.ndarray
-        Ground acceleration at the ends of each block, shape (blocks,).
+        Ground acceleration at the ends of each block, shape (records, blocks).
     ideal : numpy.ndarray
-        Exact response x_I [m] at the edges, shape (blocks + 1,).
+        Exact response x_I [m] at the edges, shape (records, blocks + 1).
     """
-    a, h = record
-    samples = at_samples(a, weights[0])
+    samples, count = at_samples(records, weights[0]), records.shape[0]
     early, late, decay = weights[1]
     determinant = early.real * late.imag - early.imag * late.real
-    left, right, ideal = np.empty(blocks), np.empty(blocks), np.empty(blocks + 1)
-    before = at_time(a, h, pole, samples, first)
-    ideal[0] = -before.imag / pole.imag  # x_I = −2Re(z/(p − p̄))
+    left, right = np.empty((count, blocks)), np.empty((count, blocks))
+    ideal = np.empty((count, blocks + 1))
+    before, after = np.empty(2 * count), np.empty(2 * count)
+    at_time(records, h, pole, samples, first, before)
+    for m in range(count):
+        ideal[m, 0] = -before[2 * m + 1] / pole.imag  # x_I = −2Re(z/(p − p̄))
     for k in range(blocks):
-        after = at_time(a, h, pole, samples, first + step * (k + 1.0))
-        u = after.real - (decay.real * before.real - decay.imag * before.imag)
-        v = after.imag - (decay.real * before.imag + decay.imag * before.real)
-        left[k] = (late.imag * u - late.real * v) / determinant
-        right[k] = (early.real * v - early.imag * u) / determinant
-        ideal[k + 1] = -after.imag / pole.imag
-        before = after
+        at_time(records, h, pole, samples, first + step * (k + 1.0), after)
+        for m in range(count):
+            x, y = before[2 * m], before[2 * m + 1]
+            u = after[2 * m] - (decay.real * x - decay.imag * y)
+            v = after[2 * m + 1] - (decay.real * y + decay.imag * x)
+            left[m, k] = (late.imag * u - late.real * v) / determinant
+            right[m, k] = (early.real * v - early.imag * u) / determinant
+            ideal[m, k + 1] = -after[2 * m + 1] / pole.imag
+        before[:] = after
     return left, right, ideal
 
 
@@ -113,8 +138,10 @@ def peak_of_mode(
 
     Parameters
     ----------
-    record, pole, step
-        As of `cut_record`.
+    record : tuple
+        Ground acceleration [m/s²], shape (1, samples), and its time step [s].
+    pole, step
+        As of `cut_records`.
     weights : tuple
         Weights of the mode over a sample.
     ideal : numpy.ndarray
@@ -123,7 +150,7 @@ def peak_of_mode(
         Begin and end of the window [s].
     """
     a, h = record
-    samples = at_samples(a, weights)
+    samples, z = at_samples(a, weights), np.empty(2)
     high = 0.0
     for edge in ideal:
         high = max(high, abs(edge))
@@ -132,5 +159,6 @@ def peak_of_mode(
         if max(abs(ideal[k]), abs(ideal[k + 1])) >= _NEAR_PEAK * high:
             for part in range(_PARTS + 1):
                 time = min(window[0] + step * (k + part / _PARTS), window[1])
-                largest = max(largest, abs(at_time(a, h, pole, samples, time).imag))
+                at_time(a, h, pole, samples, time, z)
+                largest = max(largest, abs(z[1]))
     return largest / pole.imag

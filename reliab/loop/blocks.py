@@ -9,6 +9,7 @@ line, from a₀ to a₁, that has exactly the same effect on the structure's own
 then responds to the line nearly as to the record. The exact response x_I follows from the same z.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import TypeVar
@@ -16,7 +17,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.loop.block_kernel import Weights, cut_record, peak_of_mode
+from reliab.loop.block_kernel import Weights, cut_records, peak_of_mode
 from reliab.loop.excitation import Excitation
 from reliab.loop.structure import Structure
 
@@ -92,19 +93,19 @@ class Blocks:
     @cached_property
     def _longest_lines(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         total = self.left.size + self.most_ahead
-        count = total - self.before
-        begin = self.excitation.window[0]
-        silence = np.zeros(int(np.ceil((count + 1) * self.step / self.excitation.time_step)) + 2)
+        time_step = self.excitation.time_step
+        silence = np.zeros(int(np.ceil((total - self.before + 1) * self.step / time_step)) + 2)
         record = np.concatenate([self.excitation.acceleration, silence])
-        followed = Excitation(acceleration=record, time_step=self.excitation.time_step)
-        left, right, _ = _lines(followed, self.pole, begin - self.step * self.before, self.step, total)
-        return left, right
+        first = self.excitation.window[0] - self.step * self.before
+        place = Spacing(step=self.step, first=first, blocks=total, before=self.before, end=self.end)
+        left, right, _ = _lines(record[np.newaxis], time_step, self.pole, place)
+        return left[0], right[0]
 
     @cached_property
     def ideal_peak(self) -> float:
         """Largest |x_I| [m] inside the window, between the edges of blocks too."""
         ground = self.excitation
-        record = ground.acceleration, ground.time_step
+        record = ground.acceleration[np.newaxis], ground.time_step
         weights = mode_weights(self.pole, ground.time_step)
         inside = self.ideal[self.before :]
         return peak_of_mode(record, self.pole, weights, inside, ground.window, self.step)
@@ -142,18 +143,41 @@ def cut(excitation: Excitation, structure: Structure, *, step: float | None = No
     Blocks
         The record as one straight line a block, with the exact response.
     """
-    place = spacing(excitation, step or block_length(structure))
-    left, right, ideal = _lines(excitation, structure.pole, place.first, place.step, place.blocks)
-    return Blocks(
-        step=place.step,
-        before=place.before,
-        end=place.end,
-        left=left,
-        right=right,
-        ideal=ideal,
-        excitation=excitation,
-        pole=structure.pole,
-    )
+    (blocks,) = cut_together([excitation], structure, step=step or block_length(structure))
+    return blocks
+
+
+def cut_together(excitations: Sequence[Excitation], structure: Structure, *, step: float) -> list[Blocks]:
+    """Cut records of the same instants and window into the same blocks.
+
+    Parameters
+    ----------
+    excitations : sequence of Excitation
+        Records and their window.
+    structure, step
+        As of `cut`; the step is not left out.
+
+    Returns
+    -------
+    list of Blocks
+        One for each record.
+    """
+    place = spacing(excitations[0], step)
+    records = np.stack([excitation.acceleration for excitation in excitations])
+    lines = _lines(records, excitations[0].time_step, structure.pole, place)
+    return [
+        Blocks(
+            step=place.step,
+            before=place.before,
+            end=place.end,
+            left=left,
+            right=right,
+            ideal=ideal,
+            excitation=excitation,
+            pole=structure.pole,
+        )
+        for excitation, left, right, ideal in zip(excitations, *lines, strict=True)
+    ]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -186,12 +210,11 @@ def spacing(excitation: Excitation, step: float) -> Spacing:
 
 
 def _lines(
-    excitation: Excitation, pole: complex, first: float, step: float, blocks: int
+    records: NDArray[np.float64], time_step: float, pole: complex, place: Spacing
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Straight lines that drive the mode in each block, as `block_kernel.cut_record` returns them."""
-    record = excitation.acceleration, excitation.time_step
-    weights = mode_weights(pole, excitation.time_step), mode_weights(pole, step)
-    return cut_record(record, pole, weights, first, step, blocks)
+    """Straight lines that drive the mode in each block, as `block_kernel.cut_records` returns them."""
+    weights = mode_weights(pole, time_step), mode_weights(pole, place.step)
+    return cut_records(records, time_step, pole, weights, place.first, place.step, place.blocks)
 
 
 @lru_cache(maxsize=4096)

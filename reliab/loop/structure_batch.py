@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.compiled import compiled
-from reliab.loop.block_kernel import cut_record
+from reliab.loop.block_kernel import cut_records
 from reliab.loop.blocks import Blocks, Spacing, block_length, mode_weights, spacing
 from reliab.loop.cells import Cells
 from reliab.loop.drive_kernel import LANES, Single, track
@@ -117,7 +117,7 @@ class StructureBatch:
         h = excitation.time_step
         counts = np.array([place.blocks for place in places])
         batch = _step_structures(
-            (excitation.acceleration, h),
+            (excitation.acceleration[np.newaxis], h),
             self.poles,
             (np.array([mode_weights(pole, h) for pole in self.poles.tolist()]), self.weights),
             (np.array([place.first for place in places]), self.steps, counts),
@@ -189,7 +189,8 @@ def _step_structures(
     for k in range(structures):
         own, next_own = weights[0][k], weights[1][k]
         both = (own[0], own[1], own[2]), (next_own[0], next_own[1], next_own[2])
-        a0, a1, exact = cut_record(record, poles[k], both, starts[k], steps[k], counts[k])
+        lines = cut_records(record[0], record[1], poles[k], both, starts[k], steps[k], counts[k])
+        a0, a1, exact = lines[0][0], lines[1][0], lines[2][0]
         own_drives, scales[k] = in_units(step_drives(a0, a1, exact, shared[0][k], shared[1][k]))
         own_cells = coefficients[:, first[k] : first[k + 1]]
         own_squares, own_around, own_last = track(own_drives, before[k], end[k], own_cells, one)

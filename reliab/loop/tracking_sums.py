@@ -16,7 +16,7 @@ import scipy
 from numpy.typing import NDArray
 
 from reliab.compiled import compiled
-from reliab.loop.blocks import Blocks, cut
+from reliab.loop.blocks import Blocks, cut_together
 from reliab.loop.dominant_pole import modal_loop
 from reliab.loop.excitation import Excitation
 from reliab.loop.leading_loop import leading_loop
@@ -151,9 +151,8 @@ def tracking_sums(pair: QuadraturePair, cells: TrackedCells) -> TrackingSums:
     structure, step = cells.structure, cells.step
     memory = _MEMORY / (structure.damping_ratio * structure.circular_frequency)
     begin = pair.straight.window[0] - memory - step
-    straight, aside = (
-        cut(record.since(begin), structure, step=step) for record in (pair.straight, pair.turned)
-    )
+    records = [record.since(begin) for record in (pair.straight, pair.turned)]
+    straight, aside = cut_together(records, structure, step=step)
     first = max(0, straight.before - int(memory / step))
     sine = np.sin(np.pi * np.arange(straight.left.size - straight.before) / straight.intervals)
     taper = np.square(np.square(sine))
