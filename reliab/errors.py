@@ -1,5 +1,10 @@
 """Errors that a user can act on: each states the rule, the value found and the remedy."""
 
+from typing import Final
+
+INTERRUPTED: Final = 130
+"""Exit code after Ctrl-C, as shells give it."""
+
 _LONGEST_VALUE = 1000
 
 

@@ -160,7 +160,20 @@ def or_shipped(path: Path, kind: str, file: str) -> Path:
     -------
     pathlib.Path
         The path, or that of the shipped file.
+
+    Raises
+    ------
+    InputError
+        If it is neither; the message lists the names that there are.
     """
     if path.exists() or path.suffix or len(path.parts) != 1:
         return path
+    present = {entry.name for entry in _folder(kind).glob("*") if (entry / file).exists()}
+    listed = {name.removesuffix(f"/{file}") for name in checksums(kind) if name.endswith(f"/{file}")}
+    if path.name not in present | listed:
+        raise InputError(
+            "A name must be that of a file here, or of something that ships",
+            value=str(path),
+            remedy=f"Check the path, or name {' or '.join(sorted(present | listed))}",
+        )
     return shipped(kind, f"{path}/{file}")

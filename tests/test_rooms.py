@@ -42,7 +42,7 @@ GROUND = {
     "vocabulary",
 }
 """Files beside the rooms that every room may import, and that import no room."""
-DOORS = {"__init__", "api"}
+DOORS = {"__init__", "__main__", "api"}
 """Files beside the rooms through which Python users enter; `api` stands just above the sweep."""
 
 

@@ -31,9 +31,10 @@ from reliab.cli import (
 from reliab.cli import run as run_command
 from reliab.cli.defaults import read_defaults
 from reliab.cli.examples import example_of
+from reliab.cli.interruption import interruption
 from reliab.cli.output import write_what_can_be_written
 from reliab.cli.printable import printable
-from reliab.errors import IncompleteError, InputError
+from reliab.errors import INTERRUPTED, IncompleteError, InputError
 from reliab.stated_value import StatedValue
 from reliab.version import __version__
 
@@ -119,7 +120,8 @@ def run(arguments: Sequence[str]) -> int:
         rule = f"{error.strerror or error}"
         return _fail(f"{error.filename}: {rule}" if error.filename else rule, _BAD_INPUT)
     except SystemExit as end:
-        return end.code if isinstance(end.code, int) else 0
+        code = end.code if isinstance(end.code, int) else 0
+        return _fail(interruption(arguments), code) if code == INTERRUPTED else code
     return 0
 
 
@@ -182,7 +184,8 @@ def _show_warning(message: Warning | str, *_details: object, **_more: object) ->
 
 
 def _fail(message: str, code: int) -> int:
-    typer.secho(printable(f"Error: {message}"), err=True, fg=typer.colors.RED, color=_colour())
+    kind = "" if code == INTERRUPTED else "Error: "
+    typer.secho(printable(f"{kind}{message}"), err=True, fg=typer.colors.RED, color=_colour())
     return code
 
 

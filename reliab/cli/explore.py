@@ -6,7 +6,8 @@ from typing import Annotated
 import typer
 
 from reliab.cli.completion import metrics, results
-from reliab.cli.output import console
+from reliab.cli.options import JsonTarget
+from reliab.cli.output import console, write_json
 
 _MEGABYTE = 1e6
 
@@ -53,6 +54,7 @@ def explore(
     threshold: Threshold = None,
     confidence: Confidence = 0.95,
     metric: MetricName = None,
+    json_target: JsonTarget = None,
 ) -> None:
     """Write a web page that shows tolerable errors and judges the test files dropped on it, offline."""
     from reliab.explore import Settings, write_page
@@ -71,5 +73,7 @@ def explore(
         metric=metric,
     )
     write_page(out, lengths or windows, settings, source=f"the ellipses of {ellipses.name}")
-    size = out.stat().st_size / _MEGABYTE
-    console().print(f"{out}: {size:.1f} MB, open it in any browser.", highlight=False)
+    size = out.stat().st_size
+    answer = {"page": str(out), "bytes": size, "ellipses": ellipses.name, "windows": list(lengths or windows)}
+    if not write_json(answer, json_target):
+        console().print(f"{out}: {size / _MEGABYTE:.1f} MB, open it in any browser.", highlight=False)

@@ -85,9 +85,11 @@ def name_axes(axes: Axes, x: str, y: str) -> None:
 
 
 def legend_below(figure: Figure, *axes: Axes, columns: int = 4) -> None:
-    """Put one legend for all axes below them, where it can cover nothing; it names what these axes show."""
+    """Put one legend for all axes below them, where it can cover nothing; each name stands once."""
     entries = [entry for place in axes for entry in zip(*place.get_legend_handles_labels(), strict=True)]
-    handles, names = [handle for handle, _ in entries], [name for _, name in entries]
+    named = {name: handle for handle, name in reversed(entries)}
+    names = list(dict.fromkeys(name for _, name in entries))
+    handles = [named[name] for name in names]
     figure.legend(handles, names, loc="outside lower center", ncols=min(columns, len(names)))
 
 

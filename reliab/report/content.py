@@ -120,7 +120,8 @@ class _Writer:
             "tone": document.tone,
             "facts": [[literal(name), self._prose(text)] for name, text in document.facts.items() if text],
             "leading": [self._figure(figure) for figure in [document.leading_figure()] if figure],
-            "blocks": self._blocks(document.blocks),
+            "blocks": self._blocks(block for block in document.blocks if not _appended(block)),
+            "appendix": self._blocks(filter(_appended, document.blocks)),
             "sources": [{"label": source.label, "text": literal(source.text)} for source in self._sources],
             "provenance": [[literal(name), literal(text)] for name, text in document.provenance.items()],
             "sheet": document.sheet,
@@ -170,6 +171,7 @@ class _Writer:
                 return {
                     "kind": "section",
                     "opens": level == 1 and not self._document.sheet,
+                    "appendix": block.appendix,
                     "title": title,
                     "level": level,
                     "label": block.label,
@@ -217,6 +219,10 @@ class _Writer:
             else:
                 groups.append({"heading": self._prose(column.group), "span": 1, "named": bool(column.group)})
         return groups if any(group["named"] for group in groups) else []
+
+
+def _appended(block: Block) -> bool:
+    return isinstance(block, Section) and block.appendix
 
 
 def _cells(values: Sequence[Any], column: Column) -> list[dict[str, Any]]:

@@ -122,10 +122,8 @@ class Table:
     label: str = ""
 
     def __post_init__(self) -> None:
-        missing = [column.key for column in self.columns if column.key not in self.frame]
-        if missing:
-            message = f"The data frame of a table must have its columns; {', '.join(missing)} is missing."
-            raise ValueError(message)
+        if missing := [column.key for column in self.columns if column.key not in self.frame]:
+            raise ValueError(f"A table's data frame must have its columns; {', '.join(missing)} is missing.")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -166,11 +164,14 @@ class Section:
         What it holds.
     label : str, optional
         What references call it.
+    appendix : bool, optional
+        Whether it stands behind the others, in smaller type, beside words, provenance and references.
     """
 
     title: str
     blocks: "tuple[Block, ...]"
     label: str = ""
+    appendix: bool = False
 
 
 Block = Paragraph | Points | Remark | Equation | Table | Figure | Section
@@ -250,11 +251,9 @@ class Document:
         unknown = sorted(set(self.referred()) - set(labels))
         for rule, faulty in (("be used once", twice), ("name something in the report", unknown)):
             if faulty:
-                message = f"A label must {rule}; {', '.join(faulty)} does not."
-                raise ValueError(message)
+                raise ValueError(f"A label must {rule}; {', '.join(faulty)} does not.")
         if sum(figure.leads for figure in _figures(self.blocks)) > 1:
-            message = "One figure stands on the first page; two are marked so."
-            raise ValueError(message)
+            raise ValueError("One figure stands on the first page; two are marked so.")
 
     def leading_figure(self) -> Figure | None:
         """Figure of the first page, if there is one."""

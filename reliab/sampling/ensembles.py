@@ -179,7 +179,7 @@ def width_of(model: Model) -> int:
 def _sampler(model: Model, laplace: Laplace, width: int, backend: "Backend") -> "EnsembleSampler":
     from emcee import EnsembleSampler
 
-    return EnsembleSampler(
+    sampler = EnsembleSampler(
         width,
         len(model.parameters),
         model.log_posterior,
@@ -187,6 +187,8 @@ def _sampler(model: Model, laplace: Laplace, width: int, backend: "Backend") -> 
         moves=model.moves or laplace.moves,
         backend=backend,
     )
+    sampler.log_prob_fn = model.log_posterior  # without its wrapper, which prints every exception, Ctrl-C too
+    return sampler
 
 
 def _run(

@@ -112,14 +112,25 @@ def open_study(name: str | Path) -> Study:
     """
     path = Path(name)
     if not path.exists() and not path.suffix and len(path.parts) == 1:
-        path = shipped("studies", f"{name}.toml")
+        present = _shipped_files()
+        if path.name not in present:
+            raise InputError(
+                "A study is a TOML file, or the name of one that ships",
+                value=str(name),
+                remedy=f"Choose among {', '.join(present)}",
+            )
+        path = present[path.name]
     return read_study(path)
 
 
 def shipped_studies() -> dict[str, Study]:
     """Return every study that ships, by its name."""
+    return {name: read_study(path) for name, path in _shipped_files().items()}
+
+
+def _shipped_files() -> dict[str, Path]:
     folder = shipped("studies", f"{DEFAULT_STUDY}.toml").parent
-    return {path.stem: read_study(path) for path in sorted(folder.glob("*.toml"))}
+    return {path.stem: path for path in sorted(folder.glob("*.toml"))}
 
 
 def _fault(error: object) -> str:

@@ -41,12 +41,30 @@ def test_info_names_versions_and_what_ships(capsys):
     assert content["shipped"]["datasets"].endswith("MB")
 
 
-def test_an_interrupted_command_ends_with_130(monkeypatch):
+def test_an_interrupted_command_ends_with_130_and_a_sentence(monkeypatch, capsys):
     def interrupted(*_arguments, **_options):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("reliab.cli.info.describe", interrupted)
     assert run(["info"]) == 130
+    assert capsys.readouterr().err.strip() == "Interrupted. No file is half written; run the command again."
+
+
+@pytest.mark.parametrize("arguments", [["assess", "nothing", "--f", "1"], ["run", "nothing"]])
+def test_a_name_of_nothing_is_answered_by_the_names_that_there_are(arguments, capsys):
+    assert run(arguments) == 2
+    message = capsys.readouterr().err
+    assert "found nothing. " in message
+    assert ("sample_test" if arguments[0] == "assess" else "quick") in message
+
+
+def test_the_explorer_answers_in_json_too(tmp_path, capsys):
+    page = tmp_path / "page.html"
+    assert run(["explore", "--out", str(page), "--json", "-"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["bytes"] == page.stat().st_size
+    assert (answer["page"], answer["ellipses"]) == (str(page), "real_suite")
+    assert "record" in answer["windows"]
 
 
 @pytest.mark.parametrize("columns", ["40", "79"])

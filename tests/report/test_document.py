@@ -58,6 +58,13 @@ def test_one_figure_stands_on_the_first_page_and_there_only():
         document(figure("fig:a", leads=True), Section(title="S", blocks=(figure("fig:b", leads=True),)))
 
 
+def test_an_appendix_stands_behind_the_other_sections():
+    made = document(Section(title="Method", blocks=(), appendix=True), Section(title="Result", blocks=()))
+    content = json.loads(files_of(made)["document.json"])
+    assert [part["title"] for part in content["blocks"]] == ["Result"]
+    assert [part["title"] for part in content["appendix"]] == ["Method"]
+
+
 def test_a_table_needs_its_columns():
     with pytest.raises(ValueError, match="b is missing"):
         Table(frame=pd.DataFrame({"a": [1]}), columns=(Column(key="b", heading="b"),), caption="")

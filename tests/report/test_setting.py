@@ -4,12 +4,13 @@ import datetime as dt
 import json
 import re
 
+import pandas as pd
 import pytest
 import typst
 
 from reliab.errors import InputError
 from reliab.report.content import files_of
-from reliab.report.document import Document, Paragraph, Section
+from reliab.report.document import Column, Document, Paragraph, Section, Table
 from reliab.report.glossary import TERMS, glossary_of
 from reliab.report.pdf import compiled_report, templates
 from reliab.report.prose import plain_text
@@ -89,8 +90,35 @@ def test_every_explained_word_is_found_by_its_own_name():
 @pytest.mark.parametrize(("sections", "pages"), [(2, 1), (6, 3)])
 def test_a_short_report_has_no_page_of_contents(sections, pages):
     """One page, or a first page, and as many as sections of 65 mm need."""
+    assert pages_of(report(sections)) <= pages
+
+
+def pages_of(document):
     inputs = {"date": "2026-01-01", "version": "0"}
-    files = {**templates(), **files_of(report(sections))}
+    files = {**templates(), **files_of(document)}
     pngs = typst.compile(files, format="png", ignore_system_fonts=True, sys_inputs=inputs, ppi=10)
-    count = len(pngs) if isinstance(pngs, list) else 1
-    assert count <= pages
+    return len(pngs) if isinstance(pngs, list) else 1
+
+
+def test_sections_of_an_appendix_have_letters():
+    blocks = tuple(Section(title=f"S{k}", blocks=(), appendix=k == 0) for k in range(2))
+    document = Document(kind="Test", title="T", verdict="V", blocks=blocks)
+    inputs = {"date": "2026-01-01", "version": "0"}
+    files = {**templates(), **files_of(document)}
+    found = json.loads(
+        str(typst.query(files, "heading", field="numbering", ignore_system_fonts=True, sys_inputs=inputs))
+    )
+    assert found == ["1.1", "A.1"]
+
+
+def test_a_long_narrow_table_stands_in_two_halves():
+    """So that it needs fewer pages than one that takes the whole width."""
+    frame = pd.DataFrame({"x": [f"row {k}" for k in range(200)]})
+    narrow, wide = (
+        Table(frame=frame, columns=(Column(key="x", heading="X", wide=wide),), caption="C")
+        for wide in (False, True)
+    )
+    halves, whole = (
+        pages_of(Document(kind="Test", title="T", verdict="V", blocks=(table,))) for table in (narrow, wide)
+    )
+    assert (halves, whole) == (3, 4)

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from reliab.report.axes import label_logarithmic, legend_below, name_axes, plain
 from reliab.report.style import GREY, line, panels, styled
 
-_HEIGHT = 96.0
+_HEIGHT = 76.0
 _WIDTH = 120.0
 _PERCENT = 100.0
 

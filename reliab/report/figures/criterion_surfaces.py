@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from reliab.report.axes import DAMPING_RATIO, FREQUENCY, name_axes
 from reliab.report.style import INK, SEQUENTIAL, letters, panels, styled
 
-_HEIGHT = 74.0
+_HEIGHT = 58.0
 _MOST_LEVELS = 9
 _EDGE = 0.06
 _PREFERRED = ((1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8), (1, 1.5, 2.5, 4, 6), (1, 2, 5), (1, 3), (1,))

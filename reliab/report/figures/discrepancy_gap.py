@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from reliab.report.axes import TIME, name_axes, plain
 from reliab.report.style import BLUE, GREY, INK, VERMILION, panels, styled
 
-_PANEL_HEIGHT, _MARGIN = 42.0, 12.0
+_PANEL_HEIGHT, _MARGIN = 37.0, 12.0
 _MOST_SAMPLES = 3000
 _BAND = 2.0  # standard deviations of the noise
 

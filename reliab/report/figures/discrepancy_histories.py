@@ -7,12 +7,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from reliab.report.axes import name_axes
+from reliab.report.axes import legend_below, name_axes
 from reliab.report.style import BLUE, INK, VERMILION, panels, styled
 
 Array = NDArray[np.float64]
 
-_HEIGHT = 74.0
+_HEIGHT = 62.0
 _MOST_SAMPLES = 3000
 
 
@@ -56,7 +56,7 @@ def discrepancy_histories(shown: ModelledHistory) -> Figure:
         Above each other the calibrated model and the model with the effects; left over time, right over what
         drives the block.
     """
-    figure, axes = panels(2, 2, height=2.0 * _HEIGHT, ratios=(1.7, 1.0))
+    figure, axes = panels(2, 2, height=_HEIGHT, ratios=(1.7, 1.0))
     every = max(1, shown.time.size // _MOST_SAMPLES)
     cut = slice(None, None, every)
     for row, (values, colour, name) in enumerate(
@@ -66,7 +66,9 @@ def discrepancy_histories(shown: ModelledHistory) -> Figure:
         _lines(axes[row, 1], shown.driven[cut], shown.measured[cut], values[cut], colour, name)
         name_axes(axes[row, 0], "Time [s]" if row else "", shown.label)
         name_axes(axes[row, 1], shown.input_label if row else "", "")
-        axes[row, 0].legend(loc="upper right", ncols=2)
+    for place in axes[0]:
+        place.tick_params(labelbottom=False)
+    legend_below(figure, *axes[:, 0])
     return figure
 
 

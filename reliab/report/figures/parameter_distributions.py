@@ -13,7 +13,7 @@ from reliab.criterion.distributions import Distribution
 from reliab.report.axes import A_PARAMETER, B_PARAMETER, DENSITY_A, DENSITY_B, legend_below, name_axes
 from reliab.report.style import INK, PALE, letters, line, panels, styled
 
-_HEIGHT = 60.0
+_HEIGHT = 53.0
 _POINTS = 400
 _BODY = 0.97
 

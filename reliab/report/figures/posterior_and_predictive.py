@@ -11,7 +11,7 @@ from reliab.report.axes import A_PARAMETER, B_PARAMETER, label_logarithmic, lege
 from reliab.report.style import BLUE, GREEN, GREY, INK, PALE, VERMILION, letters, panels, styled
 from reliab.sampling.normal_inverse_chi_squared import NormalInverseChiSquared
 
-_HEIGHT = 98.0
+_HEIGHT = 88.0
 _POINTS = 241
 _TAIL = 1e-3
 _PERCENT = 100.0

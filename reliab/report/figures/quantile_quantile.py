@@ -9,7 +9,7 @@ from reliab.criterion.goodness_of_fit import QuantilePlot, quantile_plot
 from reliab.report.axes import label_logarithmic, legend_below, name_axes
 from reliab.report.style import BLUE, INK, PALE, letters, panels, styled
 
-_HEIGHT = 60.0
+_HEIGHT = 53.0
 
 
 @styled

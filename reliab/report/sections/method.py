@@ -22,7 +22,7 @@ def method_section(criterion: Criterion | None, *, experimental_fraction: float,
     Returns
     -------
     Section
-        With numbered equations.
+        With numbered equations, for the appendix.
     """
     parts = [_simulation(experimental_fraction, window), _indices(), _boundary(criterion)]
     if criterion is not None:
@@ -31,6 +31,7 @@ def method_section(criterion: Criterion | None, *, experimental_fraction: float,
         title="Method and assumptions",
         blocks=(*parts, _assumptions(experimental_fraction)),
         label="sec:method",
+        appendix=True,
     )
 
 

@@ -144,7 +144,7 @@ def appendix_section(reported: ReportedCriteria) -> Section:
         frame=shown,
         columns=(
             Column(key="motion", heading="Motion"),
-            Column(key="event", heading="Earthquake"),
+            *([] if _named_after_events(shown) else [Column(key="event", heading="Earthquake")]),
             *(column for name, column in optional.items() if name in shown),
             Column(key="a", heading=prose("$a$"), unit="-", number=Scientific()),
             Column(key="b", heading=prose("$b$"), unit="ms²", number=Significant()),
@@ -152,4 +152,12 @@ def appendix_section(reported: ReportedCriteria) -> Section:
         caption=caption,
         label="tab:motions",
     )
-    return Section(title="Ellipses of the motions", blocks=(table,))
+    return Section(title="Ellipses of the motions", blocks=(table,), appendix=True)
+
+
+def _named_after_events(motions: pd.DataFrame) -> bool:
+    """Tell whether every name begins with its earthquake, "KOBE/KJM000", which then needs no column."""
+    return all(
+        str(name).startswith(f"{event}/")
+        for name, event in zip(motions["motion"], motions["event"], strict=True)
+    )

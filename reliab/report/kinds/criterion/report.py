@@ -87,8 +87,8 @@ def criterion_report(
     if coverage is not None and len(coverage):
         blocks.append(rates_section(coverage, confidence=chosen.confidence))
     blocks += [
-        method_section(chosen, experimental_fraction=fraction, window=chosen.provenance.window),
         limits_section((*chosen.provenance.warnings, *notes)),
+        method_section(chosen, experimental_fraction=fraction, window=chosen.provenance.window),
         appendix_section(reported),
     ]
     return Document(

@@ -90,7 +90,6 @@ def paper_report(
         verdict=_verdict(numbers, contained),
         facts={**_facts(records, fraction), "Purpose": purpose},
         blocks=(
-            _numbers(numbers),
             loop_section(example),
             boundary_section(records, example),
             motions_section(records),
@@ -98,8 +97,9 @@ def paper_report(
             cases_section(cases),
             _promise(contained),
             errata_section(numbers),
-            method_section(None, experimental_fraction=fraction, window=window),
             limits_section((*_limits(numbers), *notes)),
+            _numbers(numbers),
+            method_section(None, experimental_fraction=fraction, window=window),
         ),
         provenance=provenance_of({**provenance, "records, SHA-256": records_checksum(ellipses)}),
         sources=SOURCES,
@@ -172,6 +172,7 @@ def _numbers(numbers: pd.DataFrame) -> Section:
             ),
         ),
         label="sec:all",
+        appendix=True,
     )
 
 

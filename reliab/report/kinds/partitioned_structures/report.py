@@ -143,4 +143,5 @@ def _shares(shares: pd.DataFrame) -> Section:
     return Section(
         title="Structures",
         blocks=(Table(frame=shares, columns=columns, caption=caption, label="tab:shares"),),
+        appendix=True,
     )

@@ -194,4 +194,5 @@ def _errors(rows: Sequence[Mapping[str, Any]]) -> Section:
     return Section(
         title="The error of each test",
         blocks=(Table(frame=frame, columns=columns, caption=caption, label="tab:errors"),),
+        appendix=True,
     )

@@ -77,7 +77,7 @@ def suites_report(
     if coverage is not None and len(coverage):
         division = f"learned from {names[-1]}, judged on {names[0]}"
         blocks.append(rates_section(coverage, confidence=confidence, division=division))
-    blocks += [method_section(None, experimental_fraction=1.0, window="record"), limits_section(notes)]
+    blocks += [limits_section(notes), method_section(None, experimental_fraction=1.0, window="record")]
     return Document(
         kind="Comparison of suites",
         title=title,

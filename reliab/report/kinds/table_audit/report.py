@@ -72,9 +72,9 @@ def table_audit_report(
         },
         blocks=(
             _disagreeing(rows, disagreeing),
-            _all(rows),
-            method_section(None, experimental_fraction=1.0, window="record"),
             limits_section(notes),
+            method_section(None, experimental_fraction=1.0, window="record"),
+            _all(rows),
         ),
         provenance=provenance_of(provenance),
         sources=SOURCES,
@@ -116,6 +116,7 @@ def _ratios(disagreeing: pd.DataFrame) -> Table:
         b_ratio=disagreeing["b"] / disagreeing["b_printed"],
         a_closed=disagreeing["a_after"] / disagreeing["a_printed"],
         b_closed=disagreeing["b_after"] / disagreeing["b_printed"],
+        difference=disagreeing["difference"].str.cat(disagreeing["detail"], sep="; ").str.removesuffix("; "),
     ).sort_values("gap_before", ascending=False)
     before, after = prose("before"), prose("after")
     chance = Fixed(decimals=1, factor=PERCENT)
@@ -125,8 +126,7 @@ def _ratios(disagreeing: pd.DataFrame) -> Table:
             Column(key="record", heading="Record"),
             Column(key="a_ratio", heading=prose("$a$"), number=Fixed(), group=before),
             Column(key="b_ratio", heading=prose("$b$"), number=Fixed(), group=before),
-            Column(key="difference", heading="Difference"),
-            Column(key="detail", heading="Detail", wide=True),
+            Column(key="difference", heading="Difference", wide=True),
             Column(key="a_closed", heading=prose("$a$"), number=Fixed(), group=after),
             Column(key="b_closed", heading=prose("$b$"), number=Fixed(), group=after),
             Column(key="chance", heading="Chance", unit="%", number=chance),
@@ -142,7 +142,6 @@ def _ratios(disagreeing: pd.DataFrame) -> Table:
 
 def _all(rows: pd.DataFrame) -> Section:
     shown = rows.assign(
-        number=np.arange(1, len(rows) + 1),
         a_ratio=rows["a"] / rows["a_printed"],
         b_ratio=rows["b"] / rows["b_printed"],
     )
@@ -162,7 +161,6 @@ def _all(rows: pd.DataFrame) -> Section:
                     Column(key="b_ratio", heading="ratio", number=Fixed(), group=b),
                     Column(key="error_printed", heading="printed", number=Significant(), group=error),
                     Column(key="error", heading="simulated", number=Significant(), group=error),
-                    Column(key="difference", heading="Difference"),
                 ),
                 caption=prose(
                     "Every row of Table 2, printed and simulated from the raw record; “error” is the sum of "
@@ -171,6 +169,7 @@ def _all(rows: pd.DataFrame) -> Section:
                 label="tab:all",
             ),
         ),
+        appendix=True,
     )
 
 

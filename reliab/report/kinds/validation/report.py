@@ -93,8 +93,8 @@ def validation_report(
     if cases is not None:
         blocks.append(cases_section(cases))
     blocks += [
-        method_section(None, experimental_fraction=experimental_fraction, window=window),
         limits_section(notes),
+        method_section(None, experimental_fraction=experimental_fraction, window=window),
     ]
     verdict, tone = _verdict(next(iter(rates.values())), confidence)
     return Document(

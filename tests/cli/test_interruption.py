@@ -1,0 +1,77 @@
+"""Ctrl-C in a long command: one sentence, exit code 130, and nothing that was finished is lost."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from reliab.cli import run
+from reliab.cli.interruption import interruption
+
+CHAINS = ("--method", "hierarchical", "--joint", "--chains", "chains.h5")
+STRUCTURE = ("--f", "1", "--xi", "0.02")
+COMMANDS = {
+    "simulate": ("simulate", "--motions", "synthetic", *STRUCTURE, "--out", "results.zarr"),
+    "run": ("run", "quick", "--out", "run"),
+    "criterion": ("criterion", "--ellipses", "real_suite", *STRUCTURE, *CHAINS),
+    "diagnose": ("diagnose", "rig_a", "--out", "diagnosis"),
+    "ellipses": ("ellipses", "--motions", "synthetic", *STRUCTURE, "--out", "ellipses.nc"),
+    "validate": ("validate", "--rebuilt-error", *STRUCTURE),
+    "monitor": ("monitor", "sample_test", *STRUCTURE),
+    "report": ("report", "run"),
+    "explore": ("explore", "--out", "criterion.html"),
+}
+RUNNING = {"explore": 1.5, "report": 0.8, "monitor": 4.0}  # s from its start to Ctrl-C; else as long as this:
+LONG = 7.0
+LONGEST_ANSWER = 30.0  # s
+SILENT_IMPORT = 0.1  # s
+
+
+def interrupted(arguments, folder, after):
+    """Run a command, press Ctrl-C, and return its exit code and what it said of it."""
+    with subprocess.Popen(  # noqa: S603
+        [sys.executable, "-m", "reliab", *arguments],
+        cwd=folder,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])},
+    ) as process:
+        time.sleep(after)
+        assert process.poll() is None, "it ended before Ctrl-C"
+        process.send_signal(signal.SIGINT)
+        _, messages = process.communicate(timeout=LONGEST_ANSWER)
+        return process.returncode, messages.strip()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name == "nt", reason="Windows sends Ctrl-C to a console, not to a process")
+@pytest.mark.parametrize("name", COMMANDS)
+def test_a_long_command_ends_with_one_sentence(name, tmp_path):
+    if name == "report":
+        assert run(["run", "quick", "--out", str(tmp_path / "run")]) == 0
+    code, messages = interrupted(COMMANDS[name], tmp_path, RUNNING.get(name, LONG))
+    assert code == 130
+    assert messages == interruption(COMMANDS[name])
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name == "nt", reason="Windows sends Ctrl-C to a console, not to a process")
+def test_what_was_finished_is_kept_and_gone_on_from(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    simulate = ("simulate", "--motions", "synthetic", *STRUCTURE, "--out", "results.zarr")
+    code, messages = interrupted(simulate, tmp_path, LONG)
+    assert code == 130
+    assert "go on with --resume" in messages
+    assert run([*simulate, "--resume"]) == 0
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows sends Ctrl-C to a console, not to a process")
+def test_ctrl_c_while_modules_are_imported_is_no_traceback(tmp_path):
+    code, messages = interrupted(["monitor", "-", *STRUCTURE], tmp_path, SILENT_IMPORT)
+    assert code in (130, -signal.SIGINT)  # the latter while Python itself starts
+    assert "reliab/cli" not in messages
