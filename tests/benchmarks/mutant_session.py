@@ -16,12 +16,12 @@ from benchmarks.mutant_places import ROOT, Mutant, home, mutated
 from benchmarks.mutant_tests import OPTIONS, Chosen, in_fresh_process, module_of, outcome, stale
 
 Work = tuple[Mutant, list[str], float]
-"""A change, the names of the tests that try it, and the time that they may take [s]."""
+"""A change, the names of the tests that try it, and the processor time that they may take [s]."""
 
 
 def judge_together(tests: list[str], work: list[Work], note: Callable[[Mutant, str], None]) -> None:
     """Try changes in one session of the tests; note the outcome of those whose code can be replaced."""
-    in_fresh_process(lambda: int(pytest.main([*OPTIONS, *tests], plugins=[_Session(work, note)])), 1e6)
+    in_fresh_process(lambda: int(pytest.main([*OPTIONS, *tests], plugins=[_Session(work, note)])))
 
 
 class _Session:

@@ -6,7 +6,9 @@ import importlib
 import importlib.abc
 import importlib.util
 import json
+import math
 import os
+import resource
 import signal
 import sys
 import tempfile
@@ -29,6 +31,7 @@ from benchmarks.mutant_places import (
     mutated,
     parsed,
 )
+from benchmarks.slowest_tests import processor_time
 
 if TYPE_CHECKING:
     import coverage
@@ -42,16 +45,17 @@ OPTIONS = [
     *("-n", "0", "-q", "-p", "no:cacheprovider", "-p", "no:unraisableexception"),
     *("-W", "ignore::pytest.PytestAssertRewriteWarning"),
 ]
-_BUDGET = 60.0  # s for all tests of a change
+_BUDGET = 60.0  # s of processor time for all tests of a change
+_LONGEST_WAIT = 3600.0  # s on the clock for a change whose tests wait without working
 FIXTURE = "fixture:"
 
 
 class Recorder:
-    """Plugin that names each test to coverage, and notes its time and its shared fixtures."""
+    """Plugin that names each test to coverage, and notes its processor time and its shared fixtures."""
 
     def __init__(self, measurement: "coverage.Coverage") -> None:
         self.measurement = measurement
-        self.seconds: dict[str, float] = defaultdict(float)
+        self.seconds: dict[str, float] = {}
         self.fixtures: dict[str, list[str]] = {}
         self.current = ""
 
@@ -60,7 +64,9 @@ class Recorder:
         self.current = item.nodeid
         self.fixtures[item.nodeid] = list(getattr(item, "fixturenames", []))
         self.measurement.switch_context(item.nodeid)
+        start = processor_time()
         yield
+        self.seconds[item.nodeid] = processor_time() - start
         self.measurement.switch_context("")
 
     @pytest.hookimpl(wrapper=True)
@@ -74,7 +80,6 @@ class Recorder:
             self.measurement.switch_context(self.current)
 
     def pytest_runtest_logreport(self, report):
-        self.seconds[report.nodeid] += report.duration
         if report.failed:
             sys.exit(f"{report.nodeid} fails without any change")
 
@@ -170,10 +175,10 @@ def stale(mutant: Mutant) -> set[str]:
 
 
 def measured_reach(room: str, tests: list[str]) -> dict:
-    """Run the tests of a room once; which lines each reaches, and how long it takes [s]."""
+    """Run the tests of a room once; which lines each reaches, and the processor time it takes [s]."""
     with tempfile.TemporaryDirectory() as name:
         answer = Path(name) / "reach.json"
-        code = in_fresh_process(lambda: _measure(tests, answer), seconds=3600.0)
+        code = in_fresh_process(lambda: _measure(tests, answer))
         if code != 0:
             sys.exit(f"the tests of {room} must pass without any change: code {code}")
         return json.loads(answer.read_text())
@@ -197,14 +202,16 @@ def _measure(tests: list[str], answer: Path) -> int:
 
 
 def judge(mutant: Mutant, names: list[str], seconds: float) -> str:
-    """Run tests on a change, imported anew: killed, survived, or endless where they take too long."""
+    """Run tests on a change, imported anew, and say what came of it, as `outcome`."""
     if not names:
         return "unreached"
     return outcome(in_fresh_process(lambda: _try(mutant, names), seconds))
 
 
-def outcome(code: int | None) -> str:
-    return "endless" if code is None else "survived" if code == 0 else "killed"
+def outcome(code: int) -> str:
+    """What the end of a process says: endless used up its processor time, stuck waited or lacked memory."""
+    ends = {0: "survived", -signal.SIGXCPU: "endless", -signal.SIGKILL: "stuck"}
+    return ends.get(code, "killed")
 
 
 def _try(mutant: Mutant, names: list[str]) -> int:
@@ -252,14 +259,20 @@ class _Changed(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         exec(compile(self.tree, str(self.path), "exec"), module.__dict__)  # noqa: S102 - our own source
 
 
-def in_fresh_process(work: Callable[[], int], seconds: float) -> int | None:
-    """Do work in a copy of this process, where large libraries are loaded; its code, or None after a time."""
+def in_fresh_process(work: Callable[[], int], seconds: float | None = None) -> int:
+    """Do work in a copy of this process, where large libraries are loaded, and return its code.
+
+    The limit is processor time, which the kernel counts: neither load nor a pause ends the work.
+    """
     for name in _HEAVY:
         importlib.import_module(name)
     gc.freeze()
     child = os.fork()
     if child == 0:
         os.setsid()
+        if seconds is not None:
+            limit = resource.getrlimit(resource.RLIMIT_CPU)[1]
+            resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(seconds), limit))
         sys.stdout.flush()
         silence = os.open(os.devnull if not os.environ.get("MUTANTS_SHOW") else "/dev/stderr", os.O_WRONLY)
         os.dup2(silence, 1)
@@ -271,12 +284,11 @@ def in_fresh_process(work: Callable[[], int], seconds: float) -> int | None:
             traceback.print_exc()
         finally:
             os._exit(code)
-    end = time.monotonic() + seconds
+    end = time.monotonic() + (math.inf if seconds is None else _LONGEST_WAIT)
     while time.monotonic() < end:
         finished, status = os.waitpid(child, os.WNOHANG)
         if finished:
             return os.waitstatus_to_exitcode(status)
         time.sleep(0.02)
     os.killpg(child, signal.SIGKILL)
-    os.waitpid(child, 0)
-    return None
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])

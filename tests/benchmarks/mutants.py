@@ -9,6 +9,10 @@ Code that is compiled is reached by whatever calls it by name. Nothing on disk i
 A mutant is a line of the output as soon as it is judged, so that a run that is stopped loses nothing and one
 that is started again with the same seed goes on. Slow tests are left out. Changes that no test can notice
 are listed with their reasons in equivalent_mutants.toml and count neither way.
+
+Limits are processor time, so that a busy machine does not decide. "endless" is a change whose tests use a
+minute and five times what they used without it: it counts as noticed. "stuck" is one whose tests wait for
+nothing, or want more memory than there is: it does not count as noticed.
 """
 
 import argparse
