@@ -1,12 +1,17 @@
 """What the documentation site tells its readers to type works."""
 
+import json
+import os
 import re
 import shlex
+import subprocess
+import sys
+import tomllib
 
 import matplotlib as mpl
 import pytest
 from pages import PAGES, SITE, code, commands, name_of
-from written_commands import command_blocks, parameters, reliab_lines
+from written_commands import blocks, command_blocks, parameters, reliab_lines
 
 from reliab.cli import run
 
@@ -57,6 +62,32 @@ def test_the_cluster_on_a_page_is_the_one_that_the_readme_s_test_starts():
     (block,) = [block for page in PAGES for block in commands(page) if "dask" in str(block)]
     without_port = [[re.sub(r":?\b879\d", "", line) for line in lines] for lines in (*started, block)]
     assert without_port[0][: len(block)] == without_port[-1]
+
+
+def test_the_plugin_on_its_page_is_known_by_its_name(tmp_path):
+    """Its files as the page prints them, laid out as `pip install` lays them out."""
+    page = (SITE / "guides" / "plugins.md").read_text(encoding="utf-8")
+    (module,) = blocks(page, "python")
+    name = re.match(r"# (\w+)\.py\n", module)[1]
+    project = tomllib.loads(blocks(page, "toml")[0])["project"]
+    ((group, items),) = project["entry-points"].items()
+    about = tmp_path / f"{name}-{project['version']}.dist-info"
+    about.mkdir()
+    (tmp_path / f"{name}.py").write_text(module, encoding="utf-8")
+    (about / "METADATA").write_text(f"Name: {project['name']}\nVersion: 1\n", encoding="utf-8")
+    lines = [f"[{group}]", *(f"{item} = {where}" for item, where in items.items())]
+    (about / "entry_points.txt").write_text("\n".join(lines), encoding="utf-8")
+    command = ["criterion", "--ellipses", "real_suite", "--f", "1", "--xi", "0.02", "--method", "least"]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(SITE.parents[1]), str(tmp_path)])}
+    done = subprocess.run(  # noqa: S603
+        [sys.executable, "-m", "reliab", *command, "--json", "-"],
+        env=environment,
+        check=True,
+        capture_output=True,
+    )
+    limits = json.loads(done.stdout)["criteria"][0]
+    assert limits["method"] == "least"
+    assert limits["b"] > 0.0
 
 
 def test_every_link_between_pages_leads_somewhere():

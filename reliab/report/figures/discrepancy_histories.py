@@ -64,8 +64,9 @@ def discrepancy_histories(shown: ModelledHistory) -> Figure:
     ):
         _lines(axes[row, 0], shown.time[cut], shown.measured[cut], values[cut], colour, name)
         _lines(axes[row, 1], shown.driven[cut], shown.measured[cut], values[cut], colour, name)
-        name_axes(axes[row, 0], "Time [s]" if row else "", shown.label)
+        name_axes(axes[row, 0], "Time [s]" if row else "", "")
         name_axes(axes[row, 1], shown.input_label if row else "", "")
+    figure.supylabel(shown.label, fontsize="medium")
     for place in axes[0]:
         place.tick_params(labelbottom=False)
     legend_below(figure, *axes[:, 0])
