@@ -1,0 +1,218 @@
+"""Spectra, their segments and their smoothing, by their definitions."""
+
+import numpy as np
+import pytest
+import scipy
+from scipy.stats import norm
+
+from reliab.discrepancy.campaign.campaign import Stretch
+from reliab.discrepancy.spectra import smoothing
+from reliab.discrepancy.spectra.noise import (
+    CORNERS,
+    NoiseModel,
+    Periodogram,
+    fit_noise,
+    line_places,
+    mains_frequencies,
+    near_mains,
+    spectral_shapes,
+)
+from reliab.discrepancy.spectra.quantisation import converter_step, expected_error
+from reliab.discrepancy.spectra.segment import Segment, _value_and_slope, cut_segments, energy_of
+from reliab.discrepancy.spectra.smoothing import (
+    _averaged,
+    _share,
+    harmonics_up_to,
+    highest_frequency,
+    reliable_frequency,
+)
+from reliab.discrepancy.spectra.starting import answered, settled
+from reliab.loop.hybrid_test import Motion3
+from reliab.loop.structure import Structure
+
+RATE = 256.0
+VALUES = np.random.default_rng(1).standard_normal(1200)
+
+
+def test_a_segment_has_the_fourier_sums_of_its_samples_up_to_its_highest_frequency():
+    segment = Segment(test=0, begin=100, end=900, rate=RATE, highest=12.0)
+    assert segment.bins == 38  # 12 Hz lie 37.5 spacings of 0.32 Hz up
+    assert segment.frequency == pytest.approx(0.32 * np.arange(38))
+    turns = np.exp(-2j * np.pi * np.outer(np.arange(38), np.arange(800)) / 800)
+    assert segment.spectrum(VALUES) == pytest.approx(turns @ VALUES[100:900] / np.sqrt(800.0))
+    power = segment.periodogram(VALUES)
+    assert power.frequency == pytest.approx(0.32 * np.arange(1, 401))
+    assert power.power[:37] == pytest.approx(np.abs(segment.spectrum(VALUES)[1:]) ** 2)
+    noise = NoiseModel(rate=RATE, weights=np.arange(1.0, 9.0))
+    assert segment.density(noise) == pytest.approx(noise.density(segment.frequency))
+
+
+def test_the_energy_of_a_spectrum_is_that_of_the_signal():
+    """Parseval, for a signal without power at the Nyquist frequency, which has no partner."""
+    segment = Segment(test=0, begin=0, end=801, rate=RATE, highest=0.5 * RATE)
+    assert energy_of(segment.spectrum(VALUES)) == pytest.approx(VALUES[:801] @ VALUES[:801])
+
+
+@pytest.mark.parametrize("place", [0, 1, 2, 3, 40, 77, 78, 79, 80])
+def test_value_and_slope_are_exact_for_quadratics_also_beyond_the_last_sample(place):
+    at = np.arange(80.0)
+    values = 2.0 - 0.3 * at + 0.04 * at**2
+    expected = (2.0 - 0.3 * place + 0.04 * place**2, -0.3 + 0.08 * place)
+    assert _value_and_slope(values, place) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(("stretches", "parts"), [(1, 4), (2, 2), (3, 1), (4, 1), (5, 1)])
+@pytest.mark.parametrize("every", [1, 3])
+def test_there_are_at_least_three_segments_of_lengths_that_transform_fast(stretches, parts, every):
+    given = [Stretch(test=k, begin=10 + k, end=3000 + k) for k in range(stretches)]
+    segments = cut_segments(given, RATE, lambda test: 10.0 + test, every)
+    assert len(segments) == stretches * parts
+    for number, segment in enumerate(segments):
+        stretch = given[number // parts]
+        assert (segment.test, segment.highest, segment.rate) == (stretch.test, 10.0 + stretch.test, RATE)
+        edges = np.linspace(stretch.begin, stretch.end, parts + 1).astype(int)[number % parts :][:2]
+        assert edges[0] <= segment.begin < edges[0] + every
+        assert segment.begin % every == 0
+        length = (segment.end - segment.begin) // every
+        assert length * every == segment.end - segment.begin
+        room = (edges[1] - segment.begin) // every
+        assert length == scipy.fft.prev_fast_len(int(room), real=True)
+
+
+def test_the_highest_frequency_is_45_hz_or_five_natural_ones_within_the_rate():
+    assert highest_frequency(1000.0) == 45.0
+    assert highest_frequency(100.0) == pytest.approx(40.0)
+    for natural, highest in ((8.9, 45.0), (10.0, 50.0), (100.0, 400.0)):
+        structure = Structure(frequency=natural, damping_ratio=0.05)
+        assert highest_frequency(1000.0, structure) == pytest.approx(highest)
+
+
+@pytest.mark.parametrize(("second", "expected"), [(0.0, 22.0), (0.1, 22.0), (0.2, 0.0)])
+def test_a_sine_has_harmonics_up_to_the_eleventh(second, expected):
+    """Of a second sine's power, a², at most 2 % of the whole may lie elsewhere."""
+    time = np.arange(5120) / RATE
+    wave = np.sin(2.0 * np.pi * 2.0 * time) + second * np.sin(2.0 * np.pi * 3.1 * time) + 0.3 * time
+    assert harmonics_up_to(wave, 1.0 / RATE) == pytest.approx(expected)
+
+
+def test_power_is_averaged_over_a_band_that_widens_and_ends_at_the_border():
+    frequency = 0.05 * np.arange(1001)
+    power = np.random.default_rng(2).exponential(size=1001)
+    found = _averaged(frequency, power, 30.0)
+    for place in (0, 1, 40, 590, 600, 601, 640, 999, 1000):
+        reach = max(int((0.2 + 0.1 * frequency[place]) / 0.05 + 1e-9), 3)
+        inside = np.abs(np.arange(1001) - place) <= reach
+        inside &= (frequency <= 30.0 + 1e-9) == (frequency[place] <= 30.0 + 1e-9)
+        assert found[place] == pytest.approx(power[inside].mean()), place
+
+
+def test_the_share_of_a_signal_is_wieners():
+    frequency = np.array([1.0, 2.0, 3.0, 4.0, 50.0])
+    whole, floor = np.array([10.0, 2.49, 2.51, 1.0, 10.0]), np.ones(5)
+    assert _share(frequency, whole, floor, 45.0) == pytest.approx([0.9, 0.0, 1.51 / 2.51, 0.0, 0.0])
+    assert _share(np.array([45.0]), np.array([4.0]), np.ones(1), 45.0) == pytest.approx([0.75])
+
+
+def test_displacements_are_reliable_where_most_of_them_are_clear(monkeypatch):
+    """Fifty times the noise's power, at the median of the tests, and 1 Hz at least."""
+    frequency = np.arange(0.0, 60.0, 0.5)
+
+    def spectra(last, *_):
+        return None, frequency, np.where(frequency <= last, 51.0, 49.0), np.ones(frequency.size)
+
+    monkeypatch.setattr(smoothing, "_spectra", spectra)
+    assert reliable_frequency([4.0, 9.0, 30.0], 0.01, 45.0) == 9.0
+    assert reliable_frequency([55.0], 0.01, 45.0) == 45.0
+    assert reliable_frequency([0.5], 0.01, 45.0) == 1.0
+    assert reliable_frequency([-1.0], 0.01, 45.0) == 1.0
+
+
+@pytest.mark.parametrize("share", [0.03, 0.06, 0.2, 0.449])
+def test_the_error_of_a_converter_is_the_mean_over_normal_noise(share):
+    """E[round(u + z)] = Σ k (Φ((k + ½ − u)/σ) − Φ((k − ½ − u)/σ))."""
+    step, level = 0.2, 0.05
+    values = np.linspace(-0.5, 0.5, 23) + 0.003
+    turns = (values - level) / step
+    k = np.arange(-9.0, 10.0)[:, np.newaxis]
+    chance = norm.cdf((k + 0.5 - turns) / share) - norm.cdf((k - 0.5 - turns) / share)
+    expected = step * ((k * chance).sum(axis=0) - turns)
+    exact = share < 0.05  # there the noise is left out
+    assert expected_error(values, step, share * step, level) == pytest.approx(
+        step * (np.round(turns) - turns) if exact else expected, abs=1e-9 if exact else 1e-6
+    )
+
+
+def test_converters_have_three_levels_and_four_samples_for_each():
+    assert converter_step(np.tile([0.0, 0.1, 0.3], 9)) == pytest.approx(0.1)
+    assert converter_step(np.tile([0.0, 0.1], 9)) == 0.0
+    levels = 0.5 * np.arange(8.0)
+    assert converter_step(np.concatenate([levels, np.zeros(25)])) == 0.5
+    assert converter_step(np.concatenate([levels, np.zeros(24)])) == 0.0
+    for off, step in ((0.019, 0.5), (0.021, 0.0)):
+        slanted = np.tile(levels + np.array([0.0] * 7 + [0.5 * off]), 9)
+        assert converter_step(slanted) == pytest.approx(step)
+
+
+def test_the_fitted_weights_are_where_the_likelihood_does_not_rise():
+    """Of Σ n (ln S + P/S) the slope by a weight vanishes, or falls for a weight that is nothing."""
+    frequency = np.linspace(0.5, 127.0, 2000)
+    power = np.random.default_rng(3).exponential(size=2000) * (1.0 + 40.0 / (1.0 + (frequency / 4.0) ** 2))
+    found = fit_noise([Periodogram(frequency=frequency, power=power)], RATE)
+    shapes = spectral_shapes(frequency, RATE)
+    density = found.density(frequency)
+    slopes = shapes @ (1.0 / density - power / density**2) / np.sum(shapes / density, axis=1)
+    large = found.weights > 0.02 * found.weights.max()
+    assert np.abs(slopes[large]).max() < 0.03
+    assert slopes.min() > -0.03
+    assert found.weights.size == 1 + len(CORNERS)
+
+
+def test_pickup_lies_within_seven_tenths_of_a_hertz():
+    lines = np.array(mains_frequencies(500.0))
+    assert near_mains(lines + 0.69, 500.0).all()
+    assert near_mains(lines - 0.69, 500.0).all()
+    assert not near_mains(lines + 0.71, 500.0).any()
+    assert 350.0 in lines
+    assert 400.0 not in lines
+    assert not near_mains(np.array([4.0]), 10.0).any()
+
+
+def test_a_line_is_twelve_times_its_surroundings_and_six_tenths_of_a_hertz_wide():
+    frequency = 0.1 * np.arange(1, 2001)
+    place = 499  # 50 Hz
+    for height, count in ((11.0, 0), (13.0, 1)):
+        power = np.ones(2000)
+        power[place + 5] = height
+        found = line_places(Periodogram(frequency=frequency, power=power), 256.0)
+        assert len(found) == count
+        if count:
+            assert frequency[found[0][0]] == pytest.approx(49.5, abs=0.11)
+            assert frequency[found[0][1] - 1] == pytest.approx(50.5, abs=0.11)
+    beside = np.ones(2000)
+    beside[place + 8] = 100.0
+    assert line_places(Periodogram(frequency=frequency, power=beside), 256.0) == []
+    few = Periodogram(frequency=frequency[:2], power=np.array([1.0, 99.0]))
+    assert line_places(few, 256.0) == []
+
+
+def motion(velocity):
+    return Motion3(step=0.01, values=np.stack([np.cumsum(velocity), velocity, np.gradient(velocity)]))
+
+
+@pytest.mark.parametrize(("first", "begins_late"), [(0.09, False), (0.11, True)])
+def test_a_record_begins_in_motion_from_a_tenth_of_the_usual_velocity(first, begins_late):
+    velocity = np.sqrt(2.0) * np.sin(2.0 * np.pi * np.arange(2000) / 100.0)
+    usual = np.sqrt(np.mean(velocity**2))
+    velocity[:5] = first * usual
+    begin = settled([Stretch(test=0, begin=0, end=2000)], [motion(velocity)])[0].begin
+    # the third reversal comes after 1.5 swings, where the motion has left the tenth again
+    assert begin == (152 if begins_late else 0)
+
+
+def test_an_end_is_left_out_up_to_a_fifth():
+    still = motion(np.ones(1000))
+    for seconds, end in ((0.5, 950), (1.99, 801), (2.5, 800)):
+        assert answered([Stretch(test=0, begin=5, end=1000)], [still], seconds)[0].end == end
+    at = Stretch(test=0, begin=950, end=1000)
+    assert answered([at], [still], 0.5) == (at,)
+    assert answered([Stretch(test=0, begin=949, end=1000)], [still], 0.5)[0].end == 950
