@@ -1,0 +1,344 @@
+"""Fits of models that are linear in their coordinates, where every answer has a closed form."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy import optimize, stats
+
+from reliab.discrepancy.fitting.fit import Fit, bounded_step, fit, improved, jacobian
+from reliab.discrepancy.fitting.left_out import LeftOut, _determined, refitted
+from reliab.discrepancy.fitting.observations import observations
+from reliab.discrepancy.fitting.problem import Problem, real_parts, relative_powers
+from reliab.discrepancy.fitting.screening import screened
+from reliab.discrepancy.spectra.noise import NoiseModel
+from reliab.discrepancy.spectra.segment import Segment
+
+ROWS, SIZE = 60, 4
+RNG = np.random.default_rng(1)
+MATRIX = RNG.standard_normal((ROWS, SIZE)) * [3.0, 1.0, 10.0, 0.3]
+TARGET = RNG.standard_normal(ROWS) + MATRIX @ [0.5, -1.0, 0.2, 2.0]
+NOISE = NoiseModel.white(100.0, 1.0)
+
+
+class Linear:
+    """A problem whose whitened residual is the target minus a matrix times the coordinates."""
+
+    def __init__(self):
+        self.simulated = 0
+
+    @property
+    def sketch(self):
+        return self
+
+    def whitened(self, _space, coordinates, _noise):
+        self.simulated += 1
+        return TARGET - MATRIX @ coordinates
+
+    def log_volume(self, _noise):
+        return -7.0
+
+
+def space_of(reach=np.inf):
+    bounds = (np.full(SIZE, -reach), np.full(SIZE, reach))
+    return SimpleNamespace(bounds=bounds, size=SIZE, effects=(), places=lambda effect: effect)
+
+
+def stacked():
+    """The rows of the data and of the normal prior."""
+    return np.vstack([MATRIX, np.eye(SIZE)]), np.concatenate([TARGET, np.zeros(SIZE)])
+
+
+def test_a_linear_model_is_fitted_by_ridge_regression_and_in_few_steps():
+    problem = Linear()
+    found = fit(problem, space_of(), [np.zeros(SIZE), np.ones(SIZE)], NOISE)
+    assert found.coordinates == pytest.approx(np.linalg.lstsq(*stacked(), rcond=None)[0], abs=0.05)
+    assert found.jacobian == pytest.approx(-MATRIX, abs=1e-8)
+    assert found.residual == pytest.approx(TARGET - MATRIX @ found.coordinates)
+    assert problem.simulated < 40
+
+
+@pytest.mark.parametrize("reach", [0.1, 0.6])
+def test_a_fit_within_bounds_is_that_of_bounded_least_squares(reach):
+    expected = optimize.lsq_linear(*stacked(), bounds=(-reach, reach)).x
+    found = fit(Linear(), space_of(reach), [np.zeros(SIZE)], NOISE)
+    assert found.coordinates == pytest.approx(expected, abs=0.05)
+    on_bound = np.isclose(np.abs(expected), reach, rtol=1e-6)
+    assert (found.free == ~on_bound).all()
+    assert on_bound.any()
+
+
+def test_the_best_of_several_starts_is_kept_by_likelihood_and_prior():
+    """Two optima, of which one fits a little better and the other is far more probable beforehand."""
+
+    class TwoOptima(Linear):
+        def whitened(self, _space, coordinates, _noise):
+            x = coordinates[0]
+            return np.array([10.0 * min(abs(x - 5.0), abs(x - 0.5) + 0.02)])
+
+    bounds = (np.full(1, -9.0), np.full(1, 9.0))
+    space = SimpleNamespace(bounds=bounds, size=1, effects=())
+    found = fit(TwoOptima(), space, [np.array([4.9]), np.array([0.6])], NOISE)
+    assert found.coordinates[0] == pytest.approx(0.5, abs=0.1)
+
+
+def test_the_evidence_of_a_linear_model_is_the_marginal_density():
+    """Of y = A x + e, with normal x and e, the density is that of a normal y with covariance A Aᵀ + 1."""
+    best = np.linalg.lstsq(*stacked(), rcond=None)[0]
+    exact = Fit(
+        space=space_of(),
+        coordinates=best,
+        residual=TARGET - MATRIX @ best,
+        jacobian=-MATRIX,
+        noise=NOISE,
+        log_volume=-0.5 * ROWS * np.log(2.0 * np.pi),
+    )
+    covariance = MATRIX @ MATRIX.T + np.eye(ROWS)
+    assert exact.log_evidence == pytest.approx(stats.multivariate_normal(cov=covariance).logpdf(TARGET))
+    assert exact.covariance == pytest.approx(np.linalg.inv(MATRIX.T @ MATRIX + np.eye(SIZE)))
+    assert exact.log_likelihood == pytest.approx(stats.norm.logpdf(exact.residual).sum())
+
+
+def test_derivatives_step_away_from_the_upper_bound():
+    steps = []
+
+    class Watched(Linear):
+        def whitened(self, space, coordinates, noise):
+            steps.append(coordinates)
+            return super().whitened(space, coordinates, noise)
+
+    at = np.array([0.5, 0.4995, -0.5, 0.498])
+    assert jacobian(Watched(), space_of(0.5), at, NOISE) == pytest.approx(-MATRIX, abs=1e-8)
+    moved = np.array(steps[1:]) - steps[0]
+    assert np.diag(moved) == pytest.approx([-1e-3, -1e-3, 1e-3, 1e-3])
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.5, 20.0])
+def test_a_bounded_step_minimises_the_damped_quadratic_model(damping):
+    curvature = MATRIX.T @ MATRIX + np.eye(SIZE)
+    slope = np.array([4.0, -9.0, 2.0, 1.0])
+    damped = curvature + damping * np.diag(np.diag(curvature))
+    far, near = np.full(SIZE, 99.0), np.array([1e-3, 2e-2, 9.0, 1e-3])
+    assert bounded_step(curvature, slope, -far, far, damping) == pytest.approx(
+        -np.linalg.solve(damped, slope)
+    )
+    found = bounded_step(curvature, slope, -near, near, damping)
+    expected = optimize.minimize(
+        lambda x: slope @ x + 0.5 * x @ damped @ x,
+        np.zeros(SIZE),
+        jac=lambda x: slope + damped @ x,
+        bounds=list(zip(-near, near, strict=True)),
+        method="L-BFGS-B",
+        options={"ftol": 1e-15, "gtol": 1e-10},
+    ).x
+    assert found == pytest.approx(expected, abs=1e-6)
+
+
+def at(coordinates):
+    return Fit(
+        space=space_of(),
+        coordinates=coordinates,
+        residual=TARGET - MATRIX @ coordinates,
+        jacobian=-MATRIX,
+        noise=NOISE,
+        log_volume=0.0,
+    )
+
+
+def test_a_fit_improves_from_anywhere_and_not_beyond_its_steps():
+    start = at(np.full(SIZE, 30.0))
+    best = np.linalg.lstsq(*stacked(), rcond=None)[0]
+    assert improved(Linear(), start).coordinates == pytest.approx(best, abs=0.05)
+    assert improved(Linear(), start, 0).coordinates == pytest.approx(start.coordinates)
+    problem = Linear()
+    improved(problem, at(best))
+    assert problem.simulated == 0  # a step from there promises nothing
+
+
+@pytest.mark.parametrize("fixed", [(), (2,)])
+def test_without_some_rows_a_linear_model_is_the_ridge_regression_of_the_others(fixed):
+    excluded = np.arange(ROWS) % 3 == 0
+    rows, target = stacked()
+    kept = np.concatenate([~excluded, np.ones(SIZE, dtype=bool)])
+    free = [k for k in range(SIZE) if k not in fixed]
+    expected = np.zeros(SIZE)
+    expected[free] = np.linalg.lstsq(rows[kept][:, free], target[kept], rcond=None)[0]
+    assert refitted(at(np.array([0.3, -0.7, 0.1, 1.0])), excluded, fixed) == pytest.approx(expected, abs=1e-8)
+
+
+@pytest.mark.parametrize(("size", "determined"), [(0.9, False), (1.1, True)])
+def test_an_effect_is_determined_where_its_data_say_more_than_its_prior(size, determined):
+    """A single row of length s leaves the variance 1/(1 + s²) of a prior variance of one."""
+    rows = np.zeros((2, SIZE))
+    rows[0, 1], rows[1, 3] = size, 9.0
+    fitted = replace(at(np.zeros(SIZE)), jacobian=rows)
+    fitted.space.effects = (slice(1, 2), slice(3, 4))
+    assert _determined(fitted, np.ones(2, dtype=bool)) is determined
+    assert not _determined(fitted, np.array([True, False]))
+
+
+def errors_of(energies, foretold=(True, True, True)):
+    return LeftOut(
+        energies=np.array(energies),
+        signals=np.array([10.0, 20.0, 70.0]),
+        units=np.array([2.0, 4.0, 5.0]),
+        foretold=np.array(foretold),
+    )
+
+
+def test_errors_on_left_out_tests_are_relative_to_what_counts_as_one():
+    error = errors_of([1.0, 3.0, 5.0])
+    assert error.relative == pytest.approx([0.5, 0.75, 1.0])
+    assert error.energy == pytest.approx(2.25)
+    assert error.nrmse == pytest.approx(0.3)
+    rival = errors_of([2.0, 4.0, 1.0])
+    assert error.at_most(1.023, rival)
+    assert not error.at_most(1.022, rival)
+    partly = errors_of([1.0, 3.0, 5.0], foretold=(True, True, False))
+    assert partly.at_most(0.626, rival)
+    assert not partly.at_most(0.624, rival)
+
+
+def test_a_difference_within_its_standard_error_is_undecided():
+    rival = errors_of([1.0, 1.0, 1.0])
+    ratios = np.array([0.1, 0.5, 0.9])
+    for shift in (-0.5, -0.26, -0.3, 0.1):
+        logs = ratios + shift
+        expected = abs(logs.mean()) < stats.sem(logs)
+        assert errors_of(np.exp(logs)).undecided(rival) is bool(expected)
+    single = LeftOut(
+        energies=np.ones(1), signals=np.ones(1), units=np.ones(1), foretold=np.ones(1, dtype=bool)
+    )
+    assert single.undecided(single)
+
+
+RATE = 64.0
+TIME = np.arange(0.0, 32.0, 1.0 / RATE)
+
+
+def problem_of(**changes):
+    measured = {0: RNG.standard_normal(TIME.size), 1: 3.0 * RNG.standard_normal(TIME.size)}
+    block = SimpleNamespace(
+        rate=RATE,
+        measured=measured.__getitem__,
+        highest_signal=20.0,
+        motions=[
+            SimpleNamespace(values=np.stack([np.sin(k * TIME) + 5.0, k * np.cos(k * TIME)]))
+            for k in (2.0, 9.0)
+        ],
+    )
+    segments = tuple(
+        Segment(test=test, begin=begin, end=end, rate=RATE, highest=15.0)
+        for test, begin, end in ((0, 0, 1024), (0, 1024, 2048), (1, 512, 1536))
+    )
+    return Problem(block=block, segments=segments, **changes)
+
+
+def test_swings_are_counted_between_four_and_twenty_four():
+    """A sine of ω rad/s swings ω/π times a second; the two tests hold 32 and 16 s of it."""
+    counts = observations(problem_of())
+    assert counts[0] == pytest.approx(2.0 / np.pi * 32.0, rel=0.01)
+    assert counts[1] == 24.0
+    first = problem_of()
+    assert observations(replace(first, segments=first.segments[:1]))[0] == pytest.approx(
+        32.0 / np.pi, rel=0.02
+    )
+    slow = replace(
+        first,
+        block=SimpleNamespace(
+            **{
+                **vars(first.block),
+                "motions": [SimpleNamespace(values=np.stack([np.sin(0.1 * TIME), 0.1 * np.cos(0.1 * TIME)]))]
+                * 2,
+            }
+        ),
+    )
+    assert observations(slow)[0] == 4.0
+
+
+def test_whitened_noise_has_unit_variance():
+    density = np.linspace(1.0, 9.0, 500)
+    noise = np.random.default_rng(3).standard_normal((2, 400, 500)) * np.sqrt(0.5 * density)
+    rows = np.array(
+        [real_parts(real + 1j * imaginary, density) for real, imaginary in noise.transpose(1, 0, 2)]
+    )
+    assert rows.shape == (400, 999)
+    assert rows[:, 1:].var(axis=0).mean() == pytest.approx(1.0, rel=0.01)
+    assert real_parts(np.array([6.0 + 0j]), np.array([4.0])) == pytest.approx([3.0])
+
+
+def test_tests_count_alike_but_for_weak_ones():
+    problem = problem_of()
+    squares = [np.mean(problem.measured(0) ** 2), np.mean(problem.measured(1)[512:1536] ** 2)]
+    expected = np.array([squares[0], squares[0], squares[1]]) + 0.05 * squares[1]
+    assert relative_powers(problem) == pytest.approx(expected)
+
+
+def test_tempering_leaves_so_many_observations_in_each_test():
+    problem = problem_of()
+    tempered = problem.tempered({0: 24.0, 1: 1e9})
+    rows = 2 * problem.segments[0].bins - 1
+    assert problem.rows == 3 * rows
+    assert tempered.tempering == pytest.approx((24.0 / (2 * rows), 24.0 / (2 * rows), 1.0))
+    assert tempered.powers == pytest.approx(relative_powers(problem))
+    assert (problem.flat, tempered.flat) == (False, True)
+
+
+def test_the_normalisation_is_that_of_whittles_likelihood():
+    """Every complex frequency counts once with its density, the real one at zero by half."""
+    noise = NoiseModel(rate=RATE, weights=np.array([2.0, 0.0, 5.0, 0.0, 0.0, 0.0, 0.0, 0.0]))
+    problem = problem_of()
+    density = [segment.density(noise) for segment in problem.segments]
+    volumes = [0.5 * np.log(d[0]) + np.log(d[1:]).sum() for d in density]
+    assert problem.log_volume(noise) == pytest.approx(-sum(volumes))
+    tempered = problem.tempered({0: 24.0, 1: 12.0})
+    assert tempered.log_volume(noise) == pytest.approx(-np.dot(tempered.tempering, volumes))
+    assert problem.densities(noise) == pytest.approx(np.concatenate([[*d, *d[1:]] for d in density]))
+    twice = NoiseModel(rate=RATE, weights=4.0 * noise.weights)
+    assert problem.reweighting(noise, twice) == pytest.approx(np.full(problem.rows, 0.5))
+
+
+def test_noise_where_errors_judge_is_their_mean_square_relative_to_the_channel():
+    problem = problem_of().tempered({0: 24.0, 1: 12.0})
+    unit = NoiseModel.white(RATE, 1.0)
+    residual = RNG.standard_normal(problem.rows)
+    share = np.array(problem.tempering)[problem.owners]
+    # a whitened row is √(share/power) times the error
+    expected = np.sum(share * residual**2 / share) / share.sum()
+    assert problem.noise_left(residual, unit).weights[0] == pytest.approx(expected)
+
+
+class Kind(SimpleNamespace):
+    __hash__ = object.__hash__
+
+
+@pytest.mark.parametrize("flat", [False, True])
+def test_a_promise_is_the_energy_that_a_linear_effect_explains(flat, monkeypatch):
+    """What is left of its direction beside the free coordinates of the parent, projected on the residual."""
+    direction = RNG.standard_normal(ROWS)
+    parent = at(np.linalg.lstsq(MATRIX, TARGET, rcond=None)[0])
+    parent.space.block = None
+    kind = Kind(parameters=(SimpleNamespace(signed=True),))
+
+    class Problem(Linear):
+        def whitened(self, space, coordinates, noise):
+            if coordinates.size == SIZE:
+                return super().whitened(space, coordinates, noise)
+            return super().whitened(space, coordinates[:SIZE], noise) - 0.3 * coordinates[SIZE] * direction
+
+    problem = Problem()
+    problem.flat = flat
+    stretched = SimpleNamespace(
+        starts=lambda _space, x: iter([np.append(x, 1.0), np.append(x, 0.5)]),
+        scaled=lambda start, _kind, factor: np.append(start[:SIZE], factor * start[SIZE]),
+    )
+    monkeypatch.setattr("reliab.discrepancy.fitting.screening.ModelSpace", lambda *_: stretched)
+    (found,) = screened(problem, parent, [kind], null=None)
+    whole = np.linalg.lstsq(np.column_stack([MATRIX, direction]), TARGET, rcond=None)
+    before = parent.residual @ parent.residual
+    gain = 0.5 * (before - whole[1][0])
+    expected = -0.5 * before * np.log(1.0 - gain / (0.5 * before)) if flat else gain
+    assert found.gain == pytest.approx(expected)
+    assert 0.3 * found.start[SIZE] == pytest.approx(whole[0][SIZE])
+    assert len(found.others) == 2
