@@ -9,11 +9,13 @@ from rebuilt_error.laboratory import DELAY, RATE, Lab, run, synthetic_ground
 from reliab.errors import InputError
 from reliab.loop.effects import find_effect
 from reliab.loop.hybrid_test import HybridTest, Specimen
+from reliab.loop.partition.partition import Partition
 from reliab.loop.structure import Structure
 from reliab.rebuilt_error import Tolerances, WholeStructure, rebuild, rebuild_with_specimen
 from reliab.rebuilt_error.force_form import combined_reading, felt_displacement
 from reliab.rebuilt_error.nonlinear_reference import _drawn, _every, tangent_structure
 from reliab.rebuilt_error.specimen_check import _left_over, examine_specimen, slipped
+from reliab.rebuilt_error.whole_structure import first_mode, whole_structure
 
 STEP = 1.0 / RATE
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.04, experimental_fraction=0.7)
@@ -184,3 +186,39 @@ def test_what_is_not_a_specimen_is_refused_or_linear():
         whole = examine_specimen(moved, 40.0 * moved + 1.0 * moved**3, 0.005, 1.0)
         small = factor * 0.004 / whole.share
         assert examine_specimen(moved, 40.0 * moved + small * moved**3, 0.005, 1.0).nonlinear is nonlinear
+
+
+@pytest.mark.parametrize(
+    ("changes", "rule"),
+    [
+        ({"damping": np.eye(3)}, "damping matrix"),
+        ({"stiffness": np.array([[np.nan]])}, "stiffness matrix"),
+        ({"interface": np.array([np.inf])}, "finite numbers"),
+        ({"specimen_mass": np.nan}, "finite numbers"),
+        ({"mass": np.zeros((1, 1))}, "must not be singular"),
+    ],
+)
+def test_what_is_no_structure_is_refused(changes, rule):
+    with pytest.raises(InputError, match=rule):
+        replace(WholeStructure.of(STRUCTURE), **changes)
+
+
+def test_a_structure_whose_interface_no_mode_moves_is_pushed_as_a_whole():
+    """With an interface that nothing moves there is no mode to find: the interface itself is the shape."""
+    two = WholeStructure(
+        mass=np.eye(2),
+        damping=np.zeros((2, 2)),
+        stiffness=np.diag([1.0, 4.0]),
+        interface=np.array([1e-9, 0.0]),
+        specimen_stiffness=1.0,
+    )
+    assert first_mode(two) @ two.interface == pytest.approx(1.0)
+
+
+def test_a_partition_is_the_structure_of_its_frame():
+    partition = Partition.of(STRUCTURE, mass=5.0)
+    whole, single = whole_structure(partition), WholeStructure.of(STRUCTURE)
+    assert whole.natural_frequencies == pytest.approx(single.natural_frequencies)
+    s = np.array([1.0 + 3.0j, 20.0j])
+    assert whole.error_transfer(s) == pytest.approx(single.error_transfer(s))
+    assert whole_structure(whole) is whole
