@@ -6,6 +6,7 @@ import scipy
 
 from reliab.errors import InputError
 from reliab.loop.structure import Structure
+from reliab.rebuilt_error import identification
 from reliab.rebuilt_error.identification import Identification, Identified, identify
 
 STEP = 1.0 / 256.0
@@ -138,3 +139,52 @@ def test_four_periods_are_enough_and_histories_have_one_length():
         identify(command, measured, ground[:-1], STEP, STATED)
     with pytest.raises(InputError, match="one length"):
         identify(command, measured, ground, STEP, STATED, force=force[1:])
+
+
+def spread_by_draws(formula, means, deviations):
+    """Standard deviation of a function of independent normal values."""
+    draws = np.random.default_rng(6).normal(means, deviations, (200_000, len(means)))
+    return np.std(formula(*draws.T))
+
+
+@pytest.mark.parametrize("relative", [0.002, 0.03])
+def test_errors_of_coefficients_become_errors_of_parameters(relative, monkeypatch):
+    """Frequency, ratio and share are functions of c, k and αω₀², whose errors are independent."""
+    damping, spring, held = 0.5, 20.0, 28.0
+
+    def least_squares(*_):
+        return next(of_equation)
+
+    monkeypatch.setattr(identification, "_least_squares", least_squares)
+    command, measured, ground, force = histories()
+    squares = [
+        np.diag((relative * np.array(means)) ** 2) for means in ((damping, spring, 1.0), (held, 1.0, 1.0))
+    ]
+    answers = [
+        (np.array([damping, spring, 0.0]), squares[0], np.zeros(9)),
+        (np.array([held, 0.0, 0.0]), squares[1], np.zeros(9)),
+        (np.array([1e-3, 0.0, 0.0]), np.diag([4e-8, 1.0, 1.0]), np.zeros(9)),
+    ]
+    of_equation = iter(answers)
+    found = identify(command, measured, ground, STEP, STATED, force=force)
+    given = ((damping, spring, held), relative * np.array([damping, spring, held]))
+    formulas = {
+        "frequency": lambda _, k, p: np.sqrt(k + p) / (2.0 * np.pi),
+        "damping_ratio": lambda c, k, p: c / (2.0 * np.sqrt(k + p)),
+        "experimental_fraction": lambda _, k, p: p / (k + p),
+    }
+    for name, formula in formulas.items():
+        estimate = getattr(found, name)
+        assert estimate.value == pytest.approx(formula(damping, spring, held)), name
+        assert estimate.deviation == pytest.approx(spread_by_draws(formula, *given), rel=0.02), name
+    assert found.feedback_lag.value == pytest.approx(1e-3)
+    assert found.feedback_lag.deviation == pytest.approx(2e-4)
+    of_equation = iter([(np.array([damping, spring, 0.0]), squares[0], np.zeros(9))])
+    alone = identify(command, measured, ground, STEP, STATED)
+    given = ((damping, spring), relative * np.array([damping, spring]))
+    for name, formula in (
+        ("frequency", lambda _, k: np.sqrt(k) / (2.0 * np.pi)),
+        ("damping_ratio", lambda c, k: c / (2.0 * np.sqrt(k))),
+    ):
+        estimate = getattr(alone, name)
+        assert estimate.deviation == pytest.approx(spread_by_draws(formula, *given), rel=0.02), name

@@ -167,3 +167,10 @@ def test_a_motion_is_rounded_on_every_shifted_grid():
     assert np.abs(noises).max() <= 0.01 * (1.0 + 1e-9)
     # of a value that stands, the grids together give Δ²/12 less that of their own spacing
     assert np.mean(noises**2, axis=0) == pytest.approx(np.full(3000, 0.02**2 / 12.0), rel=0.05)
+
+
+def test_both_ends_of_a_record_are_continued_alike():
+    """A record that is read backwards is smoothed to the same, read backwards."""
+    noise = SensorNoise(time_step=STEP, weights=np.eye(6)[0], band=25.0)
+    history = np.cumsum(np.random.default_rng(10).standard_normal(900))
+    assert noise.smooth(history[::-1])[::-1] == pytest.approx(noise.smooth(history), abs=1e-9)

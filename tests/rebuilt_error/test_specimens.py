@@ -12,8 +12,10 @@ from reliab.loop.hybrid_test import HybridTest, Specimen
 from reliab.loop.partition.partition import Partition
 from reliab.loop.structure import Structure
 from reliab.rebuilt_error import Tolerances, WholeStructure, rebuild, rebuild_with_specimen
+from reliab.rebuilt_error.error_statistics import mean_square
 from reliab.rebuilt_error.force_form import combined_reading, felt_displacement
-from reliab.rebuilt_error.nonlinear_reference import _drawn, _every, tangent_structure
+from reliab.rebuilt_error.interval import Unknown
+from reliab.rebuilt_error.nonlinear_reference import _drawn, _every, _sweep, tangent_structure
 from reliab.rebuilt_error.specimen_check import _left_over, examine_specimen, slipped
 from reliab.rebuilt_error.whole_structure import first_mode, whole_structure
 
@@ -222,3 +224,17 @@ def test_a_partition_is_the_structure_of_its_frame():
     s = np.array([1.0 + 3.0j, 20.0j])
     assert whole.error_transfer(s) == pytest.approx(single.error_transfer(s))
     assert whole_structure(whole) is whole
+
+
+def test_what_lies_between_simulated_samples_counts(outcome):
+    """Simulated at every 40th sample without anything unknown, the errors are those of all samples."""
+    given = (outcome.command, outcome.measured, STEP)
+    fine = rebuild_with_specimen(*given, model(), draws=2)
+    exact = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
+    rows = fine.histories.difference[::40][np.newaxis]
+    coarse = _sweep(model(), fine.histories, {}, exact, rows, 40, 1)
+    error = fine.histories.measured - fine.reference
+    peak = np.abs(fine.reference).max()
+    assert coarse.rms == pytest.approx([np.sqrt(mean_square(error)) / peak], rel=1e-9)
+    assert coarse.mte == pytest.approx([np.abs(error).max() / peak], rel=1e-9)
+    assert coarse.mean.size == error.size
