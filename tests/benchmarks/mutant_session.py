@@ -9,11 +9,14 @@ import importlib
 import sys
 from collections import defaultdict
 from collections.abc import Callable
+from functools import partial
+from pathlib import Path
 from types import CodeType, FunctionType
 
 import pytest
 from benchmarks.mutant_places import ROOT, Mutant, home, mutated
-from benchmarks.mutant_tests import OPTIONS, Chosen, in_fresh_process, module_of, outcome, stale
+from benchmarks.mutant_process import in_fresh_process
+from benchmarks.mutant_tests import OPTIONS, Chosen, judged, module_of, stale
 
 Work = tuple[Mutant, list[str], float]
 """A change, the names of the tests that try it, and the processor time that they may take [s]."""
@@ -39,8 +42,8 @@ class _Session:
             code = _changed_code(mutant)
             targets = functions.get(_key(code), []) if code is not None and names else []
             if targets:
-                answer = in_fresh_process(lambda: _run(session, names, targets, code), seconds)  # noqa: B023 - used at once
-                self.note(mutant, outcome(answer))
+                run = partial(_run, session, targets, code)
+                self.note(mutant, judged(names, run, seconds))
         return True
 
 
@@ -72,15 +75,24 @@ def _changed_code(mutant: Mutant) -> CodeType | None:
     return None
 
 
-def _run(session: pytest.Session, names: list[str], targets: list[FunctionType], code: CodeType) -> int:
+def _run(
+    session: pytest.Session,
+    targets: list[FunctionType],
+    code: CodeType,
+    names: list[str],
+    note: Path,
+    *,
+    changed: bool,
+) -> int:
     """Run tests until the first fails, with changed code."""
-    for function in targets:
+    for function in targets if changed else []:
         function.__code__ = code
     items = list(session.items)
     Chosen(names).pytest_collection_modifyitems(items)
     for item, following in zip(items, [*items[1:], None], strict=True):
         item.config.hook.pytest_runtest_protocol(item=item, nextitem=following)
         if session.testsfailed:
+            note.write_text(item.nodeid)
             return 1
     sys.stdout.flush()
     return 0

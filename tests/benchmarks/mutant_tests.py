@@ -1,19 +1,12 @@
 """Which tests of a room reach which lines, measured once, and runs of chosen tests in a fresh process."""
 
 import ast
-import gc
 import importlib
 import importlib.abc
 import importlib.util
 import json
-import math
-import os
-import resource
-import signal
 import sys
 import tempfile
-import time
-import traceback
 from collections import defaultdict
 from collections.abc import Callable
 from pathlib import Path
@@ -31,23 +24,21 @@ from benchmarks.mutant_places import (
     mutated,
     parsed,
 )
+from benchmarks.mutant_process import in_fresh_process, outcome
 from benchmarks.slowest_tests import processor_time
 
 if TYPE_CHECKING:
     import coverage
 
-_HEAVY = (
-    *("numpy", "scipy.stats", "scipy.optimize", "scipy.signal", "scipy.integrate", "pandas", "xarray"),
-    *("numba", "hypothesis", "h5py", "h5netcdf", "typst", "emcee", "pydantic", "rich", "typer"),
-    *("seaborn", "zarr", "numcodecs", "hypothesis.extra.numpy"),
-)
 OPTIONS = [
     *("-n", "0", "-q", "-p", "no:cacheprovider", "-p", "no:unraisableexception"),
     *("-W", "ignore::pytest.PytestAssertRewriteWarning"),
 ]
 _BUDGET = 60.0  # s of processor time for all tests of a change
-_LONGEST_WAIT = 3600.0  # s on the clock for a change whose tests wait without working
 FIXTURE = "fixture:"
+
+Run = Callable[..., int]
+"""Runs tests with or without a change, notes the one that fails in a file, and gives pytest's exit code."""
 
 
 class Recorder:
@@ -85,15 +76,20 @@ class Recorder:
 
 
 class Chosen:
-    """Plugin that runs the chosen tests, in their order."""
+    """Plugin that runs the chosen tests, in their order, and notes the one that fails."""
 
-    def __init__(self, names: list[str]) -> None:
+    def __init__(self, names: list[str], note: Path | None = None) -> None:
         self.rank = {name: number for number, name in enumerate(names)}
+        self.note = note
 
     def pytest_collection_modifyitems(self, items):
         items[:] = sorted(
             (item for item in items if item.nodeid in self.rank), key=lambda item: self.rank[item.nodeid]
         )
+
+    def pytest_runtest_logreport(self, report):
+        if report.failed and self.note is not None:
+            self.note.write_text(report.nodeid)
 
 
 class Reach:
@@ -205,21 +201,31 @@ def judge(mutant: Mutant, names: list[str], seconds: float) -> str:
     """Run tests on a change, imported anew, and say what came of it, as `outcome`."""
     if not names:
         return "unreached"
-    return outcome(in_fresh_process(lambda: _try(mutant, names), seconds))
+    return judged(names, lambda some, note, changed: _try(mutant, some, note, changed=changed), seconds)
 
 
-def outcome(code: int) -> str:
-    """What the end of a process says: endless used up its processor time, stuck waited or lacked memory."""
-    ends = {0: "survived", -signal.SIGXCPU: "endless", -signal.SIGKILL: "stuck"}
-    return ends.get(code, "killed")
+def judged(names: list[str], run: Run, seconds: float) -> str:
+    """Run tests with a change; if they fail, up to the one that failed also without it.
+
+    A change counts as noticed only if these tests pass without it, in the same order and the same way; else
+    the outcome is "unsound".
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        note = Path(folder) / "failed"
+        answer = outcome(in_fresh_process(lambda: run(names, note, changed=True), seconds))
+        if answer != "killed":
+            return answer
+        failed = note.read_text() if note.exists() else names[0]
+        same = names[: names.index(failed) + 1]
+        return answer if in_fresh_process(lambda: run(same, note, changed=False)) == 0 else "unsound"
 
 
-def _try(mutant: Mutant, names: list[str]) -> int:
-    sys.meta_path.insert(0, _Changed(mutant))
+def _try(mutant: Mutant, names: list[str], note: Path, *, changed: bool) -> int:
+    sys.meta_path.insert(0, _Changed(mutant, mutated(mutant) if changed else parsed(mutant.file)))
     _forget_kernels({str(ROOT / file) for file in stale(mutant)})
     importlib.import_module(module_of(mutant.file))
     files = list(dict.fromkeys(map(file_of, names)))
-    return int(pytest.main([*OPTIONS, "-x", *files], plugins=[Chosen(names)]))
+    return int(pytest.main([*OPTIONS, "-x", *files], plugins=[Chosen(names, note)]))
 
 
 def module_of(file: str) -> str:
@@ -232,11 +238,14 @@ def _forget_kernels(sources: set[str]) -> None:
 
     load, save = Cache.load_overload, Cache.save_overload
 
+    def is_stale(cache):
+        return cache._py_func.__code__.co_filename in sources  # noqa: SLF001 - Numba has no other way
+
     def loaded(cache, *arguments):
-        return None if cache._source_path in sources else load(cache, *arguments)  # noqa: SLF001
+        return None if is_stale(cache) else load(cache, *arguments)
 
     def saved(cache, *arguments):
-        return None if cache._source_path in sources else save(cache, *arguments)  # noqa: SLF001
+        return None if is_stale(cache) else save(cache, *arguments)
 
     Cache.load_overload, Cache.save_overload = loaded, saved
 
@@ -244,8 +253,8 @@ def _forget_kernels(sources: set[str]) -> None:
 class _Changed(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     """Imports the changed module; what is on disk stays as it is."""
 
-    def __init__(self, mutant: Mutant) -> None:
-        self.name, self.path, self.tree = module_of(mutant.file), ROOT / mutant.file, mutated(mutant)
+    def __init__(self, mutant: Mutant, tree: ast.Module) -> None:
+        self.name, self.path, self.tree = module_of(mutant.file), ROOT / mutant.file, tree
 
     def find_spec(self, fullname, path=None, target=None):  # noqa: ARG002 - importlib prescribes them
         if fullname != self.name:
@@ -257,38 +266,3 @@ class _Changed(importlib.abc.MetaPathFinder, importlib.abc.Loader):
 
     def exec_module(self, module):
         exec(compile(self.tree, str(self.path), "exec"), module.__dict__)  # noqa: S102 - our own source
-
-
-def in_fresh_process(work: Callable[[], int], seconds: float | None = None) -> int:
-    """Do work in a copy of this process, where large libraries are loaded, and return its code.
-
-    The limit is processor time, which the kernel counts: neither load nor a pause ends the work.
-    """
-    for name in _HEAVY:
-        importlib.import_module(name)
-    gc.freeze()
-    child = os.fork()
-    if child == 0:
-        os.setsid()
-        if seconds is not None:
-            limit = resource.getrlimit(resource.RLIMIT_CPU)[1]
-            resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(seconds), limit))
-        sys.stdout.flush()
-        silence = os.open(os.devnull if not os.environ.get("MUTANTS_SHOW") else "/dev/stderr", os.O_WRONLY)
-        os.dup2(silence, 1)
-        os.dup2(silence, 2)
-        code = 9
-        try:
-            code = work()
-        except BaseException:  # noqa: BLE001 - the copy must not go on as its parent
-            traceback.print_exc()
-        finally:
-            os._exit(code)
-    end = time.monotonic() + (math.inf if seconds is None else _LONGEST_WAIT)
-    while time.monotonic() < end:
-        finished, status = os.waitpid(child, os.WNOHANG)
-        if finished:
-            return os.waitstatus_to_exitcode(status)
-        time.sleep(0.02)
-    os.killpg(child, signal.SIGKILL)
-    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])

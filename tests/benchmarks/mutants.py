@@ -10,9 +10,10 @@ A mutant is a line of the output as soon as it is judged, so that a run that is 
 that is started again with the same seed goes on. Slow tests are left out. Changes that no test can notice
 are listed with their reasons in equivalent_mutants.toml and count neither way.
 
-Limits are processor time, so that a busy machine does not decide. "endless" is a change whose tests use a
-minute and five times what they used without it: it counts as noticed. "stuck" is one whose tests wait for
-nothing, or want more memory than there is: it does not count as noticed.
+A change counts as noticed only if the same tests, up to the one that failed, pass without it in the same
+way; else it is "unsound". Limits are processor time, so that a busy machine does not decide. "endless" is a
+change whose tests use a minute and five times what they used without it: it counts as noticed. "stuck" is one
+whose tests wait for nothing, or want more memory than there is: it does not count as noticed.
 """
 
 import argparse
