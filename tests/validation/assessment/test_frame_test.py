@@ -7,6 +7,7 @@ import pytest
 
 from reliab.criterion import published_criterion
 from reliab.errors import InputError
+from reliab.loop.effects import find_effect
 from reliab.loop.hybrid_test.specimen import Specimen
 from reliab.loop.laboratory.laboratory import run_laboratory
 from reliab.loop.laboratory.rig import Rig, Sensors
@@ -158,3 +159,32 @@ def test_the_report_shows_tracking_and_parts(frame, test_and_truth):
     assert "Amplitude and delay over frequency" in titles
     error = f"{100 * assessment.error.of(Metric.RMS).value:.3g} %"
     assert any(error in str(piece) for piece in document.verdict)
+
+
+def test_what_the_equation_of_the_error_does_not_hold_for_is_refused(frame, test_and_truth):
+    recording, _ = test_and_truth
+    friction = find_effect("coulomb_friction")(force_n=1.0, regularisation_velocity_m_per_s=0.01)
+    rubbing = replace(frame, partition=replace(frame.partition, effects=(friction,)))
+    with pytest.raises(InputError, match=r"linear specimen.*coulomb_friction"):
+        assess_frame(recording, rubbing)
+    elsewhere = replace(frame, output=np.array([1.0, 0.0]), error_of="degree of freedom 0")
+    with pytest.raises(InputError, match="interface displacement"):
+        assess_frame(recording, elsewhere)
+
+
+def test_a_stated_scale_is_taken_off_the_reading(frame, test_and_truth):
+    recording, truth = test_and_truth
+    scaled = replace(recording, measured=1.02 * recording.measured)
+    corrected = assess_frame(scaled, frame, feedback_lag=LAG, scale=StatedValue(1.02))
+    assert corrected.error.of(Metric.RMS).value == pytest.approx(truth, rel=0.05)
+
+
+def test_a_loop_beyond_its_critical_delay_is_called_unstable(frame, test_and_truth):
+    assessment = assess_frame(test_and_truth[0], frame, feedback_lag=LAG)
+    margins = {0.0: None, 0.5 * assessment.tracking.delay: -1.0, np.inf: 1.0}
+    for critical, margin in margins.items():
+        judged = replace(assessment, critical_delay=critical)
+        assert judged.stability_margin == (margin if margin is None else pytest.approx(margin))
+        assert any("unstable" in words for words in judged.warnings) is (margin is None or margin < 0.0)
+    incoherent = replace(assessment, over_frequency=None)
+    assert any("hardly coherent" in words for words in incoherent.warnings)

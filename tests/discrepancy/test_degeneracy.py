@@ -1,0 +1,22 @@
+"""Effects that cannot be told apart are named with the further test that would decide."""
+
+import pytest
+
+from reliab.discrepancy.degeneracy import _TELLS, remark, telling_test
+from reliab.loop.effects import library
+
+
+@pytest.mark.parametrize("pair", list(_TELLS), ids=sorted)
+def test_pairs_are_effects_of_the_library_and_their_order_does_not_matter(pair):
+    first, second = sorted(pair)
+    assert {first, second} <= {str(name) for name in library()}
+    assert telling_test(first, second) == telling_test(second, first) == _TELLS[pair]
+
+
+def test_a_remark_names_both_effects_with_their_probabilities():
+    said = remark("coulomb_friction", 0.62, ("viscous_damping", 0.31))
+    assert "coulomb friction (62%) from viscous damping (31%)" in said
+    assert "two speeds" in said
+    unlisted = remark("coulomb_friction", 0.62, ("added_mass", 0.31))
+    assert "stronger input of wider band" in unlisted
+    assert "hint at gap without settling it" in remark("gap", 0.4, None)
