@@ -12,22 +12,34 @@ from reliab.boundary import Curve
 from reliab.errors import InputError
 from reliab.indices.window import Window
 from reliab.loop.hybrid_test import HybridTest
-from reliab.motions import MotionSuite
+from reliab.motions import Motion, MotionSuite, load_motions
 from reliab.progress import Progress, silent
 from reliab.sweep import CURVES, EllipseRequest, predict_ellipses, trace_ellipses
-from reliab.sweep.plain import WHOLLY_EXPERIMENTAL, StatedStructures, one_of, sweep_request
+from reliab.sweep.plain import (
+    WHOLLY_EXPERIMENTAL,
+    Names,
+    Numbers,
+    StatedStructures,
+    one_of,
+    several,
+    sweep_request,
+)
+from reliab.sweep.real_suite import REAL
 from reliab.vocabulary import Metric, Side
+
+Motions = MotionSuite | Motion | str | Path
+"""Ground motions, one of them, or what `load_motions` reads."""
 
 
 def simulate(
-    motions: MotionSuite,
+    motions: Motions,
     *,
     out: str | Path,
-    f: Sequence[float] | None = None,
-    xi: Sequence[float] | None = None,
+    f: Numbers | None = None,
+    xi: Numbers | None = None,
     grid: str = "scaled",
-    window: Sequence[str] = ("record",),
-    alpha: float | Sequence[float] = WHOLLY_EXPERIMENTAL,
+    window: Names = ("record",),
+    alpha: Numbers = WHOLLY_EXPERIMENTAL,
     model: str | Path | HybridTest | None = None,
     engine: str = "automatic",
     resume: bool = False,
@@ -39,16 +51,17 @@ def simulate(
 
     Parameters
     ----------
-    motions : MotionSuite
-        The ground motions, as `load_motions` gives them.
+    motions : MotionSuite, Motion, str or pathlib.Path
+        The ground motions, as `load_motions` gives them, one of them, or what it would read: a folder, a file
+        or the name of a suite.
     out : str or pathlib.Path
         The Zarr store to write.
-    f, xi : sequence of float, optional
+    f, xi : float or sequence of float, optional
         Natural frequencies [Hz] and damping ratios [-]; 1 Hz and 0.02 by default.
     grid : {"scaled", "paper"}, optional
         Actuators that are simulated: scaled to each structure, late and early (with a model late only), or
         those of the paper, which are late.
-    window : sequence of str, optional
+    window : str or sequence of str, optional
         Where errors are taken, "record", "arias" or seconds; several may be stored.
     alpha : float or sequence of float, optional
         Experimental fraction of the stiffness [-]; of several the results have a dimension.
@@ -92,20 +105,26 @@ def simulate(
     from reliab.sweep import open_results, run_sweep
 
     path = run_sweep(
-        motions, request, out, resume=resume, workers=workers, scheduler=scheduler, progress=progress
+        suite_of(motions),
+        request,
+        out,
+        resume=resume,
+        workers=workers,
+        scheduler=scheduler,
+        progress=progress,
     )
     return open_results(path)
 
 
 def ellipses(
-    source: MotionSuite | xr.Dataset,
+    source: Motions | xr.Dataset,
     *,
-    f: Sequence[float] | None = None,
-    xi: Sequence[float] | None = None,
-    threshold: Sequence[float] = (0.05,),
-    metric: Sequence[str] = ("rms",),
+    f: Numbers | None = None,
+    xi: Numbers | None = None,
+    threshold: Numbers = (0.05,),
+    metric: Names = ("rms",),
     window: str = "record",
-    alpha: float | Sequence[float] = WHOLLY_EXPERIMENTAL,
+    alpha: Numbers = WHOLLY_EXPERIMENTAL,
     model: str | Path | HybridTest | None = None,
     curves: Sequence[type[Curve]] = CURVES,
     first_order: bool = False,
@@ -115,14 +134,14 @@ def ellipses(
 
     Parameters
     ----------
-    source : MotionSuite or xarray.Dataset
+    source : MotionSuite, Motion, xarray.Dataset, str or pathlib.Path
         Ground motions, which are simulated along the boundary, or stored results, with all their structures
-        and in their own window.
-    f, xi : sequence of float, optional
+        and in their own window; either also by the name or path that `load_motions` or `open_results` takes.
+    f, xi : float or sequence of float, optional
         Natural frequencies [Hz] and damping ratios [-], for ground motions; 1 Hz and 0.02 by default.
-    threshold : sequence of float, optional
+    threshold : float or sequence of float, optional
         Errors on the boundary [-].
-    metric : sequence of {"rms", "mte"}, optional
+    metric : {"rms", "mte"} or sequence of these, optional
         Which errors.
     window : str, optional
         Where errors are taken, for ground motions: "record", "arias" or seconds.
@@ -162,7 +181,13 @@ def ellipses(
     >>> bool((found["a"].sel(threshold=0.10) > found["a"].sel(threshold=0.05)).all())
     True
     """
-    metrics = tuple(one_of(name, {str(choice): choice for choice in Metric}, "metric") for name in metric)
+    metrics = tuple(
+        one_of(name, {str(choice): choice for choice in Metric}, "metric") for name in several(metric)
+    )
+    if isinstance(source, str | Path) and _holds_results(Path(source)):
+        from reliab.sweep import open_results
+
+        source = open_results(source)
     if isinstance(source, xr.Dataset):
         if first_order:
             raise InputError(
@@ -170,13 +195,13 @@ def ellipses(
                 value="stored results",
                 remedy="Give the ground motions, or leave the prediction out",
             )
-        stored: xr.Dataset = source.reliab.ellipses(tuple(threshold), metrics, curves, progress=progress)
+        stored: xr.Dataset = source.reliab.ellipses(several(threshold), metrics, curves, progress=progress)
         return stored
     stated = StatedStructures.of(f=f, xi=xi, alpha=alpha, model=model)
     request = EllipseRequest(
         frequencies=stated.frequencies,
         damping_ratios=stated.damping_ratios,
-        thresholds=tuple(threshold),
+        thresholds=several(threshold),
         metrics=metrics,
         curves=tuple(curves),
         window=Window.parse(window),
@@ -185,4 +210,27 @@ def ellipses(
         sides=tuple(Side) if stated.model is None else (Side.LAG,),
     )
     trace = predict_ellipses if first_order else trace_ellipses
-    return trace(source, request, progress=progress)
+    return trace(suite_of(source), request, progress=progress)
+
+
+def suite_of(motions: Motions) -> MotionSuite:
+    """Take a suite as it is, put a motion into one, and load what is named.
+
+    Parameters
+    ----------
+    motions : MotionSuite, Motion, str or pathlib.Path
+        A suite, a motion, or a folder, file or name that `load_motions` takes.
+
+    Returns
+    -------
+    MotionSuite
+        The motions.
+    """
+    if isinstance(motions, MotionSuite):
+        return motions
+    return MotionSuite.from_motions([motions]) if isinstance(motions, Motion) else load_motions(motions)
+
+
+def _holds_results(path: Path) -> bool:
+    """Tell a store of results, or the name of the shipped ones, from ground motions."""
+    return path.suffix in (".zarr", ".nc") or path == Path(REAL)

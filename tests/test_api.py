@@ -2,10 +2,17 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 
+import numpy as np
+import pandas as pd
 import pytest
+import xarray as xr
 
 import reliab
+from reliab.motions import MotionSuite
+from reliab.motions.writing import write_suite
+from reliab.shipped import shipped
 
 PROMISED = (
     *("load_motions", "simulate", "ellipses", "derive_criterion"),
@@ -60,3 +67,83 @@ def test_a_structure_that_is_stated_twice_is_refused():
     structure = reliab.Structure(frequency=1.0, damping_ratio=0.02)
     with pytest.raises(reliab.InputError, match="once"):
         reliab.assess("sample_test", structure, f=1.0)
+
+
+@pytest.fixture(scope="module")
+def motion():
+    return replace(reliab.load_motions("synthetic")[0], name="one")
+
+
+@pytest.fixture(scope="module")
+def traced(motion):
+    return reliab.ellipses(motion, f=[1.0], xi=[0.02], threshold=[0.05], metric=["rms"])
+
+
+def test_one_number_or_name_means_the_same_as_a_list_of_it(motion, traced):
+    for several in (float, np.float64, lambda value: np.array([value])):
+        single = reliab.ellipses(
+            motion, f=several(1.0), xi=several(0.02), threshold=several(0.05), metric="rms"
+        )
+        xr.testing.assert_identical(single, traced)
+
+
+def test_files_that_the_commands_write_are_taken_everywhere(motion, traced, tmp_path):
+    store, records = tmp_path / "results.zarr", tmp_path / "records"
+    results = reliab.simulate(motion, out=store, f=1.0, xi=0.02, window="record")
+    from_store = reliab.ellipses(store)
+    xr.testing.assert_identical(from_store, reliab.ellipses(results))
+    np.testing.assert_allclose(from_store["b"], traced["b"], rtol=0.02)
+    xr.testing.assert_identical(reliab.read_ellipses(store)["a"], from_store["a"])
+    write_suite(MotionSuite.from_motions([motion]), records)
+    np.testing.assert_allclose(reliab.ellipses(records)["a"], traced["a"], rtol=1e-6)
+
+
+def test_a_criterion_is_derived_from_a_name_a_file_a_table_or_a_dataset():
+    file = shipped("datasets", "paper/table2.csv")
+    wanted = {"method": "quantile", "frequency": 1.0, "damping_ratio": 0.02}
+    by_file = reliab.derive_criterion(file, **wanted)
+    assert reliab.derive_criterion(str(file), **wanted) == by_file
+    assert reliab.derive_criterion(pd.read_csv(file), **wanted) == by_file
+    assert reliab.derive_criterion(reliab.read_ellipses(file), **wanted) == by_file
+    by_name = reliab.derive_criterion("real_suite", frequency=1.0, damping_ratio=0.02)
+    assert float(by_name.limits(1.0, 0.02)[1]) == pytest.approx(1.163, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("call", "rule"),
+    [
+        (lambda: reliab.derive_criterion("nothing"), "name real_suite"),
+        (lambda: reliab.derive_criterion(xr.Dataset()), "must hold ellipses"),
+        (lambda: reliab.derive_criterion(pd.DataFrame({"a": [1.0]})), "no column b"),
+        (lambda: reliab.open_results("nothing"), "name real_suite"),
+        (lambda: reliab.diagnose("nothing"), "a folder with a readable"),
+        (lambda: reliab.assess(pd.DataFrame({"x": [1.0]}), f=1, xi=0.02), "the data frame"),
+    ],
+)
+def test_what_is_none_of_these_is_refused(call, rule):
+    with pytest.raises(reliab.InputError, match=rule):
+        call()
+
+
+def test_a_data_frame_is_judged_as_its_file_is():
+    file = shipped("datasets", "sample_test/test.csv")
+    frame = pd.read_csv(file, comment="#")
+    frame.attrs = {"f": 1.0, "xi": 0.02}
+    by_frame, by_file = reliab.assess(frame).to_dict(), reliab.assess(file, f=1, xi=0.02).to_dict()
+    assert by_frame["error"]["rms"]["value"] == by_file["error"]["rms"]["value"]
+    assert by_frame["verdict"] == by_file["verdict"]
+
+
+def test_what_prints_a_result_prints_one_line(motion):
+    criterion = reliab.published_criterion("guo_2017_18")
+    results = (
+        reliab.assess("sample_test", f=1, xi=0.02),
+        criterion,
+        reliab.load_motions("synthetic"),
+        reliab.read_campaign("rig_a"),
+        reliab.Structure(frequency=1.0, damping_ratio=0.02),
+    )
+    for result in results:
+        assert len(repr(result)) < 120, repr(result)
+        assert "\n" not in repr(result)
+    assert len(repr(motion)) < 250

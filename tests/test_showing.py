@@ -49,6 +49,23 @@ def test_a_criterion_is_a_table():
     assert shown.rows["natural frequency"] == "0.75 to 1 Hz"
 
 
+def test_a_suite_is_a_table_of_its_earthquakes():
+    suite = reliab.load_motions("synthetic")
+    shown = Cells(suite[:3]._repr_html_())
+    assert shown.rows == {"SYN001": "SYN001/H1, SYN001/H2", "SYN002": "SYN002/H1"}
+    assert "0 more" not in suite._repr_html_()
+
+
+@pytest.mark.slow
+def test_a_diagnosis_is_a_table_and_two_bars_for_each_block():
+    diagnosis = reliab.diagnose("rig_a")
+    shown = Cells(diagnosis._repr_html_())
+    assert shown.rows["verdict"] == "named"
+    assert shown.rows["coulomb_friction"].startswith("probability 0.99")
+    assert repr(diagnosis) == "<Diagnosis of rig_a: named (coulomb_friction)>"
+    assert len(diagnosis.plot().patches) == 2 * len(diagnosis.blocks)
+
+
 def test_region_reaches_as_far_as_the_limits():
     criterion = default_criterion(1.0, 0.02)
     axes = criterion.plot(1.0, 0.02)

@@ -2,7 +2,7 @@
 
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.derivation import derive_criterion
-from reliab.criterion.ellipse_csv import read_ellipses
+from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.criterion.ellipse_sample import EllipseSample, sample_of
 from reliab.criterion.published import published_criterion
 

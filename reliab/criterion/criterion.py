@@ -197,6 +197,12 @@ class Criterion:
         pairs = {side: self.limits(frequency, damping_ratio, side) for side in sides}
         return draw_region({side: (float(a), float(b)) for side, (a, b) in pairs.items()}, axes)
 
+    def __repr__(self) -> str:
+        return (
+            f"<Criterion by {self.method}, law {self.law.name}: {self.metric.upper()} error below "
+            f"{self.threshold:g} for {self.confidence:g} of ground motions>"
+        )
+
     def _repr_html_(self) -> str:
         promise = {
             "error": f"below {self.threshold:.3g} {self.metric.upper()}",

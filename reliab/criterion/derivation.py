@@ -10,6 +10,7 @@ import xarray as xr
 
 from reliab.criterion.cautions import cautions_of, few_leads
 from reliab.criterion.criterion import Criterion
+from reliab.criterion.ellipse_reading import EllipseSource, read_ellipses
 from reliab.criterion.ellipse_sample import names_along, position
 from reliab.criterion.laws import FITTED, FittedLaw, Table, known
 from reliab.criterion.learned_side import LearnedSide
@@ -25,7 +26,7 @@ from reliab.vocabulary import CurveName, Metric, Side
 
 
 def derive_criterion(
-    ellipses: xr.Dataset,
+    ellipses: EllipseSource,
     *,
     method: Method | str = RECOMMENDED,
     assurance: float | None = None,
@@ -51,8 +52,9 @@ def derive_criterion(
 
     Parameters
     ----------
-    ellipses : xarray.Dataset
-        As `reliab.sweep.trace_ellipses` or `reliab.criterion.read_ellipses` make it.
+    ellipses : xarray.Dataset, pandas.DataFrame, str or pathlib.Path
+        Ellipses, or whatever :func:`reliab.read_ellipses` takes: a file, a store of results, a table with the
+        columns a and b, or "real_suite".
     method : Method or str, optional
         What the confidence means, or its name; the recommended one by default. The paper's is "quantile";
         it rests on ellipses fitted to the boundaries, every other method on
@@ -102,17 +104,21 @@ def derive_criterion(
     --------
     The paper's criterion, from its printed table:
 
-    >>> from reliab.criterion import read_ellipses
     >>> from reliab.shipped import shipped
-    >>> ellipses = read_ellipses(shipped("datasets", "paper/table2.csv"))
-    >>> criterion = derive_criterion(ellipses, method="quantile")
+    >>> criterion = derive_criterion(shipped("datasets", "paper/table2.csv"), method="quantile")
     >>> a, b = criterion.limits(1.0, 0.02)
     >>> print(f"{a:.2e} {b:.3f}")
     5.29e-05 1.048
     """
     settings = {"assurance": assurance, "distribution": distribution, "steps": steps}
     derivation = Derivation.of(
-        ellipses,
+        read_ellipses(
+            ellipses,
+            frequency=1.0 if frequency is None else frequency,
+            damping_ratio=0.02 if damping_ratio is None else damping_ratio,
+            threshold=threshold,
+            metric=str(metric),
+        ),
         method=method_of(method, **settings) if isinstance(method, str) else method,
         law=known(FITTED, law) if isinstance(law, str) else law,
         frequency=frequency,

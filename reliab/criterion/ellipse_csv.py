@@ -22,8 +22,8 @@ _SHARE = str(Dimension.SHARE)
 _CELL = ("f", "xi", _SHARE, "threshold", "metric")
 
 
-def read_ellipses(
-    path: str | Path,
+def read_table(
+    source: str | Path | pd.DataFrame,
     *,
     frequency: float = 1.0,
     damping_ratio: float = 0.02,
@@ -34,8 +34,8 @@ def read_ellipses(
 
     Parameters
     ----------
-    path : str or Path
-        The CSV file.
+    source : str, pathlib.Path or pandas.DataFrame
+        The CSV file, or its columns.
     frequency, damping_ratio, threshold, metric
         What the ellipses were traced for [Hz, -, -], where the file does not say.
 
@@ -51,7 +51,8 @@ def read_ellipses(
         If the file cannot be read, lacks a column, holds a parameter that is not a positive number,
         or holds one motion twice for one structure and error; the message names the line.
     """
-    table = _table(Path(path))
+    path = "the data frame" if isinstance(source, pd.DataFrame) else str(source)
+    table = _named(source.astype(str) if isinstance(source, pd.DataFrame) else _cells(Path(source)), path)
     given = pd.DataFrame(
         {"f": frequency, "xi": damping_ratio, "threshold": threshold, "metric": str(metric)},
         index=table.index,
@@ -60,7 +61,7 @@ def read_ellipses(
     table = table.assign(**({} if states_share else {_SHARE: "1"}))
     table = table.join(given[[name for name in given if name not in table]])
     for name in ("a", "b", "f", "xi", _SHARE, "threshold"):
-        table[name] = _positive(table[name], name, str(path))
+        table[name] = _positive(table[name], name, path)
     repeated = table.duplicated(["motion", *_CELL])
     if repeated.any():
         raise InputError(
@@ -75,14 +76,18 @@ def read_ellipses(
     return at_share(cube) if states_share else cube.isel({_SHARE: 0}, drop=True)
 
 
-def _table(path: Path) -> pd.DataFrame:
+def _cells(path: Path) -> pd.DataFrame:
     rule, remedy = "A table of ellipses must be a readable CSV file", "Give a file with the columns a and b"
     with decoding(rule, remedy=remedy, where=path), warnings.catch_warnings():
         warnings.simplefilter("error", pd.errors.ParserWarning)  # a row of more cells than the first line
-        table = pd.read_csv(
+        return pd.read_csv(
             ordinary(path), skipinitialspace=True, dtype=str, keep_default_na=False, index_col=False
         )
-    table = table.rename(columns=lambda name: name.strip().lower())
+
+
+def _named(table: pd.DataFrame, path: str) -> pd.DataFrame:
+    """Give every column the name that it has here, and the motions names and earthquakes."""
+    table = table.rename(columns=lambda name: str(name).strip().lower())
     table = table.rename(columns={k: v for k, v in _OTHER_NAMES.items() if v not in table})
     missing = [name for name in ("a", "b") if name not in table]
     if missing:

@@ -3,6 +3,7 @@
 import itertools
 import math
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
@@ -13,6 +14,7 @@ from reliab.discrepancy.blocks.loop import LoopBlock
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, Stretch
+from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.informed_band import informed_up_to
 from reliab.discrepancy.fitting.problem import Problem
@@ -36,13 +38,13 @@ _LOOP = frozenset({Channel.GROUND, Channel.MEASURED})
 _STEPS = 6  # of the search of a block
 
 
-def diagnose(campaign: Campaign, *, progress: Progress = silent) -> Diagnosis:
+def diagnose(campaign: Campaign | str | Path, *, progress: Progress = silent) -> Diagnosis:
     """Find where a campaign's model fails, name the missing effects and verify them on held-out tests.
 
     Parameters
     ----------
-    campaign : Campaign
-        Measured tests and the nominal model.
+    campaign : Campaign, str or pathlib.Path
+        Measured tests and the nominal model, their folder, or the name of a campaign that ships ("rig_a").
     progress : Progress, optional
         Called after each step of the search of each block.
 
@@ -56,6 +58,8 @@ def diagnose(campaign: Campaign, *, progress: Progress = silent) -> Diagnosis:
     InputError
         If no block is observed or no displacement moves.
     """
+    if isinstance(campaign, str | Path):
+        campaign = read_campaign(campaign)
     kinds = _observed(campaign)
     motions = motions_of(campaign)
     scales = scales_of(campaign, motions)

@@ -7,7 +7,10 @@ from difflib import get_close_matches
 from typing import Protocol, overload
 
 from reliab.errors import InputError
+from reliab.html_table import html_table
 from reliab.motions.motion import Motion
+
+_SHOWN = 100  # motions in a table
 
 
 class MotionEntry(Protocol):
@@ -162,6 +165,15 @@ class MotionSuite(Sequence[Motion]):
 
     def __repr__(self) -> str:
         return f"<MotionSuite of {len(self)} motions from {len(set(self.events))} events>"
+
+    def _repr_html_(self) -> str:
+        """Table for notebooks: motions by earthquake; no record is read."""
+        motions: dict[str, list[str]] = {}
+        for entry in self._entries[:_SHOWN]:
+            motions.setdefault(entry.event, []).append(entry.name)
+        rows = {event: ", ".join(names) for event, names in motions.items()}
+        more = [f"… and {len(self) - _SHOWN} more"] if len(self) > _SHOWN else []
+        return html_table(repr(self).strip("<>"), rows, more)
 
 
 def _known(wanted: Iterable[str] | None, present: tuple[str, ...], what: str) -> set[str]:

@@ -1,9 +1,9 @@
 """A sweep asked for in plain numbers and names, as on the command line."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, TypeVar
+from typing import Any, Final, TypeVar, overload
 
 from reliab.errors import InputError
 from reliab.indices.window import Window
@@ -12,6 +12,11 @@ from reliab.loop.hybrid_test import HybridTest
 from reliab.sweep.grid import ExplicitGrid, Grid, ScaledGrid
 from reliab.sweep.request import SweepRequest
 
+Numbers = float | Sequence[float]
+"""One number, or several."""
+Names = str | Sequence[str]
+"""One name, or several."""
+
 _Choice = TypeVar("_Choice")
 _GRIDS: Final[dict[str, Grid]] = {"scaled": ScaledGrid(), "paper": ExplicitGrid()}
 _GRIDS_OF_DELAYS: Final[dict[str, Grid]] = {"scaled": ScaledGrid(lead_steps=0), "paper": ExplicitGrid()}
@@ -19,6 +24,35 @@ _FREQUENCIES: Final = (1.0,)
 _DAMPING_RATIOS: Final = (0.02,)
 WHOLLY_EXPERIMENTAL: Final = 1.0
 """Experimental fraction of the stiffness where none is given [-]."""
+
+
+@overload
+def several(values: Names) -> tuple[str, ...]: ...
+@overload
+def several(values: Numbers) -> tuple[float, ...]: ...
+
+
+def several(values: Any) -> tuple[Any, ...]:
+    """Take one value, or several of them.
+
+    Parameters
+    ----------
+    values : object or sequence
+        A number or a name, or several; NumPy's arrays as well.
+
+    Returns
+    -------
+    tuple
+        All of them.
+
+    Examples
+    --------
+    >>> several(0.05), several([0.05, 0.10]), several("rms")
+    ((0.05,), (0.05, 0.1), ('rms',))
+    """
+    if isinstance(values, str):
+        return (values,)
+    return tuple(values) if isinstance(values, Iterable) else (values,)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,16 +76,16 @@ class StatedStructures:
     def of(
         cls,
         *,
-        f: Sequence[float] | None,
-        xi: Sequence[float] | None,
-        alpha: float | Sequence[float],
+        f: Numbers | None,
+        xi: Numbers | None,
+        alpha: Numbers,
         model: str | Path | HybridTest | None,
     ) -> "StatedStructures":
         """Take what was stated, and 1 Hz and 2 % where nothing was.
 
         Parameters
         ----------
-        f, xi : sequence of float, optional
+        f, xi : float or sequence of float, optional
             Natural frequencies [Hz] and damping ratios [-].
         alpha : float or sequence of float
             Experimental fraction of the stiffness [-]; several are put in increasing order.
@@ -63,14 +97,15 @@ class StatedStructures:
         InputError
             If a model is stated beside a structure, or has none.
         """
-        shares = tuple(sorted(alpha)) if isinstance(alpha, Sequence) else (alpha,)
+        frequencies, ratios = (() if values is None else several(values) for values in (f, xi))
+        shares = tuple(sorted(several(alpha)))
         if model is None:
             return cls(
-                frequencies=tuple(f or _FREQUENCIES),
-                damping_ratios=tuple(xi or _DAMPING_RATIOS),
+                frequencies=frequencies or _FREQUENCIES,
+                damping_ratios=ratios or _DAMPING_RATIOS,
                 experimental_fractions=shares,
             )
-        if f or xi or shares != (WHOLLY_EXPERIMENTAL,):
+        if frequencies or ratios or shares != (WHOLLY_EXPERIMENTAL,):
             raise InputError(
                 "A model brings its own structure",
                 value="a model together with f, xi or alpha",
@@ -101,11 +136,11 @@ def _test(model: str | Path | HybridTest) -> HybridTest:
 
 def sweep_request(
     *,
-    f: Sequence[float] | None = None,
-    xi: Sequence[float] | None = None,
+    f: Numbers | None = None,
+    xi: Numbers | None = None,
     grid: str = "scaled",
-    window: Sequence[str] = ("record",),
-    alpha: float | Sequence[float] = WHOLLY_EXPERIMENTAL,
+    window: Names = ("record",),
+    alpha: Numbers = WHOLLY_EXPERIMENTAL,
     model: str | Path | HybridTest | None = None,
     engine: str = "automatic",
 ) -> SweepRequest:
@@ -113,11 +148,11 @@ def sweep_request(
 
     Parameters
     ----------
-    f, xi : sequence of float, optional
+    f, xi : float or sequence of float, optional
         Natural frequencies [Hz] and damping ratios [-]; 1 Hz and 0.02 by default.
     grid : {"scaled", "paper"}, optional
         Actuators that are simulated; with a model those of "scaled" are late only.
-    window : sequence of str, optional
+    window : str or sequence of str, optional
         Where errors are taken, "record", "arias" or seconds.
     alpha : float or sequence of float, optional
         Experimental fraction of the stiffness [-].
@@ -146,7 +181,7 @@ def sweep_request(
         frequencies=tuple(sorted(stated.frequencies)),
         damping_ratios=tuple(sorted(stated.damping_ratios)),
         grid=one_of(grid, _GRIDS if stated.model is None else _GRIDS_OF_DELAYS, "grid"),
-        windows=tuple(Window.parse(text) for text in window),
+        windows=tuple(Window.parse(text) for text in several(window)),
         experimental_fractions=stated.experimental_fractions,
         engine=one_of(engine, {choice.value: choice for choice in Engine}, "engine"),
         model=stated.model,

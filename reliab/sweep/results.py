@@ -9,6 +9,7 @@ from reliab.errors import InputError
 from reliab.files import decoding
 from reliab.sweep import results_accessor  # noqa: F401 - gives opened datasets the accessor `reliab`
 from reliab.sweep.compact import open_compact
+from reliab.sweep.real_suite import stored_results
 from reliab.sweep.store_layout import MEND, STORED, read_attributes
 from reliab.vocabulary import SHARE_ATTRIBUTE, Dimension
 
@@ -21,7 +22,8 @@ def open_results(path: str | Path, *, window: str | None = None) -> xr.Dataset:
     Parameters
     ----------
     path : str or pathlib.Path
-        The Zarr store, or a NetCDF file that `write_compact` derived from one.
+        The Zarr store, a NetCDF file that `write_compact` derived from one, or "real_suite" for the results
+        of the real motions that ship.
     window : str, optional
         One of the stored windows; the first by default.
 
@@ -37,7 +39,7 @@ def open_results(path: str | Path, *, window: str | None = None) -> xr.Dataset:
     InputError
         If there is no such store or window, or not all motions are done.
     """
-    path = Path(path)
+    path = stored_results(Path(path), None, None)
     compact = None if path.is_dir() else open_compact(path)
     with decoding(STORED, remedy=MEND, where=path):
         stored = read_attributes(path)["windows"] if compact is None else compact.attrs["window"]

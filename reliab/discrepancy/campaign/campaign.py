@@ -107,6 +107,10 @@ class Campaign:
     tests: tuple[MeasuredTest, ...]
     partition: Partition | None = None
 
+    def __repr__(self) -> str:
+        out = sum(test.held_out for test in self.tests)
+        return f"<Campaign {self.name}: {len(self.tests)} tests at {self.rate:g} Hz, {out} held out>"
+
     def __post_init__(self) -> None:
         if all(test.held_out for test in self.tests):
             raise InputError(

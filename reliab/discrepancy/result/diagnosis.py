@@ -1,14 +1,18 @@
 """The results for a whole campaign."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.discrepancy.locating.finding import Finding
 from reliab.discrepancy.result.block_diagnosis import STRUCTURE, BlockDiagnosis, Verdict
 from reliab.discrepancy.result.gap import Gap
 from reliab.discrepancy.result.missing_effect import MissingEffect, Unknown
+from reliab.discrepancy.result.showing import draw_gap, table_of_diagnosis
 from reliab.vocabulary import Block
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _NAMES = {Block.NUMERICAL: "numerical substructure"}
 
@@ -87,6 +91,18 @@ class Diagnosis:
                 " is positive where the specimen resists a positive displacement."
             )
         return tuple(dict.fromkeys(remarks))
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the error on held-out tests before and after; returns its axes."""
+        return draw_gap(self.campaign.name, self.blocks, axes)
+
+    def __repr__(self) -> str:
+        named = ", ".join(effect.name for effect in (*self.effects, *self.doubtful))
+        return f"<Diagnosis of {self.campaign.name}: {self.verdict}{f' ({named})' if named else ''}>"
+
+    def _repr_html_(self) -> str:
+        effects = (*self.effects, *self.doubtful)
+        return table_of_diagnosis(self.campaign.name, self.verdict, effects, self.gap, self.remarks)
 
     def as_dict(self) -> dict[str, Any]:
         """Return what `reliab diagnose --json` writes."""

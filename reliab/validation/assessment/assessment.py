@@ -28,6 +28,13 @@ class Assessment(Findings):
         """Draw the error over time; see :func:`reliab.validation.assessment.showing.draw_error`."""
         return draw_error(self, axes)
 
+    def __repr__(self) -> str:
+        error = self.error.rebuilt.rms
+        return (
+            f"<Assessment of {self.recording.name}: {str(self.verdict.word).replace('_', ' ')}, RMS error "
+            f"{error.value:.2%} ({error.low:.2%} to {error.high:.2%})>"
+        )
+
     def _repr_html_(self) -> str:
         """Table for notebooks."""
         return table_of_assessment(self)

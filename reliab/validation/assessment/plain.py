@@ -4,6 +4,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, overload
 
+import pandas as pd
+
 from reliab.criterion import Criterion
 from reliab.errors import InputError
 from reliab.loop.hybrid_test.model_file import UpdatedModel, read_model
@@ -21,8 +23,8 @@ Quantity = float | str | StatedValue
 """A number, a number with its standard deviation as text ("1±0.01"), or such a value."""
 
 
-Test = str | Path | Recording
-"""A test, its file, or the name of one that ships."""
+Test = str | Path | pd.DataFrame | Recording
+"""A test, its file, its data frame, or the name of one that ships."""
 
 
 @overload
@@ -69,8 +71,9 @@ def assess(
 
     Parameters
     ----------
-    test : str, pathlib.Path or Recording, or several of them
-        The test, its file, or the name of one that ships ("sample_test").
+    test : str, pathlib.Path, pandas.DataFrame or Recording, or several of them
+        The test, its file, a data frame with a history in each column, or the name of one that ships
+        ("sample_test").
     structure : Structure, optional
         The structure under test, in place of `f`, `xi` and `alpha`.
     f, xi, alpha : float, str or StatedValue, optional
@@ -112,7 +115,7 @@ def assess(
         **options,
     }
     numbers = {"f": f, "xi": xi, "alpha": alpha}
-    if isinstance(test, str | Path | Recording):
+    if isinstance(test, Test):
         return _assess(test, structure, numbers, shared)
     return _assess_several(test, structure, numbers, shared)
 
@@ -125,7 +128,7 @@ def _assess_several(
 ) -> Assessments:
     by_file: dict[str, Test] = {}
     for test in tests:
-        file = test.name if isinstance(test, Recording) else str(test)
+        file = test.name if isinstance(test, Recording) else _name(test, len(by_file))
         if file in by_file:
             raise InputError(
                 "Every test must be given once",
@@ -140,6 +143,10 @@ def _assess_several(
         except InputError as error:
             faults[file] = str(error)
     return Assessments(files=tuple(by_file), judged=judged, faults=faults)
+
+
+def _name(test: str | Path | pd.DataFrame, place: int) -> str:
+    return f"data frame {place + 1}" if isinstance(test, pd.DataFrame) else str(test)
 
 
 def _assess(
@@ -159,8 +166,10 @@ def _assess(
     )
 
 
-def _read(path: str | Path) -> Recording:
-    return read_recording(or_shipped(Path(path), "datasets", "test.csv"))
+def _read(test: str | Path | pd.DataFrame) -> Recording:
+    if isinstance(test, pd.DataFrame):
+        return read_recording(test)
+    return read_recording(or_shipped(Path(test), "datasets", "test.csv"))
 
 
 def _read_criterion(path: str | Path) -> Criterion:

@@ -4,11 +4,12 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from reliab.errors import InputError
 from reliab.stated_value import StatedValue
-from reliab.validation.assessment.readers import Columns, read_columns
+from reliab.validation.assessment.readers import Columns, read_columns, read_frame
 from reliab.validation.assessment.recognition import (
     ACCELERATIONS,
     FORCES,
@@ -31,7 +32,7 @@ _HEADER_NAMES = {
 
 
 def read_recording(
-    path: str | Path,
+    path: str | Path | pd.DataFrame,
     *,
     command: str | None = None,
     measured: str | None = None,
@@ -45,8 +46,8 @@ def read_recording(
 
     Parameters
     ----------
-    path : str or pathlib.Path
-        CSV or other text, MATLAB, HDF5 or NetCDF.
+    path : str, pathlib.Path or pandas.DataFrame
+        CSV or other text, MATLAB, HDF5 or NetCDF; or a data frame with a history in each column.
     command, measured, time : str, optional
         Names of the columns, where they are not recognised.
     rate_hz : float, optional
@@ -67,7 +68,7 @@ def read_recording(
         With file, line, rule and remedy, if a column is missing, times do not follow at equal steps, a
         value is missing or a history is constant.
     """
-    columns = read_columns(path, delimiter=delimiter)
+    columns = read_frame(path) if isinstance(path, pd.DataFrame) else read_columns(path, delimiter=delimiter)
     given = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
     recognised = recognise(columns, {part: name for part, name in given.items() if name is not None})
     scale, notes = _scales(recognised, units)

@@ -5,11 +5,12 @@ from pathlib import Path
 from reliab.errors import InputError
 from reliab.files import decoding, ordinary, require_small
 from reliab.validation.assessment.readers.columns import Columns
+from reliab.validation.assessment.readers.frame import read_frame
 from reliab.validation.assessment.readers.hierarchical import read_classic_netcdf, read_hierarchical
 from reliab.validation.assessment.readers.matlab import read_matlab
 from reliab.validation.assessment.readers.text import read_text
 
-__all__ = ["Columns", "read_columns"]
+__all__ = ["Columns", "read_columns", "read_frame"]
 
 _MATLAB = b"MATLAB 5.0"
 _HDF5 = b"\x89HDF\r\n\x1a\n"

@@ -1,0 +1,68 @@
+"""How a diagnosis shows itself: a table for notebooks, and the gap before and after the effects."""
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Verdict
+from reliab.discrepancy.result.gap import Gap
+from reliab.discrepancy.result.missing_effect import MissingEffect
+from reliab.html_table import html_table
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_PERCENT = 100.0
+
+
+def table_of_diagnosis(
+    name: str, verdict: Verdict, effects: Iterable[MissingEffect], gap: Gap, remarks: Iterable[str]
+) -> str:
+    """Write the verdict on a campaign, the effects with their parameters, and the gap as a table in HTML."""
+    described = {
+        effect.name: "; ".join(
+            [
+                f"probability {effect.probability:.3g}",
+                *(
+                    f"{estimate.name} {estimate.value:.4g} ± {estimate.sd:.1g} {estimate.units}".strip()
+                    for estimate in effect.estimates
+                ),
+            ]
+        )
+        for effect in effects
+    }
+    rows = {
+        "verdict": str(verdict).replace("_", " "),
+        **described,
+        f"error on held-out tests, {gap.channel}": f"{gap.before:.3g} before, {gap.after:.3g} after",
+    }
+    return html_table(name, rows, remarks)
+
+
+def draw_gap(name: str, blocks: Sequence[BlockDiagnosis], axes: "Axes | None" = None) -> "Axes":
+    """Draw the error of the model on held-out tests before and after the effects are added.
+
+    Parameters
+    ----------
+    name : str
+        The campaign.
+    blocks : sequence of BlockDiagnosis
+        Its observed blocks.
+    axes : matplotlib.axes.Axes, optional
+        Where to draw; new axes by default.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        Two bars for each observed block, in per cent of the RMS of its channel.
+    """
+    from matplotlib import pyplot as plt
+
+    shown = plt.subplots(figsize=(6.0, 3.0))[1] if axes is None else axes
+    names = [f"{block.block.block}: {block.gap.channel}" for block in blocks]
+    for shift, label in ((-0.2, "before"), (0.2, "after")):
+        shares = [_PERCENT * float(getattr(block.gap, label)) for block in blocks]
+        shown.bar([place + shift for place in range(len(names))], shares, width=0.4, label=label)
+    shown.set_xticks(range(len(names)), names)
+    shown.set(ylabel="error [% of RMS]", yscale="log", title=name)
+    shown.legend(frameon=False)
+    return shown
