@@ -103,6 +103,7 @@ def test_every_page_is_in_the_table_of_contents():
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("default")  # Sphinx and its extensions deprecate what they use of each other
 def test_site_is_built_without_a_warning(tmp_path):
     pytest.importorskip(
         "myst_nb", reason="the site is built by sphinx and myst-nb, which are not installed here"
