@@ -166,10 +166,9 @@ def _amplitude(command: Array, time_step: float, frequency: float) -> float:
 def _constant(command: Array, measured: Array, time_step: float) -> float:
     """Return measured minus command [m] after a gain and a delay are fitted."""
     rows = np.stack([command, np.gradient(command, time_step), np.ones(command.size)])
-    scale = np.abs(rows).max(axis=1)
-    rows = rows / scale[:, np.newaxis]
+    rows = rows / np.abs(rows).max(axis=1, keepdims=True)
     found = np.linalg.lstsq(rows @ rows.T, rows @ (measured - command), rcond=1e-12)[0]
-    return float(found[2] / scale[2])
+    return float(found[2])
 
 
 def _felt(command: Array, measured: Array, offset: float, share: float) -> _Answer:

@@ -1,5 +1,6 @@
 """Draws of x_c − x_m, against the definitions of their chain and of their noise."""
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -21,7 +22,7 @@ from reliab.rebuilt_error.difference_draws import (
     _steps,
     draw_differences,
 )
-from reliab.rebuilt_error.lapped_transform import analyse
+from reliab.rebuilt_error.lapped_transform import analyse, synthesise
 from reliab.rebuilt_error.noise import SensorNoise
 
 STEP = 1.0 / 256.0
@@ -141,7 +142,7 @@ def test_levels_and_factors_are_drawn_by_their_joint_probability(monkeypatch):
         predicted = of_level.T @ filtered[band - 1] @ of_factor
         after = of_level @ (filtered[band] / predicted * after) @ of_factor.T
     smoothed = filtered[0] * after
-    expected = smoothed.sum(axis=1) @ _LEVELS / smoothed.sum()
+    expected = [(part.sum(axis=1) @ _LEVELS) / part.sum() for part in (smoothed, filtered[-1])]
 
     chosen = []
 
@@ -151,8 +152,33 @@ def test_levels_and_factors_are_drawn_by_their_joint_probability(monkeypatch):
 
     monkeypatch.setattr(difference_draws, "_chosen", noted)
     _draw(reading, filtered, np.empty((4000, SIZE // 100)), np.random.default_rng(5))
-    levels = _LEVELS[chosen[-1] // 2]
-    assert levels.mean() == pytest.approx(expected, abs=4.0 * levels.std() / np.sqrt(4000.0))
+    for places, mean in zip((chosen[-1], chosen[0]), expected, strict=True):  # the first band, the last one
+        levels = _LEVELS[places // 2]
+        assert levels.mean() == pytest.approx(mean, abs=4.0 * levels.std() / np.sqrt(4000.0))
+
+
+def test_a_draw_without_chance_is_the_mean_given_the_median_level():
+    """In one band: what follows the command, and of the rest the share q P/(q P + s)."""
+
+    class Middle:
+        """A generator whose numbers are all the median."""
+
+        uniform = staticmethod(lambda size: np.full(size, 0.5))
+        standard_normal = staticmethod(np.zeros)
+
+    several = small_reading()
+    reading = replace(several, noise=several.noise[:1], bands=np.zeros_like(several.bands))
+    filtered = _filtered(reading, np.zeros(reading.following.shape[0]))
+    histories = np.empty((1, 40))
+    follows = _draw(reading, filtered, histories, Middle())[0]
+    level = np.exp(_LEVELS[np.searchsorted(np.cumsum(filtered[0, :, 0]), 0.5)])
+    noise = np.broadcast_to(reading.noise[0], reading.observed.shape)
+    power = level * np.maximum(reading.command_power, 0.01 * noise)
+    expected = _least_squares(reading, power + noise)[0]
+    assert follows == pytest.approx(expected)
+    followed = np.tensordot(expected, reading.following, axes=1)
+    whole = followed + power / (power + noise) * (reading.observed - followed)
+    assert histories == pytest.approx(synthesise(whole[np.newaxis], 40))
 
 
 def test_a_column_is_drawn_by_its_weight():

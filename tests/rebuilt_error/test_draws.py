@@ -10,7 +10,7 @@ from reliab.rebuilt_error import Tolerances
 from reliab.rebuilt_error.error_statistics import mean_square
 from reliab.rebuilt_error.interval import Histories, Unknown, samples_in_step, sweep
 from reliab.rebuilt_error.noise import SensorNoise
-from reliab.rebuilt_error.parts import divide, part_of_tracking
+from reliab.rebuilt_error.parts import _part, divide, part_of_tracking
 from reliab.rebuilt_error.spectral import respond_spectrally
 from reliab.rebuilt_error.whole_structure import WholeStructure
 from reliab.rebuilt_error.widenings import _for_half, widenings
@@ -30,10 +30,10 @@ def histories():
     return Histories(command=command, measured=measured, fed_back=command - measured, time_step=STEP)
 
 
-def swept(histories, every=1, structure=STRUCTURE, offset=0.0, at_start=0.0, **tolerances):
+def swept(histories, every=1, structure=STRUCTURE, offset=0.0, at_start=0.0, draws=DRAWS, **tolerances):
     unknown = Unknown(tolerances=Tolerances(**tolerances), offset=offset, error_at_start=at_start)
     differences = histories.difference[::every][np.newaxis]
-    return sweep(histories, structure, unknown, differences, every, draws=DRAWS, seed=1)
+    return sweep(histories, structure, unknown, differences, every, draws=draws, seed=1)
 
 
 def response(difference, structure=STRUCTURE):
@@ -85,6 +85,28 @@ def test_an_unknown_start_is_a_free_vibration(histories):
     fast = decay * np.sin(damped * TIME) * W0 / damped
     spread = swept(histories, at_start=1e-3)
     assert spread.deviation == pytest.approx(1e-3 * np.hypot(slow, fast), rel=0.05)
+
+
+def test_what_is_not_known_is_independent(histories):
+    """Variances of all unknowns together are the sum of those of each alone."""
+    deviations = {"sensor_scale": 0.004, "time_shift": 4e-4, "frequency": 0.002, "damping_ratio": 0.05}
+    deviations |= {"experimental_fraction": 0.005, "sensor_offset": 1e-4, "feedback_lag": 3e-4}
+    alone = [swept(histories, **{name: value}).deviation for name, value in deviations.items()]
+    alone.append(swept(histories, at_start=2e-4).deviation)
+    together = swept(histories, at_start=2e-4, draws=1024, **deviations).deviation
+    assert together == pytest.approx(np.linalg.norm(alone, axis=0), rel=0.15)
+    two = swept(histories, at_start=1e-4, draws=1024, damping_ratio=0.1).deviation
+    parts = [swept(histories, at_start=1e-4).deviation, swept(histories, damping_ratio=0.1).deviation]
+    expected = np.linalg.norm(parts, axis=0)
+    assert two == pytest.approx(expected, rel=0.2, abs=0.02 * expected.max())
+
+
+def test_parts_of_no_error_have_no_share(histories):
+    perfect = replace(histories, measured=histories.command, fed_back=np.zeros(TIME.size))
+    for part in divide(perfect, STRUCTURE).by_name.values():
+        assert np.abs(part.history).max() < 1e-12
+    nothing = _part(np.zeros(5), np.zeros(5), 1.0)
+    assert (nothing.share, nothing.rms, nothing.remaining_mte) == (0.0, 0.0, 0.0)
 
 
 def test_a_structure_that_stood_under_an_offset_stays_there():

@@ -1,5 +1,7 @@
 """When a running test is judged, and its net damping, by the formulas of least squares."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -65,6 +67,9 @@ def test_damping_waits_for_one_period_of_motion():
     assert DAMPING.net(moments, np.array([samples - 0.5, moments[1, 1]])) is None
     assert DAMPING.net(moments, np.array([samples + 0.5, moments[1, 1]])) is not None
     assert DAMPING.net(np.zeros((4, 4)), np.array([1000.0, 0.0])) is None
+    whole = replace(DAMPING, samples=100.0)
+    assert whole.net(moments, np.array([99.0, moments[1, 1]])) is None
+    assert whole.net(moments, np.array([100.0, moments[1, 1]])) is not None
 
 
 def fed(size, **stated):

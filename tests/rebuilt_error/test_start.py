@@ -3,7 +3,10 @@
 import numpy as np
 import pytest
 
+from reliab.errors import InputError
+from reliab.rebuilt_error.channels import checked_histories
 from reliab.rebuilt_error.initial import _Answer, _felt, _stands, examine_start
+from reliab.rebuilt_error.whole_structure import WholeStructure
 
 STEP = 1.0 / 256.0
 FREQUENCY = 1.0
@@ -123,3 +126,20 @@ def test_a_test_in_motion_keeps_its_constant_as_uncertainty_unless_the_loop_felt
     assert start.offset_deviation == pytest.approx(np.hypot(offset, known), rel=1e-3)
     felt = examined(command - SHARE * offset, command + (1.0 - SHARE) * offset)
     assert felt.offset_deviation == pytest.approx(known)
+
+
+def test_a_period_of_ten_samples_is_enough():
+    whole = WholeStructure(
+        mass=np.eye(1),
+        damping=np.zeros((1, 1)),
+        stiffness=np.array([[(2.0 * np.pi) ** 2]]),
+        interface=np.ones(1),
+        specimen_stiffness=1.0,
+    )
+    assert whole.natural_frequencies[0] == 1.0
+    command = np.sin(np.arange(64.0))
+    assert checked_histories(command, command, 0.1, whole)[0].size == 64
+    with pytest.raises(InputError, match="at least 10 samples"):
+        checked_histories(command, command, 0.1001, whole)
+    with pytest.raises(InputError, match="at least 64 samples"):
+        checked_histories(command[1:], command[1:], 0.1, whole)
