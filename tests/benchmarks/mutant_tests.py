@@ -9,6 +9,7 @@ import sys
 import tempfile
 from collections import defaultdict
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -118,6 +119,9 @@ class Reach:
             first = self.at(mutant.file, lines_of_body(place.function))
         for file, function in callers(_names(mutant))[0]:
             first |= self.at(file, lines_of_body(function))
+        if words := frozenset(_names(mutant)):
+            words |= {Path(mutant.file).stem}
+            first |= {test for test in self.seconds if _mentions(file_of(test), words)}
         if not first and (not place.in_body or _names(mutant)):
             bodies = [part for part in ast.walk(parsed(mutant.file)) if isinstance(part, ast.FunctionDef)]
             first = {name for body in bodies for name in self.at(mutant.file, lines_of_body(body))}
@@ -144,6 +148,15 @@ class Reach:
 
 def file_of(test: str) -> str:
     return test.partition("::")[0]
+
+
+@cache
+def _mentions(file: str, words: frozenset[str]) -> bool:
+    """Whether a file of tests names compiled code, or the module in which it stands, as an effect is."""
+    nodes = list(ast.walk(parsed(file)))
+    used = {getattr(node, "id", getattr(node, "attr", "")) for node in nodes}
+    used |= {node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str)}
+    return file.startswith("tests/") and not words.isdisjoint(used)
 
 
 def _names(mutant: Mutant) -> set[str]:

@@ -5,7 +5,7 @@
 The tests of the room run once to see which lines each reaches (`pip install coverage`); a change is then
 tried by those tests only that reach it, quick ones first, until the first fails, in a copy of a process that
 has collected them; where code is compiled or stands outside functions, in a process that imports it anew.
-Code that is compiled is reached by whatever calls it by name. Nothing on disk is changed.
+Code that is compiled is reached by whatever names it, tests too. Nothing on disk is changed.
 A mutant is a line of the output as soon as it is judged, so that a run that is stopped loses nothing and one
 that is started again with the same seed goes on. Slow tests are left out. Changes that no test can notice
 are listed with their reasons in equivalent_mutants.toml and count neither way.
