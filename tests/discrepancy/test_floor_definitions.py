@@ -13,7 +13,10 @@ from reliab.loop.hybrid_test import Specimen
 
 RATE = 400.0
 TIME = np.arange(0.0, 20.0, 1.0 / RATE)
-RNG = np.random.default_rng(1)
+
+
+def noise_of(*shape):
+    return np.random.default_rng(1).standard_normal(shape)
 
 
 def driven(command, measured):
@@ -28,7 +31,7 @@ def found(*tests, held_out=None, highest=45.0):
 
 
 def test_repeats_differ_by_twice_the_floor():
-    command, noise = np.sin(3.0 * TIME), RNG.standard_normal((2, TIME.size))
+    command, noise = np.sin(3.0 * TIME), noise_of(2, TIME.size)
     tests = [driven(command, command + part) for part in noise]
     expected = 0.5 * np.var(noise[0] - noise[1])
     assert found(*tests, held_out=())[Source.REPEATED_TESTS] == pytest.approx(expected)
@@ -57,7 +60,7 @@ def test_a_period_is_found_to_the_sample(lag):
 
 def test_cycles_differ_by_twice_the_floor():
     cycle = np.sin(2.0 * np.pi * np.arange(TIME.size) / 80)
-    noise = RNG.standard_normal(TIME.size)
+    noise = noise_of(TIME.size)
     lag = _period(cycle)
     inner = noise[lag:]
     expected = 0.5 * np.mean((inner[lag:] - inner[:-lag]) ** 2)
@@ -71,7 +74,7 @@ def test_cycles_differ_by_twice_the_floor():
 @pytest.mark.parametrize("amplitude", [0.0, 0.2])
 def test_the_band_above_holds_white_noise_and_the_mains(amplitude):
     """White noise has its variance below the band too; a line of the mains half its squared amplitude."""
-    noise = 0.1 * RNG.standard_normal(TIME.size)
+    noise = 0.1 * noise_of(TIME.size)
     mains = amplitude * np.sin(2.0 * np.pi * 60.0 * TIME)
     floor = found(driven(np.sin(3.0 * TIME), np.sin(3.0 * TIME) + noise + mains))[Source.BAND_ABOVE]
     assert floor == pytest.approx(0.01 + 0.5 * amplitude**2, rel=0.05)
@@ -80,7 +83,7 @@ def test_the_band_above_holds_white_noise_and_the_mains(amplitude):
 @pytest.mark.parametrize(("ratio", "white"), [(1.15, True), (1.45, False)])
 def test_a_band_is_white_if_both_halves_have_one_level(ratio, white):
     """A level that steps by `ratio` in the middle of the band."""
-    spectrum = np.fft.rfft(0.1 * RNG.standard_normal(TIME.size))
+    spectrum = np.fft.rfft(0.1 * noise_of(TIME.size))
     frequency = np.fft.rfftfreq(TIME.size, 1.0 / RATE)
     spectrum[frequency > 0.5 * (45.0 + 0.49 * RATE)] *= np.sqrt(ratio)
     assert (Source.BAND_ABOVE in found(driven(np.sin(TIME), np.fft.irfft(spectrum)))) is white
@@ -89,10 +92,30 @@ def test_a_band_is_white_if_both_halves_have_one_level(ratio, white):
 def test_rest_at_both_ends_counts_from_a_quarter_of_a_second():
     command = np.zeros(TIME.size)
     command[130:-99] = np.sin(3.0 * TIME[130:-99]) + 2.0
-    noise = RNG.standard_normal(TIME.size)
+    noise = noise_of(TIME.size)
     floor = found(driven(command, command + noise), highest=199.0)[Source.REST]
     ramp = np.polyfit(np.arange(130), noise[:130], 1)
     assert floor == pytest.approx(np.var(noise[:130] - np.polyval(ramp, np.arange(130))))
+
+
+def test_rest_lasts_until_a_five_hundredth_of_the_range_is_reached():
+    command = np.zeros(TIME.size)
+    command[200:] = 0.5 * np.sin(0.5 * np.pi * np.minimum(np.arange(TIME.size - 200) / 4000, 1.0))
+    command[-50:] = 0.3
+    still = int(np.argmax(command > 0.002 * 0.5))
+    assert still > 203
+    noise = noise_of(TIME.size)
+    ramp = np.polyfit(np.arange(still), noise[:still], 1)
+    floor = found(driven(command, command + noise), highest=199.0)[Source.REST]
+    expected = np.var(noise[:still] + command[:still] - np.polyval(ramp, np.arange(still)))
+    assert floor == pytest.approx(expected, rel=1e-3)
+
+
+@pytest.mark.parametrize(("size", "known"), [(400, False), (1500, True)])
+def test_a_band_needs_128_frequencies(size, known):
+    """Between 150 and 196 Hz, without the mains, a record of n samples has about 0.11 n."""
+    noise = noise_of(size)
+    assert (Source.BAND_ABOVE in found(driven(np.sin(TIME[:size]), noise), highest=150.0)) is known
 
 
 def campaign_of(*tests, specimen=None):

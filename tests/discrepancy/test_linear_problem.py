@@ -218,7 +218,8 @@ TIME = np.arange(0.0, 32.0, 1.0 / RATE)
 
 
 def problem_of(**changes):
-    measured = {0: RNG.standard_normal(TIME.size), 1: 3.0 * RNG.standard_normal(TIME.size)}
+    rng = np.random.default_rng(2)
+    measured = {0: rng.standard_normal(TIME.size), 1: 3.0 * rng.standard_normal(TIME.size)}
     block = SimpleNamespace(
         rate=RATE,
         measured=measured.__getitem__,
@@ -302,7 +303,7 @@ def test_the_normalisation_is_that_of_whittles_likelihood():
 def test_noise_where_errors_judge_is_their_mean_square_relative_to_the_channel():
     problem = problem_of().tempered({0: 24.0, 1: 12.0})
     unit = NoiseModel.white(RATE, 1.0)
-    residual = RNG.standard_normal(problem.rows)
+    residual = np.random.default_rng(4).standard_normal(problem.rows)
     share = np.array(problem.tempering)[problem.owners]
     # a whitened row is √(share/power) times the error
     expected = np.sum(share * residual**2 / share) / share.sum()
@@ -316,7 +317,7 @@ class Kind(SimpleNamespace):
 @pytest.mark.parametrize("flat", [False, True])
 def test_a_promise_is_the_energy_that_a_linear_effect_explains(flat, monkeypatch):
     """What is left of its direction beside the free coordinates of the parent, projected on the residual."""
-    direction = RNG.standard_normal(ROWS)
+    direction = np.random.default_rng(5).standard_normal(ROWS)
     parent = at(np.linalg.lstsq(MATRIX, TARGET, rcond=None)[0])
     parent.space.block = None
     kind = Kind(parameters=(SimpleNamespace(signed=True),))

@@ -22,6 +22,7 @@ from reliab.discrepancy.spectra.segment import Segment, _value_and_slope, cut_se
 from reliab.discrepancy.spectra.smoothing import (
     _averaged,
     _share,
+    _spectra,
     harmonics_up_to,
     highest_frequency,
     reliable_frequency,
@@ -216,3 +217,12 @@ def test_an_end_is_left_out_up_to_a_fifth():
     at = Stretch(test=0, begin=950, end=1000)
     assert answered([at], [still], 0.5) == (at,)
     assert answered([Stretch(test=0, begin=949, end=1000)], [still], 0.5)[0].end == 950
+
+
+def test_a_displacement_is_continued_as_an_odd_function():
+    """What swings about the line between its ends has no cosines, so that its spectrum is imaginary."""
+    displacement = np.cumsum(np.random.default_rng(4).standard_normal(2000)) + 0.01 * np.arange(2000)
+    spectrum, frequency, _, _ = _spectra(displacement, 1.0 / RATE, 45.0)
+    assert np.abs(spectrum.real).max() < 1e-9 * np.abs(spectrum.imag).max()
+    assert frequency.size == 2000
+    assert frequency[-1] == pytest.approx(0.5 * RATE)
