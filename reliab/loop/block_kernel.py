@@ -48,12 +48,14 @@ def at_time(
 ) -> None:
     """Exact z at a time [s] into an array of shape (2 records,); zero before the records start."""
     if time <= 0.0:
-        z[:] = 0.0
+        for j in range(z.size):
+            z[j] = 0.0
         return
     i = min(int(time / h + 1e-9), records.shape[1] - 2)
     into = time - i * h
     if into < _AT_SAMPLE * h:
-        z[:] = samples[i]
+        for j in range(z.size):
+            z[j] = samples[i, j]
         return
     # z(t + s) = e^(ps)z + a(e^(ps) − 1)/p + a'(e^(ps) − 1 − ps)/p²
     inverse = 1.0 / pole
@@ -121,7 +123,7 @@ def cut_records(
             left[m, k] = (late.imag * u - late.real * v) / determinant
             right[m, k] = (early.real * v - early.imag * u) / determinant
             ideal[m, k + 1] = -after[2 * m + 1] / pole.imag
-        before[:] = after
+        before, after = after, before
     return left, right, ideal
 
 

@@ -14,7 +14,7 @@ number of blocks advance side by side; `short_delay` steps those shorter than a 
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.compiled import compiled
+from reliab.compiled import compiled, copy_rows
 from reliab.loop import short_delay
 from reliab.loop.blocks import Blocks, ramp_weights
 from reliab.loop.deviation import LATEST, TRACKS, Deviation, end_weight, follow, summary
@@ -127,7 +127,7 @@ def _track_lanes(
     `history` receives command and measured displacement of the first lane unless it is empty.
     """
     c = np.empty((_COEFFICIENTS, LANES))
-    c[:] = cells
+    copy_rows(cells, c)
     depth = delay + 2
     xs, vs = np.zeros((depth, LANES)), np.zeros((depth, LANES))
     state, t = np.zeros((4, LANES)), np.zeros((TRACKS, LANES))

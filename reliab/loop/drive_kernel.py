@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.compiled import compiled
+from reliab.compiled import compiled, copy_rows
 from reliab.loop.deviation import end_weight
 from reliab.loop.shared_drives import DRIVES
 
@@ -87,7 +87,7 @@ def _track_lanes(  # noqa: PLR0915 - one compiled loop
     take and return numbers only.
     """
     k = np.empty((_COEFFICIENTS, LANES), dtype=np.float32)
-    k[:] = cells
+    copy_rows(cells, k)
     s = np.zeros((_STATES, LANES), dtype=np.float32)
     part, squares = np.zeros(LANES, dtype=np.float32), np.zeros(LANES)
     last = np.zeros(LANES, dtype=np.float32)
@@ -205,9 +205,9 @@ def track(
     cells = coefficients.shape[1]
     squares, around, last = np.empty(cells), np.empty((3, cells)), np.empty(cells)
     for first in range(0, cells, LANES):
-        lanes = slice(first, first + LANES)
-        s, squares[lanes], last[lanes] = _track_lanes(drives, before, end, coefficients[:, lanes], one)
+        s, total, final = _track_lanes(drives, before, end, coefficients[:, first : first + LANES], one)
         for j in range(LANES):
+            squares[first + j], last[first + j] = total[j], final[j]
             cell = coefficients[:, first + j]
             place = _around_peak(drives, int(s[3, j]), float(s[4, j]), float(s[5, j]), cell)
             around[0, first + j], around[1, first + j], around[2, first + j] = place

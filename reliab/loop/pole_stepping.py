@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.compiled import compiled
+from reliab.compiled import compiled, copy_rows
 from reliab.loop.blocks import Blocks
 from reliab.loop.deviation import LATEST, TRACKS, Deviation, end_weight, follow, follow_four, summary
 from reliab.loop.pole_recursion import fill_lanes
@@ -46,7 +46,7 @@ def _track_lanes(
     take and return numbers only.
     """
     k = np.empty((_COEFFICIENTS, LANES))
-    k[:] = coefficients
+    copy_rows(coefficients, k)
     x, t = np.zeros((4, LANES)), np.zeros((TRACKS, LANES))
     t[LATEST] = np.nan
     i = 0
@@ -118,7 +118,7 @@ def _track(
     tracks = np.empty((TRACKS, cells))
     for first in range(0, cells, LANES):
         lanes = slice(first, first + LANES)
-        tracks[:, lanes] = _track_lanes(left, right, ideal, before, end, coefficients[:, lanes])
+        copy_rows(_track_lanes(left, right, ideal, before, end, coefficients[:, lanes]), tracks[:, lanes])
     return tracks
 
 

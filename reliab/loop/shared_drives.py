@@ -18,7 +18,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reliab.compiled import compiled
+from reliab.compiled import compiled, copy_rows
 from reliab.loop.blocks import Blocks
 from reliab.loop.dominant_pole import modal_loop
 from reliab.loop.pole_recursion import recursion
@@ -197,7 +197,8 @@ def step_drives(
     """Shared drives [m] in each block, from the lines of a record and the exact response to them."""
     drives = np.zeros((left.size, DRIVES))
     k, m = np.empty((12, DRIVES)), np.empty((DRIVES, DRIVES))
-    k[:], m[:] = sources, mixture
+    copy_rows(sources, k)
+    copy_rows(mixture, m)
     x, y, w, total = np.zeros((4, DRIVES)), np.zeros((2, DRIVES)), np.zeros(DRIVES), np.zeros(DRIVES)
     a2, a3 = 0.0, 0.0
     for i in range(left.size):

@@ -11,7 +11,7 @@ with twelve and four coefficients instead of twenty-four, and no history.
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.compiled import compiled
+from reliab.compiled import compiled, copy_rows
 from reliab.loop.blocks import Blocks
 from reliab.loop.deviation import LATEST, TRACKS, end_weight, follow, follow_four
 from reliab.loop.pole_recursion import fill_lanes
@@ -86,7 +86,7 @@ def _track_lanes(
     """Step one set of lanes from rest through the window; shape (tracks, lanes)."""
     k, s, t = np.empty((_COEFFICIENTS, LANES)), np.zeros((4, LANES)), np.zeros((TRACKS, LANES))
     t[LATEST] = np.nan
-    k[:] = coefficients
+    copy_rows(coefficients, k)
     i = 0
     while i < left.size:
         several = i > before and i + 5 < left.size

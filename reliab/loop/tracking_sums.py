@@ -15,7 +15,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reliab.compiled import compiled
+from reliab.compiled import compiled, copy_rows
 from reliab.loop.blocks import Blocks, cut_together
 from reliab.loop.dominant_pole import modal_loop
 from reliab.loop.excitation import Excitation
@@ -205,7 +205,8 @@ def _accumulate(
     The measured displacement is driven by the record `ahead`, which is the record itself unless it leads.
     """
     c, m = np.empty((12, LANES)), np.empty((12, LANES))
-    c[:], m[:] = command, measured
+    copy_rows(command, c)
+    copy_rows(measured, m)
     x, q, o = np.zeros((4, LANES)), np.zeros((4, LANES)), np.zeros((4, LANES))
     past, sums = np.zeros((4, LANES)), np.zeros((_SUMS, LANES))
     for i in range(1, before + taper.size - 1):

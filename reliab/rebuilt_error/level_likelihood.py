@@ -37,8 +37,9 @@ def level_likelihood(rest: Array, command_power: Array, noise: Array, levels: Ar
     likelihood = np.zeros((count, factors))
     product, quadratic, logarithm = np.empty((3, count))
     for factor in range(factors):
-        product[:], quadratic[:], logarithm[:] = 1.0, 0.0, 0.0
         common, held = 0.0, 0
+        for level in range(count):
+            product[level], quadratic[level], logarithm[level] = 1.0, 0.0, 0.0
         for frame in range(rest.shape[0]):
             for k in range(rest.shape[1]):
                 variance = noise[factor, frame if frames > 1 else 0, k]
@@ -51,9 +52,11 @@ def level_likelihood(rest: Array, command_power: Array, noise: Array, levels: Ar
                     quadratic[level] += square / total
                 held += 1
                 if held == _FACTORS_OF_A_LOGARITHM:
-                    logarithm += np.log(product)
-                    product[:] = 1.0
+                    for level in range(count):
+                        logarithm[level] += np.log(product[level])
+                        product[level] = 1.0
                     held = 0
-        logarithm += np.log(product)
-        likelihood[:, factor] = -0.5 * (common + logarithm + quadratic)
+        for level in range(count):
+            logarithm[level] += np.log(product[level])
+            likelihood[level, factor] = -0.5 * (common + logarithm[level] + quadratic[level])
     return likelihood

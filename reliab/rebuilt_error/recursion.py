@@ -208,4 +208,5 @@ def advance(
         for column in range(state.size):
             total += decay[row, column] * state[column]
         scratch[row] = total
-    state[:] = scratch
+    for row in range(state.size):
+        state[row] = scratch[row]

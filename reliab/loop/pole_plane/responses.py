@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.compiled import compiled
+from reliab.compiled import compiled, copy_rows
 from reliab.loop.blocks import Blocks, ramp_weights
 from reliab.loop.pole_plane.basis import PoleBasis
 from reliab.loop.pole_recursion import pair_recursion
@@ -184,7 +184,8 @@ def _step_poles(
     filled = state.shape[1]
     c, s = np.empty((6, _LANES)), np.empty((3, _LANES))
     for first in range(0, filled, _LANES):
-        c[:], s[:] = weights[:, first : first + _LANES], state[:, first : first + _LANES]
+        copy_rows(weights[:, first:], c)
+        copy_rows(state[:, first:], s)
         for i in range(left.size):
             a, b = left[i], right[i]
             for j in range(_LANES):
@@ -194,7 +195,7 @@ def _step_poles(
                 s[2, j] += real * real + imag * imag
             for j in range(_LANES):
                 responses[i, first + j], responses[i, filled + first + j] = s[0, j], s[1, j]
-        state[:, first : first + _LANES] = s
+        copy_rows(s, state[:, first : first + _LANES])
 
 
 @compiled
