@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.criterion.methods.hierarchical.further_motions import FurtherMotions
 from reliab.criterion.methods.hierarchical.model import Hierarchical
 from reliab.criterion.methods.joint import Scatter
 from reliab.criterion.scaling import scales
@@ -10,8 +11,7 @@ from reliab.sampling.posterior_sample import PosteriorSample
 
 _DRAWS = 2000
 _MOTIONS = 40  # for each draw, each of an earthquake of its own
-_POPULATIONS = 400  # draws of the posterior whose own quantile is found ...
-_POPULATION = 4000  # ... from so many motions
+_POPULATIONS = 400  # draws of the posterior whose own quantile is found
 
 
 def posterior_limits(
@@ -52,22 +52,12 @@ def posterior_limits(
     motions = drawn.reshape(-1, *drawn.shape[2:])
     scatter = Scatter.of(motions)
 
-    def quantile(values: NDArray[np.float64]) -> NDArray[np.float64]:
-        standing = scatter.worse(values)[..., None] if joint else scatter.standard(values)
-        depths = np.quantile(standing, 1.0 - confidence, axis=0)
-        return np.broadcast_to(depths, scatter.centre.shape)
-
     if assurance is None:
-        depth = quantile(motions)
+        standing = scatter.worse(motions)[..., None] if joint else scatter.standard(motions)
+        depth = np.quantile(standing, 1.0 - confidence, axis=0)
     else:
-        # The quantile of a finite population scatters by itself, which makes the bound a little lower.
-        numbers = np.arange(_POPULATION)
-        populations = (
-            model.draw_motions(theta[None], numbers, rng)[0] for theta in posterior.spread_out(_POPULATIONS)
-        )
-        depth = np.quantile(
-            np.stack([quantile(population) for population in populations]), 1.0 - assurance, axis=0
-        )
+        every = FurtherMotions.of(model, posterior.spread_out(_POPULATIONS))
+        depth = np.quantile(every.depth(confidence, scatter, joint=joint), 1.0 - assurance, axis=0)
     logarithms = scatter.centre + scatter.spread * depth
     scale = scales(model.frequencies[:, None], model.damping_ratios[None, :])
     return np.asarray(np.stack(scale, axis=-1) * np.exp(logarithms))

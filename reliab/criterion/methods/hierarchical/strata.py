@@ -177,5 +177,28 @@ def weights_of_motion_mean(grid: Grid) -> NDArray[np.float64]:
     return _weights(grid, {MOTION: 1.0, FREQUENCY: 1.0 / along_f, REMAINDER: 1.0 / (along_f * along_xi)})
 
 
+def weights_of_motion(grid: Grid) -> NDArray[np.float64]:
+    """Weight of each effect in the covariance of one motion of a further earthquake.
+
+    Parameters
+    ----------
+    grid : Grid
+        The structures.
+
+    Returns
+    -------
+    array of float, shape (X, effects)
+        At each damping ratio.
+    """
+    squares = grid.eta**2
+    return np.stack(
+        [
+            squares if effect in {MOTION_SLOPE, FREQUENCY_SLOPE} else np.ones_like(squares)
+            for effect in grid.effects
+        ],
+        axis=-1,
+    )
+
+
 def _weights(grid: Grid, given: dict[str, float]) -> NDArray[np.float64]:
     return np.array([given.get(effect, 0.0) for effect in grid.effects])

@@ -1,0 +1,126 @@
+"""One motion of a further earthquake at each structure: its distribution and quantiles in closed form."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from reliab.criterion.methods.hierarchical.model import Hierarchical
+from reliab.criterion.methods.hierarchical.strata import weights_of_motion, weights_of_motion_mean
+from reliab.criterion.methods.joint import Scatter
+from reliab.sampling.bivariate_normal import both_below
+
+_NODES = 24  # normal distributions that make up a Student's t
+_WIDER = 1e-9  # of a bracket, so that rounding leaves the root inside
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FurtherMotions:
+    """Normal ln α and ln β of one motion at each structure, or mixtures of such that differ in their spread.
+
+    Parameters
+    ----------
+    mean : array of float, shape (vectors, F, X, 2)
+        Means, for each vector of parameters.
+    covariance : array of float, shape (vectors, F, X, parts, 3)
+        Variance of ln α, variance of ln β and covariance of each part of the mixture.
+    weights : array of float, shape (parts,)
+        Shares of the mixture.
+    """
+
+    mean: NDArray[np.float64]
+    covariance: NDArray[np.float64]
+    weights: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, model: Hierarchical, theta: NDArray[np.float64]) -> Self:
+        """Integrate out every effect of a motion and of its earthquake.
+
+        Parameters
+        ----------
+        model : Hierarchical
+            The model. Where it is robust, a motion's mean over all structures is Student's t.
+        theta : array of float, shape (vectors, parameters)
+            Vectors of its parameters.
+
+        Returns
+        -------
+        FurtherMotions
+            The distribution at each structure for each vector.
+        """
+        effects = model.covariances(theta)
+        mean = np.einsum("wtq,fxt->wfxq", model.coefficients(theta), model.terms)
+        single = np.einsum("xk,wkc->wxc", weights_of_motion(model.grid), effects)
+        covariance = np.broadcast_to(single[:, None, :, None], (*mean.shape[:-1], 1, 3))
+        weights = np.ones(1)
+        if model.robust:
+            places, lengths = np.polynomial.legendre.leggauss(_NODES)
+            weights = 0.5 * lengths
+            degrees = np.exp(theta[:, -1])[:, None]
+            stretch = degrees / scipy.special.chdtri(degrees, 0.5 + 0.5 * places)
+            of_mean = np.einsum("k,wkc->wc", weights_of_motion_mean(model.grid), effects)
+            covariance = covariance + ((stretch[..., None] - 1.0) * of_mean[:, None])[:, None, None]
+        return cls(mean=mean, covariance=covariance, weights=weights)
+
+    def depth(self, share: float, scatter: Scatter, *, joint: bool) -> NDArray[np.float64]:
+        """Standardised logarithms that a share of the motions exceeds.
+
+        Parameters
+        ----------
+        share : float
+            Share of the motions, in (0, 1).
+        scatter : Scatter
+            Centre and spread of ln α and ln β, shape (F, X, 2), by which they are standardised.
+        joint : bool
+            Whether both exceed the same depth together, or each alone its own.
+
+        Returns
+        -------
+        array of float, shape (vectors, F, X, 2)
+            Depths of ln α and ln β.
+        """
+        mean = scatter.standard(self.mean)[..., None, :]
+        spread = np.sqrt(self.covariance[..., :2]) / scatter.spread[:, :, None]
+        correlation = self.covariance[..., 2] / np.sqrt(self.covariance[..., :2].prod(axis=-1))
+        if joint:
+            depth = _depth(share, self.weights, mean, spread, correlation)
+            return np.stack([depth, depth], axis=-1)
+        alone = (slice(0, 1), slice(1, 2))
+        return np.stack(
+            [_depth(share, self.weights, mean[..., k], spread[..., k], correlation) for k in alone], axis=-1
+        )
+
+
+def _depth(
+    share: float,
+    weights: NDArray[np.float64],
+    mean: NDArray[np.float64],
+    spread: NDArray[np.float64],
+    correlation: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Depth that one variable exceeds, or two together; last axes of mean and spread (parts, variables)."""
+    from scipy.optimize import elementwise
+
+    variables, shape = mean.shape[-1], correlation.shape[:-1]
+    means = mean.reshape(-1, 1, variables)
+    spreads, correlations = spread.reshape(-1, weights.size, variables), correlation.reshape(-1, weights.size)
+
+    def excess(depth: NDArray[np.float64], cell: NDArray[np.float64]) -> NDArray[np.float64]:
+        these = cell.astype(np.int64)
+        above = np.moveaxis((means[these] - depth[:, None, None]) / spreads[these], -1, 0)
+        shares = (
+            scipy.special.ndtr(above[0])
+            if variables == 1
+            else both_below(above[0], above[1], correlations[these])
+        )
+        return np.asarray(shares @ weights - share)
+
+    # One of both lies below its own quantile, and at least half of the rest is below the lower one's.
+    low = (means + spreads * scipy.special.ndtri((1.0 - share) / variables)).min(axis=(1, 2))
+    high = (means + spreads * scipy.special.ndtri(1.0 - share)).max(axis=1).min(axis=-1)
+    root = elementwise.find_root(
+        excess, (low - _WIDER, np.maximum(high, low) + _WIDER), args=(np.arange(low.size, dtype=np.float64),)
+    )
+    return np.asarray(root.x.reshape(shape))
