@@ -31,7 +31,7 @@ from reliab.cli import (
 from reliab.cli import run as run_command
 from reliab.cli.defaults import read_defaults
 from reliab.cli.examples import example_of
-from reliab.cli.interruption import interruption
+from reliab.cli.interruption import interruption, noticed_interruption
 from reliab.cli.output import write_what_can_be_written
 from reliab.cli.printable import printable
 from reliab.errors import INTERRUPTED, IncompleteError, InputError
@@ -103,7 +103,7 @@ def run(arguments: Sequence[str]) -> int:
     logging.getLogger("asyncio").addHandler(logging.NullHandler())  # errors are told once, as below
     command = typer.main.get_command(app)
     try:
-        with warnings.catch_warnings():
+        with noticed_interruption(), warnings.catch_warnings():
             warnings.showwarning = _show_warning
             command.main(
                 list(spread(arguments, command)), prog_name="reliab", default_map=read_defaults(command)

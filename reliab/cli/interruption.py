@@ -1,7 +1,17 @@
-"""What a command says when Ctrl-C ends it: what is kept, and how to go on."""
+"""Ctrl-C: it is noticed wherever it falls, and a command says what is kept and how to go on."""
 
-from collections.abc import Sequence
-from typing import Final
+import contextlib
+import signal
+import sys
+import threading
+from _thread import interrupt_main
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Final
+
+from reliab.errors import INTERRUPTED
+
+if TYPE_CHECKING:
+    from types import FrameType
 
 _GOES_ON: Final = {
     "simulate": ("--out", "The motions that are finished are kept; go on with --resume."),
@@ -11,6 +21,7 @@ _GOES_ON: Final = {
 }
 """By command the option that must have been given, and what goes on then."""
 
+_AGAIN = 0.2  # s after which a Ctrl-C that got lost is repeated
 _NOTHING_HALF = "No file is half written; run the command again."
 
 
@@ -38,3 +49,46 @@ def interruption(arguments: Sequence[str]) -> str:
     option, kept = _GOES_ON.get(command, ("", ""))
     given = any(argument.partition("=")[0] == option for argument in arguments)
     return f"Interrupted. {kept if kept and (given or not option) else _NOTHING_HALF}"
+
+
+@contextlib.contextmanager
+def noticed_interruption() -> Iterator[None]:
+    """Notice Ctrl-C while a command runs, also where a library loses it or makes another error of it.
+
+    Compilers call Python back. What is raised there is lost, and they go on with half of their work or fail
+    for a reason of their own. A Ctrl-C that was lost is repeated.
+
+    Raises
+    ------
+    SystemExit
+        With the exit code of Ctrl-C, in place of any error after it.
+    """
+    pressed = threading.Event()
+    in_main_thread = threading.current_thread() is threading.main_thread()
+    if not in_main_thread or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+        yield
+        return
+
+    def press(number: int, frame: "FrameType | None") -> None:
+        pressed.set()
+        signal.default_int_handler(number, frame)
+
+    others = sys.unraisablehook
+
+    def lost(error: "sys.UnraisableHookArgs") -> None:
+        if issubclass(error.exc_type, KeyboardInterrupt):
+            threading.Timer(_AGAIN, interrupt_main).start()
+        else:
+            others(error)
+
+    signal.signal(signal.SIGINT, press)
+    sys.unraisablehook = lost
+    try:
+        yield
+    except Exception:
+        if pressed.is_set():
+            raise SystemExit(INTERRUPTED) from None
+        raise
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        sys.unraisablehook = others

@@ -1,5 +1,6 @@
 """Ctrl-C in a long command: one sentence, exit code 130, and nothing that was finished is lost."""
 
+import ctypes
 import os
 import signal
 import subprocess
@@ -10,7 +11,8 @@ from pathlib import Path
 import pytest
 
 from reliab.cli import run
-from reliab.cli.interruption import interruption
+from reliab.cli.interruption import interruption, noticed_interruption
+from reliab.errors import INTERRUPTED
 
 CHAINS = ("--method", "hierarchical", "--joint", "--chains", "chains.h5")
 STRUCTURE = ("--f", "1", "--xi", "0.02")
@@ -75,3 +77,30 @@ def test_ctrl_c_while_modules_are_imported_is_no_traceback(tmp_path):
     code, messages = interrupted(["monitor", "-", *STRUCTURE], tmp_path, SILENT_IMPORT)
     assert code in (130, -signal.SIGINT)  # the latter while Python itself starts
     assert "reliab/cli" not in messages
+
+
+def press():
+    signal.raise_signal(signal.SIGINT)
+
+
+def test_an_error_that_a_library_makes_of_ctrl_c_is_an_interruption():
+    with pytest.raises(SystemExit) as end, noticed_interruption():  # noqa: PT012 - what a compiler does
+        try:
+            press()
+        except KeyboardInterrupt:
+            raise RuntimeError("no compiled object yet") from None
+    assert end.value.code == INTERRUPTED
+
+
+def test_a_ctrl_c_that_is_lost_in_a_callback_is_repeated():
+    callback = ctypes.CFUNCTYPE(None)(press)
+    with pytest.raises(KeyboardInterrupt), noticed_interruption():  # noqa: PT012 - what a compiler does
+        callback()  # what is raised there is lost
+        for _ in range(500):
+            time.sleep(0.01)
+
+
+def test_without_ctrl_c_errors_are_what_they_were():
+    with pytest.raises(RuntimeError, match="as it was"), noticed_interruption():
+        raise RuntimeError("as it was")
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
