@@ -74,10 +74,12 @@ def noticed_interruption() -> Iterator[None]:
         signal.default_int_handler(number, frame)
 
     others = sys.unraisablehook
+    repetitions: list[threading.Timer] = []
 
     def lost(error: "sys.UnraisableHookArgs") -> None:
         if issubclass(error.exc_type, KeyboardInterrupt):
-            threading.Timer(_AGAIN, interrupt_main).start()
+            repetitions.append(threading.Timer(_AGAIN, interrupt_main))
+            repetitions[-1].start()
         else:
             others(error)
 
@@ -90,5 +92,7 @@ def noticed_interruption() -> Iterator[None]:
             raise SystemExit(INTERRUPTED) from None
         raise
     finally:
+        for repetition in repetitions:
+            repetition.cancel()
         signal.signal(signal.SIGINT, signal.default_int_handler)
         sys.unraisablehook = others

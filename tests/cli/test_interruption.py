@@ -27,10 +27,20 @@ COMMANDS = {
     "report": ("report", "run"),
     "explore": ("explore", "--out", "criterion.html"),
 }
-RUNNING = {"explore": 1.5, "report": 0.8, "monitor": 4.0}  # s from its start to Ctrl-C; else as long as this:
+RUNNING = {
+    "explore": 1.5,
+    "report": 0.8,
+    "monitor": 4.0,
+    "ellipses": 4.0,
+}  # s from its start to Ctrl-C; else as long as this:
 LONG = 7.0
 LONGEST_ANSWER = 30.0  # s
 SILENT_IMPORT = 0.1  # s
+
+
+def heeding_ctrl_c():
+    """Heed Ctrl-C, also where the tests run in the background of a shell, which has it ignored."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def interrupted(arguments, folder, after):
@@ -42,6 +52,7 @@ def interrupted(arguments, folder, after):
         stderr=subprocess.PIPE,
         text=True,
         env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])},
+        preexec_fn=heeding_ctrl_c,  # noqa: PLW1509 - it takes no lock
     ) as process:
         time.sleep(after)
         assert process.poll() is None, "it ended before Ctrl-C"

@@ -5,6 +5,8 @@ import random
 import shutil
 import subprocess
 import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -17,6 +19,7 @@ INSTANTS = int(os.environ.get("FAULTS", "5"))
 FAILED = (2, 3)
 BEFORE = b"before"
 PAGE = 4096
+YEAR = 365.25 * 86_400.0
 
 
 @pytest.fixture(scope="session")
@@ -250,3 +253,35 @@ def test_no_home_and_no_caches_are_needed(name, environment, sources, tmp_path, 
     counted[name, "no home or caches"] += 1
     assert outcome.code == 0, outcome.errors
     assert results(tmp_path) == undisturbed(name)[1]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("years", [-20, 10], ids=["files from long ago", "files from the future"])
+@pytest.mark.parametrize("name", WORKS)
+def test_a_clock_that_was_moved_meanwhile_changes_nothing(
+    name, years, sources, forks, folders, undisturbed, counted
+):
+    out = folders(name, 0)
+    half = max(1, undisturbed(name)[0].writes // 2)
+    killed = forks.run(WORKS[name].arguments(sources, out), out, at=half)
+    assert killed.code == -9
+    moved = time.time() + years * YEAR
+    for path in out.rglob("*"):
+        os.utime(path, (moved, moved))
+    counted[name, "clock moved"] += 1
+    check_resumed(name, sources, forks, out, undisturbed)
+
+
+@pytest.mark.slow
+def test_two_first_runs_at_once_share_an_empty_cache_of_kernels(sources, tmp_path, undisturbed, counted):
+    places = [tmp_path / name for name in ("one", "other")]
+    environment = {"NUMBA_CACHE_DIR": str(tmp_path / "kernels")}
+    with ThreadPoolExecutor() as together:
+        outcomes = together.map(
+            lambda out: command(WORKS["simulate"].arguments(sources, out), environment), places
+        )
+        assert [(outcome.code, outcome.errors) for outcome in outcomes] == [(0, ""), (0, "")]
+    counted["simulate", "one empty cache"] += 1
+    assert list((tmp_path / "kernels").rglob("*.nbc"))
+    for out in places:
+        assert results(out) == undisturbed("simulate")[1]
