@@ -125,3 +125,36 @@ def test_linear_algebra_keeps_to_one_thread_while_fits_run_side_by_side(diagnosi
     assert {threads for pools in blas_threads["before"] for threads in pools} == {2}
     assert {threads for pools in blas_threads["while"] for threads in pools} == {1}
     assert blas_threads["after"] == blas_threads["before"]
+
+
+def test_coordinates_at_their_bounds_are_the_parameters_bounds(problem):
+    space = ModelSpace(problem.block, (type(FRICTION),))
+    lower, upper = space.bounds
+    for bounds, extreme in ((lower, "lower"), (upper, "upper")):
+        values = space.values(bounds)
+        expected = [p.coordinate_bounds[extreme == "upper"] for p in space.parameters]
+        found = [p.coordinate(v, problem.block.scales) for p, v in zip(space.parameters, values, strict=True)]
+        assert found == pytest.approx(expected)
+    inside = 0.3 * np.clip(upper, None, 2.0) + 0.7 * np.clip(lower, -2.0, None)
+    assert space.coordinates(space.values(inside)) == pytest.approx(inside)
+    assert space.on_bounds(inside) == ()
+    keys = space.on_bounds(upper)
+    assert len(set(keys)) == space.size
+    assert space.on_bounds(upper - 5e-5) == keys
+    assert space.on_bounds(upper - 2e-4) == space.on_bounds(lower + 2e-4) == ()
+    physical = [p.signed and abs(p.lower) < 1e-9 for p in space.parameters]
+    low = tuple(key for key, limit in zip(keys, physical, strict=True) if not limit)
+    assert space.on_bounds(lower + 5e-5) == low
+
+
+def test_standard_deviations_are_those_of_draws_and_of_the_model_error(problem):
+    """Small deviations of the coordinates become those of the values; a hundredth of a per cent is added."""
+    space = ModelSpace(problem.block, (type(FRICTION),))
+    at = np.full(space.size, 0.2)
+    spread = 1e-3 * np.arange(1.0, space.size + 1.0)
+    draws = at + spread * np.random.default_rng(2).standard_normal((2000, space.size))
+    of_draws = np.std([space.values(one) for one in draws], axis=0)
+    found = space.standard_deviations(at, np.diag(spread**2))
+    assert found == pytest.approx(np.hypot(of_draws, 1e-4 * space.values(at)), rel=0.06)
+    alone = space.standard_deviations(at, np.zeros((space.size, space.size)))
+    assert alone == pytest.approx(1e-4 * np.abs(space.values(at)))
