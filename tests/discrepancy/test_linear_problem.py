@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from types import SimpleNamespace
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -343,3 +344,31 @@ def test_a_promise_is_the_energy_that_a_linear_effect_explains(flat, monkeypatch
     assert found.gain == pytest.approx(expected)
     assert 0.3 * found.start[SIZE] == pytest.approx(whole[0][SIZE])
     assert len(found.others) == 2
+
+
+def test_a_step_that_gains_what_it_promised_needs_no_new_derivatives():
+    """From near the optimum one step reaches it, and the derivatives of a linear model have not changed."""
+    best = np.linalg.lstsq(*stacked(), rcond=None)[0]
+    problem, near = Linear(), at(best + 0.05 * np.eye(SIZE)[0])
+    found = improved(problem, near)
+    assert found.coordinates == pytest.approx(best, abs=2e-4)
+    assert problem.simulated == 1
+
+
+def test_noise_beside_a_converter_is_what_its_steps_do_not_explain():
+    """Rounding to steps adds a variance of a twelfth of a step's square to that of the noise."""
+    rng = np.random.default_rng(8)
+    step, noise = 0.01, 0.005
+    signal = np.sin(np.linspace(0.0, 60.0, 60_000))
+    measured = step * np.round((signal + noise * rng.standard_normal(signal.size)) / step)
+    block = SimpleNamespace(measured=lambda _test: measured, at_rate=lambda predicted, _test: predicted)
+    problem = Problem(block=block, segments=(SimpleNamespace(test=0),))
+    with (
+        patch.object(Problem, "predictions", return_value={0: signal}),
+        patch("reliab.discrepancy.fitting.problem.expected_error", return_value=0.0 * signal) as expected,
+    ):
+        problem.corrected(space_of(), np.zeros(SIZE))
+    _, found_step, spread, level = expected.call_args.args
+    assert found_step == pytest.approx(step)
+    assert spread == pytest.approx(noise, rel=0.008)
+    assert level == measured[0]

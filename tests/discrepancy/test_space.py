@@ -1,8 +1,12 @@
 """What the parameters of a model may be."""
 
+from unittest.mock import patch
+
+import numpy as np
 import pytest
 
 from reliab.discrepancy import read_campaign
+from reliab.discrepancy.blocks.actuator import ActuatorBlock
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.spectra.scales import motions_of, scales_of
@@ -19,3 +23,20 @@ def test_no_more_is_missing_of_damping_and_mass_than_there_is(sample_campaigns, 
     specimen = block.nominal.specimen
     believed = {"viscous_damping": specimen.damping, "added_mass": specimen.mass}[name]
     assert least == pytest.approx(-believed)
+
+
+@pytest.mark.parametrize(("lag", "left"), [(0.004, 0.008), (0.02, 0.0)])
+def test_an_added_lag_takes_its_delay_from_the_actuator_s(sample_campaigns, lag, left):
+    """A first-order lag 1/(1 + T s) is late by T at low frequencies; the actuator keeps the rest."""
+    campaign = read_campaign(sample_campaigns / "rig_b")
+    block = ActuatorBlock(campaign, scales_of(campaign, motions_of(campaign)))
+    kind = find_effect("first_order_lag")
+    base, space = ModelSpace(block, ()), ModelSpace(block, (kind,))
+    place = [parameter.name for parameter in base.parameters].index("delay_s")
+    known = base.values(np.zeros(base.size))
+    known[place] = 0.012
+    lagging = space.values(np.zeros(space.size))
+    lagging[space.places(kind)] = lag
+    with patch.object(ModelSpace, "_start", return_value=space.coordinates(lagging)):
+        (start, *_) = space.starts(base, base.coordinates(known))
+    assert space.values(start)[place] == pytest.approx(left, abs=1e-6)
