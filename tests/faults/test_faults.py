@@ -95,6 +95,15 @@ def check_resumed(name, sources, forks, out, undisturbed):
     assert results(out) == files
 
 
+def stopped_there(outcome, code, at):
+    """Whether a signal ended a command; it must have, unless the command was done with fewer writes.
+
+    Results that are ready together are written together, so that their number depends on the machine.
+    """
+    assert outcome.code == code or outcome.writes < at
+    return outcome.code == code
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", WORKS)
 def test_a_command_killed_at_a_write_resumes_to_the_same_bytes(
@@ -103,8 +112,7 @@ def test_a_command_killed_at_a_write_resumes_to_the_same_bytes(
     for at in instants(name, undisturbed(name)[0].writes):
         out = folders(name, at)
         killed = forks.run(WORKS[name].arguments(sources, out), out, at=at)
-        assert killed.code == -9
-        counted[name, "killed at a write"] += 1
+        counted[name, "killed at a write"] += stopped_there(killed, -9, at)
         check_resumed(name, sources, forks, out, undisturbed)
 
 
@@ -133,13 +141,11 @@ def test_a_disk_that_is_full_or_gone_gives_one_error(
     for at in instants(name, writes):
         out = folders(name, at)
         stopped = forks.run(WORKS[name].arguments(sources, out), out, at=at, action=action)
-        counted[name, action] += 1
         assert "Traceback" not in stopped.errors, stopped.errors
-        if action == "terminate":
-            assert stopped.code == -15
-        elif action == "full":
+        counted[name, action] += action != "terminate" or stopped_there(stopped, -15, at)
+        if action == "full":
             assert stopped.code in FAILED or results(out) == undisturbed(name)[1], stopped.errors
-        else:  # what it wrote after that has lost the beginning
+        if action == "vanish":  # what it wrote after that has lost the beginning
             check_nothing_is_half_written(out, undisturbed(name)[1])
             shutil.rmtree(out, ignore_errors=True)
             out = folders(name, at)
@@ -264,7 +270,7 @@ def test_a_clock_that_was_moved_meanwhile_changes_nothing(
     out = folders(name, 0)
     half = max(1, undisturbed(name)[0].writes // 2)
     killed = forks.run(WORKS[name].arguments(sources, out), out, at=half)
-    assert killed.code == -9
+    assert stopped_there(killed, -9, half)
     moved = time.time() + years * YEAR
     for path in out.rglob("*"):
         os.utime(path, (moved, moved))

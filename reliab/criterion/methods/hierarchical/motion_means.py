@@ -85,7 +85,7 @@ class MotionMeans:
         mode, precision = self._conditional(strayed, _inverse(prior), degrees)
         directions = _inverse_of_triangle(_cholesky(precision)).swapaxes(-1, -2)
         nodes, weights = _nodes()
-        effects = mode[:, :, None, :] + np.einsum("weij,nj->weni", directions, nodes)
+        effects = mode[:, :, None, :] + nodes @ directions.swapaxes(-1, -2)
         log_weights = weights + 0.5 * (nodes**2).sum(axis=1)
         integrand = self._integrand(strayed, effects, prior, degrees) + log_weights
         peak = integrand.max(axis=2)
@@ -127,15 +127,13 @@ class MotionMeans:
         degrees: NDArray[np.float64],
     ) -> NDArray[np.float64]:
         """Log-density of effects and motions in whitened coordinates, shape (vectors, events, nodes)."""
-        of_motions = effects[:, self.groups]
-        distance_squared = (strayed[..., None, 0] - of_motions[..., 0]) ** 2
-        distance_squared += (strayed[..., None, 1] - of_motions[..., 1]) ** 2
-        nu = degrees[:, None, None]
-        motions = self._event_sums(np.log1p(distance_squared / nu))
+        from reliab.criterion.methods.hierarchical.distance_kernel import log_distances
+
+        motions = log_distances(strayed, effects, self.groups, degrees)
         factor = _inverse_of_triangle(_cholesky(prior))
-        standard = np.einsum("wij,wenj->weni", factor, effects)
+        standard = effects @ factor.swapaxes(-1, -2)[:, None]
         events = -0.5 * (standard**2).sum(axis=-1) + np.log(_determinant(factor))[:, None, None]
-        return np.asarray(events - 0.5 * (nu + 2.0) * motions)
+        return np.asarray(events - 0.5 * (degrees[:, None, None] + 2.0) * motions)
 
 
 def _matrix(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
