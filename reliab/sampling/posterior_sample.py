@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 from numpy.typing import NDArray
 
 from reliab.files import written_whole
@@ -72,9 +73,14 @@ class PosteriorSample:
         return pd.DataFrame(columns, index=pd.Index(self.names, name="parameter"))
 
     def write_netcdf(self, path: Path) -> None:
-        """Write the draws as ArviZ reads them (`arviz.from_netcdf`), one chain for each ensemble."""
+        """Write the draws as ArviZ reads them (`arviz.from_netcdf`), one chain for each ensemble.
+
+        The file is made in memory, because HDF5 loses the error of a full disk when it closes one.
+        """
+        data = inference_data(self.draws, self.names)
+        groups = xr.DataTree.from_dict({group: data[group] for group in data.groups()})
         with written_whole(path) as file:
-            inference_data(self.draws, self.names).to_netcdf(str(file), engine="h5netcdf")
+            file.write_bytes(groups.to_netcdf(engine="h5netcdf"))
 
     def warn_unless_converged(self) -> None:
         """Issue a :class:`ConvergenceWarning` with every complaint."""
