@@ -99,10 +99,19 @@ def test_ctrl_c_while_modules_are_imported_is_no_traceback(tmp_path):
     assert "reliab/cli" not in messages
 
 
+@pytest.fixture
+def heeded():
+    """Ctrl-C is heeded, also where the tests run in the background of a shell."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 def press():
     signal.raise_signal(signal.SIGINT)
 
 
+@pytest.mark.usefixtures("heeded")
 def test_an_error_that_a_library_makes_of_ctrl_c_is_an_interruption():
     with pytest.raises(SystemExit) as end, noticed_interruption():  # noqa: PT012 - what a compiler does
         try:
@@ -112,6 +121,7 @@ def test_an_error_that_a_library_makes_of_ctrl_c_is_an_interruption():
     assert end.value.code == INTERRUPTED
 
 
+@pytest.mark.usefixtures("heeded")
 def test_a_ctrl_c_that_is_lost_in_a_callback_is_repeated():
     callback = ctypes.CFUNCTYPE(None)(press)
     with pytest.raises(KeyboardInterrupt), noticed_interruption():  # noqa: PT012 - what a compiler does
@@ -120,6 +130,7 @@ def test_a_ctrl_c_that_is_lost_in_a_callback_is_repeated():
             time.sleep(0.01)
 
 
+@pytest.mark.usefixtures("heeded")
 def test_without_ctrl_c_errors_are_what_they_were():
     with pytest.raises(RuntimeError, match="as it was"), noticed_interruption():
         raise RuntimeError("as it was")
