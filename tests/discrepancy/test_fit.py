@@ -1,5 +1,6 @@
 """What fits reuse is what simulating again would give, and they ask for few simulations."""
 
+from dataclasses import replace
 from unittest.mock import patch
 
 import numpy as np
@@ -9,6 +10,7 @@ from reliab.discrepancy.blocks.actuator import ActuatorBlock
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.fitting.fit import fit, jacobian, refined, reweighted, sharpened
+from reliab.discrepancy.fitting.left_out import left_out
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.spectra.noise import NoiseModel
@@ -158,3 +160,14 @@ def test_standard_deviations_are_those_of_draws_and_of_the_model_error(problem):
     assert found == pytest.approx(np.hypot(of_draws, 1e-4 * space.values(at)), rel=0.06)
     alone = space.standard_deviations(at, np.zeros((space.size, space.size)))
     assert alone == pytest.approx(1e-4 * np.abs(space.values(at)))
+
+
+@pytest.mark.parametrize("tests", [(0,), (0, 1), (0, 1, 2)])
+def test_tests_are_left_out_one_at_a_time_and_pieces_of_a_single_one(problem, tests):
+    few = replace(problem, segments=tuple(s for s in problem.segments if s.test in tests))
+    space = ModelSpace(problem.block, ())
+    start = fit(few, space, [np.zeros(space.size)], NoiseModel.white(RATE, NOISE**2))
+    errors = left_out(few, start)
+    assert errors.energies.size == (len(tests) if len(tests) > 1 else len(few.segments))
+    whole = sum(np.sum(few.measured(s.test)[s.begin : s.end] ** 2) for s in few.segments)
+    assert errors.signals.sum() == pytest.approx(whole, rel=0.02)

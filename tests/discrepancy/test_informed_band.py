@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from reliab.discrepancy.fitting.informed_band import informed_up_to
+from reliab.discrepancy.fitting.informed_band import _power_of, informed_up_to
 from reliab.discrepancy.spectra.segment import Segment
 
 RATE, SIZE, HIGHEST = 256.0, 16384, 45.0
@@ -46,3 +46,14 @@ def test_frequencies_below_the_strongest_motion_do_not_end_it():
 def test_a_model_that_explains_nothing_ends_it_at_the_strongest_motion():
     measured = of_power(np.exp(-((FREQUENCY - 8.0) ** 2)) + 1e-6)
     assert informed_up_to(problem_of(measured, measured), FITTED) == pytest.approx(8.0, abs=0.5)
+
+
+def test_power_is_the_mean_within_half_a_hertz_without_zero_frequency():
+    segment = Segment(test=0, begin=0, end=640, rate=RATE, highest=HIGHEST)
+    values = 5.0 + np.random.default_rng(6).standard_normal(640)
+    power = np.abs(np.fft.rfft(values)) ** 2 / 640
+    frequency = np.fft.rfftfreq(640, 1.0 / RATE)
+    grid = np.array([0.1, 0.5, 3.3, 20.0])
+    near = (np.abs(frequency - grid[:, None]) <= 0.5) & (frequency > 0.0)
+    expected = [power[these].mean() for these in near]
+    np.testing.assert_allclose(_power_of(segment, values, grid), expected, rtol=1e-9)

@@ -372,3 +372,18 @@ def test_noise_beside_a_converter_is_what_its_steps_do_not_explain():
     assert found_step == pytest.approx(step)
     assert spread == pytest.approx(noise, rel=0.008)
     assert level == measured[0]
+
+
+def test_starts_are_compared_by_likelihood_and_half_the_square_of_the_coordinates():
+    """The far optimum is likelier by 4.7 and less probable beforehand by 3²/2."""
+
+    class TwoValleys(Linear):
+        def whitened(self, _space, coordinates, _noise):
+            x = coordinates[0]
+            far = x > 1.5
+            return np.array([1e3 * (x - (3.0 if far else 0.0)), 0.0 if far else np.sqrt(2.0 * 4.7)])
+
+    bounds = (np.full(1, -9.0), np.full(1, 9.0))
+    space = SimpleNamespace(bounds=bounds, size=1, effects=())
+    found = fit(TwoValleys(), space, [np.array([0.001]), np.array([2.999])], NOISE)
+    assert found.coordinates[0] == pytest.approx(3.0, abs=1e-3)
