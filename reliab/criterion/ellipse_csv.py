@@ -18,6 +18,7 @@ from reliab.sweep.shares import at_share
 from reliab.vocabulary import LABELS, Dimension, Metric
 
 _OTHER_NAMES = {"record": "motion", "f_hz": "f"}
+_LARGEST = 1e30  # beyond any structure and boundary, and its square is still a number
 _SHARE = str(Dimension.SHARE)
 _CELL = ("f", "xi", _SHARE, "threshold", "metric")
 
@@ -97,6 +98,10 @@ def _named(table: pd.DataFrame, path: str) -> pd.DataFrame:
             remedy="Name the columns in the first line; a is dimensionless, b in ms²",
             where=f"{path}, line 1",
         )
+    if table.empty:
+        raise InputError(
+            "A table of ellipses must have a row for each ground motion", value="no row", where=path
+        )
     if "motion" not in table:
         table["motion"] = [f"row {row}" for row in range(1, len(table) + 1)]
     if "event" not in table:
@@ -106,10 +111,10 @@ def _named(table: pd.DataFrame, path: str) -> pd.DataFrame:
 
 def _positive(column: "pd.Series[str]", name: str, path: str) -> "pd.Series[float]":
     numbers = pd.to_numeric(column, errors="coerce")
-    wrong = ~(np.isfinite(numbers) & (numbers > 0.0))
+    wrong = ~((numbers > 1.0 / _LARGEST) & (numbers < _LARGEST))
     if wrong.any():
         raise InputError(
-            f"The column {name} must hold positive numbers",
+            f"The column {name} must hold positive numbers below {_LARGEST:g}",
             value=repr(column[wrong].iloc[0]),
             remedy="Correct or remove the row",
             where=f"{path}, line {_line(wrong)}",

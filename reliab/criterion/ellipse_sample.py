@@ -13,6 +13,7 @@ from reliab.vocabulary import LABELS, CurveName, Dimension, Side
 FEWEST_MOTIONS = 3
 """A spread cannot be learned from fewer."""
 
+_LARGEST = 1e30  # far beyond any boundary, and its square is still a number
 _ALIKE = 1e-6  # relative differences below that are rounding, not ground motions
 
 
@@ -40,7 +41,7 @@ class EllipseSample:
     Raises
     ------
     InputError
-        If there are fewer than three motions, a parameter is not positive and finite, or it is the same under
+        If there are fewer than three motions, a parameter is beyond any boundary, or it is the same under
         all motions.
 
     Examples
@@ -71,10 +72,10 @@ class EllipseSample:
                 remedy="Give more motions",
             )
         for name, values in (("a", self.a), ("b", self.b)):
-            wrong = ~(np.isfinite(values) & (values > 0.0))
+            wrong = ~((values > 1.0 / _LARGEST) & (values < _LARGEST))
             if wrong.any():
                 raise InputError(
-                    f"The ellipse parameter {name} must be positive and finite",
+                    f"The ellipse parameter {name} must be between {1.0 / _LARGEST:g} and {_LARGEST:g}",
                     value=values[wrong][0],
                     remedy="Leave the motion out, or trace its boundary again",
                     where=str(self.motions[wrong][0]),

@@ -19,6 +19,7 @@ from reliab.errors import InputError
 from reliab.vocabulary import CurveName, Side
 
 _DIGITS = 5
+_LARGEST_LOGARITHM = 300.0  # whose exponential is still a number, as is its square
 _MILLISECONDS = 1e3
 
 
@@ -70,10 +71,11 @@ class Population:
                 value=f"shapes {self.log_alpha.shape} and {self.log_beta.shape} for {shape}",
                 remedy="Derive the criterion again",
             )
-        if np.isinf(self.log_alpha).any() or np.isinf(self.log_beta).any():
+        largest = max(np.nanmax(np.abs(self.log_alpha)), np.nanmax(np.abs(self.log_beta)))
+        if largest > _LARGEST_LOGARITHM:
             raise InputError(
-                "The ellipse parameters of motions must be finite",
-                value="inf",
+                f"Logarithms of ellipse parameters must be between ±{_LARGEST_LOGARITHM:g}",
+                value=f"{largest:g}",
                 remedy="Derive the criterion again",
             )
 

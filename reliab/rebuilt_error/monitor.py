@@ -147,7 +147,7 @@ class Monitor:
         Raises
         ------
         InputError
-            If the two differ in length or a value is not finite.
+            If the two differ in length or a value is not finite or beyond what a sensor reads.
         """
         self._running.feed(command, measured)
 

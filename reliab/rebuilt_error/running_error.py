@@ -13,6 +13,7 @@ from reliab.compiled import compiled
 from reliab.errors import InputError
 from reliab.rebuilt_error.feedback import delayed
 from reliab.rebuilt_error.recursion import Recursion, advance, equilibrium
+from reliab.rebuilt_error.size import LARGEST_READING
 from reliab.rebuilt_error.whole_structure import WholeStructure
 
 Array = NDArray[np.float64]
@@ -104,15 +105,18 @@ class RunningError:
         Raises
         ------
         InputError
-            If the two differ in length, a value is not finite, or the test becomes too long.
+            If the two differ in length, a value is beyond what a sensor reads or not finite, or the test
+            becomes too long.
         """
         if command.shape != measured.shape or command.ndim != 1:
             raise InputError(
                 "Command and measured displacement must have one length",
                 value=f"{command.shape} and {measured.shape}",
             )
-        if not (np.isfinite(command).all() and np.isfinite(measured).all()):
-            raise InputError("Every value must be a finite number", remedy="Repair the row")
+        if not (np.abs([command, measured]) < LARGEST_READING).all():
+            raise InputError(
+                f"Every value must be a finite number below {LARGEST_READING:g}", remedy="Repair the row"
+            )
         first, last = self.size, self.size + command.size
         self._reserve(last)
         self._table[0, first:last], self._table[1, first:last] = command, measured

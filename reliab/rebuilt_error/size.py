@@ -3,6 +3,9 @@
 from reliab.errors import InputError
 from reliab.rebuilt_error.whole_structure import WholeStructure
 
+LARGEST_READING = 1e30
+"""What no sensor reads in any unit, and whose square is still a number."""
+
 MOST_DRAWN = 1_000_000
 """Largest number of samples at which a history is drawn; 256 draws then take about 5 GB with their copies."""
 

@@ -133,7 +133,7 @@ class ChainFile:
         import h5py
 
         content = io.BytesIO()  # HDF5 loses an error of the disk that shows when it closes a file
-        with h5py.File(content, "w") as new:
+        with h5py.File(content, "w", libver="latest") as new:  # its descriptions carry checksums
             if self.path.exists():
                 with h5py.File(self.path, "r") as old:
                     for name in _groups(old):
@@ -179,6 +179,9 @@ def _fill(chain: "Backend", held: "h5py.Group") -> None:
     if len(chain.chain) < done or chain.log_prob.shape != chain.chain.shape[:2]:
         message = "chains of different lengths"
         raise ValueError(message)
+    if not np.isfinite(chain.chain).all():
+        message = "chains with values that are no numbers"
+        raise ValueError(message)
     chain.random_state = state
 
 
@@ -195,10 +198,10 @@ def _store(group: "h5py.Group", chain: "Backend", signature: str) -> None:
     }
     states = {f"random_state_{number}": part for number, part in enumerate(chain.random_state or ())}
     group.attrs.update({**described, **states})
-    group.create_dataset("accepted", data=chain.accepted)
+    group.create_dataset("accepted", data=chain.accepted, fletcher32=True)
     for name in ("chain", "log_prob"):
         values = getattr(chain, name)[: chain.iteration]
-        group.create_dataset(name, data=values, maxshape=(None, *values.shape[1:]))
+        group.create_dataset(name, data=values, maxshape=(None, *values.shape[1:]), fletcher32=True)
 
 
 def _groups(file: "h5py.File") -> list[str]:

@@ -77,5 +77,7 @@ def _stored(path: Path, group: str | None) -> xr.Dataset:
     }
     plain = dataset.drop_vars(["journal", *texts], errors="ignore")
     opened: xr.Dataset = plain.assign_coords(texts).set_coords(_COORDINATES)
+    for name in opened.coords:
+        opened.variables[name].load()  # small, and used outside of this function, where no error is explained
     # A store lists its arrays in the order of its folder; whatever is derived from it would inherit that.
     return opened[sorted(map(str, opened.variables))]

@@ -12,7 +12,7 @@ from reliab.boundary.surface import ErrorSurfaces
 from reliab.loop.structure import Structure
 from reliab.vocabulary import Metric, Side
 
-_TOGETHER = 100  # motions
+_TOGETHER = 32  # motions
 
 
 def batches(motions: int) -> Iterator[slice]:
@@ -30,8 +30,8 @@ def batches(motions: int) -> Iterator[slice]:
 
     Examples
     --------
-    >>> [(some.start, some.stop) for some in batches(250)]
-    [(0, 100), (100, 200), (200, 250)]
+    >>> [(some.start, some.stop) for some in batches(70)]
+    [(0, 32), (32, 64), (64, 70)]
     """
     for begin in range(0, motions, _TOGETHER):
         yield slice(begin, min(begin + _TOGETHER, motions))

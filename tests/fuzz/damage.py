@@ -4,9 +4,10 @@ import json
 import os
 import re
 import stat
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from random import Random
 
 from hypothesis import strategies as st
 
@@ -35,33 +36,59 @@ class Instead:
 
 INSTEAD = ("pipe", "loop", "zero", "folder", "nowhere", "secret")
 
-Edit = tuple[float, str, float, int, bytes]
+EDITS = ("number", "number", "word", "bits", "cut", "put", "line twice", "no line", "end", "instead", "lost")
 Damaged = Mapping[str, "bytes | Instead"]
 
 
-@st.composite
-def damaged(draw: st.DrawFn, seeds: list[Case]) -> Damaged:
+@dataclass(frozen=True)
+class Edit:
+    """A change of one of the files: which one and where in it, both from 0 to 1, how much, what is put."""
+
+    file: float
+    kind: str
+    place: float
+    size: int
+    insertion: bytes
+
+
+_INSERTIONS = st.one_of(st.sampled_from(NUMBERS + WORDS), st.binary(max_size=8))
+_SHARES = st.floats(0.0, 1.0)
+_EDITS = st.builds(Edit, _SHARES, st.sampled_from(EDITS), _SHARES, st.integers(0, 64), _INSERTIONS)
+
+
+def damaged(seeds: list[Case]) -> st.SearchStrategy[Damaged]:
     """One of the seeds with one to four edits."""
-    content: dict[str, bytes | Instead] = dict(draw(st.sampled_from(seeds)))
-    for _ in range(draw(st.integers(1, 4))):
-        name = draw(st.sampled_from(sorted(content)))
+    return st.builds(with_edits, st.sampled_from(seeds), st.lists(_EDITS, min_size=1, max_size=4))
+
+
+def drawn(random: Random, seeds: list[Case]) -> tuple[Case, list[Edit]]:
+    """One of the seeds and one to four edits, in a tenth of the time."""
+    return random.choice(seeds), [_drawn_edit(random) for _ in range(random.randint(1, 4))]
+
+
+def _drawn_edit(random: Random) -> Edit:
+    known = random.random() < 0.75
+    insertion = random.choice(NUMBERS + WORDS) if known else random.randbytes(random.randint(0, 8))
+    place = random.choice((0.0, 1.0, *[random.random()] * 8))
+    return Edit(random.random(), random.choice(EDITS), place, random.randint(0, 64), insertion)
+
+
+def with_edits(case: Case, edits: Sequence[Edit]) -> Damaged:
+    """Apply edits to a case."""
+    content: dict[str, bytes | Instead] = dict(case)
+    for edit in edits:
+        names = sorted(content)
+        name = names[min(int(edit.file * len(names)), len(names) - 1)]
         present = content[name]
-        kind = draw(st.sampled_from(EDITS))
         if isinstance(present, Instead):
             continue
-        if kind == "instead":
-            content[name] = Instead(draw(st.sampled_from(INSTEAD)))
-        elif kind == "lost" and len(content) > 1:
+        if edit.kind == "instead":
+            content[name] = Instead(INSTEAD[edit.size % len(INSTEAD)])
+        elif edit.kind == "lost" and len(content) > 1:
             del content[name]
         else:
-            insertion = draw(st.one_of(st.sampled_from(NUMBERS + WORDS), st.binary(max_size=8)))
-            content[name] = edited(
-                present, kind, draw(st.floats(0.0, 1.0)), draw(st.integers(0, 64)), insertion
-            )
+            content[name] = edited(present, edit.kind, edit.place, edit.size, edit.insertion)
     return content
-
-
-EDITS = ("number", "number", "word", "bits", "cut", "put", "line twice", "no line", "end", "instead", "lost")
 
 
 def edited(  # noqa: PLR0911 - a line for each kind of edit

@@ -6,6 +6,7 @@ what they reach (`pip install atheris`), one target at a time.
 """
 
 import argparse
+import importlib
 import json
 import os
 import resource
@@ -14,14 +15,26 @@ import sys
 import time
 import traceback
 from collections import Counter
+from dataclasses import dataclass, field
 from pathlib import Path
+from random import Random
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).resolve().parents[2])]
 
-from hypothesis import HealthCheck, Phase, given, seed, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings
 
-_BATCH = 200
+_READERS = (
+    *(
+        "reliab.motions.readers",
+        "reliab.motions.catalogue",
+        "reliab.motions.folder",
+        "reliab.motions.checking",
+    ),
+    *("reliab.validation.assessment.readers", "reliab.validation.assessment.reading"),
+    *("reliab.discrepancy.campaign", "reliab.study.reading", "reliab.study.description", "reliab.files"),
+    *("reliab.criterion.ellipse_csv", "reliab.criterion.criterion_file", "reliab.loop.partition.frame_file"),
+    *("reliab.loop.partition.frame_tables", "reliab.loop.hybrid_test.model_file"),
+)
 _SECONDS = 10  # of processor time
 _SECONDS_BLOCKED = 60
 _MEMORY = 1 << 20  # kB
@@ -37,6 +50,8 @@ def _stop(_signal, _frame):
 
 def main() -> int:
     options = _options()
+    if options.coverage:
+        _instrument()
     from fuzz.damage import kept
     from fuzz.targets import SLOW_TARGETS, TARGETS, examine
 
@@ -57,6 +72,15 @@ def main() -> int:
     return 1 if failures else 0
 
 
+def _instrument() -> None:
+    """Import readers so that atheris sees which of their branches a case takes; none of them is compiled."""
+    import atheris
+
+    with atheris.instrument_imports(include=list(_READERS)):
+        for name in _READERS:
+            importlib.import_module(name)
+
+
 def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -69,71 +93,79 @@ def _options() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def _fuzz(name: str, target: object, seconds: float, keep: Path) -> int:
-    """Try cases of one target until the time is over; print what was counted."""
-    counts, slowest, failures = Counter(), 0.0, 0
-    begin, failing = time.monotonic(), {}
+@dataclass
+class _Trial:
+    """Cases of one target: how many were read or refused, the slowest [s], and findings by their place."""
 
-    def attempt(case):
-        nonlocal slowest
+    target: object
+    counts: Counter = field(default_factory=Counter)
+    slowest: float = 0.0
+    findings: Counter = field(default_factory=Counter)
+
+    def failure(self, case) -> BaseException | None:
+        """Read a case; what it raised beside an `InputError`."""
+        from fuzz.targets import examine
+
         start = time.process_time()
         signal.setitimer(signal.ITIMER_PROF, _SECONDS)
         signal.alarm(_SECONDS_BLOCKED)
         try:
-            counts["read" if _examined(target, case) else "refused"] += 1
-        except BaseException:
-            failing["case"] = case
+            self.counts["read" if examine(self.target, case) else "refused"] += 1
+        except KeyboardInterrupt:
             raise
+        except BaseException as error:  # noqa: BLE001 - whatever it is, it is a finding
+            return error
         finally:
             signal.setitimer(signal.ITIMER_PROF, 0.0)
             signal.alarm(0)
-            slowest = max(slowest, time.process_time() - start)
+            self.slowest = max(self.slowest, time.process_time() - start)
+        return None
 
-    batch = 0
+
+def _fuzz(name: str, target: object, seconds: float, keep: Path) -> int:
+    """Try cases of one target until the time is over; print what was counted."""
+    from fuzz.damage import drawn, with_edits
+
+    trial, begin, random = _Trial(target), time.monotonic(), Random()  # noqa: S311
     while time.monotonic() - begin < seconds:
-        batch += 1
-        try:
-            _batch(target, attempt, seed_number=int.from_bytes(os.urandom(4)))
-        except BaseException as error:
-            if isinstance(error, KeyboardInterrupt):
-                raise
-            failures += 1
-            _report(name, failures, failing["case"], error, keep)
+        case, edits = drawn(random, target.seeds())
+        error = trial.failure(with_edits(case, edits))
+        if error is not None:
+            place = _place(error)
+            trial.findings[place] += 1
+            if trial.findings[place] == 1:
+                fewest, error = _fewest(trial, case, edits, error)
+                _report(name, len(trial.findings), with_edits(case, fewest), error, keep)
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     line = {
         "target": name,
-        **counts,
-        "findings": failures,
-        "slowest_s": round(slowest, 2),
+        **trial.counts,
+        "failed": trial.findings.total(),
+        "findings": len(trial.findings),
+        "slowest_s": round(trial.slowest, 2),
         "peak_MB": memory >> 10,
     }
     print(json.dumps(line), flush=True)
-    return failures + (memory > _MEMORY)
+    return len(trial.findings) + (memory > _MEMORY)
 
 
-def _examined(target, case) -> bool:
-    from fuzz.targets import examine
+def _fewest(trial: _Trial, case, edits: list, error: BaseException) -> tuple[list, BaseException]:
+    """Leave out edits without which a case still fails in the same place."""
+    from fuzz.damage import with_edits
 
-    return examine(target, case)
+    for edit in list(edits):
+        fewer = [other for other in edits if other is not edit]
+        failure = trial.failure(with_edits(case, fewer))
+        if failure is not None and _place(failure) == _place(error):
+            edits, error = fewer, failure
+    return edits, error
 
 
-def _batch(target, attempt, seed_number: int) -> None:
-    from fuzz.damage import damaged
-
-    @seed(seed_number)
-    @settings(
-        max_examples=_BATCH,
-        deadline=None,
-        database=None,
-        suppress_health_check=list(HealthCheck),
-        phases=[Phase.generate, Phase.shrink],
-        report_multiple_bugs=False,
-    )
-    @given(case=st.deferred(lambda: damaged(target.seeds())))
-    def tried(case):
-        attempt(case)
-
-    tried()
+def _place(error: BaseException) -> str:
+    """Where something went wrong: the last line of ours."""
+    frames = traceback.extract_tb(error.__traceback__)
+    ours = [frame for frame in frames if "/reliab/" in frame.filename] or frames
+    return f"{type(error).__name__} at {ours[-1].filename}:{ours[-1].lineno}"
 
 
 def _report(name: str, number: int, case, error: BaseException, keep: Path) -> None:
@@ -142,31 +174,26 @@ def _report(name: str, number: int, case, error: BaseException, keep: Path) -> N
     folder = keep / name / f"{os.getpid()}-{number}"
     folder.mkdir(parents=True, exist_ok=True)
     keep_case(case, folder)
-    last = traceback.extract_tb(error.__traceback__)
-    ours = [frame for frame in last if "/reliab/" in frame.filename] or last
-    where = f"{ours[-1].filename}:{ours[-1].lineno}"
-    print(
-        f"FINDING {name} {type(error).__name__}: {str(error)[:300]!r} at {where}; kept in {folder}",
-        flush=True,
-    )
+    print(f"FINDING {name} {_place(error)}: {str(error)[:300]!r}; kept in {folder}", flush=True)
 
 
 def _by_coverage(name: str, targets, options) -> int:
     import atheris
 
     from fuzz.damage import damaged
+    from fuzz.targets import examine
 
     target = targets[name]
+    options.keep.mkdir(parents=True, exist_ok=True)
 
     @settings(deadline=None, database=None, suppress_health_check=list(HealthCheck))
     @given(case=damaged(target.seeds()))
     def tried(case):
-        _examined(target, case)
+        examine(target, case)
 
-    atheris.Setup(
-        [sys.argv[0], f"-max_total_time={int(60 * options.minutes)}", "-timeout=10", "-rss_limit_mb=2048"],
-        tried.hypothesis.fuzz_one_input,
-    )
+    limits = [f"-max_total_time={int(60 * options.minutes)}", "-timeout=10", "-rss_limit_mb=2048"]
+    kept = f"-artifact_prefix={options.keep}/{name}-"
+    atheris.Setup([sys.argv[0], *limits, "-len_control=0", kept], tried.hypothesis.fuzz_one_input)
     atheris.Fuzz()
     return 0
 

@@ -1,6 +1,7 @@
 """What fuzzing found, in small."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -11,10 +12,11 @@ from scipy.io import savemat
 from fuzz import corpus
 from fuzz.damage import Instead, write
 from fuzz.targets import TARGETS, examine
-from reliab.criterion import read_ellipses
+from reliab.criterion import Criterion, read_ellipses
 from reliab.discrepancy import read_campaign
 from reliab.errors import InputError
 from reliab.loop.hybrid_test.model_file import read_model
+from reliab.loop.partition.frame_file import read_frame
 from reliab.loop.transfer_systems.reading import read_matlab
 from reliab.sweep import open_ellipses, open_results
 from reliab.validation.assessment.readers import read_columns
@@ -111,6 +113,21 @@ def test_chains_whose_random_state_is_damaged_are_not_resumed(tmp_path):
         TARGETS["chains"].read(tmp_path)
 
 
+@pytest.mark.parametrize("spoil", [float("nan"), 0.25])
+def test_chains_with_a_changed_value_are_not_resumed(tmp_path, spoil):
+    import h5py
+
+    path = spoiled(tmp_path, corpus.chains()[0], "chains.h5", lambda content: content)
+    with h5py.File(path, "r") as file:
+        values = file["run/ensemble_0/chain"][...]
+    place = path.read_bytes().index(values[3, 2, 0].tobytes())
+    content = bytearray(path.read_bytes())
+    content[place : place + 8] = np.float64(spoil).tobytes()
+    path.write_bytes(content)
+    with pytest.raises(InputError, match="The file of the chains"):
+        TARGETS["chains"].read(tmp_path)
+
+
 @pytest.mark.parametrize("value", [1e308, -1e160])
 def test_a_displacement_that_no_sensor_reads_is_refused(value):
     histories = corpus.test_histories()
@@ -131,6 +148,16 @@ def test_a_test_outside_the_folder_of_its_campaign_is_refused(tmp_path, name):
     write({**corpus.campaign()[0], "campaign.toml": description}, tmp_path)
     with pytest.raises(InputError, match="must lie in the campaign's folder"):
         read_campaign(tmp_path)
+
+
+@pytest.mark.parametrize("column", [0, 2])
+def test_a_value_of_a_campaign_that_no_sensor_reads_is_refused(tmp_path, column):
+    lines = corpus.campaign()[0]["a.csv"].split(b"\n")
+    cells = lines[7].split(b",")
+    cells[column] = b"-1e308"
+    lines[7] = b",".join(cells)
+    with pytest.raises(InputError, match="Every value must be a finite number below"):
+        read_campaign(campaign(tmp_path, a=b"\n".join(lines)))
 
 
 def test_a_held_out_test_is_no_other_test(tmp_path):
@@ -177,3 +204,53 @@ def test_a_key_without_end_gives_a_short_error(tmp_path, table):
     with pytest.raises(InputError) as refused:
         read_model(path)
     assert len(str(refused.value)) < 2500
+
+
+def test_a_matlab_file_whose_numbers_are_of_no_kind_is_refused_before_scipy_reads_it(tmp_path):
+    content = bytearray(corpus.plants()[0]["plant.mat"])
+    place = content.index(b"num") + 4
+    content[place : place + 2] = (1234).to_bytes(2, "little")
+    (tmp_path / "plant.mat").write_bytes(content)
+    with pytest.raises(InputError, match="A MATLAB file must be readable; found numbers of the unknown kind"):
+        read_matlab(tmp_path / "plant.mat")
+
+
+def test_an_ellipse_beyond_any_boundary_is_refused(tmp_path):
+    text = corpus.ellipse_tables()[0]["ellipses.csv"].replace(b",0.0", b",1e30", 1)
+    (tmp_path / "ellipses.csv").write_bytes(text)
+    assert not examine(TARGETS["ellipse_table"], {"ellipses.csv": text})
+
+
+def test_a_table_of_ellipses_without_rows_is_refused(tmp_path):
+    (tmp_path / "ellipses.csv").write_text("a,b\n\n")
+    with pytest.raises(InputError, match="must have a row for each ground motion"):
+        read_ellipses(tmp_path / "ellipses.csv")
+
+
+def test_a_running_test_refuses_what_no_sensor_reads():
+    text = corpus.tests()[0]["test.csv"].split(b"\n")
+    text[300] = text[300].rsplit(b",", 1)[0] + b",1e308"
+    assert not examine(TARGETS["monitor"], {"test.csv": b"\n".join(text)})
+
+
+def test_a_frame_of_immense_storeys_is_refused(tmp_path):
+    case = next(case for case in corpus.frames() if b"storey_height_m" in case["frame.toml"])
+    text = re.sub(rb"storey_height_m = \S+", b"storey_height_m = 1e308", case["frame.toml"])
+    (tmp_path / "frame.toml").write_bytes(text)
+    with pytest.raises(InputError, match="must be finite numbers"):
+        read_frame(tmp_path / "frame.toml")
+
+
+def test_a_store_with_damaged_delays_is_refused(tmp_path):
+    case = corpus.stores()[0]
+    name = next(name for name in sorted(case) if name.startswith("results.zarr/tau/c."))
+    spoiled(tmp_path, case, name, lambda content: content[:20] + bytes([content[20] ^ 1]) + content[21:])
+    with pytest.raises(InputError, match="with every checksum right"):
+        open_results(tmp_path / "results.zarr")
+
+
+def test_a_criterion_of_immense_motions_is_refused():
+    content = json.loads(corpus.criteria()[2]["criterion.json"])
+    content["population"]["log_alpha"][0][0][0] = 1e308
+    with pytest.raises(InputError, match="Logarithms of ellipse parameters"):
+        Criterion.from_json(json.dumps(content))

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from reliab.discrepancy.campaign.campaign import Channel
 from reliab.errors import InputError
 from reliab.files import ordinary, require_small
+from reliab.rebuilt_error.size import LARGEST_READING
 
 TIME = "time_s"
 _FEWEST_SAMPLES = 64
@@ -62,7 +63,7 @@ def _read_columns(path: Path) -> dict[str, NDArray[np.float64]]:
         frame = pd.read_csv(path, usecols=kept, dtype=np.float64, skipinitialspace=True, encoding="utf-8-sig")
     except (ValueError, pd.errors.ParserError) as error:
         raise _first_fault(path, header) from error
-    if not np.isfinite(frame.to_numpy()).all():
+    if not (np.abs(frame.to_numpy()) < LARGEST_READING).all():
         raise _first_fault(path, header)
     return {name: frame[name].to_numpy(copy=True) for name in kept}
 
@@ -130,7 +131,7 @@ def _first_fault(path: Path, header: list[str]) -> InputError:
             for place, (name, cell) in enumerate(zip(header, cells, strict=True), start=1):
                 if name in _KNOWN and not _is_number(cell):
                     return InputError(
-                        "Every value must be a finite number",
+                        f"Every value must be a finite number below {LARGEST_READING:g}",
                         value=repr(cell),
                         remedy="Repair the recording; a gap cannot be left empty",
                         where=f"{path.name}, line {number}, column {place} ({name})",
@@ -140,7 +141,7 @@ def _first_fault(path: Path, header: list[str]) -> InputError:
 
 def _is_number(cell: str) -> bool:
     try:
-        return bool(np.isfinite(float(cell)))
+        return abs(float(cell)) < LARGEST_READING
     except ValueError:
         return False
 

@@ -122,7 +122,15 @@ def frame_of_tables(content: dict[str, Any], where: str) -> FrameUnderTest:
             where=where,
         ) from None
     try:
-        return _built(description, Path(where).parent)
+        with np.errstate(over="raise", invalid="raise", divide="raise"):
+            return _built(description, Path(where).parent)
+    except (FloatingPointError, OverflowError):
+        raise InputError(
+            "Mass, damping and stiffness of a frame must be finite numbers",
+            value="a product of values of the description is too large",
+            remedy="Check the units: kg, m, N and s",
+            where=where,
+        ) from None
     except InputError as error:
         raise InputError(error.rule, value=error.value, remedy=error.remedy, where=where) from None
 

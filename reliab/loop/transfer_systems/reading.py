@@ -9,6 +9,7 @@ import scipy
 
 from reliab.errors import InputError
 from reliab.files import decoding, ordinary
+from reliab.loop.transfer_systems.matlab_structure import require_sound_structure
 from reliab.loop.transfer_systems.transfer_function import TransferFunction, coefficients_of
 
 _FORMS: Final = (("num", "den"), ("numerator", "denominator"), ("b", "a"))
@@ -137,7 +138,8 @@ def _variables(path: str | Path, variable: str | None) -> Mapping[str, Any]:
     """Variables of a MATLAB file, or the fields of one of them that is a structure."""
     rule, remedy = "A MATLAB file must be readable", "Save it in MATLAB with the option -v7"
     with decoding(rule, remedy=remedy, where=path):
-        content = scipy.io.loadmat(str(ordinary(path)), squeeze_me=True, struct_as_record=False)
+        require_sound_structure(ordinary(path))
+        content = scipy.io.loadmat(str(path), squeeze_me=True, struct_as_record=False)
     if variable is None:
         return dict(content)
     if variable not in content:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.errors import InputError
+from reliab.rebuilt_error.size import LARGEST_READING
 from reliab.stated_value import StatedValue
 
 FEWEST_SAMPLES = 64
@@ -15,8 +16,7 @@ FEWEST_SAMPLES = 64
 MOST_SAMPLES = 10_000_000
 """Largest number of samples; the statistics of so many take about 4 GB."""
 
-_LARGEST, _SMALLEST = 1e30, 1e-30
-"""What no sensor reads in any unit, and whose squares are still numbers."""
+_SMALLEST = 1e-30  # what no sensor reads in any unit, and whose square is still a number
 
 
 def require_few_samples(samples: int, where: str, most: int = MOST_SAMPLES) -> None:
@@ -116,11 +116,11 @@ class Recording:
                 self._check_finite(what, extra)
 
     def _check_finite(self, what: str, values: NDArray[np.float64]) -> None:
-        wrong = ~(np.abs(values) < _LARGEST)
+        wrong = ~(np.abs(values) < LARGEST_READING)
         if wrong.any():
             row = int(np.flatnonzero(wrong)[0])
             raise InputError(
-                f"Every value must be a finite number below {_LARGEST:g}",
+                f"Every value must be a finite number below {LARGEST_READING:g}",
                 value=f"{values[row]} in the {what}, sample {row + 1}",
                 remedy="Repair the recording; a gap cannot be left empty",
                 where=self.name,

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import scipy
 
+from reliab.loop.transfer_systems.matlab_structure import require_sound_structure
 from reliab.validation.assessment.readers.arrays import columns_of_arrays
 from reliab.validation.assessment.readers.columns import Columns
 from reliab.validation.assessment.recording import require_few_samples
@@ -29,7 +30,10 @@ def read_matlab(path: Path) -> Columns:
     ------
     InputError
         If a variable has more samples than a test may have; it is not read then.
+    ValueError
+        If an element of the file is none.
     """
+    require_sound_structure(path)
     for name, shape, _ in scipy.io.whosmat(path):
         require_few_samples(max(shape, default=0), f"{path.name}, {name}")
     return columns_of_arrays(path, dict(_flattened(scipy.io.loadmat(path, simplify_cells=True))))

@@ -1,0 +1,178 @@
+"""Structure of a MATLAB file of version 5 to 7, checked before SciPy reads it.
+
+SciPy looks up what a file names as the type of its numbers in a table without asking whether it is in
+there, so that a damaged file ends the process. Elements are followed here in the order in which SciPy reads
+them, after "MAT-File Format", The MathWorks, 2019.
+"""
+
+import math
+import zlib
+from pathlib import Path
+from typing import BinaryIO, Final, Literal, Protocol
+
+_HEADER = 128  # bytes, whose last four hold the version and the order of bytes
+_CHUNK = 1 << 16
+_DEEPEST = 64
+_SHORT = 4  # bytes
+_MATRIX, _COMPRESSED = 14, 15
+_NUMBERS: Final = frozenset({1, 2, 3, 4, 5, 6, 7, 9, 12, 13, 16, 17, 18})
+_CELL, _STRUCTURE, _OBJECT, _CHARACTERS, _SPARSE, _FUNCTION, _OPAQUE = 1, 2, 3, 4, 5, 16, 17
+_NUMERIC: Final = range(6, 16)
+_COMPLEX = 1 << 11
+
+
+def require_sound_structure(path: Path) -> None:
+    """Follow all elements of a MATLAB file.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        The file. Of version 4 and 7.3, which are built otherwise, nothing is checked.
+
+    Raises
+    ------
+    ValueError
+        If an element is of no kind that may stand in its place, or the file ends within one.
+    """
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        header = file.read(_HEADER)
+        if len(header) < _HEADER or 0 in header[:4] or header[124 + (header[126:127] == b"I")] != 1:
+            return
+        order: Literal["little", "big"] = "little" if header[126:128] == b"IM" else "big"
+        while (begin := file.tell()) < size:
+            plain = _Elements(_Plain(file, size), order)
+            kind, length = plain.full_tag()
+            if kind == _COMPRESSED:
+                _Elements(_Packed(file, length), order).matrix()
+            elif kind == _MATRIX:
+                file.seek(begin)
+                plain.matrix()
+            else:
+                raise ValueError(f"a variable of the unknown kind {kind}")
+            file.seek(begin + 8 + length)
+
+
+class _Source(Protocol):
+    """Bytes in their order."""
+
+    def take(self, count: int) -> bytes: ...
+
+    def skip(self, count: int) -> None: ...
+
+
+class _Plain:
+    def __init__(self, file: BinaryIO, size: int) -> None:
+        self._file, self._size = file, size
+
+    def take(self, count: int) -> bytes:
+        self._require(count)
+        return self._file.read(count)
+
+    def skip(self, count: int) -> None:
+        self._require(count)
+        self._file.seek(count, 1)
+
+    def _require(self, count: int) -> None:
+        if self._file.tell() + count > self._size:
+            raise ValueError("the file ends within a variable")
+
+
+class _Packed:
+    """Bytes that are compressed, a piece of them at a time."""
+
+    def __init__(self, file: BinaryIO, length: int) -> None:
+        self._file, self._left = file, length
+        self._unpacking, self._ready = zlib.decompressobj(), b""
+
+    def take(self, count: int) -> bytes:
+        while len(self._ready) < count:
+            self._ready += self._piece()
+        taken, self._ready = self._ready[:count], self._ready[count:]
+        return taken
+
+    def skip(self, count: int) -> None:
+        while len(self._ready) < count:
+            count -= len(self._ready)
+            self._ready = self._piece()
+        self._ready = self._ready[count:]
+
+    def _piece(self) -> bytes:
+        packed = self._unpacking.unconsumed_tail
+        if not packed:
+            packed = self._file.read(min(_CHUNK, self._left))
+            self._left -= len(packed)
+        piece = self._unpacking.decompress(packed, _CHUNK)
+        if not piece and not packed:
+            raise ValueError("the file ends within a variable")
+        return piece
+
+
+class _Elements:
+    """Elements one after the other: a tag with kind and length, then the content."""
+
+    def __init__(self, source: _Source, order: Literal["little", "big"]) -> None:
+        self._source, self._order = source, order
+
+    def _number(self, content: bytes) -> int:
+        return int.from_bytes(content, self._order)
+
+    def full_tag(self) -> tuple[int, int]:
+        return self._number(self._source.take(4)), self._number(self._source.take(4))
+
+    def _tag(self) -> tuple[int, int, int]:
+        """Kind, length, and length with what fills it up; short contents stand within eight bytes."""
+        first = self._number(self._source.take(4))
+        if first >> 16:
+            if first >> 16 > _SHORT:
+                raise ValueError("a short element of more than four bytes")
+            return first & 0xFFFF, first >> 16, 4
+        length = self._number(self._source.take(4))
+        return first, length, -(-length // 8) * 8
+
+    def _numbers(self) -> None:
+        kind, _, filled = self._tag()
+        if kind not in _NUMBERS:
+            raise ValueError(f"numbers of the unknown kind {kind}")
+        self._source.skip(filled)
+
+    def _content(self, most: int) -> bytes:
+        kind, length, filled = self._tag()
+        if kind not in _NUMBERS or length > most:
+            raise ValueError("a name or size that is none")
+        return self._source.take(filled)[:length]
+
+    def matrix(self, depth: int = 0) -> None:
+        """Follow a variable, or one within another."""
+        kind, length = self.full_tag()
+        if kind != _MATRIX or depth > _DEEPEST:
+            raise ValueError(f"a variable of the unknown kind {kind}")
+        if length == 0:
+            return
+        flags = self._number(self._source.take(16)[8:12])
+        held = flags & 0xFF
+        if held == _OPAQUE:
+            for _ in range(3):
+                self._content(_CHUNK)
+            self.matrix(depth + 1)
+            return
+        sizes = self._content(4 * 32)
+        count = math.prod(self._number(sizes[k : k + 4]) for k in range(0, len(sizes), 4))
+        self._content(_CHUNK)
+        self._values(held, count, 2 if flags & _COMPLEX else 1, depth)
+
+    def _values(self, held: int, count: int, parts: int, depth: int) -> None:
+        if held == _OBJECT:
+            self._content(_CHUNK)
+        if held in {_STRUCTURE, _OBJECT}:
+            width = self._number(self._content(4))
+            count *= len(self._content(_CHUNK * _CHUNK)) // max(width, 1)
+        if held in {_CELL, _STRUCTURE, _OBJECT, _FUNCTION}:
+            for _ in range(1 if held == _FUNCTION else count):
+                self.matrix(depth + 1)
+        elif held in _NUMERIC or held in {_CHARACTERS, _SPARSE}:
+            of_kind = {_CHARACTERS: 1, _SPARSE: 2 + parts}
+            for _ in range(of_kind.get(held, parts)):
+                self._numbers()
+        else:
+            raise ValueError(f"a variable of the unknown class {held}")
