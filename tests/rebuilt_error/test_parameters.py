@@ -15,6 +15,7 @@ from rebuilt_error.laboratory import (
     run,
     synthetic_ground,
 )
+from reliab.errors import InputError
 from reliab.loop.effects import find_effect
 from reliab.loop.hybrid_test import HybridTest, Specimen
 from reliab.loop.structure import Structure
@@ -22,6 +23,7 @@ from reliab.rebuilt_error import rebuild
 from reliab.rebuilt_error.identification import identify
 from reliab.rebuilt_error.nonlinear_reference import rebuild_with_specimen
 from reliab.rebuilt_error.specimen_check import examine_specimen
+from reliab.rebuilt_error.tolerances import Tolerances
 
 STEP = 1.0 / RATE
 RNG = np.random.default_rng(5)
@@ -148,3 +150,12 @@ def test_a_wider_posterior_widens_the_interval():
         )
         widths.append(found.rms.high - found.rms.low)
     assert widths[1] > 2.0 * widths[0] > 0.0
+
+
+@pytest.mark.parametrize("name", ["frequency", "damping_ratio", "experimental_fraction", "sensor_scale"])
+def test_relative_tolerances_are_below_one_third(name):
+    assert getattr(Tolerances(**{name: 0.333}), name) == 0.333
+    for value in (1.0 / 3.0, 0.34, -1e-9, np.nan, np.inf):
+        with pytest.raises(InputError):
+            Tolerances(**{name: value})
+    assert Tolerances(time_shift=0.5).time_shift == 0.5
