@@ -6,6 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
 from fuzz import corpus
 from fuzz.damage import write
 
@@ -37,6 +39,7 @@ def material(folder: Path) -> None:
     write_suite(corpus.suite(), folder / "motions")
     write_ellipses(corpus.ellipse_dataset(), folder / "ellipses.nc")
     write({f"campaign/{name}": content for name, content in corpus.campaign()[0].items()}, folder)
+    write({f"damped/{name}": content for name, content in damped_campaign().items()}, folder)
     (folder / "study.toml").write_text(
         f"""title = "Small"
 kind = "criterion"
@@ -56,6 +59,21 @@ confidences = [0.5]
 trials = 64
 """
     )
+
+
+def damped_campaign() -> corpus.Case:
+    """A campaign whose specimen has a damper that nobody stated, so that a posterior is sampled."""
+    case = dict(corpus.campaign()[0])
+    instants = np.arange(12 * corpus.RATE) / corpus.RATE
+    for seed, name in enumerate(("a.csv", "b.csv")):
+        random = np.random.default_rng(seed)
+        waves = zip(random.uniform(0.5, 2.0, 4), random.uniform(0.0, 6.0, 4), strict=True)
+        moved = sum(np.sin(2.0 * np.pi * frequency * instants + phase) for frequency, phase in waves)
+        moved = 0.01 * np.sin(np.pi * instants / instants[-1]) ** 2 * moved
+        force = 4e4 * moved + 400.0 * np.gradient(moved, instants) + 0.5 * random.normal(size=moved.size)
+        columns = {"time_s": instants, "measured_m": moved, "force_n": force}
+        case[name] = pd.DataFrame(columns).round(9).to_csv(index=False).encode()
+    return case
 
 
 WORKS = {
@@ -105,6 +123,15 @@ WORKS = {
         arguments=lambda material, out: ("diagnose", material / "campaign", "--out", out / "diagnosis")
     ),
 }
+
+
+SAMPLING = {
+    "chains": WORKS["chains"],
+    "diagnose": Work(
+        arguments=lambda material, out: ("diagnose", material / "damped", "--out", out / "diagnosis")
+    ),
+}
+"""Commands that sample a posterior."""
 
 
 def results(folder: Path) -> dict[str, str]:

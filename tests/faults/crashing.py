@@ -70,8 +70,9 @@ class Forks:
             The write at which something happens; 0 for never.
         action : str, optional
             What happens: kill, terminate, vanish (the folder is removed) or full (the disk is). For "clock"
-            `at` is the time after which the process is killed [s], for "quota" the largest file [bytes];
-            with "readonly" it may not write to the folder.
+            `at` is the time after which the process is killed [s], for "quota" the largest file [bytes], for
+            "sampling" the steps of chains after which they are kept and the process is killed; with
+            "readonly" it may not write to the folder.
         """
         asked = {"arguments": [*map(str, arguments)], "folder": str(folder), "at": at, "action": action}
         print(json.dumps(asked), file=self._server.stdin, flush=True)
@@ -144,6 +145,22 @@ def _announce_hdf5() -> None:
     h5py.File.__init__, h5py.File.close = opened, closed
 
 
+def _kill_while_sampling(steps: int) -> None:
+    """Kill this process after so many steps of chains, which are kept as if some seconds had passed."""
+    from reliab.sampling.chain_file import ChainFile
+
+    made = 0
+
+    def save(file, **_):
+        nonlocal made
+        made += 1
+        if made == steps:
+            file._write()  # noqa: SLF001 - what it does every few seconds
+            os.kill(os.getpid(), signal.SIGKILL)
+
+    ChainFile.save = save
+
+
 def _serve() -> None:
     """Fork for every line of standard input; answer with how the child ended."""
     for name in _IMPORTED:
@@ -187,6 +204,8 @@ def _run(asked: dict, errors: int) -> None:
     if asked["action"] == "quota":
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (int(asked["at"]), resource.RLIM_INFINITY))
+    elif asked["action"] == "sampling":
+        _kill_while_sampling(int(asked["at"]))
     elif asked["action"] == "readonly" and os.geteuid() == 0:
         os.setuid(_NOBODY)
     code = 70

@@ -8,9 +8,10 @@ import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 
+import h5py
 import pytest
 
-from faults.commands import WORKS, material, results
+from faults.commands import SAMPLING, WORKS, material, results
 from faults.crashing import Forks, command
 
 INSTANTS = int(os.environ.get("FAULTS", "5"))
@@ -129,6 +130,34 @@ def test_a_command_killed_at_any_time_resumes_to_the_same_bytes(
         killed = forks.run(WORKS[name].arguments(sources, out), out, at=at, action="clock")
         counted[name, "killed by the clock"] += killed.code == -9
         check_resumed(name, sources, forks, out, undisturbed)
+
+
+def steps_kept(folder):
+    """Steps in the chains of a folder, those of all ensembles together."""
+    steps = []
+    for path in folder.rglob("*.h5"):
+        with h5py.File(path) as file:
+            file.visititems(lambda _, item: steps.append(int(item.attrs.get("iteration", 0))))
+    return sum(steps)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SAMPLING)
+def test_a_command_killed_while_it_samples_goes_on_with_what_it_has(name, sources, forks, tmp_path, counted):
+    arguments = SAMPLING[name].arguments
+    whole = tmp_path / "whole"
+    whole.mkdir()
+    undisturbed = forks.run(arguments(sources, whole), whole)
+    for steps in range(5, 5 + 10 * INSTANTS, 10):
+        out = tmp_path / str(steps)
+        out.mkdir()
+        killed = forks.run(arguments(sources, out), out, at=steps, action="sampling")
+        assert killed.code == -9
+        assert 0 < steps_kept(out) < steps_kept(whole)
+        counted[name, "killed while sampling"] += 1
+        resumed = forks.run(arguments(sources, out), out)
+        assert resumed.code == undisturbed.code == 0, resumed.errors
+        assert results(out) == results(whole)
 
 
 @pytest.mark.slow
