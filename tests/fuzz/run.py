@@ -1,8 +1,8 @@
 """Fuzz readers for a while: `python tests/fuzz/run.py --minutes 5 [TARGET…]`.
 
-Every target gets the same share of the time. A case that fails is made as small as can be, kept below
-`--keep`, and reported; `--again FOLDER` reads a kept case. With `--coverage` atheris chooses the cases by
-what they reach (`pip install atheris`), one target at a time.
+Every target gets the same share of the time. Of a case that fails in a new place the edits that it does not
+need are left out; it is kept below `--keep`, and reported; `--again FOLDER` reads a kept case.
+With `--coverage` atheris chooses the cases by what they reach (`pip install atheris`), one target at a time.
 """
 
 import argparse

@@ -241,6 +241,14 @@ def test_a_frame_of_immense_storeys_is_refused(tmp_path):
         read_frame(tmp_path / "frame.toml")
 
 
+def test_a_frame_of_more_storeys_than_fit_in_memory_is_refused(tmp_path):
+    case = next(case for case in corpus.frames() if b"storey_height_m" in case["frame.toml"])
+    text = re.sub(rb"storeys = \S+", b"storeys = 1000000", case["frame.toml"])
+    (tmp_path / "frame.toml").write_bytes(text)
+    with pytest.raises(InputError, match="5,000 displacements and rotations at most"):
+        read_frame(tmp_path / "frame.toml")
+
+
 def test_a_store_with_damaged_delays_is_refused(tmp_path):
     case = corpus.stores()[0]
     name = next(name for name in sorted(case) if name.startswith("results.zarr/tau/c."))

@@ -10,6 +10,8 @@ from reliab.errors import InputError
 
 Array = NDArray[np.float64]
 
+_MOST_UNKNOWNS = 5_000  # whose matrix takes 200 MB
+
 
 @dataclass(frozen=True, kw_only=True)
 class PlanarFrame:
@@ -57,6 +59,13 @@ class PlanarFrame:
                 raise InputError(
                     f"The {field.name.replace('_', ' ')} of a planar frame must be positive", value=value
                 )
+
+        if self.storeys * (self.bays + 2) > _MOST_UNKNOWNS:
+            raise InputError(
+                f"A planar frame may have {_MOST_UNKNOWNS:,} displacements and rotations at most",
+                value=f"{self.storeys:,} storeys of {self.bays:,} bays",
+                remedy="Give its stiffness matrix instead",
+            )
 
     def lateral_stiffness(self) -> Array:
         """Stiffness for the horizontal displacements of the floors [N/m], shape (storeys, storeys).
