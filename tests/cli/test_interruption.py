@@ -76,7 +76,7 @@ def test_a_long_command_ends_with_one_sentence(name, tmp_path):
     folder.mkdir()
     code, messages = interrupted(arguments, folder, RUNNING.get(name, LONG))
     assert code == 130
-    assert messages == interruption(arguments)
+    assert messages in {interruption(arguments), "Interrupted."}  # the latter while modules are imported
 
 
 @pytest.mark.slow

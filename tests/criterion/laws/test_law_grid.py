@@ -1,0 +1,20 @@
+"""Frequencies and damping ratios of a law are positive, finite and increasing."""
+
+import numpy as np
+import pytest
+
+from reliab.criterion.laws.checks import checked_grid
+from reliab.errors import InputError
+
+
+@pytest.mark.parametrize(
+    "wrong", [[0.0, 1.0], [-1.0, 1.0], [1.0, 1.0], [2.0, 1.0], [1.0, np.inf], [np.nan], [], [[1.0, 2.0]]]
+)
+def test_other_grids_are_refused(wrong):
+    with pytest.raises(InputError, match="positive, finite and increasing"):
+        checked_grid("frequencies", wrong)
+
+
+@pytest.mark.parametrize("grid", [[0.25], [0.25, 0.5, 2.0]])
+def test_a_grid_is_kept(grid):
+    assert checked_grid("frequencies", grid).tolist() == grid
