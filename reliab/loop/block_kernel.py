@@ -110,20 +110,20 @@ def cut_records(
     determinant = early.real * late.imag - early.imag * late.real
     left, right = np.empty((count, blocks)), np.empty((count, blocks))
     ideal = np.empty((count, blocks + 1))
-    edges, scale = np.empty((blocks + 1, 2 * count)), 1.0 / determinant
-    for k in range(blocks + 1):
-        at_time(records, h, pole, samples, first + step * k, edges[k])
+    before, after = np.empty(2 * count), np.empty(2 * count)
+    at_time(records, h, pole, samples, first, before)
     for m in range(count):
-        x, y = edges[0, 2 * m], edges[0, 2 * m + 1]
-        ideal[m, 0] = -y / pole.imag  # x_I = −2Re(z/(p − p̄))
-        for k in range(blocks):
-            p, q = edges[k + 1, 2 * m], edges[k + 1, 2 * m + 1]
-            u = p - (decay.real * x - decay.imag * y)
-            v = q - (decay.real * y + decay.imag * x)
-            left[m, k] = (late.imag * u - late.real * v) * scale
-            right[m, k] = (early.real * v - early.imag * u) * scale
-            ideal[m, k + 1] = -q / pole.imag
-            x, y = p, q
+        ideal[m, 0] = -before[2 * m + 1] / pole.imag  # x_I = −2Re(z/(p − p̄))
+    for k in range(blocks):
+        at_time(records, h, pole, samples, first + step * (k + 1.0), after)
+        for m in range(count):
+            x, y = before[2 * m], before[2 * m + 1]
+            u = after[2 * m] - (decay.real * x - decay.imag * y)
+            v = after[2 * m + 1] - (decay.real * y + decay.imag * x)
+            left[m, k] = (late.imag * u - late.real * v) / determinant
+            right[m, k] = (early.real * v - early.imag * u) / determinant
+            ideal[m, k + 1] = -after[2 * m + 1] / pole.imag
+        before, after = after, before
     return left, right, ideal
 
 
