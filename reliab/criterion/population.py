@@ -71,11 +71,11 @@ class Population:
                 value=f"shapes {self.log_alpha.shape} and {self.log_beta.shape} for {shape}",
                 remedy="Derive the criterion again",
             )
-        largest = max(np.nanmax(np.abs(self.log_alpha)), np.nanmax(np.abs(self.log_beta)))
-        if largest > _LARGEST_LOGARITHM:
+        sizes = np.abs([self.log_alpha, self.log_beta])
+        if (sizes > _LARGEST_LOGARITHM).any():
             raise InputError(
                 f"Logarithms of ellipse parameters must be between ±{_LARGEST_LOGARITHM:g}",
-                value=f"{largest:g}",
+                value=f"{np.nanmax(sizes):g}",
                 remedy="Derive the criterion again",
             )
 
