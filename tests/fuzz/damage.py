@@ -62,7 +62,7 @@ def damaged(seeds: list[Case]) -> st.SearchStrategy[Damaged]:
 
 
 def drawn(random: Random, seeds: list[Case]) -> tuple[Case, list[Edit]]:
-    """One of the seeds and one to four edits, in a tenth of the time."""
+    """One of the seeds and one to four edits, drawn without the bookkeeping of hypothesis."""
     return random.choice(seeds), [_drawn_edit(random) for _ in range(random.randint(1, 4))]
 
 
