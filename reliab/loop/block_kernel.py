@@ -16,114 +16,134 @@ _PARTS = 16  # into which such a block is divided
 Weights = tuple[complex, complex, complex]
 """F₀, F₁ and decay of a mode, as of `blocks.ramp_weights`."""
 
+Way = tuple[float, float, float, float, float, float]
+"""What the mode becomes some time s after a sample, as factors of z, of the acceleration there and of its
+change to the next sample: z(t + s) = e^(ps)z + a(e^(ps) − 1)/p + a'(e^(ps) − 1 − ps)/p². Real and imaginary
+parts."""
+
 
 @compiled
-def at_samples(records: NDArray[np.float64], weights: Weights) -> NDArray[np.float64]:
-    """Exact z at the samples of records, from rest at the first.
-
-    Shape (samples, 2 records): real and imaginary part under the first record, then under the next.
-    """
+def _next(weights: Weights, x: float, y: float, a: float, b: float) -> tuple[float, float]:
+    """Give z at the next sample, up to which the acceleration goes from a to b."""
     early, late, decay = weights
-    count, samples = records.shape
-    z = np.zeros((samples, 2 * count))
-    for m in range(count):
-        x, y = 0.0, 0.0
-        for i in range(samples - 1):
-            a, b = records[m, i], records[m, i + 1]
-            u = (early.real * a + late.real * b) + (decay.real * x - decay.imag * y)
-            v = (early.imag * a + late.imag * b) + (decay.real * y + decay.imag * x)
-            x, y = u, v
-            z[i + 1, 2 * m], z[i + 1, 2 * m + 1] = x, y
+    u = (early.real * a + late.real * b) + (decay.real * x - decay.imag * y)
+    v = (early.imag * a + late.imag * b) + (decay.real * y + decay.imag * x)
+    return u, v
+
+
+@compiled
+def at_samples(record: NDArray[np.float64], weights: Weights) -> NDArray[np.float64]:
+    """Exact z at the samples of a record, real and imaginary part, from rest; shape (samples, 2)."""
+    z, x, y = np.zeros((record.size, 2)), 0.0, 0.0
+    for i in range(record.size - 1):
+        x, y = _next(weights, x, y, record[i], record[i + 1])
+        z[i + 1, 0], z[i + 1, 1] = x, y
     return z
 
 
 @compiled
-def at_time(
-    records: NDArray[np.float64],
-    h: float,
-    pole: complex,
-    samples: NDArray[np.float64],
-    time: float,
-    z: NDArray[np.float64],
-) -> None:
-    """Exact z at a time [s] into an array of shape (2 records,); zero before the records start."""
+def _way_to(time: float, h: float, samples: int, pole: complex) -> tuple[int, Way]:
+    """Sample before a time [s], −1 before the record, and the way of the mode from there to that time."""
     if time <= 0.0:
-        for j in range(z.size):
-            z[j] = 0.0
-        return
-    i = min(int(time / h + 1e-9), records.shape[1] - 2)
+        return -1, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    i = min(int(time * (1.0 / h) + 1e-9), samples - 2)
     into = time - i * h
     if into < _AT_SAMPLE * h:
-        for j in range(z.size):
-            z[j] = samples[i, j]
-        return
-    # z(t + s) = e^(ps)z + a(e^(ps) − 1)/p + a'(e^(ps) − 1 − ps)/p²
+        return i, (1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     inverse = 1.0 / pole
     grown = np.exp(pole * into)
     held = (grown - 1.0) * inverse
     ramp = (held - into) * inverse
-    for m in range(records.shape[0]):
-        a, slope = records[m, i], (records[m, i + 1] - records[m, i]) / h
-        x, y = samples[i, 2 * m], samples[i, 2 * m + 1]
-        z[2 * m] = grown.real * x - grown.imag * y + a * held.real + slope * ramp.real
-        z[2 * m + 1] = grown.imag * x + grown.real * y + a * held.imag + slope * ramp.imag
+    return i, (grown.real, grown.imag, held.real, held.imag, ramp.real * (1.0 / h), ramp.imag * (1.0 / h))
+
+
+@compiled
+def _along(way: Way, x: float, y: float, a: float, b: float) -> tuple[float, float]:
+    """Give z between two samples, from z at the first and the accelerations of both."""
+    u = (way[0] * x - way[1] * y) + (a * way[2] + (b - a) * way[4])
+    v = (way[1] * x + way[0] * y) + (a * way[3] + (b - a) * way[5])
+    return u, v
+
+
+@compiled
+def _cut_record(
+    record: NDArray[np.float64],
+    pole: complex,
+    weights: tuple[Weights, Weights],
+    edges: tuple[NDArray[np.int64], NDArray[np.float64]],
+    lines: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]],
+) -> None:
+    """Lines and exact response of one record, into arrays; the mode advances from sample to sample."""
+    own, (early, late, decay) = weights
+    (place, ways), (left, right, ideal) = edges, lines
+    scale = 1.0 / (early.real * late.imag - early.imag * late.real)
+    height = -1.0 / pole.imag  # x_I = −2Re(z/(p − p̄))
+    x, y, at = 0.0, 0.0, 0
+    p, q = 0.0, 0.0
+    for k in range(ideal.size):
+        i = place[k]
+        while at < i:
+            x, y = _next(own, x, y, record[at], record[at + 1])
+            at += 1
+        r, s = 0.0, 0.0
+        if i >= 0:
+            way = (ways[k, 0], ways[k, 1], ways[k, 2], ways[k, 3], ways[k, 4], ways[k, 5])
+            r, s = _along(way, x, y, record[i], record[i + 1])
+        if k > 0:
+            u = r - (decay.real * p - decay.imag * q)
+            v = s - (decay.real * q + decay.imag * p)
+            left[k - 1] = (late.imag * u - late.real * v) * scale
+            right[k - 1] = (early.real * v - early.imag * u) * scale
+        ideal[k] = s * height
+        p, q = r, s
 
 
 @compiled
 def cut_records(
-    records: NDArray[np.float64],
-    h: float,
-    pole: complex,
-    weights: tuple[Weights, Weights],
-    first: float,
-    step: float,
-    blocks: int,
+    record: tuple[NDArray[np.float64], float],
+    poles: NDArray[np.complex128],
+    weights: tuple[NDArray[np.complex128], NDArray[np.complex128]],
+    spacings: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Straight lines that drive the mode from edge to edge, and the exact response there.
+    """Straight lines that drive modes from edge to edge, and the exact response there.
 
     Parameters
     ----------
-    records : numpy.ndarray
-        Ground accelerations [m/s²] at the same instants, shape (records, samples).
-    h : float
-        Their time step [s].
-    pole : complex
-        Pole p [1/s].
-    weights : tuple
-        Weights of the mode over a sample and over a block.
-    first : float
-        Time of the first edge [s].
-    step : float
-        Length of a block [s].
-    blocks : int
-        Number of blocks.
+    record : tuple
+        Ground accelerations [m/s²] at the same instants, shape (records, samples), and their time step [s].
+    poles : numpy.ndarray
+        Pole p of each mode [1/s], shape (modes,).
+    weights : tuple of numpy.ndarray
+        Weights and decay of each mode over a sample and over one of its blocks, shape (modes, 3).
+    spacings : tuple of numpy.ndarray
+        For each mode the time of the first edge [s], the length of a block [s] and the number of blocks,
+        shape (modes,).
 
     Returns
     -------
     left, right : numpy.ndarray
-        Ground acceleration at the ends of each block, shape (records, blocks).
+        Ground acceleration at the ends of each block, those of one mode after those of another, shape
+        (records, blocks of all modes).
     ideal : numpy.ndarray
-        Exact response x_I [m] at the edges, shape (records, blocks + 1).
+        Exact response x_I [m] at the edges of the blocks, shape (records, blocks of all modes + modes).
     """
-    samples, count = at_samples(records, weights[0]), records.shape[0]
-    early, late, decay = weights[1]
-    determinant = early.real * late.imag - early.imag * late.real
-    left, right = np.empty((count, blocks)), np.empty((count, blocks))
-    ideal = np.empty((count, blocks + 1))
-    before, after = np.empty(2 * count), np.empty(2 * count)
-    at_time(records, h, pole, samples, first, before)
-    for m in range(count):
-        ideal[m, 0] = -before[2 * m + 1] / pole.imag  # x_I = −2Re(z/(p − p̄))
-    for k in range(blocks):
-        at_time(records, h, pole, samples, first + step * (k + 1.0), after)
-        for m in range(count):
-            x, y = before[2 * m], before[2 * m + 1]
-            u = after[2 * m] - (decay.real * x - decay.imag * y)
-            v = after[2 * m + 1] - (decay.real * y + decay.imag * x)
-            left[m, k] = (late.imag * u - late.real * v) / determinant
-            right[m, k] = (early.real * v - early.imag * u) / determinant
-            ideal[m, k + 1] = -after[2 * m + 1] / pole.imag
-        before, after = after, before
+    (records, h), (starts, steps, counts) = record, spacings
+    number, total = records.shape[0], counts.sum()
+    left, right = np.empty((number, total)), np.empty((number, total))
+    ideal = np.empty((number, total + poles.size))
+    place, ways = np.empty(counts.max() + 1, dtype=np.int64), np.empty((counts.max() + 1, 6))
+    at = 0
+    for n in range(poles.size):
+        own, longer = weights[0][n], weights[1][n]
+        both = (own[0], own[1], own[2]), (longer[0], longer[1], longer[2])
+        blocks, edges = slice(at, at + counts[n]), slice(at + n, at + n + counts[n] + 1)
+        for k in range(counts[n] + 1):
+            place[k], way = _way_to(starts[n] + steps[n] * k, h, records.shape[1], poles[n])
+            ways[k, 0], ways[k, 1], ways[k, 2], ways[k, 3], ways[k, 4], ways[k, 5] = way
+        for m in range(number):
+            lines = left[m, blocks], right[m, blocks], ideal[m, edges]
+            _cut_record(records[m], poles[n], both, (place, ways), lines)
+        at += counts[n]
     return left, right, ideal
 
 
@@ -142,8 +162,10 @@ def peak_of_mode(
     ----------
     record : tuple
         Ground acceleration [m/s²], shape (1, samples), and its time step [s].
-    pole, step
-        As of `cut_records`.
+    pole : complex
+        Pole p [1/s].
+    step : float
+        Length of a block [s].
     weights : tuple
         Weights of the mode over a sample.
     ideal : numpy.ndarray
@@ -152,7 +174,7 @@ def peak_of_mode(
         Begin and end of the window [s].
     """
     a, h = record
-    samples, z = at_samples(a, weights), np.empty(2)
+    samples = at_samples(a[0], weights)
     high = 0.0
     for edge in ideal:
         high = max(high, abs(edge))
@@ -161,6 +183,8 @@ def peak_of_mode(
         if max(abs(ideal[k]), abs(ideal[k + 1])) >= _NEAR_PEAK * high:
             for part in range(_PARTS + 1):
                 time = min(window[0] + step * (k + part / _PARTS), window[1])
-                at_time(a, h, pole, samples, time, z)
-                largest = max(largest, abs(z[1]))
+                i, way = _way_to(time, h, a.shape[1], pole)
+                if i >= 0:
+                    _, y = _along(way, samples[i, 0], samples[i, 1], a[0, i], a[0, i + 1])
+                    largest = max(largest, abs(y))
     return largest / pole.imag

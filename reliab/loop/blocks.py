@@ -213,8 +213,10 @@ def _lines(
     records: NDArray[np.float64], time_step: float, pole: complex, place: Spacing
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Straight lines that drive the mode in each block, as `block_kernel.cut_records` returns them."""
-    weights = mode_weights(pole, time_step), mode_weights(pole, place.step)
-    return cut_records(records, time_step, pole, weights, place.first, place.step, place.blocks)
+    poles, counts = np.array([pole]), np.array([place.blocks])
+    weights = (np.array([mode_weights(pole, time_step)]), np.array([mode_weights(pole, place.step)]))
+    spacings = np.array([place.first]), np.array([place.step]), counts
+    return cut_records((records, time_step), poles, weights, spacings)
 
 
 @lru_cache(maxsize=4096)

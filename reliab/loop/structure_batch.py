@@ -1,8 +1,8 @@
-"""Several structures under one record: cut, drives and late cells of all in one compiled call.
+"""Several structures under one record: blocks, drives and late cells of all in two compiled calls.
 
 Between short compiled calls Python holds the interpreter's lock, so that a second thread waits. A sweep
 therefore solves what most cells of its structures need (blocks, shared drives, and the cells that these
-drive) in one call, and hands it to the loop of each structure, which solves the rest.
+drive) together, and hands it to the loop of each structure, which solves the rest.
 """
 
 from collections.abc import Sequence
@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.compiled import compiled
+from reliab.compiled import compiled, copy_rows
 from reliab.loop.block_kernel import cut_records
-from reliab.loop.blocks import Blocks, Spacing, block_length, mode_weights, spacing
+from reliab.loop.blocks import Blocks, block_length, mode_weights, spacing
 from reliab.loop.cells import Cells
 from reliab.loop.drive_kernel import LANES, Single, track
 from reliab.loop.drive_stepping import DrivenRecord, Stepped, in_units
@@ -26,7 +26,7 @@ _MOST_BLOCKS = 4_000_000  # of all structures together, of some 50 bytes each
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Prepared:
-    """What one compiled call found of one structure under a record.
+    """What was found together with other structures of one structure under a record.
 
     Attributes
     ----------
@@ -114,48 +114,49 @@ class StructureBatch:
         shortened = any(place.step != step for place, step in zip(places, self.steps.tolist(), strict=True))
         if shortened or sum(place.blocks for place in places) > _MOST_BLOCKS:
             return [None for _ in self.cells]
-        h = excitation.time_step
-        counts = np.array([place.blocks for place in places])
-        batch = _step_structures(
+        h, counts = excitation.time_step, np.array([place.blocks for place in places])
+        left, right, ideal = cut_records(
             (excitation.acceleration[np.newaxis], h),
             self.poles,
             (np.array([mode_weights(pole, h) for pole in self.poles.tolist()]), self.weights),
             (np.array([place.first for place in places]), self.steps, counts),
+        )
+        driven = _step_structures(
+            (left[0], right[0], ideal[0], counts),
             (np.array([place.before for place in places]), np.array([place.end for place in places])),
             (self.sources, self.mixtures),
             (self.coefficients, self.first),
             np.float32(1.0),
         )
-        ends = np.cumsum([0, *counts.tolist()])
-        return [self._of_structure(excitation, place, rank, ends, batch) for rank, place in enumerate(places)]
-
-    def _of_structure(
-        self, excitation: Excitation, place: Spacing, rank: int, ends: NDArray[np.int64], batch: "_Batch"
-    ) -> Prepared:
-        left, right, ideal, drives, scales, squares, around, last = batch
-        blocks, lanes = slice(ends[rank], ends[rank + 1]), slice(self.first[rank], self.first[rank + 1])
-        edges = slice(ends[rank] + rank, ends[rank + 1] + rank + 1)
-        return Prepared(
-            cells=self.cells[rank],
-            blocks=Blocks(
+        prepared, at = [], 0
+        for rank, place in enumerate(places):
+            blocks = slice(at, at + place.blocks)
+            cut = Blocks(
                 step=place.step,
                 before=place.before,
                 end=place.end,
-                left=left[blocks],
-                right=right[blocks],
-                ideal=ideal[edges],
+                left=left[0, blocks],
+                right=right[0, blocks],
+                ideal=ideal[0, at + rank : at + rank + place.blocks + 1],
                 excitation=excitation,
                 pole=complex(self.poles[rank]),
-            ),
+            )
+            prepared.append(self._of_structure(rank, cut, blocks, driven))
+            at += place.blocks
+        return prepared
+
+    def _of_structure(self, rank: int, cut: Blocks, blocks: slice, driven: "_Driven") -> Prepared:
+        drives, scales, squares, around, last = driven
+        lanes = slice(self.first[rank], self.first[rank + 1])
+        return Prepared(
+            cells=self.cells[rank],
+            blocks=cut,
             driven_record=DrivenRecord(drives=drives[blocks], scale=float(scales[rank])),
             stepped=Stepped(squares=squares[lanes], around=around[:, lanes], last=last[lanes]),
         )
 
 
-_Batch = tuple[
-    NDArray[np.float64],
-    NDArray[np.float64],
-    NDArray[np.float64],
+_Driven = tuple[
     NDArray[np.float32],
     NDArray[np.float64],
     NDArray[np.float64],
@@ -166,43 +167,31 @@ _Batch = tuple[
 
 @compiled
 def _step_structures(
-    record: tuple[NDArray[np.float64], float],
-    poles: NDArray[np.complex128],
-    weights: tuple[NDArray[np.complex128], NDArray[np.complex128]],
-    spacings: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]],
+    lines: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]],
     bounds: tuple[NDArray[np.int64], NDArray[np.float64]],
     shared: tuple[NDArray[np.float64], NDArray[np.float64]],
     cells: tuple[NDArray[np.float32], NDArray[np.int64]],
     one: Single,
-) -> _Batch:
-    """Cut the record for each structure, step its drives, and the cells that they drive.
+) -> _Driven:
+    """Step the drives of each structure, and the cells that they drive.
 
     Blocks and cells of all structures stand one after the other.
     """
-    (starts, steps, counts), (before, end), (coefficients, first) = spacings, bounds, cells
-    total, structures = counts.sum(), poles.size
-    left, right, ideal = np.empty(total), np.empty(total), np.empty(total + structures)
-    drives, scales = np.empty((total, DRIVES), dtype=np.float32), np.empty(structures)
+    (left, right, ideal, counts), (before, end), (coefficients, first) = lines, bounds, cells
+    drives, scales = np.empty((left.size, DRIVES), dtype=np.float32), np.empty(counts.size)
     lanes = coefficients.shape[1]
     squares, around, last = np.empty(lanes), np.empty((3, lanes)), np.empty(lanes)
     at = 0
-    for k in range(structures):
-        own, next_own = weights[0][k], weights[1][k]
-        both = (own[0], own[1], own[2]), (next_own[0], next_own[1], next_own[2])
-        lines = cut_records(record[0], record[1], poles[k], both, starts[k], steps[k], counts[k])
-        a0, a1, exact = lines[0][0], lines[1][0], lines[2][0]
-        own_drives, scales[k] = in_units(step_drives(a0, a1, exact, shared[0][k], shared[1][k]))
+    for k in range(counts.size):
+        blocks, exact = slice(at, at + counts[k]), ideal[at + k : at + k + counts[k] + 1]
+        histories = step_drives(left[blocks], right[blocks], exact, shared[0][k], shared[1][k])
+        own_drives, scales[k] = in_units(histories)
         own_cells = coefficients[:, first[k] : first[k + 1]]
         own_squares, own_around, own_last = track(own_drives, before[k], end[k], own_cells, one)
-        # Compilers take seconds for an assignment to a slice, and nothing for a loop.
-        ideal[at + k] = exact[0]
-        for i in range(counts[k]):
-            left[at + i], right[at + i], ideal[at + k + i + 1] = a0[i], a1[i], exact[i + 1]
-            for j in range(DRIVES):
-                drives[at + i, j] = own_drives[i, j]
+        copy_rows(own_drives, drives[blocks])
         for i in range(own_last.size):
             squares[first[k] + i], last[first[k] + i] = own_squares[i], own_last[i]
             for j in range(3):
                 around[j, first[k] + i] = own_around[j, i]
         at += counts[k]
-    return left, right, ideal, drives, scales, squares, around, last
+    return drives, scales, squares, around, last
