@@ -82,8 +82,9 @@ def test_inscribed_ellipse_is_the_largest_of_all():
     """Against a search over all shapes, on boundaries that no ellipse describes."""
     rng = np.random.default_rng(3)
     for _ in range(20):
-        offset = np.linspace(-1.0, 1.0, 41) * rng.uniform(0.005, 0.02)
-        height = np.sqrt(np.maximum(1.0 - (offset / offset[-1]) ** 2, 0.0))
+        below, above = rng.uniform(0.005, 0.02, 2)
+        offset = np.append(np.linspace(-below, 0.0, 20, endpoint=False), np.linspace(0.0, above, 21))
+        height = np.sqrt(np.maximum(1.0 - (offset / np.where(offset < 0.0, below, above)) ** 2, 0.0))
         bent = height * (1.0 + 0.3 * rng.standard_normal() * offset / offset[-1])
         delay = 1e-3 * np.maximum(bent + 0.02 * rng.standard_normal(41), 0.0) * rng.uniform(0.5, 3.0)
         boundary = Contour(amplitude=1.0 + offset, delay=delay)
@@ -129,6 +130,20 @@ def test_open_side_says_where_it_was_left():
     assert (np.abs(lead.corners[0][left] - 1.0) <= 0.006 + 1e-9).all()
     inside = InscribedEllipse.fit(lead)
     assert np.sqrt(inside.b) <= 1e3 * furthest * (1 + 1e-9)
+
+
+def test_leads_are_cut_where_they_are_no_longer_searched_at_every_amplitude():
+    """With much damping the longest lead of all depends on the amplitude."""
+    heavy = Structure(frequency=2.0, damping_ratio=0.4)
+
+    def error(amplitude, _delay, _owner):
+        return 0.05 * np.abs(amplitude - 1.0) / 0.01
+
+    (lead,) = trace_contours(error, np.array([0.05]), heavy, side=(Side.LEAD,))
+    amplitude, delay = lead.corners[:, lead.corners[1] < 0.0]
+    assert amplitude.size > 10
+    np.testing.assert_allclose(-delay, furthest_lead(heavy, amplitude))
+    assert np.ptp(delay) > 1e-3 * np.abs(delay).max()
 
 
 @pytest.mark.slow

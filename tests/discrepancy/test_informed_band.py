@@ -43,6 +43,14 @@ def test_frequencies_below_the_strongest_motion_do_not_end_it():
     assert informed_up_to(problem_of(measured, left_below), FITTED) == HIGHEST
 
 
+def test_it_ends_where_a_line_that_is_left_first_counts():
+    """Half a hertz below the line, at the first frequency of a grid of 0.1 Hz."""
+    measured = of_power((1.0 + FREQUENCY) ** -2.0)
+    line = np.sin(2.0 * np.pi * 20.0 * np.arange(SIZE) / RATE)
+    end = informed_up_to(problem_of(measured, line), FITTED)
+    assert 19.5 <= end < 19.6
+
+
 def test_a_model_that_explains_nothing_ends_it_at_the_strongest_motion():
     measured = of_power(np.exp(-((FREQUENCY - 8.0) ** 2)) + 1e-6)
     assert informed_up_to(problem_of(measured, measured), FITTED) == pytest.approx(8.0, abs=0.5)

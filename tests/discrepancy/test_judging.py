@@ -7,6 +7,7 @@ import pytest
 
 from reliab.discrepancy.fitting.fitted_models import FittedModels
 from reliab.discrepancy.fitting.left_out import LeftOut
+from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.terms import outside_terms
 from reliab.loop.effects import find_effect
 from reliab.vocabulary import Block
@@ -76,8 +77,14 @@ class Judged(FittedModels):
     def error(self, candidate):
         return errors([self.left[candidate.space.effects]])
 
+    def of(self, *effects):
+        return self.fitted[frozenset(str(effect.name) for effect in effects)]
+
     def supports(self, *effects):
-        return self.supported(self.fitted[frozenset(str(effect.name) for effect in effects)])
+        return self.supported(self.of(*effects))
+
+    def matters(self, larger, smaller):
+        return self._matters(self.of(*larger), self.of(*smaller))
 
 
 @pytest.mark.parametrize(("growth", "supported"), [(1.015, True), (1.025, False)])
@@ -104,3 +111,86 @@ def test_every_effect_costs_prior_odds_and_one_outside_the_library_more():
     assert outside == pytest.approx(-30.0 - 7.0)
     assert two == pytest.approx(-30.0 - 8.0)
     assert models.best.space.effects == (CUBIC,)
+
+
+class JudgedByErrors(Judged):
+    """The same where no noise is known and errors on left-out tests judge."""
+
+    def __init__(self, energies, left_out):
+        super().__init__(energies, left_out)
+        self.problem.flat = True
+
+
+@pytest.mark.parametrize(("left", "matters"), [(79.0, True), (82.0, False)])
+def test_where_errors_judge_an_effect_takes_a_tenth_off_the_rms(left, matters):
+    """A tenth of the RMS is 19 % of the energy, in training and on left-out tests."""
+    alike = {(): 100.0, (CUBIC,): left}
+    assert JudgedByErrors(alike, {(): 1.0, (CUBIC,): 0.5}).matters((CUBIC,), ()) is matters
+    training = {(): 100.0, (CUBIC,): 50.0}
+    assert JudgedByErrors(training, {(): 1.0, (CUBIC,): 0.01 * left}).matters((CUBIC,), ()) is matters
+
+
+@pytest.mark.parametrize(("left", "matters"), [(65.0, True), (75.0, False)])
+def test_beside_others_it_takes_three_hundredths_of_all_there_was_too(left, matters):
+    """The effect takes more than a tenth off the rest, of which there is little."""
+    training = {(): 1000.0, (CUBIC,): 100.0, (CUBIC, VISCOUS): left}
+    models = JudgedByErrors(training, {(CUBIC,): 1.0, (CUBIC, VISCOUS): 0.5})
+    assert models.matters((CUBIC, VISCOUS), (CUBIC,)) is matters
+
+
+@pytest.mark.parametrize(("left", "matters"), [(98.5, False), (97.5, True)])
+def test_a_term_outside_the_library_takes_a_fiftieth_off_what_is_left(left, matters):
+    models = Judged({(): 100.0, (TERM,): left}, {(): 1.0, (TERM,): 0.5})
+    assert models.matters((TERM,), ()) is matters
+
+
+class Searched(Judged, Search):
+    """A search among models that are all fitted; nothing more is promising."""
+
+    def _screened(self, *_):
+        return []
+
+    def refined_from(self, *rough):
+        return self._worth_refining(rough, self.null)
+
+
+def test_only_models_within_seven_nats_of_the_best_are_settled():
+    """The evidence is minus half the energy; every effect costs four."""
+    training = {(): 100.0, (CUBIC,): 60.0, (VISCOUS,): 73.0, (CUBIC, VISCOUS): 80.0}
+    models = Searched(training, {})
+    asked = []
+    models.supported = lambda candidate: asked.append(candidate.space.effects) or True
+    models.settle()
+    assert sorted(map(str, asked)) == sorted(map(str, [(CUBIC,), (VISCOUS,)]))
+
+
+def test_a_model_that_is_not_supported_makes_room_for_those_behind_it():
+    training = {(): 100.0, (CUBIC,): 20.0, (VISCOUS,): 60.0}
+    models = Searched(training, {})
+    models.supported = lambda candidate: candidate.space.effects != (CUBIC,)
+    models.settle()
+    assert models.best.space.effects == (VISCOUS,)
+
+
+def test_rough_fits_are_refined_from_half_the_gain_and_within_a_hundred_nats():
+    models = Searched({(): 3000.0, (CUBIC,): 1000.0}, {})
+    assert models.refined_from(models.of(CUBIC)) == pytest.approx(-1000.0)
+    models = Searched({(): 300.0, (CUBIC,): 260.0}, {})
+    assert models.refined_from(models.of(CUBIC)) == pytest.approx(-230.0)
+    assert models.refined_from() == -np.inf
+
+
+def test_each_of_two_effects_is_exchanged():
+    models = Searched({(): 100.0, (CUBIC,): 60.0, (VISCOUS,): 60.0, (CUBIC, VISCOUS): 20.0}, {})
+    kept = []
+    models.without = lambda _best, kind: kept.append(kind) or models.null
+    models.extend = lambda _parent, promising: promising
+    best = models.best
+    best.space.block = SimpleNamespace(candidates=())
+    models.exchange(best)
+    assert kept == [CUBIC, VISCOUS]
+    kept.clear()
+    single = models.of(CUBIC)
+    single.space.block = best.space.block
+    models.exchange(single)
+    assert kept == []

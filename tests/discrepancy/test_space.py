@@ -40,3 +40,16 @@ def test_an_added_lag_takes_its_delay_from_the_actuator_s(sample_campaigns, lag,
     with patch.object(ModelSpace, "_start", return_value=space.coordinates(lagging)):
         (start, *_) = space.starts(base, base.coordinates(known))
     assert space.values(start)[place] == pytest.approx(left, abs=1e-6)
+
+
+def test_each_start_of_an_added_effect_is_tried_and_nothing_twice_without_one(sample_campaigns):
+    campaign = read_campaign(sample_campaigns / "rig_b")
+    motions = motions_of(campaign)
+    block = SpecimenBlock(campaign, scales_of(campaign, motions), motions)
+    kind = find_effect("backlash")
+    base, space = ModelSpace(block, ()), ModelSpace(block, (kind,))
+    assert len(list(base.starts(base, np.zeros(base.size)))) == 1
+    fresh = list(space.starts(base, np.zeros(base.size)))
+    tried = [space.values(start)[space.places(kind)][0] for start in fresh]
+    starts = np.array(kind.parameters[0].starts)  # shares of the channel's own scale
+    np.testing.assert_allclose(tried, tried[0] / starts[0] * starts)

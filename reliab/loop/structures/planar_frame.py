@@ -11,6 +11,7 @@ from reliab.errors import InputError
 Array = NDArray[np.float64]
 
 _MOST_UNKNOWNS = 5_000  # whose matrix takes 200 MB
+_SMALLEST = 1e-100  # of a member's stiffness, and the inverse of the largest
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +34,7 @@ class PlanarFrame:
     Raises
     ------
     InputError
-        If a number is not positive.
+        If a number is not positive, there are too many storeys, or a member has practically no stiffness.
 
     Examples
     --------
@@ -59,13 +60,32 @@ class PlanarFrame:
                 raise InputError(
                     f"The {field.name.replace('_', ' ')} of a planar frame must be positive", value=value
                 )
-
+        for member, stiffness in (
+            ("column, E I/h³ [N/m],", self._sway_stiffness),
+            ("column, E I/h [N m],", self.elastic_modulus * self.column_inertia / self.storey_height),
+            ("beam, E I/L [N m],", self._beam_stiffness),
+        ):
+            if not _SMALLEST <= stiffness <= 1.0 / _SMALLEST:
+                raise InputError(
+                    f"The stiffness of a {member} must be between {_SMALLEST:g} and {1.0 / _SMALLEST:g}",
+                    value=f"{stiffness:.4g}",
+                    remedy="Check the units of modulus, second moment of area and length",
+                )
         if self.storeys * (self.bays + 2) > _MOST_UNKNOWNS:
             raise InputError(
                 f"A planar frame may have {_MOST_UNKNOWNS:,} displacements and rotations at most",
                 value=f"{self.storeys:,} storeys of {self.bays:,} bays",
                 remedy="Give its stiffness matrix instead",
             )
+
+    @property
+    def _sway_stiffness(self) -> float:
+        h = self.storey_height
+        return self.elastic_modulus * self.column_inertia / (h * h * h)
+
+    @property
+    def _beam_stiffness(self) -> float:
+        return self.elastic_modulus * self.beam_inertia / self.bay_width
 
     def lateral_stiffness(self) -> Array:
         """Stiffness for the horizontal displacements of the floors [N/m], shape (storeys, storeys).
@@ -107,9 +127,8 @@ class PlanarFrame:
             else:
                 foot = [storey - 1, self._rotation(storey - 1, line)]
                 ends = [*foot, storey, self._rotation(storey, line)]
-        full[np.ix_(ends, ends)] += self.elastic_modulus * self.column_inertia / h**3 * local
+        full[np.ix_(ends, ends)] += self._sway_stiffness * local
 
     def _add_beam(self, full: Array, floor: int, bay: int) -> None:
         ends = [self._rotation(floor, bay), self._rotation(floor, bay + 1)]
-        flexural = self.elastic_modulus * self.beam_inertia / self.bay_width
-        full[np.ix_(ends, ends)] += flexural * np.array([[4.0, 2.0], [2.0, 4.0]])
+        full[np.ix_(ends, ends)] += self._beam_stiffness * np.array([[4.0, 2.0], [2.0, 4.0]])

@@ -43,6 +43,30 @@ def test_planar_frame_with_rigid_beams_is_a_shear_frame_and_a_fixed_base_is_four
     np.testing.assert_allclose(pinned, shear_frame([1, 1], [6 * column, 24 * column])[1], rtol=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("field", "value", "rule"),
+    [
+        ("elastic_modulus", 1e-320, "stiffness of a column"),
+        ("storey_height", 1e150, "stiffness of a column"),
+        ("bay_width", 1e250, "stiffness of a beam"),
+        ("beam_inertia", 0.0, "beam inertia .* must be positive"),
+        ("storeys", 10_000, "displacements and rotations at most"),
+    ],
+)
+def test_planar_frame_that_no_computer_can_solve_is_refused(field, value, rule):
+    frame = {
+        "storeys": 2,
+        "bays": 1,
+        "elastic_modulus": 2e11,
+        "column_inertia": 1e-6,
+        "beam_inertia": 1e-6,
+        "storey_height": 3.0,
+        "bay_width": 6.0,
+    }
+    with pytest.raises(InputError, match=rule):
+        PlanarFrame(**{**frame, field: value})
+
+
 def test_damping_ratios_come_back():
     mass, stiffness = shear_frame([2000.0, 1500.0, 1000.0], [3e6, 2e6, 1e6])
     ratios = [0.01, 0.03, 0.05]

@@ -1,0 +1,53 @@
+"""Which caution is said of which method, and where nothing is said."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from reliab.criterion.cautions import _beyond_the_earthquakes, _fitted, _left_out, _shortfall
+from reliab.criterion.experimental_share import whole_is_worst
+from reliab.criterion.methods import METHODS
+from reliab.vocabulary import CurveName
+
+
+def grid(*, motions=100, left=100, events=19, curve=CurveName.ELLIPSE):
+    """Structures of which one has only `left` motions."""
+    return SimpleNamespace(n_motions=motions, fewest_motions=left, fewest_events=events, curve=curve)
+
+
+@pytest.mark.parametrize("method", [method() for method in METHODS.values()], ids=METHODS)
+def test_only_a_fitted_distribution_reaches_beyond_the_earthquakes(method):
+    """Nineteen earthquakes support nineteen twentieths without any distribution."""
+    assert _beyond_the_earthquakes(grid(), method, 0.95) == ""
+    beyond = _beyond_the_earthquakes(grid(), method, 0.96)
+    assert (beyond == "") is method.distribution_free
+    assert beyond == "" or "19 earthquakes support 0.95" in beyond
+
+
+@pytest.mark.parametrize("method", [method() for method in METHODS.values()], ids=METHODS)
+def test_motions_without_an_ellipse_are_told_of_unless_they_are_drawn(method):
+    assert _left_out(grid(), method) == ""
+    sentence = _left_out(grid(left=93), method)
+    if method.samples_chains:
+        assert sentence == ""
+    else:
+        assert "Up to 7 of 100 motions" in sentence
+        assert ("too high" in sentence) is method.assumes_lognormality
+
+
+@pytest.mark.parametrize("method", [method() for method in METHODS.values()], ids=METHODS)
+def test_curves_that_are_not_those_of_the_method_are_told_of(method):
+    for curve in (CurveName.ELLIPSE, CurveName.INSCRIBED):
+        assert (_fitted(grid(curve=curve), method) == "") is (curve == method.curve)
+
+
+def test_a_plug_in_quantile_falls_short_with_few_motions_and_not_with_very_many():
+    assert "10 motions" in _shortfall(grid(left=10), METHODS["quantile"](), 0.95)
+    assert _shortfall(grid(left=10**6), METHODS["quantile"](), 0.95) == ""
+    assert _shortfall(grid(left=10), METHODS["predictive"](), 0.95) == ""
+
+
+def test_the_worst_case_is_stated_for_the_structures_that_were_simulated_alone():
+    assert all(whole_is_worst(f, xi) for f in (0.5, 1.0, 3.0) for xi in (0.01, 0.02, 0.1))
+    assert not any(whole_is_worst(f, 0.05) for f in (0.49, 3.01))
+    assert not any(whole_is_worst(1.0, xi) for xi in (0.0099, 0.101))
