@@ -81,7 +81,7 @@ class PlanarFrame:
     @property
     def _sway_stiffness(self) -> float:
         h = self.storey_height
-        return self.elastic_modulus * self.column_inertia / (h * h * h)
+        return self.elastic_modulus * self.column_inertia / h / h / h  # h³ may be zero to a computer
 
     @property
     def _beam_stiffness(self) -> float:
