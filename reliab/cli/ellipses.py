@@ -1,5 +1,6 @@
 """`reliab ellipses`: the boundary of each motion, as a and b."""
 
+import itertools
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -24,6 +25,8 @@ from reliab.cli.options import (
 from reliab.cli.output import console, table, write_json
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     import xarray as xr
 
 _HEADINGS = {
@@ -43,6 +46,7 @@ _HEADINGS = {
     "points": "right",
 }
 _WHERE = ["motion", "f", "xi", "alpha", "threshold", "metric"]
+_PAGE = 1000  # rows
 _NAMES = ("a", "b", "sse", "n", "no_ellipse")
 
 Out = Annotated[
@@ -85,20 +89,30 @@ def ellipses(
         from reliab.sweep import write_ellipses
 
         write_ellipses(dataset, out)
-    rows = _rows(dataset)
     caution = dataset.attrs.get("caution")
-    content = {"ellipses": rows, **({"warnings": [caution]} if caution else {})}
-    if write_json(content, json_target):
-        return
-    shown = table(f"{len(rows)} boundaries of {metric.upper()}^R", _HEADINGS)
-    for row in rows:
-        shown.add_row(*_cells(row))
-    console().print(shown)
+    if json_target is not None:
+        content = {"ellipses": list(_rows(dataset)), **({"warnings": [caution]} if caution else {})}
+        if write_json(content, json_target):
+            return
+    _print(dataset, metric)
     if caution:
         console().print(f"Note: {caution}", markup=False, highlight=False)
 
 
-def _rows(dataset: "xr.Dataset") -> list[dict[str, Any]]:
+def _print(dataset: "xr.Dataset", metric: str) -> None:
+    """Print one row for each boundary, page by page: a single table of very many would fill the memory."""
+    count = math.prod(dataset.sizes.get(dimension, 1) for dimension in _WHERE)
+    title = f"{count} boundaries of {metric.upper()}^R"
+    rows, terminal = _rows(dataset), console()
+    while page := list(itertools.islice(rows, _PAGE)):
+        shown = table(title, _HEADINGS)
+        for row in page:
+            shown.add_row(*_cells(row))
+        terminal.print(shown)
+        title = ""
+
+
+def _rows(dataset: "xr.Dataset") -> "Iterator[dict[str, Any]]":
     """Give one row to each boundary, both sides and both curves beside each other.
 
     `a`, `b`, `sse`, `n` are of the ellipse of least squares for delays; those of leads end in `_lead`, those
@@ -116,13 +130,11 @@ def _rows(dataset: "xr.Dataset") -> list[dict[str, Any]]:
         for name in _NAMES
         if name in dataset
     }
-    return [
-        {
+    for k, boundary in enumerate(boundaries):
+        yield {
             **dict(zip(_WHERE, boundary, strict=True)),
             **{name: _plain(name, values[k]) for name, values in columns.items()},
         }
-        for k, boundary in enumerate(boundaries)
-    ]
 
 
 def _columns(dataset: "xr.Dataset") -> list[tuple[str, dict[str, str]]]:

@@ -1,19 +1,24 @@
 """Opening stored results: a Zarr store, or a NetCDF file derived from one."""
 
+import os
+import re
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
+import zarr
 
 from reliab.errors import InputError
 from reliab.files import decoding
 from reliab.sweep import results_accessor  # noqa: F401 - gives opened datasets the accessor `reliab`
 from reliab.sweep.compact import open_compact
 from reliab.sweep.real_suite import stored_results
-from reliab.sweep.store_layout import MEND, STORED, read_attributes
+from reliab.sweep.store_layout import MEND, STORED, array_of, read_attributes
 from reliab.vocabulary import SHARE_ATTRIBUTE, Dimension
 
+_CHUNK = re.compile(r"(c\.)?\d+(\.\d+)*")  # file of one chunk, in either layout
 _COORDINATES = ("motion", "f", "xi", "kp", "tau", "event", "duration", "dt", "pga", "checksum")
+_ARRAYS = (*_COORDINATES, "rms", "mte", "A", "d", "stable")
 
 
 def open_results(path: str | Path, *, window: str | None = None) -> xr.Dataset:
@@ -57,8 +62,29 @@ def open_results(path: str | Path, *, window: str | None = None) -> xr.Dataset:
         return _stored(path, None if window == windows[0] else f"window_{window}")
 
 
+def _check_arrays(folder: Path) -> None:
+    """Check that no array of a group is missing."""
+    for name in _ARRAYS:
+        if not (folder / name / "zarr.json").is_file():
+            raise InputError(STORED, value=f"no array {name}", remedy=MEND, where=str(folder))
+
+
+def _check_chunks(folder: Path) -> None:
+    """Check that no chunk of a group is missing, in whose place Zarr would put NaN in silence."""
+    group = zarr.open_group(folder, mode="r")
+    for name in _ARRAYS:
+        chunks = array_of(group, name).nchunks
+        files = (file for _, _, files in os.walk(folder / name) for file in files)
+        missing = chunks - sum(1 for file in files if _CHUNK.fullmatch(file))
+        if missing > 0:
+            value = f"{missing} of {chunks} chunks of {name} missing"
+            raise InputError(STORED, value=value, remedy=MEND, where=str(folder))
+
+
 def _stored(path: Path, group: str | None) -> xr.Dataset:
     """Open a group of a store, with the coordinates that every store has."""
+    folder = path if group is None else path / group
+    _check_arrays(folder)
     dataset = xr.open_zarr(path, group=group, consolidated=False, chunks=None)
     if Dimension.SHARE not in dataset.dims:
         _ = float(dataset.attrs[SHARE_ATTRIBUTE])
@@ -70,6 +96,7 @@ def _stored(path: Path, group: str | None) -> xr.Dataset:
             value=f"{missing} motions missing in {path}",
             remedy="Finish it with --resume",
         )
+    _check_chunks(folder)
     # Strings of fixed width are what everyone can compare, save and group by.
     texts = {
         name: ("motion", np.array(dataset[name].values.tolist()), dataset[name].attrs)
@@ -78,6 +105,8 @@ def _stored(path: Path, group: str | None) -> xr.Dataset:
     plain = dataset.drop_vars(["journal", *texts], errors="ignore")
     opened: xr.Dataset = plain.assign_coords(texts).set_coords(_COORDINATES)
     for name in opened.coords:
-        opened.variables[name].load()  # small, and used outside of this function, where no error is explained
+        variable = opened.variables[name].load()  # small, and used where no error is explained
+        if variable.dtype.kind == "f" and not np.isfinite(variable.values).all():
+            raise InputError(STORED, value=f"{name} that is not finite", remedy=MEND, where=str(path))
     # A store lists its arrays in the order of its folder; whatever is derived from it would inherit that.
     return opened[sorted(map(str, opened.variables))]
