@@ -7,7 +7,12 @@ from reliab.errors import InputError
 from reliab.indices.frequency_evaluation import frequency_evaluation
 from reliab.loop.actuator import Actuator
 from reliab.loop.hybrid_test.closed_loop import run_closed_loop
-from reliab.loop.hybrid_test.compensators import Feedforward, InverseCompensation, PolynomialExtrapolation
+from reliab.loop.hybrid_test.compensators import (
+    Feedforward,
+    InverseCompensation,
+    ModelInverse,
+    PolynomialExtrapolation,
+)
 from reliab.loop.hybrid_test.model import HybridTest
 from reliab.loop.structure import Structure
 
@@ -64,6 +69,14 @@ def test_delay_is_compensated_in_the_loop(compensator):
         delays.append(index.equivalent_delay)
     assert delays[0] == pytest.approx(4 * STEP, abs=2e-5)
     assert abs(delays[1]) < 0.02 * delays[0]
+
+
+def test_an_inverse_needs_a_positive_first_factor_only():
+    assert ModelInverse(factors=(1.0,)).coefficients(0.001).tolist() == [1.0, 0.0, 0.0, 0.0]
+    assert ModelInverse(factors=(1.0, -0.004)).coefficients(0.001).tolist() == [1.0, -0.004, 0.0, 0.0]
+    for factors in ((0.0, 0.004), (-1.0, 0.004), (), (1.0,) * 5, (1.0, np.inf)):
+        with pytest.raises(InputError, match="one to four finite factors"):
+            ModelInverse(factors=factors)
 
 
 @pytest.mark.parametrize(

@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
+import scipy
 
 from reliab.loop import spectral
 from reliab.loop.effects import find_effect
 from reliab.loop.excitation import Excitation
 from reliab.loop.hybrid_test.closed_loop import run_closed_loop
+from reliab.loop.hybrid_test.integrator import ExactIntegrator, LinearSubstructure
 from reliab.loop.hybrid_test.integrators import CentralDifference, ChenRicles, OperatorSplitting
 from reliab.loop.hybrid_test.model import HybridTest
 from reliab.loop.structure import Structure
@@ -29,6 +31,22 @@ def record(step, duration=20.0):
 def response(name, structure, step):
     test = HybridTest(structure=structure)
     return run_closed_loop(test, record(step), step, integrator=scheme(name, structure)).command.values[0]
+
+
+def test_the_exact_scheme_ends_each_step_in_equilibrium_on_the_exact_motion():
+    """A ramp r(t) = qt/step from rest, against the solution of the ordinary differential equation."""
+    substructure, step, load = LinearSubstructure(damping=3.0, stiffness=400.0), 0.02, 5.0
+    motion, exact = np.zeros(3), ExactIntegrator()
+    coefficients = exact.coefficients(substructure, step)
+    exact.kernel(motion, 0.0, load, coefficients, np.zeros(0))
+    exact.kernel(motion, load, 2.0 * load, coefficients, np.zeros(0))
+
+    def slope(t, state):
+        return [state[1], load * t / step - 3.0 * state[1] - 400.0 * state[0]]
+
+    solved = scipy.integrate.solve_ivp(slope, (0.0, 2.0 * step), [0.0, 0.0], rtol=1e-11, atol=1e-14)
+    np.testing.assert_allclose(motion[:2], solved.y[:, -1], rtol=1e-9)
+    assert motion[2] == pytest.approx(2.0 * load - 3.0 * motion[1] - 400.0 * motion[0], rel=1e-12)
 
 
 @pytest.mark.parametrize("name", ["cr", "cd", "os"])

@@ -53,6 +53,19 @@ def test_specimens_that_the_structure_cannot_spare_are_refused(frame, specimen, 
         Partition(frame=frame, interface=floor_interface(frame, 1), specimen=specimen)
 
 
+@pytest.mark.parametrize(
+    "specimen",
+    [
+        Specimen(stiffness=0.0, mass=10.0),
+        Specimen(stiffness=0.0, damping=10.0),
+        Specimen(stiffness=10.0, damping=10.0),
+        Specimen(stiffness=0.0, damping=-10.0, mass=10.0),
+    ],
+)
+def test_any_one_property_makes_a_specimen(frame, specimen):
+    assert Partition(frame=frame, interface=floor_interface(frame, 1), specimen=specimen)
+
+
 def test_interfaces_that_do_not_fit_are_refused(frame):
     for interface in ([1.0], [0.0, 0.0], [np.nan, 1.0]):
         with pytest.raises(InputError, match="interface needs 2 finite numbers"):

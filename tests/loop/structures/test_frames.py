@@ -68,6 +68,11 @@ def test_planar_frame_that_no_computer_can_solve_is_refused(field, value, rule):
         PlanarFrame(**{**frame, field: value})
 
 
+def test_one_storey_is_a_frame():
+    mass, stiffness = shear_frame([2.0], [8.0])
+    assert (mass.tolist(), stiffness.tolist()) == ([[2.0]], [[8.0]])
+
+
 def test_damping_ratios_come_back():
     mass, stiffness = shear_frame([2000.0, 1500.0, 1000.0], [3e6, 2e6, 1e6])
     ratios = [0.01, 0.03, 0.05]
@@ -139,6 +144,7 @@ def test_an_unknown_degree_of_freedom_is_refused_with_those_there_are():
         lambda: rayleigh_damping(np.diag([1.0, 1.0]), np.diag([1.0, 1e6]), (0.01, 0.2), (1.0, 2.0)),
         lambda: shear_frame([1.0], [1.0, 2.0]),
         lambda: shear_frame([1.0], [-1.0]),
+        lambda: shear_frame([], []),
     ],
 )
 def test_bad_damping_and_storeys_are_refused(build):

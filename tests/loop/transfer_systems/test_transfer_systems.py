@@ -142,6 +142,10 @@ def test_other_matlab_files_are_refused(tmp_path):
         read_matlab(tmp_path / "model.mat")
     with pytest.raises(InputError, match="The file holds something"):
         read_matlab(tmp_path / "model.mat", "servo")
+    two_inputs = {"A": -np.eye(2), "B": np.eye(2), "C": [[1.0, 0.0]], "D": [[0.0, 0.0]]}
+    savemat(tmp_path / "model.mat", two_inputs)
+    with pytest.raises(InputError, match="one input and one output"):
+        read_matlab(tmp_path / "model.mat")
     (tmp_path / "text.mat").write_text("no matrix")
     with pytest.raises(InputError, match="must be readable"):
         read_matlab(tmp_path / "text.mat")
