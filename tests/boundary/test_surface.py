@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import scipy
 
 from reliab.boundary.surface import ErrorSurfaces, stretched
 
@@ -35,6 +36,21 @@ def test_a_cubic_surface_comes_back_between_the_cells():
     gain, delay = np.exp(rng.uniform(-0.2, 0.12, 500)), rng.uniform(-0.01, 0.03, 500)
     error = surfaces().error(gain, delay, np.zeros(500, dtype=np.int64))
     assert error == pytest.approx(cubic(gain, delay), rel=1e-9)
+
+
+def test_a_rough_surface_is_the_cubic_spline_along_both_axes_in_every_cell():
+    rng = np.random.default_rng(3)
+    rough = 10.0 ** rng.uniform(-2.0, 0.0, (GAIN.size, DELAY.size))
+    gain, delay = np.exp(rng.uniform(-0.2, 0.12, 300)), rng.uniform(-0.01, 0.03, 300)
+    x, y = coordinates(GAIN, DELAY)
+    surface = ErrorSurfaces(GAIN, DELAY, rough[np.newaxis])
+    along_gain = scipy.interpolate.CubicSpline(x, np.log(rough**2 + FLOOR**2), axis=0)
+    for g, d in zip(gain, delay, strict=True):
+        at = coordinates(g, d)
+        logarithm = scipy.interpolate.CubicSpline(y, along_gain(at[0]))(at[1])
+        expected = np.sqrt(max(np.exp(logarithm) - FLOOR**2, 0.0))
+        error = surface.error(np.array([g]), np.array([d]), np.zeros(1, dtype=np.int64))
+        assert error[0] == pytest.approx(expected, rel=1e-8, abs=1e-9)
 
 
 def test_the_larger_side_of_the_gains_sets_the_scale():
