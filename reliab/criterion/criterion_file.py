@@ -15,6 +15,7 @@ from reliab.errors import InputError
 PLAIN = {"threshold": float, "metric": str, "confidence": float, "method": str, "joint": bool}
 """Keys with plain values, and their types."""
 
+_DIGITS = 18  # of which NumPy's whole numbers hold any
 _KEYS = (*PLAIN, "law", "lead_law", "population", "lead_population", "provenance")
 
 
@@ -89,7 +90,7 @@ def from_text(text: str) -> dict[str, Any]:
 def _checked(text: str) -> dict[str, Any]:
     """Take everything but the version of the schema."""
     try:
-        content = json.loads(text, parse_constant=_refuse_constant, parse_float=_finite)
+        content = json.loads(text, parse_constant=_refuse_constant, parse_float=_finite, parse_int=_number)
     except (ValueError, RecursionError) as error:
         if isinstance(error, InputError):
             raise
@@ -114,6 +115,11 @@ def _checked(text: str) -> dict[str, Any]:
 
 def _refuse_constant(name: str) -> float:
     raise _broken("Every number of a criterion's file must be finite", name)
+
+
+def _number(text: str) -> float:
+    """Take a number without a point, whole where NumPy can hold it."""
+    return int(text) if len(text) <= _DIGITS else _finite(text)
 
 
 def _finite(text: str) -> float:

@@ -281,3 +281,14 @@ def test_a_criterion_of_immense_motions_is_refused():
     content["population"]["log_alpha"][0][0][0] = 1e308
     with pytest.raises(InputError, match="Logarithms of ellipse parameters"):
         Criterion.from_json(json.dumps(content))
+
+
+def test_a_criterion_with_a_whole_number_of_very_many_digits_is_read_or_refused():
+    """NumPy holds whole numbers of nineteen digits, floating-point ones of 308."""
+    content = json.loads(corpus.criteria()[2]["criterion.json"])
+    content["law"]["a"][0][0] = int("9" * 21)
+    a, _ = Criterion.from_json(json.dumps(content)).limits(0.5, 0.02)
+    assert a == pytest.approx(1e21)
+    content["law"]["a"][0][0] = int("9" * 400)
+    with pytest.raises(InputError, match="must be finite"):
+        Criterion.from_json(json.dumps(content))
