@@ -12,13 +12,13 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from reliab.criterion.laws.checks import LARGEST
 from reliab.errors import InputError
 from reliab.files import decoding, ordinary
 from reliab.sweep.shares import at_share
 from reliab.vocabulary import LABELS, Dimension, Metric
 
 _OTHER_NAMES = {"record": "motion", "f_hz": "f"}
-_LARGEST = 1e30  # beyond any structure and boundary, and its square is still a number
 _SHARE = str(Dimension.SHARE)
 _CELL = ("f", "xi", _SHARE, "threshold", "metric")
 
@@ -111,10 +111,10 @@ def _named(table: pd.DataFrame, path: str) -> pd.DataFrame:
 
 def _positive(column: "pd.Series[str]", name: str, path: str) -> "pd.Series[float]":
     numbers = pd.to_numeric(column, errors="coerce")
-    wrong = ~((numbers > 1.0 / _LARGEST) & (numbers < _LARGEST))
+    wrong = ~((numbers > 1.0 / LARGEST) & (numbers < LARGEST))
     if wrong.any():
         raise InputError(
-            f"The column {name} must hold positive numbers below {_LARGEST:g}",
+            f"The column {name} must hold positive numbers below {LARGEST:g}",
             value=repr(column[wrong].iloc[0]),
             remedy="Correct or remove the row",
             where=f"{path}, line {_line(wrong)}",

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from reliab.criterion.laws.checks import LARGEST
 from reliab.errors import InputError
 from reliab.sweep.shares import at_share
 from reliab.vocabulary import LABELS, CurveName, Dimension, Side
@@ -13,7 +14,6 @@ from reliab.vocabulary import LABELS, CurveName, Dimension, Side
 FEWEST_MOTIONS = 3
 """A spread cannot be learned from fewer."""
 
-_LARGEST = 1e30  # far beyond any boundary, and its square is still a number
 _ALIKE = 1e-6  # relative differences below that are rounding, not ground motions
 
 
@@ -72,10 +72,10 @@ class EllipseSample:
                 remedy="Give more motions",
             )
         for name, values in (("a", self.a), ("b", self.b)):
-            wrong = ~((values > 1.0 / _LARGEST) & (values < _LARGEST))
+            wrong = ~((values > 1.0 / LARGEST) & (values < LARGEST))
             if wrong.any():
                 raise InputError(
-                    f"The ellipse parameter {name} must be between {1.0 / _LARGEST:g} and {_LARGEST:g}",
+                    f"The ellipse parameter {name} must be between {1.0 / LARGEST:g} and {LARGEST:g}",
                     value=values[wrong][0],
                     remedy="Leave the motion out, or trace its boundary again",
                     where=str(self.motions[wrong][0]),

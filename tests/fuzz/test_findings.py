@@ -283,12 +283,22 @@ def test_a_criterion_of_immense_motions_is_refused():
         Criterion.from_json(json.dumps(content))
 
 
-def test_a_criterion_with_a_whole_number_of_very_many_digits_is_read_or_refused():
+@pytest.mark.parametrize("digits", [21, 400])
+def test_a_criterion_with_a_whole_number_of_very_many_digits_is_read_or_refused(digits):
     """NumPy holds whole numbers of nineteen digits, floating-point ones of 308."""
     content = json.loads(corpus.criteria()[2]["criterion.json"])
-    content["law"]["a"][0][0] = int("9" * 21)
-    a, _ = Criterion.from_json(json.dumps(content)).limits(0.5, 0.02)
-    assert a == pytest.approx(1e21)
-    content["law"]["a"][0][0] = int("9" * 400)
-    with pytest.raises(InputError, match="must be finite"):
+    content["law"]["a"][0][0] = int("9" * digits)
+    if digits == 21:
+        a, _ = Criterion.from_json(json.dumps(content)).limits(0.5, 0.02)
+        assert a == pytest.approx(1e21)
+    else:
+        with pytest.raises(InputError, match="must be finite"):
+            Criterion.from_json(json.dumps(content))
+
+
+@pytest.mark.parametrize(("key", "place"), [("a", 0), ("frequencies", -1)])
+def test_a_criterion_of_immense_limits_or_frequencies_is_refused(key, place):
+    content = json.loads(corpus.criteria()[2]["criterion.json"])
+    content["law"][key][place] = [1e308] if key == "a" else 1e308
+    with pytest.raises(InputError, match=r"must be .*, at most 1e\+30"):
         Criterion.from_json(json.dumps(content))

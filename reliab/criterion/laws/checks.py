@@ -5,6 +5,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from reliab.errors import InputError
 
+LARGEST = 1e30
+"""Beyond any structure and any boundary, and its square is still a number."""
+
 _REMEDY = "Derive the criterion again; few motions give limits of zero, never negative ones"
 
 
@@ -23,12 +26,12 @@ def checked_limits(name: str, values: ArrayLike, shape: tuple[int, ...]) -> NDAr
     Returns
     -------
     numpy.ndarray
-        Finite numbers that are not negative.
+        Numbers from zero to `LARGEST`.
 
     Raises
     ------
     InputError
-        If they have another shape, or one is negative or not finite.
+        If they have another shape, or one is negative, too large or not finite.
     """
     limits = _numbers(f"limits {name}", values)
     if limits.shape != shape:
@@ -37,10 +40,10 @@ def checked_limits(name: str, values: ArrayLike, shape: tuple[int, ...]) -> NDAr
             value=f"shape {limits.shape}",
             remedy=_REMEDY,
         )
-    wrong = ~(np.isfinite(limits) & (limits >= 0.0))
+    wrong = ~((limits >= 0.0) & (limits <= LARGEST))
     if wrong.any():
         raise InputError(
-            f"The limits {name} of a law must be finite and not negative",
+            f"The limits {name} of a law must be finite, at most {LARGEST:g}, and not negative",
             value=limits[wrong].flat[0],
             remedy=_REMEDY,
         )
@@ -53,13 +56,13 @@ def checked_grid(name: str, values: ArrayLike) -> NDArray[np.float64]:
     Raises
     ------
     InputError
-        If they are not positive, finite and increasing.
+        If they are not positive, finite, at most `LARGEST`, and increasing.
     """
     grid = _numbers(name, values)
     increasing = grid.ndim == 1 and grid.size > 0 and bool((np.diff(grid) > 0.0).all())
-    if not (increasing and np.isfinite(grid).all() and grid[0] > 0.0):
+    if not (increasing and grid[0] >= 1.0 / LARGEST and grid[-1] <= LARGEST):
         raise InputError(
-            f"The {name} of a law must be positive, finite and increasing",
+            f"The {name} of a law must be positive, finite, at most {LARGEST:g}, and increasing",
             value=str(np.asarray(values).tolist()),
             remedy="Derive the criterion again",
         )
