@@ -11,7 +11,7 @@ from reliab.discrepancy.blocks.specimen import SpecimenBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.fitting.fit import fit, jacobian, refined, reweighted, sharpened
 from reliab.discrepancy.fitting.left_out import left_out
-from reliab.discrepancy.fitting.problem import Problem
+from reliab.discrepancy.fitting.problem import Problem, relative_powers
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.spectra.noise import NoiseModel
 from reliab.discrepancy.spectra.scales import motions_of, scales_of
@@ -171,3 +171,6 @@ def test_tests_are_left_out_one_at_a_time_and_pieces_of_a_single_one(problem, te
     assert errors.energies.size == (len(tests) if len(tests) > 1 else len(few.segments))
     whole = sum(np.sum(few.measured(s.test)[s.begin : s.end] ** 2) for s in few.segments)
     assert errors.signals.sum() == pytest.approx(whole, rel=0.02)
+    lengths = [power * (s.end - s.begin) for power, s in zip(relative_powers(few), few.segments, strict=True)]
+    assert max(s.begin for s in few.segments) > 0
+    assert errors.units.sum() == pytest.approx(sum(lengths))

@@ -138,17 +138,22 @@ def test_beside_others_it_takes_three_hundredths_of_all_there_was_too(left, matt
     assert models.matters((CUBIC, VISCOUS), (CUBIC,)) is matters
 
 
-@pytest.mark.parametrize(("left", "matters"), [(98.5, False), (97.5, True)])
+@pytest.mark.parametrize(("left", "matters"), [(98.1, False), (97.95, True)])
 def test_a_term_outside_the_library_takes_a_fiftieth_off_what_is_left(left, matters):
     models = Judged({(): 100.0, (TERM,): left}, {(): 1.0, (TERM,): 0.5})
     assert models.matters((TERM,), ()) is matters
 
 
 class Searched(Judged, Search):
-    """A search among models that are all fitted; nothing more is promising."""
+    """A search among models that are all fitted; what is promising is given."""
+
+    promising = ()
 
     def _screened(self, *_):
-        return []
+        return list(self.promising)
+
+    def reaches(self, candidate, first):
+        return self._within_reach(candidate, first)
 
     def refined_from(self, *rough):
         return self._worth_refining(rough, self.null)
@@ -194,3 +199,19 @@ def test_each_of_two_effects_is_exchanged():
     single.space.block = best.space.block
     models.exchange(single)
     assert kept == []
+
+
+@pytest.mark.parametrize(("gains", "fitted"), [([1000, 21, 19], [1000, 21]), ([50, 4.1, 3.9], [50, 4.1])])
+def test_effects_are_fitted_that_promise_a_fiftieth_of_the_best_and_what_they_cost(gains, fitted):
+    models, asked = Searched({(): 100.0}, {}), []
+    models.promising = [SimpleNamespace(gain=float(gain)) for gain in gains]
+    models.extend = lambda _parent, promising: asked.extend(each.gain for each in promising) or []
+    assert models.forward(models.null, ()) is models.null
+    assert asked == fitted
+
+
+@pytest.mark.parametrize(("energy", "reaches"), [(55.0, True), (57.0, False)])
+def test_a_model_goes_on_that_gains_more_than_half_of_what_the_best_gains(energy, reaches):
+    """Scores are minus half the energy and four for each effect: −50, −14 and about the mean, −32."""
+    models = Searched({(): 100.0, (CUBIC,): 20.0, (VISCOUS,): energy}, {})
+    assert models.reaches(models.of(VISCOUS), models.of(CUBIC)) is reaches

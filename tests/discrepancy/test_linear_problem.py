@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import optimize, stats
 
-from reliab.discrepancy.fitting.fit import Fit, bounded_step, fit, improved, jacobian
+from reliab.discrepancy.fitting.fit import Fit, bounded_step, fit, improved, jacobian, refined
 from reliab.discrepancy.fitting.left_out import LeftOut, _determined, refitted
 from reliab.discrepancy.fitting.observations import observations
 from reliab.discrepancy.fitting.problem import Problem, real_parts, relative_powers
@@ -49,6 +49,17 @@ def space_of(reach=np.inf):
 def stacked():
     """The rows of the data and of the normal prior."""
     return np.vstack([MATRIX, np.eye(SIZE)]), np.concatenate([TARGET, np.zeros(SIZE)])
+
+
+@pytest.mark.parametrize(("evidence", "rounds"), [([0.0, 10.0, 10.4, 99.0], 2), ([5.0, 5.4, 99.0], 1)])
+def test_noise_and_model_are_fitted_in_turn_until_half_a_nat(evidence, rounds):
+    states = [SimpleNamespace(log_evidence=value) for value in evidence]
+    following = dict(zip(map(id, states), states[1:], strict=False))
+    with (
+        patch("reliab.discrepancy.fitting.fit.reweighted", lambda _problem, fitted: fitted),
+        patch("reliab.discrepancy.fitting.fit.improved", lambda _problem, fitted: following[id(fitted)]),
+    ):
+        assert refined(None, states[0]) is states[rounds]
 
 
 def test_a_linear_model_is_fitted_by_ridge_regression_and_in_few_steps():

@@ -11,7 +11,7 @@ from reliab.errors import InputError
     "wrong", [[0.0, 1.0], [-1.0, 1.0], [1.0, 1.0], [2.0, 1.0], [1.0, np.inf], [np.nan], [], [[1.0, 2.0]]]
 )
 def test_other_grids_are_refused(wrong):
-    with pytest.raises(InputError, match="positive, finite, at most 1e.30, and increasing"):
+    with pytest.raises(InputError, match=r"positive, finite, at most 1e\+30, and increasing"):
         checked_grid("frequencies", wrong)
 
 
