@@ -93,6 +93,34 @@ def require_small(path: str | Path, most: int, *, remedy: str) -> None:
         )
 
 
+def refuse_links(folder: Path, *beside: Path) -> None:
+    """Refuse a folder with links among its files before something is written in it.
+
+    A folder may come from someone else: what is written where a link stands would change the file that it
+    names, anywhere on this machine.
+
+    Parameters
+    ----------
+    folder : pathlib.Path
+        The folder, which may be a link itself.
+    *beside : pathlib.Path
+        Files beside it that are written too.
+
+    Raises
+    ------
+    InputError
+        If there is a link.
+    """
+    for part in (*beside, *folder.rglob("*")):
+        if part.is_symlink():
+            raise InputError(
+                "A folder that is written to must hold its own files, without links to others",
+                value=f"a link at {part}",
+                remedy="Remove the link, or put the file itself in its place",
+                where=str(folder),
+            )
+
+
 @contextlib.contextmanager
 def decoding(rule: str, *, remedy: str, where: object) -> Iterator[None]:
     """Turn whatever a library raises while it decodes a file into an error that says what to do.

@@ -118,7 +118,7 @@ def _report(addition: "Addition", campaign: Path, out: Path, setting: "Setting")
 
     from reliab.report import write_pdf
     from reliab.report.kinds.discrepancy import discrepancy_report
-    from reliab.study.stages import digest
+    from reliab.study.digests import digest
 
     newest = max(path.stat().st_mtime for path in campaign.iterdir())
     document = discrepancy_report(

@@ -13,7 +13,7 @@ from reliab.indices.window import Window
 from reliab.motions import Motion, MotionSuite, load_motions
 from reliab.progress import Progress, silent
 from reliab.study.description import RecordsStudy, SimulatedStudy
-from reliab.study.stages import digest
+from reliab.study.digests import digest
 from reliab.sweep import open_results
 from reliab.sweep.real_suite import REAL, stored_results
 from reliab.sweep.shares import at_share

@@ -11,8 +11,9 @@ from reliab.errors import InputError
 from reliab.files import written_whole
 from reliab.shipped import shipped
 from reliab.study.description import CriterionStudy
+from reliab.study.digests import digest
 from reliab.study.material import Material
-from reliab.study.stages import Stage, digest
+from reliab.study.stages import Stage
 from reliab.study.steps import CRITERIA, ELLIPSES, derivation_of
 from reliab.sweep import open_ellipses, open_results
 from reliab.sweep.real_suite import REAL, real_results

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
+from reliab.files import refuse_links
 from reliab.report import Setting, write_pdf
 from reliab.study.description import Study
 from reliab.study.kinds import KINDS
@@ -74,9 +75,10 @@ def write_report(folder: str | Path, *, setting: Setting | None = None) -> Path:
     Raises
     ------
     InputError
-        If nothing was run there, or the run is not finished.
+        If nothing was run there, the run is not finished, or the folder links to files elsewhere.
     """
     folder = Path(folder)
+    refuse_links(folder)
     _report(study_from(study_of(folder), where=str(folder)), folder, setting)
     return folder / REPORT
 

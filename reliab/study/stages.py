@@ -13,7 +13,6 @@ import json
 import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -21,11 +20,11 @@ import filelock
 
 from reliab.criterion.provenance import installed_versions
 from reliab.errors import IncompleteError, InputError
-from reliab.files import UNFINISHED, ordinary, written_whole
+from reliab.files import UNFINISHED, ordinary, refuse_links, written_whole
+from reliab.study.digests import code_digest, digest
 from reliab.study.environment import environment
 
 MANIFEST = "manifest.json"
-_CHUNK = 1 << 20
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,11 +102,12 @@ class RunFolder:
         Raises
         ------
         InputError
-            If the folder cannot be used, or another process runs a study in it.
+            If the folder cannot be used or links to files elsewhere, or another process runs a study in it.
         IncompleteError
             If the disk is full or fails; stages that are done are safe.
         """
         lock = filelock.FileLock(path.with_name(path.name + ".lock"), timeout=0)
+        refuse_links(path, Path(lock.lock_file))
         try:
             path.mkdir(parents=True, exist_ok=True)
             lock.acquire()
@@ -258,43 +258,8 @@ def _results(path: Path) -> dict[str, dict[str, Any]]:
     return {name: entry for name, entry in _read(path).get("stages", {}).items() if name != "report"}
 
 
-@cache
-def code_digest() -> str:
-    """SHA-256 of the package's own code: what it computes may change with any of its files."""
-    package = Path(__file__).parents[1]
-    digests = hashlib.sha256()
-    for file in sorted(package.rglob("*.py")):
-        digests.update(str(file.relative_to(package)).encode())
-        digests.update(file.read_bytes())
-    return digests.hexdigest()
-
-
 def _read(path: Path) -> dict[str, Any]:
     try:
         return dict(json.loads(ordinary(path / MANIFEST).read_text(encoding="utf-8")))
     except (OSError, ValueError):
         return {}
-
-
-def digest(path: Path) -> str:
-    """SHA-256 of a file, or of all files in a folder; empty where there is nothing.
-
-    Parameters
-    ----------
-    path : pathlib.Path
-        File or folder.
-
-    Returns
-    -------
-    str
-        The digest in hexadecimal.
-    """
-    total = hashlib.sha256()
-    files = sorted(path.rglob("*")) if path.is_dir() else [path]
-    for file in files:
-        if file.is_file():
-            total.update(str(file.relative_to(path)).encode())
-            with file.open("rb") as stream:
-                while chunk := stream.read(_CHUNK):
-                    total.update(chunk)
-    return total.hexdigest() if any(file.is_file() for file in files) else ""

@@ -26,7 +26,7 @@ import zarr
 from numpy.typing import NDArray
 
 from reliab.errors import IncompleteError, InputError
-from reliab.files import UNFINISHED, decoding
+from reliab.files import UNFINISHED, decoding, refuse_links
 from reliab.motions import Motion
 from reliab.sweep.chunk import write_chunk
 from reliab.sweep.request import SweepRequest
@@ -85,10 +85,12 @@ class ResultsStore:
         Raises
         ------
         InputError
-            If the store exists and is not to be resumed, holds something else, or is being written.
+            If the store exists and is not to be resumed, holds something else or links to files elsewhere, or
+            is being written.
         """
         _make_writable(path.parent)
         lock = filelock.FileLock(path.with_name(path.name + ".lock"), timeout=0)
+        refuse_links(path, Path(lock.lock_file))
         try:
             lock.acquire()
         except filelock.Timeout:

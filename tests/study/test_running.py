@@ -95,6 +95,24 @@ def test_a_report_needs_a_run(tmp_path):
         write_report(tmp_path)
 
 
+@pytest.mark.parametrize(
+    "name", ["criteria.json", "manifest.json", "report.pdf", "results.zarr/rms", ".lock"]
+)
+def test_what_a_link_in_a_run_folder_names_is_not_written(tmp_path, small_study, name):
+    """A run folder may come from somewhere else, with a link to any file of whoever goes on with it."""
+    run, elsewhere = tmp_path / "run", tmp_path / "elsewhere"
+    elsewhere.write_text("a file that is not the run's", encoding="utf-8")
+    link = tmp_path / "run.lock" if name == ".lock" else run / name
+    link.parent.mkdir(parents=True, exist_ok=True)
+    link.symlink_to(elsewhere)
+    with pytest.raises(InputError, match="own files, without links"):
+        run_study(small_study, run)
+    if name != ".lock":
+        with pytest.raises(InputError, match="own files, without links"):
+            write_report(run)
+    assert elsewhere.read_text(encoding="utf-8") == "a file that is not the run's"
+
+
 def test_stored_results_answer_only_for_their_structures(tmp_path, small_study):
     stored = small_study.motions.model_copy(update={"sources": None, "results": "real_suite"})
     structures = small_study.structures.model_copy(update={"f": (7.0,)})

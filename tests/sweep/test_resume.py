@@ -163,6 +163,25 @@ def test_existing_store_is_not_overwritten(own_store, suite, request_):
         run_sweep(suite, request_, own_store)
 
 
+@pytest.mark.parametrize(
+    "place", ["motion/c.0", "rms/c.0.0.0.0.0", "journal/c.0", "rms/zarr.json", "mte", ".lock"]
+)
+def test_what_a_link_in_a_store_names_is_not_written(own_store, suite, request_, tmp_path, place):
+    """A store may come from somewhere else, with a link to any file of whoever resumes it."""
+    own = own_store.with_name("results.zarr.lock") if place == ".lock" else own_store / place
+    elsewhere = tmp_path / "elsewhere"
+    if own.is_dir():
+        own.rename(elsewhere)
+    else:
+        elsewhere.write_bytes(b"a file that is not the store's")
+        own.unlink(missing_ok=True)
+    own.symlink_to(elsewhere)
+    before = contents(elsewhere) if elsewhere.is_dir() else elsewhere.read_bytes()
+    with pytest.raises(InputError, match="own files, without links"):
+        run_sweep(suite, request_, own_store, resume=True)
+    assert (contents(elsewhere) if elsewhere.is_dir() else elsewhere.read_bytes()) == before
+
+
 def test_another_sweep_is_not_mixed_in(own_store, suite, request_):
     other = SweepRequest(
         frequencies=(0.7,), damping_ratios=(0.02,), grid=ScaledGrid(gain_steps=5, delay_steps=6)

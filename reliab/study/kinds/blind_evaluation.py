@@ -9,9 +9,10 @@ from typing import Final
 from reliab.report import Document
 from reliab.shipped import shipped
 from reliab.study.description import Study
+from reliab.study.digests import digest
 from reliab.study.kinds.kind import Kind
 from reliab.study.material import Show
-from reliab.study.stages import Stage, digest, made_with
+from reliab.study.stages import Stage, made_with
 
 EVALUATION: Final = "evaluation.json"
 

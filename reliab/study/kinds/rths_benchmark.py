@@ -14,9 +14,10 @@ from reliab.loop.laboratory.benchmark import benchmark_compensator
 from reliab.report import Document
 from reliab.shipped import shipped
 from reliab.study.description import Names, RecordsStudy, Table
+from reliab.study.digests import digest
 from reliab.study.kinds.kind import Kind
 from reliab.study.material import Records, Show
-from reliab.study.stages import Stage, digest, made_with
+from reliab.study.stages import Stage, made_with
 from reliab.validation.rths_benchmark import STANDARD
 
 TESTS: Final = "benchmark.json"

@@ -14,9 +14,10 @@ from reliab.files import written_whole
 from reliab.report import Document
 from reliab.shipped import shipped
 from reliab.study.description import CriterionTable, SimulatedStudy, TransferTable
+from reliab.study.digests import digest
 from reliab.study.kinds.kind import Kind
 from reliab.study.material import SYNTHETIC, Material, Show
-from reliab.study.stages import Stage, digest, made_with
+from reliab.study.stages import Stage, made_with
 from reliab.study.steps import (
     CRITERIA,
     ELLIPSES,
