@@ -6,7 +6,11 @@ from pathlib import Path
 import h5py
 import xarray as xr
 
+from reliab.errors import InputError
 from reliab.files import decoding, ordinary, written_whole
+
+_MOST_EXPANSION = 1032
+"""Bytes that one byte of a file can stand for: the limit of DEFLATE, by which NetCDF files are compressed."""
 
 
 def read_netcdf(path: str | Path, rule: str, remedy: str) -> xr.Dataset:
@@ -33,7 +37,9 @@ def read_netcdf(path: str | Path, rule: str, remedy: str) -> xr.Dataset:
     """
     with decoding(rule, remedy=remedy, where=path):
         with h5py.File(ordinary(path), "r") as file:
-            file.visititems(lambda _name, item: _look_at(item))
+            sizes: list[int] = []
+            file.visititems(lambda _name, item: sizes.append(_size(item)))
+            _refuse_empty_promises(sum(sizes), Path(path))
         with xr.open_dataset(path, engine="h5netcdf") as file:
             return file.load()
 
@@ -69,6 +75,20 @@ def write_netcdf(
         file.write_bytes(dataset.to_netcdf(engine="h5netcdf", encoding=stored))
 
 
-def _look_at(item: h5py.HLObject) -> None:
-    """Read the description of a part of a file; h5netcdf would print a traceback where this fails."""
+def _size(item: h5py.HLObject) -> int:
+    """Bytes of a part of a file in memory; h5netcdf would print a traceback over a damaged description."""
     dict(item.attrs)
+    return int(item.nbytes) if isinstance(item, h5py.Dataset) else 0
+
+
+def _refuse_empty_promises(promised: int, path: Path) -> None:
+    """Refuse a file that declares more numbers than it can hold, before they fill the memory."""
+    size = path.stat().st_size
+    if promised > _MOST_EXPANSION * size:
+        raise InputError(
+            "A NetCDF file must hold the numbers that it declares, at most "
+            f"{_MOST_EXPANSION} bytes in each byte of its own",
+            value=f"{promised:.3g} bytes declared in {size}",
+            remedy="Obtain the file again",
+            where=str(path),
+        )

@@ -17,7 +17,8 @@ from reliab.sweep.store_layout import MEND, STORED, array_of, read_attributes
 from reliab.vocabulary import SHARE_ATTRIBUTE, Dimension
 
 _CHUNK = re.compile(r"(c\.)?\d+(\.\d+)*")  # file of one chunk, in either layout
-_COORDINATES = ("motion", "f", "xi", "kp", "tau", "event", "duration", "dt", "pga", "checksum")
+_OF_MOTIONS = ("motion", "event", "duration", "dt", "pga", "checksum")
+_COORDINATES = ("f", "xi", "kp", "tau", *_OF_MOTIONS)
 _ARRAYS = (*_COORDINATES, "rms", "mte", "A", "d", "stable")
 
 
@@ -47,9 +48,15 @@ def open_results(path: str | Path, *, window: str | None = None) -> xr.Dataset:
     path = stored_results(Path(path), None, None)
     compact = None if path.is_dir() else open_compact(path)
     with decoding(STORED, remedy=MEND, where=path):
-        stored = read_attributes(path)["windows"] if compact is None else compact.attrs["window"]
-    windows = [str(label) for label in np.atleast_1d(np.asarray(stored))]
-    window = window or windows[0]
+        attributes = read_attributes(path) if compact is None else compact.attrs
+        first = str(attributes["window"])
+        stored = np.asarray(attributes["windows" if compact is None else "window"])
+        windows = [str(label) for label in np.atleast_1d(stored)]
+    if windows[:1] != [first]:
+        raise InputError(
+            STORED, value=f"windows {', '.join(windows) or 'none'}", remedy=MEND, where=str(path)
+        )
+    window = window or first
     if window not in windows:
         raise InputError(
             "The window must be one that was stored",
@@ -59,7 +66,7 @@ def open_results(path: str | Path, *, window: str | None = None) -> xr.Dataset:
     if compact is not None:
         return compact
     with decoding(STORED, remedy=MEND, where=path):
-        return _stored(path, None if window == windows[0] else f"window_{window}")
+        return _stored(path, None if window == first else f"window_{window}")
 
 
 def _check_arrays(folder: Path) -> None:
@@ -67,6 +74,25 @@ def _check_arrays(folder: Path) -> None:
     for name in _ARRAYS:
         if not (folder / name / "zarr.json").is_file():
             raise InputError(STORED, value=f"no array {name}", remedy=MEND, where=str(folder))
+
+
+def _check_dimensions(dataset: xr.Dataset) -> None:
+    """Check that every array of a group lies over the dimensions that its name promises."""
+    share = (Dimension.SHARE,) if Dimension.SHARE in dataset.dims else ()
+    structures = (Dimension.FREQUENCY, Dimension.DAMPING_RATIO, *share)
+    actuators = (Dimension.GAIN, Dimension.DELAY)
+    for name in _ARRAYS:
+        dims = dataset[name].dims
+        if name in actuators:
+            sound = dims[-1:] == (name,) and set(dims[:-1]) <= set(structures)
+        elif name in (*structures, *_OF_MOTIONS):
+            sound = dims == (name if name in structures else Dimension.MOTION,)
+        else:
+            sound = dims == (Dimension.MOTION, *structures, *actuators)
+        if not sound:
+            raise InputError(
+                STORED, value=f"{name} over {', '.join(map(str, dims)) or 'nothing'}", remedy=MEND
+            )
 
 
 def _check_chunks(folder: Path) -> None:
@@ -86,6 +112,7 @@ def _stored(path: Path, group: str | None) -> xr.Dataset:
     folder = path if group is None else path / group
     _check_arrays(folder)
     dataset = xr.open_zarr(path, group=group, consolidated=False, chunks=None)
+    _check_dimensions(dataset)
     if Dimension.SHARE not in dataset.dims:
         _ = float(dataset.attrs[SHARE_ATTRIBUTE])
     _ = dataset.attrs["study_hash"], dataset.attrs["window"]

@@ -7,6 +7,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
+from reliab.cli import ellipses as module
 from reliab.cli.ellipses import ellipses
 
 app = typer.Typer()
@@ -20,29 +21,23 @@ def run(*arguments: object) -> str:
 
 
 @pytest.fixture(scope="module")
-def rows(tmp_path_factory):
+def records(tmp_path_factory):
     folder = tmp_path_factory.mktemp("records")
     t = [0.01 * k for k in range(1500)]
     record = "\n".join(
         f"{x},{math.sin(7.0 * x) * math.sin(3.1 * x) * math.exp(-((x - 6.0) ** 2) / 6.0)}" for x in t
     )
     (folder / "EVENT.csv").write_text("time [s],acceleration [m/s2]\n" + record)
-    shown = run(
-        "--motions",
-        folder,
-        "--f",
-        1,
-        "--f",
-        2,
-        "--xi",
-        0.05,
-        "--threshold",
-        0.05,
-        "--threshold",
-        0.5,
-        "--json",
-        "-",
-    )
+    return folder
+
+
+def questions(records):
+    return ["--motions", records, "--f", 1, "--f", 2, "--xi", 0.05, "--threshold", 0.05, "--threshold", 0.5]
+
+
+@pytest.fixture(scope="module")
+def rows(records):
+    shown = run(*questions(records), "--json", "-")
     return json.loads(shown)["ellipses"]
 
 
@@ -65,3 +60,18 @@ def test_side_that_no_lead_reaches_is_null_and_says_why(rows):
     assert row["a_lead"] is None
     assert row["no_ellipse_lead"] == "not_reached"
     assert row["a_lead_inscribed"] > 0.0
+
+
+@pytest.mark.parametrize(("page", "pages"), [(3, 2), (4, 1)])
+def test_a_long_table_is_printed_page_by_page_with_every_boundary_once(
+    records, rows, page, pages, monkeypatch
+):
+    monkeypatch.setattr(module, "_PAGE", page)
+    monkeypatch.setenv("COLUMNS", "250")
+    shown = run(*questions(records))
+    boundaries = [line for line in shown.splitlines() if "EVENT" in line]
+    assert len(boundaries) == len(rows)
+    for line, row in zip(boundaries, rows, strict=True):
+        assert [float(cell) for cell in line.split()[1:3]] == [row["f"], row["xi"]]
+    assert shown.count("4 boundaries") == 1
+    assert shown.count("inscribed, lead") == 2 * pages

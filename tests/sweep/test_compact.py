@@ -1,5 +1,6 @@
 """Results in one small file answer what the store answers."""
 
+import h5py
 import numpy as np
 import pytest
 
@@ -39,6 +40,16 @@ def test_errors_are_kept_to_the_stated_precision(store, compact):
 def test_window_that_is_not_in_the_file_is_refused(compact):
     with pytest.raises(InputError, match="record"):
         open_results(compact, window="arias")
+
+
+def test_file_that_declares_more_than_it_can_hold_is_refused_before_it_fills_the_memory(compact, tmp_path):
+    path = tmp_path / "results.nc"
+    path.write_bytes(compact.read_bytes())
+    with h5py.File(path, "a") as file:
+        file.create_dataset("rms2", shape=(1 << 40,), chunks=(1 << 20,), dtype="f8")
+    for opened in (open_results, open_ellipses):
+        with pytest.raises(InputError, match="must hold the numbers that it declares"):
+            opened(path)
 
 
 def test_ellipses_survive_their_file(tmp_path, store):
