@@ -1,5 +1,6 @@
 """The bytes of a record file, and where its lines are."""
 
+import os
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -166,19 +167,18 @@ def open_source(
 def _read(path: Path, report: Report, limit: int | None, most: int) -> bytes | None:
     try:
         with ordinary(path).open("rb") as stream:
-            content = stream.read(most + 1 if limit is None else limit)
+            if limit is None and os.fstat(stream.fileno()).st_size > most:
+                report.add(
+                    f"A record's file may have {most / _MEGABYTE:,.6g} MB at most",
+                    value="more",
+                    remedy="Keep the strong part of the record, or write its channels to files of their own",
+                )
+                return None
+            return stream.read(limit)
     except FileNotFoundError:
         report.add("A record must exist", value="no such file", remedy="Correct the path")
     except IsADirectoryError:
         report.add("A record must be a file", value="a folder", remedy="Name one of its files")
     except OSError as error:
         report.add("A record must be readable", value=error.strerror, remedy="Check the file's permissions")
-    else:
-        if len(content) <= most:
-            return content
-        report.add(
-            f"A record's file may have {most / _MEGABYTE:,.6g} MB at most",
-            value="more",
-            remedy="Keep the strong part of the record, or write its channels to files of their own",
-        )
     return None
