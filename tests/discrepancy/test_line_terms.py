@@ -46,8 +46,14 @@ def test_drifts_and_noise_are_no_lines():
     assert terms((17.0, 30.0)) != ()
 
 
-def test_three_frequencies_can_hold_a_line_and_two_cannot():
-    for size, highest, bins in ((26, 25.0, 3), (26, 15.0, 2)):
-        segment = Segment(test=0, begin=0, end=size, rate=RATE, highest=highest)
-        assert segment.bins == bins
-    assert terms((segment.frequency[1], 60.0), size=26, highest=15.0) == ()
+@pytest.mark.parametrize(("place", "line"), [(1, False), (2, False), (3, True)])
+def test_a_line_is_more_than_two_frequencies_of_the_segment_from_zero(place, line):
+    """What swings once or twice within a segment cannot be told from a drift."""
+    assert bool(terms((place * RATE / 1280.0, 400.0), size=1280)) is line
+
+
+@pytest.mark.parametrize(("highest", "bins"), [(15.0, 2), (25.0, 3), (35.0, 4)])
+def test_four_frequencies_can_hold_a_line_and_three_cannot(highest, bins):
+    segment = Segment(test=0, begin=0, end=26, rate=RATE, highest=highest)
+    assert segment.bins == bins
+    assert bool(terms((segment.frequency[-1], 60.0), size=26, highest=highest)) is (bins > 3)

@@ -14,6 +14,7 @@ Array = NDArray[np.float64]
 
 _HIGH = 25.0  # times the noise's power, on the average of the segments
 _LOWEST = 0.2  # Hz
+_NEAR_ZERO = 2  # frequencies of a segment above zero that cannot be told from a drift
 
 
 def line_terms(problem: Problem, fitted: Fit) -> tuple[type[Disturbance], ...]:
@@ -33,12 +34,13 @@ def line_terms(problem: Problem, fitted: Fit) -> tuple[type[Disturbance], ...]:
     """
     longest = max(problem.segments, key=lambda segment: segment.end - segment.begin)
     frequency = longest.frequency
-    if frequency.size < 3:  # noqa: PLR2004 - too short to hold a line
+    if frequency.size <= _NEAR_ZERO + 1:
         return ()
     power = np.mean(
         [np.interp(frequency, frequencies, rows) for frequencies, rows in _powers(problem, fitted.residual)],
         axis=0,
     )
+    power[: _NEAR_ZERO + 1] = 0.0
     power[(frequency < _LOWEST) | near_mains(frequency, 0.5 * problem.block.rate)] = 0.0
     place = int(np.argmax(power))
     if power[place] < _HIGH:
