@@ -34,6 +34,8 @@ class Instead:
     kind: str
 
 
+SECRET = b"root:x:0:0:root:/root:/bin/sh\n"
+
 INSTEAD = ("pipe", "loop", "zero", "folder", "nowhere", "secret")
 
 EDITS = ("number", "number", "word", "bits", "cut", "put", "line twice", "no line", "end", "instead", "lost")
@@ -119,6 +121,11 @@ def edited(  # noqa: PLR0911 - a line for each kind of edit
     return content[:at]
 
 
+def secret_of(folder: Path) -> Path:
+    """File beside a case's folder that nothing in the folder may change."""
+    return folder.with_name(f"{folder.name}-secret")
+
+
 def write(case: Damaged, folder: Path) -> None:
     """Write a case to a folder."""
     for name, content in case.items():
@@ -139,7 +146,9 @@ def write(case: Damaged, folder: Path) -> None:
             case "nowhere":
                 path.symlink_to(folder / "nowhere" / "at all")
             case "secret":
-                path.symlink_to("/etc/passwd")
+                outside = secret_of(folder)
+                outside.write_bytes(SECRET)
+                path.symlink_to(outside)
 
 
 def keep(case: Damaged, folder: Path) -> None:

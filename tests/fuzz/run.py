@@ -9,7 +9,6 @@ import argparse
 import importlib
 import json
 import os
-import resource
 import signal
 import sys
 import time
@@ -38,6 +37,10 @@ _READERS = (
 _SECONDS = 10  # of processor time
 _SECONDS_BLOCKED = 60
 _MEMORY = 1 << 20  # kB
+
+
+class TooLarge(BaseException):
+    """A case took more memory than it may."""
 
 
 class TooSlow(BaseException):
@@ -95,11 +98,12 @@ def _options() -> argparse.Namespace:
 
 @dataclass
 class _Trial:
-    """Cases of one target: how many were read or refused, the slowest [s], and findings by their place."""
+    """Cases of one target: how many were read or refused, the slowest, the largest, findings by place."""
 
     target: object
     counts: Counter = field(default_factory=Counter)
-    slowest: float = 0.0
+    slowest: float = 0.0  # s
+    largest: int = 0  # kB that the process held
     findings: Counter = field(default_factory=Counter)
 
     def failure(self, case) -> BaseException | None:
@@ -107,6 +111,7 @@ class _Trial:
         from fuzz.targets import examine
 
         start = time.process_time()
+        _forget_peak()
         signal.setitimer(signal.ITIMER_PROF, _SECONDS)
         signal.alarm(_SECONDS_BLOCKED)
         try:
@@ -119,7 +124,19 @@ class _Trial:
             signal.setitimer(signal.ITIMER_PROF, 0.0)
             signal.alarm(0)
             self.slowest = max(self.slowest, time.process_time() - start)
-        return None
+            self.largest = max(self.largest, peak := _peak())
+        return TooLarge(f"{peak >> 10} MB") if peak > _MEMORY else None
+
+
+def _forget_peak() -> None:
+    """Let Linux measure the peak of this process's memory anew."""
+    Path("/proc/self/clear_refs").write_text("5")
+
+
+def _peak() -> int:
+    """Most memory of this process since the peak was forgotten [kB]."""
+    status = Path("/proc/self/status").read_text()
+    return int(status.partition("VmHWM:")[2].split()[0])
 
 
 def _fuzz(name: str, target: object, seconds: float, keep: Path) -> int:
@@ -136,17 +153,16 @@ def _fuzz(name: str, target: object, seconds: float, keep: Path) -> int:
             if trial.findings[place] == 1:
                 fewest, error = _fewest(trial, case, edits, error)
                 _report(name, len(trial.findings), with_edits(case, fewest), error, keep)
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     line = {
         "target": name,
         **trial.counts,
         "failed": trial.findings.total(),
         "findings": len(trial.findings),
         "slowest_s": round(trial.slowest, 2),
-        "peak_MB": memory >> 10,
+        "peak_MB": trial.largest >> 10,
     }
     print(json.dumps(line), flush=True)
-    return len(trial.findings) + (memory > _MEMORY)
+    return len(trial.findings)
 
 
 def _fewest(trial: _Trial, case, edits: list, error: BaseException) -> tuple[list, BaseException]:
@@ -165,7 +181,9 @@ def _place(error: BaseException) -> str:
     """Where something went wrong: the last line of ours."""
     frames = traceback.extract_tb(error.__traceback__)
     ours = [frame for frame in frames if "/reliab/" in frame.filename] or frames
-    return f"{type(error).__name__} at {ours[-1].filename}:{ours[-1].lineno}"
+    return (
+        f"{type(error).__name__} at {ours[-1].filename}:{ours[-1].lineno}" if ours else type(error).__name__
+    )
 
 
 def _report(name: str, number: int, case, error: BaseException, keep: Path) -> None:

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from fuzz import corpus
-from fuzz.damage import Damaged, write
+from fuzz.damage import SECRET, Damaged, secret_of, write
 from reliab.cli import run
 from reliab.criterion import Criterion
 from reliab.discrepancy import read_campaign
@@ -73,6 +73,11 @@ def examine(target: Target, case: Damaged) -> bool:
             return False
         finally:
             assert not canary.exists()
+            secret = secret_of(folder)
+            if secret.exists():
+                content = secret.read_bytes()
+                secret.unlink()
+                assert content == SECRET
     return True
 
 

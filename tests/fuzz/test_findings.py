@@ -110,6 +110,47 @@ def test_a_store_that_lost_an_attribute_is_refused(tmp_path, key):
         open_results(tmp_path / "results.zarr").reliab.ellipses()
 
 
+def with_metadata(folder, name, change):
+    """Write a store whose description of a group or array is changed."""
+    case = corpus.stores()[0]
+    file = f"results.zarr/{name}zarr.json"
+    described = json.loads(case[file])
+    change(described)
+    write({**case, file: json.dumps(described).encode()}, folder)
+    return folder / "results.zarr"
+
+
+@pytest.mark.parametrize("windows", [[], "", None, ["arias"]])
+def test_a_store_whose_first_window_is_not_its_own_is_refused(tmp_path, windows):
+    store = with_metadata(tmp_path, "", lambda described: described["attributes"].update(windows=windows))
+    with pytest.raises(InputError):
+        open_results(store)
+
+
+@pytest.mark.parametrize(
+    ("name", "dimensions"),
+    [
+        ("rms", ["mo[[tests]]tion", "f", "xi", "kp", "tau"]),
+        ("mte", ["motion", "xi", "f", "kp", "tau"]),
+        ("event", ["f"]),
+        ("kp", ["xi", "tau"]),
+        ("tau", ["kp", "xi", "tau"]),
+        ("f", ["xi"]),
+    ],
+)
+def test_a_store_with_an_array_over_other_dimensions_is_refused(tmp_path, name, dimensions):
+    store = with_metadata(
+        tmp_path, f"{name}/", lambda described: described.update(dimension_names=dimensions)
+    )
+    with pytest.raises(InputError, match="must be as `reliab simulate` wrote them"):
+        open_results(store)
+
+
+def test_nothing_is_written_where_a_link_in_a_store_leads():
+    case = corpus.stores()[0]
+    assert not examine(TARGETS["resume"], {**case, "results.zarr/motion/c.0": Instead("secret")})
+
+
 def test_a_store_whose_journal_lost_its_length_is_not_resumed():
     def shortened(content: bytes) -> bytes:
         description = json.loads(content)
