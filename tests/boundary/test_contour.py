@@ -43,6 +43,7 @@ def test_ellipse_of_known_axes_comes_back(half_width):
         (0.02, 0.02, 0.001, -19, 19),  # the paper's step; the tips themselves have no delay to search
         (0.0125, 0.0307, 0.001, -12, 30),
         (0.006, 0.02, 0.001, -5, 19),
+        (0.0055, 0.02, 0.0005, -10, 39),
         (0.002, 0.002, 0.001 / 3, -5, 5),
         (0.0035, 0.05, 0.0005, -6, 99),
         (0.0997, 0.0997, 0.001, -99, 99),
@@ -111,9 +112,10 @@ def test_contour_is_cut_where_the_amplitude_is_out_of_all_proportion():
     np.testing.assert_allclose(contour.delay, 0.003 * np.sqrt(1 - (0.3 * (contour.amplitude - 1)) ** 2))
 
 
-def test_threshold_must_be_positive():
+@pytest.mark.parametrize("threshold", [-0.05, 0.0, np.nan, np.inf])
+def test_threshold_must_be_positive(threshold):
     with pytest.raises(InputError, match="positive"):
-        trace_contours(lambda a, d, _: np.hypot(a - 1.0, d), np.array([-0.05]), STRUCTURE)
+        trace_contours(lambda a, d, _: np.hypot(a - 1.0, d), np.array([0.05, threshold]), STRUCTURE)
 
 
 def test_curves_fit_their_own_points():

@@ -122,3 +122,17 @@ def test_errors_may_stand_in_any_order():
     both = xr.concat([one, one.assign_coords(threshold=[0.01])], "threshold")
     found, alone = (Population.of(each, threshold=0.05, metric="rms") for each in (both, one))
     assert np.array_equal(found.log_alpha, alone.log_alpha)
+
+
+@pytest.mark.parametrize(("motions", "enough"), [(2, False), (3, True)])
+def test_three_motions_must_have_an_ellipse_at_every_structure(motions, enough):
+    ellipses = dataset([1.0, 2.0], [0.02], motions=5)
+    lost = (np.arange(5) >= motions)[:, None] & (ellipses["f"].values == 2.0)
+    for name in ("a", "b"):
+        ellipses[name] = ellipses[name].where(~xr.DataArray(lost, dims=("motion", "f")))
+    if enough:
+        population = Population.of(ellipses, threshold=0.05, metric="rms")
+        assert np.isfinite(population.log_alpha).sum(axis=0).ravel().tolist() == [5, 3]
+    else:
+        with pytest.raises(InputError, match=r"3 motions must have an ellipse.*found 2"):
+            Population.of(ellipses, threshold=0.05, metric="rms")

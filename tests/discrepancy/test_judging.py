@@ -1,6 +1,7 @@
 """How models are compared by the errors on left-out tests, by evidence and by prior odds."""
 
 from types import SimpleNamespace
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -215,3 +216,44 @@ def test_a_model_goes_on_that_gains_more_than_half_of_what_the_best_gains(energy
     """Scores are minus half the energy and four for each effect: −50, −14 and about the mean, −32."""
     models = Searched({(): 100.0, (CUBIC,): 20.0, (VISCOUS,): energy}, {})
     assert models.reaches(models.of(VISCOUS), models.of(CUBIC)) is reaches
+
+
+def test_what_is_left_matters_from_three_thousandths_of_what_is_explained():
+    """Likelihoods are minus half the energy; a term outside the library costs seven, its first gain four."""
+    models = Searched({(): 20_000.0, (CUBIC,): 0.0}, {})
+    for candidate in models.fitted.values():
+        candidate.log_likelihood = candidate.log_evidence
+    assert models.noticeable(models.null) == pytest.approx(11.0)
+    assert models.noticeable(models.of(CUBIC)) == pytest.approx(11.0 + 30.0)
+
+
+@pytest.mark.parametrize(
+    ("energy", "converts", "anew"), [(20.0, True, True), (20.0, False, False), (99.0, True, False)]
+)
+def test_a_search_begins_anew_where_a_model_expects_an_error_of_the_converter(energy, converts, anew):
+    """At an energy of 99 instead of 100 the effect does not pay for itself: the best model is without it."""
+    models = Searched({(): 100.0, (CUBIC,): energy}, {})
+    other = object()
+    models.problem.corrected = lambda _space, _coordinates: other if converts else models.problem
+    models.on = lambda problem: ("on", problem)
+    assert models.again() == (("on", other) if anew else models)
+
+
+def test_a_plain_calibration_weighs_every_frequency_alike():
+    """Noise that grows with frequency: the mean of its density from zero to half the rate."""
+    models = Searched({(): 100.0}, {})
+    models.null.noise = SimpleNamespace(density=lambda frequency: 3.0 + frequency, rate=100.0)
+    models.problem.block = SimpleNamespace(rate=100.0)
+    with patch("reliab.discrepancy.fitting.fitted_models.fit", lambda *given: given):
+        _problem, space, starts, noise = models.plain()
+    assert (space, starts) == (models.null.space, [models.null.coordinates])
+    assert noise.rate == 100.0
+    assert noise.density(np.array([1.0, 49.0])) == pytest.approx(3.0 + 25.0)
+
+
+def test_observations_are_the_tempered_rows_of_all_segments():
+    """A real part at zero frequency and two parts at each further one."""
+    models = Searched({(): 100.0}, {})
+    models.problem.tempering = (0.5, 0.25)
+    models.problem.segments = (SimpleNamespace(bins=10), SimpleNamespace(bins=4))
+    assert models.observations == pytest.approx(0.5 * 19.0 + 0.25 * 7.0)

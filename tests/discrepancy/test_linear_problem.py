@@ -147,6 +147,13 @@ def test_a_bounded_step_minimises_the_damped_quadratic_model(damping):
     assert found == pytest.approx(expected, abs=1e-6)
 
 
+def test_a_coordinate_that_cannot_move_stays_while_the_others_step():
+    """Bounds that meet, as of a coordinate that lies on the only value it may have."""
+    curvature, slope = np.diag([2.0, 5.0]), np.array([-4.0, -10.0])
+    least, most = np.array([-9.0, 0.0]), np.array([9.0, 0.0])
+    assert bounded_step(curvature, slope, least, most, 0.0) == pytest.approx([2.0, 0.0], abs=1e-9)
+
+
 def at(coordinates):
     return Fit(
         space=space_of(),
@@ -177,6 +184,17 @@ def test_without_some_rows_a_linear_model_is_the_ridge_regression_of_the_others(
     expected = np.zeros(SIZE)
     expected[free] = np.linalg.lstsq(rows[kept][:, free], target[kept], rcond=None)[0]
     assert refitted(at(np.array([0.3, -0.7, 0.1, 1.0])), excluded, fixed) == pytest.approx(expected, abs=1e-8)
+
+
+@pytest.mark.parametrize("reach", [0.4, 0.8])
+def test_without_some_rows_a_fit_stays_within_its_bounds(reach):
+    excluded = np.arange(ROWS) % 3 == 0
+    rows, target = stacked()
+    kept = np.concatenate([~excluded, np.ones(SIZE, dtype=bool)])
+    expected = optimize.lsq_linear(rows[kept], target[kept], bounds=(-reach, reach)).x
+    fitted = replace(at(np.array([0.3, -0.35, 0.1, 0.2])), space=space_of(reach))
+    assert refitted(fitted, excluded, ()) == pytest.approx(expected, abs=1e-6)
+    assert (np.isclose(np.abs(expected), reach)).any()
 
 
 @pytest.mark.parametrize(("size", "determined"), [(0.9, False), (1.1, True)])
@@ -326,11 +344,35 @@ class Kind(SimpleNamespace):
     __hash__ = object.__hash__
 
 
+@pytest.mark.parametrize("size", [0.3, 0.02])
 @pytest.mark.parametrize("flat", [False, True])
-def test_a_promise_is_the_energy_that_a_linear_effect_explains(flat, monkeypatch):
+def test_a_promise_is_the_energy_that_a_linear_effect_explains(flat, size, monkeypatch):
     """What is left of its direction beside the free coordinates of the parent, projected on the residual."""
     direction = np.random.default_rng(5).standard_normal(ROWS)
     parent = at(np.linalg.lstsq(MATRIX, TARGET, rcond=None)[0])
+    promise = promised(parent, size * direction, monkeypatch, flat=flat)
+    whole = np.linalg.lstsq(np.column_stack([MATRIX, direction]), TARGET, rcond=None)
+    before = parent.residual @ parent.residual
+    gain = 0.5 * (before - whole[1][0])
+    expected = -0.5 * before * np.log(1.0 - gain / (0.5 * before)) if flat else gain
+    assert promise.gain == pytest.approx(expected)
+    assert size * promise.start[SIZE] == pytest.approx(whole[0][SIZE])
+    assert len(promise.others) == 2
+
+
+def test_an_effect_that_explains_all_promises_no_more_than_a_hundredth_is_left(monkeypatch):
+    parent = at(np.linalg.lstsq(MATRIX, TARGET, rcond=None)[0])
+    promise = promised(parent, parent.residual, monkeypatch, flat=True)
+    assert promise.gain == pytest.approx(0.5 * parent.residual @ parent.residual * np.log(100.0))
+
+
+def test_an_effect_that_changes_nothing_promises_nothing(monkeypatch):
+    parent = at(np.linalg.lstsq(MATRIX, TARGET, rcond=None)[0])
+    assert promised(parent, np.zeros(ROWS), monkeypatch, flat=False).gain == 0.0
+
+
+def promised(parent, change, monkeypatch, *, flat):
+    """What an effect promises whose coordinate of one changes the predicted rows by `change`."""
     parent.space.block = None
     kind = Kind(parameters=(SimpleNamespace(signed=True),))
 
@@ -338,7 +380,7 @@ def test_a_promise_is_the_energy_that_a_linear_effect_explains(flat, monkeypatch
         def whitened(self, space, coordinates, noise):
             if coordinates.size == SIZE:
                 return super().whitened(space, coordinates, noise)
-            return super().whitened(space, coordinates[:SIZE], noise) - 0.3 * coordinates[SIZE] * direction
+            return super().whitened(space, coordinates[:SIZE], noise) - coordinates[SIZE] * change
 
     problem = Problem()
     problem.flat = flat
@@ -347,14 +389,8 @@ def test_a_promise_is_the_energy_that_a_linear_effect_explains(flat, monkeypatch
         scaled=lambda start, _kind, factor: np.append(start[:SIZE], factor * start[SIZE]),
     )
     monkeypatch.setattr("reliab.discrepancy.fitting.screening.ModelSpace", lambda *_: stretched)
-    (found,) = screened(problem, parent, [kind], null=None)
-    whole = np.linalg.lstsq(np.column_stack([MATRIX, direction]), TARGET, rcond=None)
-    before = parent.residual @ parent.residual
-    gain = 0.5 * (before - whole[1][0])
-    expected = -0.5 * before * np.log(1.0 - gain / (0.5 * before)) if flat else gain
-    assert found.gain == pytest.approx(expected)
-    assert 0.3 * found.start[SIZE] == pytest.approx(whole[0][SIZE])
-    assert len(found.others) == 2
+    (promise,) = screened(problem, parent, [kind], null=None)
+    return promise
 
 
 def test_a_step_that_gains_what_it_promised_needs_no_new_derivatives():
@@ -383,6 +419,16 @@ def test_noise_beside_a_converter_is_what_its_steps_do_not_explain():
     assert found_step == pytest.approx(step)
     assert spread == pytest.approx(noise, rel=0.008)
     assert level == measured[0]
+
+
+def test_the_least_noise_beside_a_converter_is_a_share_of_its_error_squared():
+    """Two tests with steps of 1 and 3: half of (1² + 3²) twelfths."""
+    levels = {test: step * np.tile([0.0, 1.0, 2.0, 1.0], 500) for test, step in enumerate((1.0, 3.0, 7.0))}
+    block = SimpleNamespace(measured=levels.get)
+    problem = Problem(block=block, segments=tuple(SimpleNamespace(test=test) for test in levels))
+    assert problem.least_noise == 0.0
+    corrected = replace(problem, conversion={0: 0.0, 1: 0.0})
+    assert corrected.least_noise == pytest.approx(0.2 * 5.0 / 12.0)
 
 
 def test_starts_are_compared_by_likelihood_and_half_the_square_of_the_coordinates():

@@ -53,3 +53,22 @@ def test_each_start_of_an_added_effect_is_tried_and_nothing_twice_without_one(sa
     tried = [space.values(start)[space.places(kind)][0] for start in fresh]
     starts = np.array(kind.parameters[0].starts)  # shares of the channel's own scale
     np.testing.assert_allclose(tried, tried[0] / starts[0] * starts)
+
+
+@pytest.mark.parametrize("factor", [0.5, -1.0, 1e9, -1e9])
+def test_a_signed_parameter_that_is_scaled_stays_within_nine_tenths_of_its_bounds(sample_campaigns, factor):
+    campaign = read_campaign(sample_campaigns / "rig_b")
+    motions = motions_of(campaign)
+    block = SpecimenBlock(campaign, scales_of(campaign, motions), motions)
+    signed, unsigned = find_effect("cubic_stiffness"), find_effect("backlash")
+    space = ModelSpace(block, (signed, unsigned))
+    place = space.places(signed).start
+    begin = np.zeros(space.size)
+    begin[place] = 0.25 * space.bounds[1][place]
+    scaled = space.scaled(begin, signed, factor)
+    lower, upper = 0.9 * space.bounds[0][place], 0.9 * space.bounds[1][place]
+    expected = {0.5: 0.5 * begin[place], -1.0: -begin[place], 1e9: upper, -1e9: lower}[factor]
+    assert lower < 0.0 < upper
+    assert scaled[place] == pytest.approx(expected)
+    assert np.array_equal(np.delete(scaled, place), np.delete(begin, place))
+    assert space.scaled(begin, unsigned, factor) is begin

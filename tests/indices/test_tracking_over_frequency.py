@@ -4,7 +4,11 @@ import numpy as np
 import pytest
 
 from reliab.errors import InputError
-from reliab.indices.tracking_over_frequency import TrackingOverFrequency, tracking_over_frequency
+from reliab.indices.tracking_over_frequency import (
+    TrackingOverFrequency,
+    _advanced,
+    tracking_over_frequency,
+)
 
 STEP = 1.0 / 512.0
 
@@ -101,3 +105,24 @@ def test_between_known_frequencies_values_are_interpolated_and_beyond_them_held(
     assert found.spread == pytest.approx((0.2, 0.02))
     s = 2j * np.pi * np.array([2.0, -2.0])
     assert found.transfer(s) == pytest.approx(np.exp([-0.08j * np.pi, 0.08j * np.pi]))
+
+
+def test_only_frequencies_between_the_first_and_the_last_are_known():
+    nothing = np.zeros(3)
+    tracking = TrackingOverFrequency(
+        frequency=np.array([0.5, 1.0, 4.0]),
+        amplitude=np.array([1.0, 0.9, 0.8]),
+        delay=np.array([0.01, 0.02, 0.03]),
+        amplitude_deviation=nothing,
+        delay_deviation=nothing,
+        coherence=1.0 + nothing,
+    )
+    assert [tracking.known(frequency) for frequency in (0.49, 0.5, 2.0, 4.0, 4.01)] == [0, 1, 1, 1, 0]
+
+
+@pytest.mark.parametrize("steps", [1, 7])
+def test_a_history_that_is_advanced_rests_midway_between_its_ends_afterwards(steps):
+    history = np.random.default_rng(3).standard_normal(200) + np.linspace(1.0, 9.0, 200)
+    advanced = _advanced(history, steps * 0.01, 0.01)
+    assert advanced[:-steps] == pytest.approx(history[steps:])
+    assert advanced[-steps:] == pytest.approx(np.full(steps, 0.5 * (history[0] + history[-1])))

@@ -19,6 +19,7 @@ from reliab.rebuilt_error.difference_draws import (
     _following,
     _least_squares,
     _reading,
+    _rounding,
     _steps,
     draw_differences,
 )
@@ -234,3 +235,26 @@ def test_without_noise_the_reading_itself_is_drawn():
     draws = draw_differences(COMMAND, measured, quiet, 1.1, 3, 4, 1)
     smooth = quiet.smooth(COMMAND - measured)[::3]
     assert draws == pytest.approx(np.tile(smooth, (4, 1)), abs=1e-3 * np.abs(smooth).max())
+
+
+@pytest.mark.parametrize(("swing", "white_left"), [(0.0, 0.5), (4e3, 0.0)])
+def test_what_rounding_explains_is_no_white_noise(swing, white_left):
+    """Where a motion stands still rounding adds nothing; a fast one makes it white, step²/12."""
+    step, variance = 0.01, 0.01**2 / 12.0
+    motion = 0.3 + step * swing * np.random.default_rng(2).standard_normal(SIZE)
+    levels = step * np.round(20.0 * np.sin(TIME))  # where the steps of the reading are seen
+    noise = replace(sensor(slow=1.0, band=1e9), weights=np.array([0.5 * variance, 0.0, 0.0, 1.0, 0.0, 0.0]))
+    power, left = _rounding(motion, levels, noise, 1, 32)
+    assert left.weights == pytest.approx(
+        [white_left * variance, 0.0, 0.0, 0.0, 0.0, 0.0], abs=0.02 * variance
+    )
+    if swing:
+        assert power.mean() == pytest.approx(variance, rel=0.05)
+
+
+def test_without_steps_or_with_enough_white_noise_rounding_is_left_out():
+    smooth, stepped = COMMAND, 0.01 * np.round(COMMAND / 0.01)
+    for measured, white in ((smooth, 1e-6), (stepped, 0.96 * 0.01 / np.sqrt(12.0))):
+        power, left = _rounding(COMMAND, measured, sensor(white), 1, 32)
+        assert not power.any()
+        assert (left.weights == sensor(white).weights).all()

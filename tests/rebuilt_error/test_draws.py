@@ -52,6 +52,19 @@ def disturbances(histories):
     }
 
 
+@pytest.mark.parametrize("delay", [0.005, 0.06])
+def test_errors_are_relative_to_the_peak_of_the_command_less_the_error_of_the_command(histories, delay):
+    """x_I = x_c − H(x_c − x_m), and x_m − x_I = H(x_c − x_m) − (x_c − x_m)."""
+    command = histories.command
+    measured = np.interp(TIME - delay, TIME, command)
+    late = Histories(command=command, measured=measured, fed_back=command - measured, time_step=STEP)
+    spread = swept(late, draws=2)
+    error = response(late.difference)
+    strayed, ideal = error - late.difference, np.abs(command - error).max()
+    assert spread.rms == pytest.approx(np.full(2, np.sqrt(mean_square(strayed)) / ideal), rel=0.005)
+    assert spread.mte == pytest.approx(np.full(2, np.abs(strayed).max() / ideal), rel=0.005)
+
+
 @pytest.mark.parametrize("name", ["sensor_scale", "time_shift", "sensor_offset", "feedback_lag"])
 def test_a_linear_tolerance_moves_the_error_by_its_own_response(histories, name):
     deviation, effect = disturbances(histories)[name]

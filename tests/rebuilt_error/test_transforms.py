@@ -32,6 +32,16 @@ def test_a_lapped_transform_is_undone_and_keeps_inner_products(size, hop):
     assert np.vdot(*coefficients) == pytest.approx(still[0] @ still[1])
 
 
+@pytest.mark.parametrize("size", [17, 20, 31, 40])
+def test_beyond_its_ends_a_history_is_continued_about_them_and_then_stands_still(size):
+    """A history that holds its continuation has the same coefficients as long as it lasts."""
+    hop, end = 16, -1.5
+    history = np.append(np.random.default_rng(size).standard_normal(size - 1), end)
+    continued = np.concatenate([history, 2.0 * end - history[-2::-1], np.full(3 * hop, end)])
+    coefficients = analyse(history, hop)
+    assert coefficients == pytest.approx(analyse(continued, hop)[: len(coefficients)])
+
+
 def test_a_coefficient_stands_at_its_frequency():
     hop, step = 32, 0.01
     for k in (3, 10, 25):

@@ -52,6 +52,59 @@ def test_values_and_coordinates_make_a_round_trip(name):
     assert np.array_equal(effect.of(made.values).values, made.values)
 
 
+DIMENSIONS = {  # exponents of force, length and time
+    "-": (0, 0, 0),
+    "m": (0, 1, 0),
+    "s": (0, 0, 1),
+    "Hz": (0, 0, -1),
+    "s/s": (0, 0, 0),
+    "m/s": (0, 1, -1),
+    "N": (1, 0, 0),
+    "N/m²": (1, -2, 0),
+    "N/m³": (1, -3, 0),
+    "N·s/m": (1, -1, 1),
+    "N·s²/m²": (1, -2, 2),
+    "N·(s/m)^p": (1, -0.5, 0.5),  # about an exponent of one half
+    "kg": (1, -1, 2),
+}
+
+
+@pytest.mark.parametrize("name", list(library()))
+def test_scales_of_parameters_have_the_dimension_of_their_units(name):
+    """In other units of force, length and time a parameter's scale changes as its unit does."""
+    force, length, time = 7.0, 3.0, 1.7
+    usual = Scales(displacement=0.1, velocity=0.7, acceleration=5.0, force=300.0, duration=40.0)
+    other = Scales(
+        displacement=0.1 * length,
+        velocity=0.7 * length / time,
+        acceleration=5.0 * length / time**2,
+        force=300.0 * force,
+        duration=40.0 * time,
+    )
+    for parameter in library()[name].parameters:
+        if parameter.name == "step_s":  # of an integrator, which no motion scales
+            assert parameter.unit(other) == parameter.unit(usual) == 1.0
+            continue
+        f, m, s = DIMENSIONS[parameter.units]
+        expected = force**f * length**m * time**s
+        assert parameter.unit(other) / parameter.unit(usual) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("name", "parameter", "most"),
+    [
+        ("hysteresis", "lost_share", 1.0),
+        ("degrading_hysteresis", "lost_share", 1.0),
+        ("directional_friction", "asymmetry", 1.0),
+    ],
+)
+def test_a_share_is_at_most_the_whole(name, parameter, most):
+    """A spring loses no more than it had, and friction keeps its sign in both directions."""
+    (bounded,) = (each for each in library()[name].parameters if each.name == parameter)
+    assert bounded.upper == most
+    assert bounded.lower == pytest.approx(-most if parameter == "asymmetry" else 0.0, abs=1e-8)
+
+
 FORCES = [
     ("cubic_stiffness", {"cubic_n_per_m3": 3.0}, lambda x, _v, _a: 3.0 * x**3),
     ("quadratic_stiffness", {"quadratic_n_per_m2": 3.0}, lambda x, _v, _a: 3.0 * x**2),
@@ -149,6 +202,29 @@ def test_degradation_without_loss_is_hysteresis_and_with_loss_weaker():
     assert np.abs(weak[late]).max() < 0.9 * np.abs(plain[late]).max()
     pinched = force_of("degrading_hysteresis", **shape, slip=0.9)
     assert np.trapezoid(pinched, X) < 0.9 * np.trapezoid(plain, X)
+
+
+@pytest.mark.parametrize(("strength_loss", "stiffness_loss"), [(0.1, 0.0), (0.5, 0.0), (0.2, 0.3)])
+def test_a_push_degrades_with_the_energy_that_it_dissipates(strength_loss, stiffness_loss):
+    """Baber and Wen's equations over u = x/d: what enters, z, less what is stored, is dissipated."""
+    pushed = 0.6 * np.sin(0.25 * np.pi * np.linspace(0.0, 2.0, 4000)) ** 2
+    part = find_effect("degrading_hysteresis")(
+        force_n=10.0,
+        displacement_m=0.1,
+        gamma=0.5,
+        exponent=2.0,
+        strength_loss=strength_loss,
+        stiffness_loss=stiffness_loss,
+    )
+    model = HybridTest(specimen=Specimen(stiffness=0.0), effects=(part,))
+    z = load(model, Motion3.through(pushed, STEP)) / 10.0
+
+    def slopes(_, state):
+        rise = (1.0 - (1.0 + strength_loss * state[1]) * state[0] ** 2) / (1.0 + stiffness_loss * state[1])
+        return [rise, state[0] * (1.0 - rise)]
+
+    exact = solve_ivp(slopes, (0.0, 6.0), [0.0, 0.0], rtol=1e-9).y[0, -1]
+    assert z[-1] == pytest.approx(exact, rel=2e-3)
 
 
 def test_play_in_series_leaves_the_specimen_where_it_was_pushed_to():

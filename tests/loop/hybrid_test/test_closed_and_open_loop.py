@@ -90,3 +90,8 @@ def test_a_motion_through_samples_of_a_cubic_is_that_cubic(parts):
     coarse = motion.at_each(parts)
     assert coarse.step == pytest.approx(0.01)
     np.testing.assert_allclose(coarse.values[0], 2.0 * time**3 - time, atol=1e-12)
+
+
+def test_effects_of_a_test_without_specimen_meet_no_stiffness_and_no_damping():
+    setting = HybridTest().setting(0.001)
+    assert (setting.step, setting.stiffness, setting.damping) == (0.001, 0.0, 0.0)

@@ -183,6 +183,21 @@ def test_bad_transfer_systems_are_refused(build, sentence):
         build()
 
 
+def test_a_single_undamped_pair_of_poles_is_allowed():
+    undamped = TransferFunction(numerator=[100.0], denominator=[1.0, 0.0, 100.0])
+    assert sorted(undamped.poles.imag) == pytest.approx([-10.0, 10.0])
+
+
+@pytest.mark.parametrize(("frequency", "damping"), [(2.0, 0.0), (0.0, 2.0)])
+def test_pairs_of_poles_that_are_drawn_oscillate_and_decay(frequency, damping):
+    """Draws of a modulus below zero, or of a damping ratio of one and more, are left out."""
+    uncertain = TransferUncertainty(frequency=frequency, damping=damping)
+    for drawn in uncertain.draw(second_order(10.0, 0.5), 200, seed=5):
+        assert drawn.poles.size == 2
+        assert (drawn.poles.imag != 0.0).all()
+        assert (drawn.poles.real < 0.0).all()
+
+
 def test_a_single_integrator_is_allowed():
     assert TransferFunction(numerator=[1.0], denominator=[1.0, 0.0]).static_gain == np.inf
 
