@@ -38,6 +38,7 @@ from reliab.sweep.store_layout import (
     create_store,
     group_names,
     read_attributes,
+    shapes,
 )
 
 _RULE = "A store can be resumed only if it is complete except for results of motions"
@@ -269,10 +270,26 @@ def _check_resumable(path: Path, request: SweepRequest, names: Sequence[str], *,
             remedy="Give the options of the first run, or name another store",
         )
     with decoding(_RULE, remedy=_REMEDY, where=path):
-        stored = [str(name) for name in np.asarray(array_of(zarr.open_group(path, mode="r"), "motion")[:])]
+        group = zarr.open_group(path, mode="r")
+        motions = array_of(group, "motion").shape[0]
+        if motions == len(names):
+            _check_shapes(group, request, motions)
+            stored = [str(name) for name in np.asarray(array_of(group, "motion")[:])]
+        else:
+            stored = []
     if stored != list(names):
         raise InputError(
             "Only a sweep of the same ground motions can be resumed",
-            value=f"{path} holds {len(stored)} motions that are not the {len(names)} given",
+            value=f"{path} holds {motions} motions that are not the {len(names)} given",
             remedy="Give the motions of the first run, or name another store",
         )
+
+
+def _check_shapes(group: zarr.Group, request: SweepRequest, motions: int) -> None:
+    """Check that arrays have the shapes in which they are written, one motion in a chunk of results."""
+    for name, shape in shapes(request, motions).items():
+        array = array_of(group, name)
+        sound = array.chunks == (1, *shape[1:]) if len(shape) > 1 else array.chunks <= shape
+        if array.shape != shape or not sound:
+            size = f"{name} of shape {array.shape} in chunks of {array.chunks} instead of {shape}"
+            raise InputError(_RULE, value=size, remedy=_REMEDY)

@@ -96,14 +96,51 @@ def _create_variables(group: zarr.Group, request: SweepRequest, motions: int) ->
     for name, (dims, values) in axes.items():
         array = _create_array(group, name, values.shape, values.shape, "float64", dims)
         array[...] = values
-    of_structures = {Dimension.MOTION: motions} | {
-        name: len(values) for name, values in request.structure_axes.items()
-    }
-    of_actuators = {name: axes[name][1].shape[-1] for name in (Dimension.GAIN, Dimension.DELAY)}
-    for name in VARIABLES:
-        over = of_structures | ({} if name == "rms_at_rest" else of_actuators)
+    for name, over in _sizes_of_variables(request, motions).items():
         sizes = tuple(over.values())
         _create_array(group, name, sizes, (1, *sizes[1:]), _DTYPES[name], tuple(over))
+
+
+def _sizes_of_variables(request: SweepRequest, motions: int) -> dict[str, dict[str, int]]:
+    """Size of every variable over each of its dimensions."""
+    coordinates = request.grid.coordinates(request.frequencies, request.damping_ratios)
+    of_structures: dict[str, int] = {
+        Dimension.MOTION: motions,
+        **{name: len(values) for name, values in request.structure_axes.items()},
+    }
+    of_actuators: dict[str, int] = {
+        name: coordinates[name][1].shape[-1] for name in (Dimension.GAIN, Dimension.DELAY)
+    }
+    return {
+        name: of_structures if name == "rms_at_rest" else of_structures | of_actuators for name in VARIABLES
+    }
+
+
+def shapes(request: SweepRequest, motions: int) -> dict[str, tuple[int, ...]]:
+    """Shape of every array of results and records in a store.
+
+    Parameters
+    ----------
+    request : SweepRequest
+        The request that the store answers.
+    motions : int
+        Number of its ground motions.
+
+    Returns
+    -------
+    dict
+        Shapes by name, with the group of the window before it.
+    """
+    of_window: dict[str, tuple[int, ...]] = {
+        **{name: tuple(over.values()) for name, over in _sizes_of_variables(request, motions).items()},
+        **dict.fromkeys((str(Dimension.MOTION), "event", *RECORD_FIELDS), (motions,)),
+    }
+    windows = {
+        f"{group}/{name}".lstrip("/"): shape
+        for group in group_names(request)
+        for name, shape in of_window.items()
+    }
+    return windows | {JOURNAL: (motions,)}
 
 
 def _create_array(

@@ -18,7 +18,7 @@ from reliab.errors import InputError
 from reliab.loop.hybrid_test.model_file import read_model
 from reliab.loop.partition.frame_file import read_frame
 from reliab.loop.transfer_systems.reading import read_matlab
-from reliab.sweep import open_ellipses, open_results
+from reliab.sweep import open_ellipses, open_results, run_sweep
 from reliab.validation.assessment.readers import read_columns
 from reliab.validation.assessment.recording import Recording
 
@@ -151,16 +151,24 @@ def test_nothing_is_written_where_a_link_in_a_store_leads():
     assert not examine(TARGETS["resume"], {**case, "results.zarr/motion/c.0": Instead("secret")})
 
 
-def test_a_store_whose_journal_lost_its_length_is_not_resumed():
-    def shortened(content: bytes) -> bytes:
-        description = json.loads(content)
-        description["shape"] = [0]
-        return json.dumps(description).encode()
+@pytest.mark.parametrize(
+    ("name", "shape", "chunks"),
+    [
+        ("journal", [0], [2]),
+        ("pga", [999999999999999999999], [2]),
+        ("checksum", [2], [10**12]),
+        ("mte", [2, 1, 1, 13, 10**12], [1, 1, 1, 13, 35]),
+        ("rms", [2, 1, 1, 13, 35], [1, 1, 1, 13, 7]),
+    ],
+)
+def test_a_store_with_arrays_of_other_shapes_is_not_resumed(tmp_path, name, shape, chunks):
+    def reshaped(described):
+        described["shape"] = shape
+        described["chunk_grid"]["configuration"]["chunk_shape"] = chunks
 
-    case = corpus.stores()[0]
-    name = "results.zarr/journal/zarr.json"
-    assert examine(TARGETS["resume"], case)
-    assert not examine(TARGETS["resume"], {**case, name: shortened(case[name])})
+    store = with_metadata(tmp_path, f"{name}/", reshaped)
+    with pytest.raises(InputError, match="A store can be resumed only if"):
+        run_sweep(corpus.suite(), corpus.REQUEST, store, resume=True)
 
 
 def test_chains_whose_random_state_is_damaged_are_not_resumed(tmp_path):
