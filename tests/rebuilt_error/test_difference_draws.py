@@ -133,17 +133,29 @@ def test_probabilities_by_the_bands_so_far_are_sums_over_all_paths():
         assert found[band] == pytest.approx(joint / joint.sum(), abs=1e-9)
 
 
+def given_next(filtered, steps):
+    """Probabilities of a band given the next one, (levels, factors, levels, factors)."""
+    weights = filtered[:, :, np.newaxis, np.newaxis] * steps
+    return weights / weights.sum(axis=(0, 1))
+
+
+def correlation(joint):
+    """Correlation of the levels of two bands by their joint probability."""
+    first, second = joint.sum(axis=1), joint.sum(axis=0)
+    means = first @ _LEVELS, second @ _LEVELS
+    squares = first @ _LEVELS**2 - means[0] ** 2, second @ _LEVELS**2 - means[1] ** 2
+    return (_LEVELS @ joint @ _LEVELS - means[0] * means[1]) / np.sqrt(squares[0] * squares[1])
+
+
 def test_levels_and_factors_are_drawn_by_their_joint_probability(monkeypatch):
-    """Backward sampling: the marginal of the first band is that of smoothing over all bands."""
+    """Backward sampling: each band given the next one, from probabilities so wide that steps matter."""
     reading = small_reading()
-    filtered = _filtered(reading, np.zeros(reading.following.shape[0]))
+    filtered = np.random.default_rng(2).uniform(size=(3, _LEVELS.size, 2))
     of_level, of_factor = _chain(2)
-    after = np.ones(filtered.shape[1:])
-    for band in range(filtered.shape[0] - 1, 0, -1):
-        predicted = of_level.T @ filtered[band - 1] @ of_factor
-        after = of_level @ (filtered[band] / predicted * after) @ of_factor.T
-    smoothed = filtered[0] * after
-    expected = [(part.sum(axis=1) @ _LEVELS) / part.sum() for part in (smoothed, filtered[-1])]
+    steps = np.einsum("lm,fg->lfmg", of_level, of_factor)
+    joint = [filtered[-1] / filtered[-1].sum()]
+    for band in (1, 0):
+        joint.append(np.einsum("lfmg,mg->lf", given_next(filtered[band], steps), joint[-1]))
 
     chosen = []
 
@@ -153,9 +165,12 @@ def test_levels_and_factors_are_drawn_by_their_joint_probability(monkeypatch):
 
     monkeypatch.setattr(difference_draws, "_chosen", noted)
     _draw(reading, filtered, np.empty((4000, SIZE // 100)), np.random.default_rng(5))
-    for places, mean in zip((chosen[-1], chosen[0]), expected, strict=True):  # the first band, the last one
-        levels = _LEVELS[places // 2]
-        assert levels.mean() == pytest.approx(mean, abs=4.0 * levels.std() / np.sqrt(4000.0))
+    for places, expected in zip(chosen, joint, strict=True):  # from the last band to the first
+        count = np.bincount(places, minlength=expected.size)
+        assert scipy.stats.chisquare(count, 4000.0 * expected.ravel()).pvalue > 1e-3
+    together = np.corrcoef(_LEVELS[chosen[0] // 2], _LEVELS[chosen[1] // 2])[0, 1]
+    level = np.einsum("lfmg,mg->lm", given_next(filtered[1], steps), joint[0])
+    assert together == pytest.approx(correlation(level), abs=4.0 / np.sqrt(4000.0))
 
 
 def test_a_draw_without_chance_is_the_mean_given_the_median_level():

@@ -63,6 +63,17 @@ def test_an_offset_found_later_is_taken_away_from_all_that_went_before(outcome):
     assert monitor.now.error == pytest.approx(whole.error[-1], rel=1e-9)
 
 
+def test_an_equilibrium_found_later_is_taken_into_all_that_went_before(outcome):
+    """An offset that the loop felt before the test began moved the command the other way."""
+    command = np.concatenate([np.zeros(1024), outcome.command]) - 0.02
+    measured = np.concatenate([np.zeros(1024), outcome.measured])
+    monitor = followed(command, measured, (5000,))
+    monitor.ask()
+    whole = rebuild(command, measured, STEP, STRUCTURE)
+    assert whole.start.standing != 0.0
+    assert np.abs(monitor.error - whole.error).max() < 1e-9 * np.abs(whole.error).max()
+
+
 def test_a_loop_that_will_diverge_is_known_while_its_motion_is_small():
     late = run(Lab(1.0, 0.02, 1.0, DELAY, (1.0, 0.010, 0.0, 0.0)), synthetic_ground(4, 40.0))
     stop = int(np.argmax(np.abs(late.command) > 0.05 * np.abs(late.command).max()))
