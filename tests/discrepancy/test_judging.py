@@ -160,6 +160,16 @@ class Searched(Judged, Search):
         return self._worth_refining(rough, self.null)
 
 
+class Extended(Searched):
+    """A search in which what takes ten off the energy matters, and every fit is kept."""
+
+    def _matters(self, larger, smaller):
+        return larger.space.energy < smaller.space.energy - 10.0
+
+    def _keep(self, candidate):
+        return candidate
+
+
 def test_only_models_within_seven_nats_of_the_best_are_settled():
     """The evidence is minus half the energy; every effect costs four."""
     training = {(): 100.0, (CUBIC,): 60.0, (VISCOUS,): 73.0, (CUBIC, VISCOUS): 80.0}
@@ -211,6 +221,52 @@ def test_effects_are_fitted_that_promise_a_fiftieth_of_the_best_and_what_they_co
     assert asked == fitted
 
 
+def test_where_errors_judge_the_first_order_need_not_promise_what_an_effect_costs():
+    models, asked = Searched({(): 100.0}, {}), []
+    models.problem.flat = True
+    models.promising = [SimpleNamespace(gain=gain) for gain in (10.0, 0.3, 0.1)]
+    models.extend = lambda _parent, promising: asked.extend(effect.gain for effect in promising) or []
+    models.forward(models.null, ())
+    assert asked == [10.0, 0.3]
+
+
+@pytest.mark.parametrize(
+    ("flat", "name", "starts"), [(True, "hysteresis", 3), (True, "second_order_dynamics", 1), (False, "hysteresis", 1)]
+)
+def test_effects_of_more_than_two_parameters_are_fitted_from_several_starts_where_errors_judge(
+    flat, name, starts
+):
+    models = Extended({(): 100.0}, {})
+    models.problem.flat = flat
+    first, *others = (np.array([place]) for place in (1.0, 2.0, 3.0))
+    candidate = SimpleNamespace(kind=find_effect(name), start=first, others=(first, *others))
+    asked = []
+
+    def fitted(_problem, space, given, _noise):
+        asked.append(given)
+        return SimpleNamespace(space=SimpleNamespace(energy=0.0, names=space.names), log_evidence=-1e9)
+
+    models.null.space.block = None
+    with (
+        patch("reliab.discrepancy.fitting.search.fit", fitted),
+        patch("reliab.discrepancy.fitting.search.reweighted", lambda _problem, fit: fit),
+        patch("reliab.discrepancy.fitting.search.refined", lambda _problem, fit: fit),
+    ):
+        models.extend(models.null, [candidate])
+    assert [len(given) for given in asked] == [starts]
+
+
+@pytest.mark.parametrize(("second", "left"), [(99.0, (CUBIC,)), (20.0, (CUBIC, VISCOUS))])
+def test_an_effect_that_is_not_needed_is_removed_but_never_the_last_one(second, left):
+    """The second effect brings the energy from 100 to 99 or to 20; the first one matters to no one."""
+    models = Extended({(): 100.0, (CUBIC,): 100.0, (VISCOUS,): 100.0, (CUBIC, VISCOUS): second}, {})
+    models.without = lambda best, kind: models.of(
+        *(other for other in best.space.effects if other is not kind)
+    )
+    models.of(CUBIC).log_evidence += 0.1
+    assert models.backward(models.of(CUBIC, VISCOUS)).space.effects == left
+
+
 @pytest.mark.parametrize(("energy", "reaches"), [(55.0, True), (57.0, False)])
 def test_a_model_goes_on_that_gains_more_than_half_of_what_the_best_gains(energy, reaches):
     """Scores are minus half the energy and four for each effect: −50, −14 and about the mean, −32."""
@@ -249,6 +305,14 @@ def test_a_plain_calibration_weighs_every_frequency_alike():
     assert (space, starts) == (models.null.space, [models.null.coordinates])
     assert noise.rate == 100.0
     assert noise.density(np.array([1.0, 49.0])) == pytest.approx(3.0 + 25.0)
+
+
+def test_where_errors_judge_a_score_is_the_likelihood_of_left_out_tests_less_prior_odds():
+    """Nine observations of an energy of 1/2 over signals of four: −(9/2) ln(1/8), and four for an effect."""
+    models = JudgedByErrors({(): 100.0, (CUBIC,): 50.0}, {(): 2.0, (CUBIC,): 0.5})
+    models.problem.tempering, models.problem.segments = (1.0,), (SimpleNamespace(bins=5),)
+    energy = models.error(models.of(CUBIC)).energy
+    assert models.score(models.of(CUBIC)) == pytest.approx(-4.5 * np.log(energy) - 4.0)
 
 
 def test_observations_are_the_tempered_rows_of_all_segments():

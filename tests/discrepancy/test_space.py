@@ -55,6 +55,17 @@ def test_each_start_of_an_added_effect_is_tried_and_nothing_twice_without_one(sa
     np.testing.assert_allclose(tried, tried[0] / starts[0] * starts)
 
 
+def test_a_parameter_that_changes_nothing_at_one_starts_where_it_says(sample_campaigns):
+    campaign = read_campaign(sample_campaigns / "rig_b")
+    motions = motions_of(campaign)
+    block = SpecimenBlock(campaign, scales_of(campaign, motions), motions)
+    kind = find_effect("excitation_scale")
+    base, space = ModelSpace(block, ()), ModelSpace(block, (kind,))
+    tried = [space.values(start)[space.places(kind)][0] for start in space.starts(base, np.zeros(base.size))]
+    assert kind.parameters[0].neutral == 1.0
+    assert tried == pytest.approx(kind.parameters[0].starts)
+
+
 @pytest.mark.parametrize("factor", [0.5, -1.0, 1e9, -1e9])
 def test_a_signed_parameter_that_is_scaled_stays_within_nine_tenths_of_its_bounds(sample_campaigns, factor):
     campaign = read_campaign(sample_campaigns / "rig_b")
