@@ -70,10 +70,16 @@ def open_results(path: str | Path, *, window: str | None = None) -> xr.Dataset:
 
 
 def _check_arrays(folder: Path) -> None:
-    """Check that no array of a group is missing."""
+    """Check that no array of a group is missing, and open each alone.
+
+    Zarr opens them together, and prints a traceback for each beyond the first that cannot be opened.
+    """
     for name in _ARRAYS:
         if not (folder / name / "zarr.json").is_file():
             raise InputError(STORED, value=f"no array {name}", remedy=MEND, where=str(folder))
+    group = zarr.open_group(folder, mode="r")
+    for description in sorted(folder.glob("*/zarr.json")):
+        _ = array_of(group, description.parent.name)
 
 
 def _check_dimensions(dataset: xr.Dataset) -> None:

@@ -231,7 +231,8 @@ def test_where_errors_judge_the_first_order_need_not_promise_what_an_effect_cost
 
 
 @pytest.mark.parametrize(
-    ("flat", "name", "starts"), [(True, "hysteresis", 3), (True, "second_order_dynamics", 1), (False, "hysteresis", 1)]
+    ("flat", "name", "starts"),
+    [(True, "hysteresis", 3), (True, "second_order_dynamics", 1), (False, "hysteresis", 1)],
 )
 def test_effects_of_more_than_two_parameters_are_fitted_from_several_starts_where_errors_judge(
     flat, name, starts

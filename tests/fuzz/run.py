@@ -112,6 +112,7 @@ class _Trial:
 
         start = time.process_time()
         _forget_peak()
+        held = _peak()
         signal.setitimer(signal.ITIMER_PROF, _SECONDS)
         signal.alarm(_SECONDS_BLOCKED)
         try:
@@ -125,7 +126,7 @@ class _Trial:
             signal.alarm(0)
             self.slowest = max(self.slowest, time.process_time() - start)
             self.largest = max(self.largest, peak := _peak())
-        return TooLarge(f"{peak >> 10} MB") if peak > _MEMORY else None
+        return TooLarge(f"{peak - held >> 10} MB") if peak - held > _MEMORY else None
 
 
 def _forget_peak() -> None:

@@ -1,5 +1,6 @@
 """What fuzzing found, in small."""
 
+import gc
 import json
 import re
 from pathlib import Path
@@ -96,6 +97,16 @@ def test_a_store_that_lost_an_array_is_refused_without_a_warning(tmp_path, name,
     with pytest.raises(InputError, match=f"no array {name}"):
         open_results(tmp_path / "results.zarr")
     assert capfd.readouterr().err == ""
+
+
+def test_a_store_with_several_damaged_arrays_is_one_error_and_no_traceback(tmp_path, caplog):
+    case = corpus.stores()[0]
+    names = [f"results.zarr/{name}/zarr.json" for name in ("A", "kp", "mte", "rms_at_rest", "journal")]
+    write({**case, **{name: case[name][:90] for name in names}}, tmp_path)
+    with pytest.raises(InputError, match="must be as `reliab simulate` wrote them"):
+        open_results(tmp_path / "results.zarr")
+    gc.collect()  # what event loops tell, they tell of tasks that are forgotten
+    assert caplog.records == []
 
 
 @pytest.mark.parametrize("key", ["study_hash", "windows", "experimental_fraction"])
