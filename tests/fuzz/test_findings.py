@@ -362,3 +362,22 @@ def test_a_criterion_of_immense_limits_or_frequencies_is_refused(key, place):
     content["law"][key][place] = [1e308] if key == "a" else 1e308
     with pytest.raises(InputError, match=r"must be .*, at most 1e\+30"):
         Criterion.from_json(json.dumps(content))
+
+
+@pytest.mark.parametrize("frequency", [b"1e-320", b"1e308"])
+def test_a_frequency_of_a_campaign_whose_square_is_no_number_is_refused(tmp_path, frequency):
+    case = corpus.campaign()[0]
+    text, count = re.subn(rb"frequency_hz = \S+", b"frequency_hz = " + frequency, case["campaign.toml"])
+    assert count == 1
+    write({**case, "campaign.toml": text}, tmp_path)
+    with pytest.raises(
+        InputError, match=r"line 3.*frequency_hz: input should be (greater|less) than or equal"
+    ):
+        read_campaign(tmp_path)
+
+
+@pytest.mark.parametrize("denominator", [[5e-256, 8e-53, 1e184], [1e20, 1e200, 1e20]])
+def test_coefficients_of_a_plant_whose_ratio_is_no_number_are_refused(tmp_path, denominator):
+    savemat(tmp_path / "plant.mat", {"num": [1.0, 2.0], "den": denominator})
+    with pytest.raises(InputError, match=r"A denominator .* up to 1e\+100 of the first"):
+        read_matlab(tmp_path / "plant.mat")

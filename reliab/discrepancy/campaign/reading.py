@@ -44,8 +44,8 @@ MOST_SAMPLES = 3_000_000
 """Largest number of samples of all tests, a thousand tests of 23 s at 128 Hz. By extrapolation from 4 and 16
 tests a diagnosis then takes about 4 GB and two hours."""
 
-_Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
-_NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+_Positive = Annotated[float, Field(ge=1e-30, le=1e30)]  # whose squares are numbers
+_NotNegative = Annotated[float, Field(ge=0.0, le=1e30)]
 
 
 class _Table(BaseModel):

@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 
 _ON_AXIS = 1e-9  # real part over modulus of a pole that lies on the imaginary axis
 _SAME = 1e-6  # relative distance of poles that are one pole repeated
+_MOST_SPREAD = 1e100  # of coefficients; a system of twenty poles at 10⁵ 1/s has as much
 _MOST_DRAWS = 20  # to each that is wanted
 
 
@@ -51,9 +52,10 @@ class TransferFunction(TransferSystem):
     def __post_init__(self) -> None:
         for name in ("numerator", "denominator"):
             values = np.trim_zeros(np.atleast_1d(np.asarray(getattr(self, name), dtype=np.float64)), "f")
-            if values.size == 0 or values.ndim != 1 or not np.isfinite(values).all():
+            sound = values.ndim == 1 and values.size > 0 and np.isfinite(values).all()
+            if not sound or np.abs(values).max() / _MOST_SPREAD > abs(values[0]):
                 raise InputError(
-                    f"The {name} of a transfer function needs finite coefficients, not all zero",
+                    f"A {name} needs finite coefficients, not all zero, up to {_MOST_SPREAD:g} of the first",
                     value=getattr(self, name),
                     remedy="Give them in descending powers of s",
                 )
@@ -111,17 +113,14 @@ class TransferFunction(TransferSystem):
         >>> TransferFunction.from_poles([], [-100.0], 1.0, static=True).numerator
         (100.0,)
         """
-        numerator, denominator = np.poly(np.asarray(zeros)), np.poly(np.asarray(poles))
+        numerator, denominator = (np.atleast_1d(np.poly(np.asarray(roots))) for roots in (zeros, poles))
         for name, values in (("zeros", numerator), ("poles", denominator)):
             if np.iscomplexobj(values):
                 raise InputError(
                     f"Complex {name} must come in conjugate pairs", value=list(np.asarray(values))
                 )
-        numerator = np.atleast_1d(numerator) * gain
-        denominator = np.atleast_1d(denominator)
-        if static:
-            numerator = numerator * denominator[-1] / np.atleast_1d(np.poly(np.asarray(zeros)))[-1]
-        return cls(numerator=tuple(numerator), denominator=tuple(denominator), delay=delay)
+        factor = gain * denominator[-1] / numerator[-1] if static else gain
+        return cls(numerator=tuple(factor * numerator), denominator=tuple(denominator), delay=delay)
 
     @property
     def poles(self) -> NDArray[np.complex128]:
