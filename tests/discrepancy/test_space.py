@@ -13,14 +13,18 @@ from reliab.discrepancy.spectra.scales import motions_of, scales_of
 from reliab.loop.effects import find_effect
 
 
-@pytest.mark.parametrize("name", ["viscous_damping", "added_mass"])
-def test_no_more_is_missing_of_damping_and_mass_than_there_is(sample_campaigns, name):
+@pytest.fixture
+def specimen_block(sample_campaigns):
     campaign = read_campaign(sample_campaigns / "rig_b")
     motions = motions_of(campaign)
-    block = SpecimenBlock(campaign, scales_of(campaign, motions), motions)
-    space = ModelSpace(block, (find_effect(name),))
+    return SpecimenBlock(campaign, scales_of(campaign, motions), motions)
+
+
+@pytest.mark.parametrize("name", ["viscous_damping", "added_mass"])
+def test_no_more_is_missing_of_damping_and_mass_than_there_is(specimen_block, name):
+    space = ModelSpace(specimen_block, (find_effect(name),))
     least = space.values(space.bounds[0])[space.places(find_effect(name))][0]
-    specimen = block.nominal.specimen
+    specimen = specimen_block.nominal.specimen
     believed = {"viscous_damping": specimen.damping, "added_mass": specimen.mass}[name]
     assert least == pytest.approx(-believed)
 
@@ -42,12 +46,9 @@ def test_an_added_lag_takes_its_delay_from_the_actuator_s(sample_campaigns, lag,
     assert space.values(start)[place] == pytest.approx(left, abs=1e-6)
 
 
-def test_each_start_of_an_added_effect_is_tried_and_nothing_twice_without_one(sample_campaigns):
-    campaign = read_campaign(sample_campaigns / "rig_b")
-    motions = motions_of(campaign)
-    block = SpecimenBlock(campaign, scales_of(campaign, motions), motions)
+def test_each_start_of_an_added_effect_is_tried_and_nothing_twice_without_one(specimen_block):
     kind = find_effect("backlash")
-    base, space = ModelSpace(block, ()), ModelSpace(block, (kind,))
+    base, space = ModelSpace(specimen_block, ()), ModelSpace(specimen_block, (kind,))
     assert len(list(base.starts(base, np.zeros(base.size)))) == 1
     fresh = list(space.starts(base, np.zeros(base.size)))
     tried = [space.values(start)[space.places(kind)][0] for start in fresh]
@@ -55,24 +56,18 @@ def test_each_start_of_an_added_effect_is_tried_and_nothing_twice_without_one(sa
     np.testing.assert_allclose(tried, tried[0] / starts[0] * starts)
 
 
-def test_a_parameter_that_changes_nothing_at_one_starts_where_it_says(sample_campaigns):
-    campaign = read_campaign(sample_campaigns / "rig_b")
-    motions = motions_of(campaign)
-    block = SpecimenBlock(campaign, scales_of(campaign, motions), motions)
+def test_a_parameter_that_changes_nothing_at_one_starts_where_it_says(specimen_block):
     kind = find_effect("excitation_scale")
-    base, space = ModelSpace(block, ()), ModelSpace(block, (kind,))
+    base, space = ModelSpace(specimen_block, ()), ModelSpace(specimen_block, (kind,))
     tried = [space.values(start)[space.places(kind)][0] for start in space.starts(base, np.zeros(base.size))]
     assert kind.parameters[0].neutral == 1.0
     assert tried == pytest.approx(kind.parameters[0].starts)
 
 
 @pytest.mark.parametrize("factor", [0.5, -1.0, 1e9, -1e9])
-def test_a_signed_parameter_that_is_scaled_stays_within_nine_tenths_of_its_bounds(sample_campaigns, factor):
-    campaign = read_campaign(sample_campaigns / "rig_b")
-    motions = motions_of(campaign)
-    block = SpecimenBlock(campaign, scales_of(campaign, motions), motions)
+def test_a_signed_parameter_that_is_scaled_stays_within_nine_tenths_of_its_bounds(specimen_block, factor):
     signed, unsigned = find_effect("cubic_stiffness"), find_effect("backlash")
-    space = ModelSpace(block, (signed, unsigned))
+    space = ModelSpace(specimen_block, (signed, unsigned))
     place = space.places(signed).start
     begin = np.zeros(space.size)
     begin[place] = 0.25 * space.bounds[1][place]

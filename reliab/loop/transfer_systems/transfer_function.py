@@ -55,7 +55,8 @@ class TransferFunction(TransferSystem):
             sound = values.ndim == 1 and values.size > 0 and np.isfinite(values).all()
             if not sound or np.abs(values).max() / _MOST_SPREAD > abs(values[0]):
                 raise InputError(
-                    f"A {name} needs finite coefficients, not all zero, up to {_MOST_SPREAD:g} of the first",
+                    f"The {name} of a transfer function needs finite coefficients, not all zero, the largest "
+                    f"at most {_MOST_SPREAD:g} times the first",
                     value=getattr(self, name),
                     remedy="Give them in descending powers of s",
                 )
