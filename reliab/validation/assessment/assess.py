@@ -23,7 +23,7 @@ from reliab.validation.assessment.moving_windows import track_windows
 from reliab.validation.assessment.own_equation import OwnEquation, examine_equation
 from reliab.validation.assessment.own_motion import OwnPlacement, place_on_own
 from reliab.validation.assessment.placement import place
-from reliab.validation.assessment.plausibility import require_drawable, require_following, require_length
+from reliab.validation.assessment.plausibility import require_drawable, require_length, require_plausible
 from reliab.validation.assessment.recording import Recording
 from reliab.validation.assessment.spikes import without_spikes
 from reliab.validation.assessment.tracking_index import TrackingIndex, track
@@ -97,7 +97,7 @@ def assess(
     """
     require_length(recording, structure.frequency)
     require_drawable(recording, whole_structure(structure))
-    require_following(without_spikes(recording)[0])
+    require_plausible(recording, stiffness=_stated_stiffness(structure, stated or {}))
     chosen = criterion or default_criterion(
         structure.frequency,
         structure.damping_ratio,
@@ -135,6 +135,13 @@ def assess(
         verdict=judged.verdict(_with_any_damping(clean, question) if assumed else ()),
         assumed=assumed,
     )
+
+
+def _stated_stiffness(structure: Structure, stated: Mapping[str, StatedValue]) -> float | None:
+    """Stiffness of the specimen [N/m]; None where no mass is stated."""
+    if "mass" not in stated:
+        return None
+    return stated["mass"].value * structure.experimental_fraction * structure.circular_frequency**2
 
 
 def _placed(

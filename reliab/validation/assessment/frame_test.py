@@ -23,7 +23,7 @@ from reliab.validation.assessment.faults import find_faults, repaired
 from reliab.validation.assessment.frame_assessment import FrameAssessment
 from reliab.validation.assessment.own_equation import OwnEquation
 from reliab.validation.assessment.placement import place
-from reliab.validation.assessment.plausibility import require_drawable, require_following, require_length
+from reliab.validation.assessment.plausibility import require_drawable, require_length, require_plausible
 from reliab.validation.assessment.recording import Recording
 from reliab.validation.assessment.spikes import without_spikes
 from reliab.validation.assessment.tracking_index import track
@@ -98,8 +98,8 @@ def assess_frame(
         recording = replace(recording, measured=recording.measured / scale.value)
     require_length(recording, mode.frequency)
     require_drawable(recording, whole_structure(frame.partition))
+    require_plausible(recording, stiffness=frame.partition.specimen.stiffness)
     bridged, *_ = without_spikes(recording)
-    require_following(bridged)
     faults = find_faults(
         recording,
         track(bridged, draws=_FEW_DRAWS),

@@ -1,4 +1,4 @@
-"""Recordings that cannot be judged: too short or coarse, opposite signs, two units, or unrelated."""
+"""Recordings that cannot be judged: too short or coarse, opposite signs, two units, exchanged, unrelated."""
 
 import numpy as np
 import scipy
@@ -8,7 +8,9 @@ from reliab.errors import InputError
 from reliab.rebuilt_error.size import require_fitting, samples_in_step_of_structure
 from reliab.rebuilt_error.whole_structure import WholeStructure
 from reliab.validation.assessment.band import noise_floor
+from reliab.validation.assessment.recorded_force import require_order, require_restoring_force
 from reliab.validation.assessment.recording import Recording
+from reliab.validation.assessment.spikes import without_spikes
 
 _OPPOSITE = -0.8
 """Correlation below which the measured displacement runs against the command."""
@@ -86,7 +88,30 @@ def require_drawable(recording: Recording, structure: WholeStructure) -> None:
     require_fitting(recording.command.size, samples_in_step_of_structure(structure, step), step)
 
 
-def require_following(recording: Recording) -> None:
+def require_plausible(recording: Recording, *, stiffness: float | None = None) -> None:
+    """Refuse a recording whose channels contradict each other by a sign, a unit or their order.
+
+    Parameters
+    ----------
+    recording : Recording
+        The test, as it was recorded.
+    stiffness : float, optional
+        Stated stiffness of the specimen [N/m]; without it the unit of a recorded force is not examined.
+
+    Raises
+    ------
+    InputError
+        With what was found and the remedy, in one sentence each.
+    """
+    clean, *_ = without_spikes(recording)
+    _require_following(clean)
+    if clean.force is not None:
+        step, where = clean.time_step, clean.name
+        require_restoring_force(clean.measured, clean.force, step, stiffness=stiffness, where=where)
+        require_order(clean.command, clean.measured, clean.force, step, where)
+
+
+def _require_following(recording: Recording) -> None:
     """Refuse a test whose measured displacement has another sign or unit than its command, or is unrelated.
 
     Parameters
