@@ -6,15 +6,18 @@ the force per unit mass p that was fed back ::
     x_c'' + c x_c' + k x_c + p(t − τ) = −a_g,   c = 2ξω₀,   k = (1 − α)ω₀²
 
 With the force recorded, c and k follow from least squares, and ω₀² = k + αω₀² with αω₀² the specimen's
-stiffness from the force and the measured displacement. Without a force the specimen is taken as linear in the
-measured displacement, p = αω₀²x_m, and the equation gives c and ω₀² for the stated α. A force that comes late
-by τ acts as a damping ratio of −αω₀τ/2 (expand p(t − τ)): only their combined effect can be identified, so
-that each is estimated for the stated value of the other.
+stiffness from the force and the measured displacement (`specimen_spring`). Without a force the specimen is
+taken as linear in the measured displacement, p = αω₀²x_m, and the equation gives c and ω₀² for the stated α.
+A force that comes late by τ acts as a damping ratio of −αω₀τ/2 (expand p(t − τ)): only their combined effect
+can be identified, so that each is estimated for the stated value of the other.
+
+A measured displacement that was recorded late by s against the command acts as a damping ratio of αω₀s/2, so
+that skew and damping ratio cannot be told apart either; with the force in the equation, its skew takes the
+place of the displacement's.
 
 Nothing is differentiated. Each history is convolved with a smooth kernel φ of finite length, and the
 derivatives are put on the kernel (weak form: Messenger and Bortz 2021, Multiscale Model. Simul. 19, eq.
-2.3); the beginning of the test does not matter. Standard errors allow for residuals that are correlated
-over the kernel's length (generalised least squares' sandwich with the residuals' own autocovariance).
+2.3); the beginning of the test does not matter.
 """
 
 from dataclasses import dataclass
@@ -24,13 +27,15 @@ from numpy.typing import NDArray
 
 from reliab.errors import InputError
 from reliab.loop.structure import Structure
+from reliab.rebuilt_error.equation_fit import fit_equation
 from reliab.rebuilt_error.kernel import Kernel
+from reliab.rebuilt_error.specimen_spring import fit_spring
 
 Array = NDArray[np.float64]
 
 _FEWEST_PERIODS = 4.0
 _SIGNIFICANT = 3.0  # standard errors
-_MATTERS = {"frequency": 0.005, "damping_ratio": 0.10, "experimental_fraction": 0.02, "feedback_lag": 1e-4}
+_MATTERS = {"frequency": 0.005, "damping_ratio": 0.02, "experimental_fraction": 0.02, "feedback_lag": 1e-4}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -139,34 +144,34 @@ def identify(
     _check(command, measured, ground_acceleration, force, time_step, structure)
     kernel = Kernel.of(structure.frequency, time_step)
     moved = [kernel.seen(command, order) for order in range(3)]
-    shaken, reached = kernel.seen(ground_acceleration, 0), kernel.seen(measured, 0)
+    shaken = kernel.seen(ground_acceleration, 0)
     if force is None:
-        return _without_force(moved, shaken, reached, kernel, structure, feedback_lag, measured)
-    return _with_force(moved, shaken, reached, kernel, structure, feedback_lag, force)
+        return _without_force(moved, shaken, kernel, structure, feedback_lag, measured)
+    return _with_force(moved, shaken, kernel, structure, feedback_lag, force, measured)
 
 
 def _with_force(
     moved: list[Array],
     shaken: Array,
-    reached: Array,
     kernel: Kernel,
     structure: Structure,
     stated_lag: float,
     force: Array,
+    measured: Array,
 ) -> Identification:
     resisted, changed = kernel.seen(force, 0), kernel.seen(force, 1)
     target = -(shaken + moved[2] + resisted - stated_lag * changed)
     constant = np.ones(target.size)
-    values, covariance, residual = _least_squares(np.stack([moved[1], moved[0], constant]), target, kernel)
-    spring, spread, _ = _least_squares(np.stack([reached, np.gradient(reached), constant]), resisted, kernel)
-    square = values[1] + spring[0]
-    square_variance = covariance[1, 1] + spread[0, 0]
+    values, covariance, residual = fit_equation(np.stack([moved[1], moved[0], constant]), target, kernel)
+    spring = fit_spring(measured, force, kernel)
+    square, spread = values[1] + spring.stiffness, spring.stiffness_deviation**2
+    square_variance = covariance[1, 1] + spread
     w0 = float(np.sqrt(max(square, np.finfo(float).tiny)))
     ratio = values[0] / (2.0 * w0)
-    share = spring[0] / square
+    share = spring.stiffness / square
     damped = target - 2.0 * structure.damping_ratio * w0 * moved[1]
-    late, late_spread, _ = _least_squares(np.stack([-changed, moved[0], constant]), damped, kernel)
-    share_variance = (spread[0, 0] * (1.0 - share) ** 2 + covariance[1, 1] * share**2) / square**2
+    late, late_spread, _ = fit_equation(np.stack([-changed, moved[0], constant]), damped, kernel)
+    share_variance = (spread * (1.0 - share) ** 2 + covariance[1, 1] * share**2) / square**2
     return Identification(
         frequency=_frequency(w0, square_variance, structure),
         damping_ratio=Identified(
@@ -191,7 +196,6 @@ def _with_force(
 def _without_force(
     moved: list[Array],
     shaken: Array,
-    reached: Array,
     kernel: Kernel,
     structure: Structure,
     stated_lag: float,
@@ -199,10 +203,10 @@ def _without_force(
 ) -> Identification:
     # αω₀²x_m(t − τ) = ω₀²(α x_m − ατ x_m'), and (1 − α)ω₀²x_c
     share = structure.experimental_fraction
-    late = reached - stated_lag * kernel.seen(measured, 1)
+    late = kernel.seen(measured, 0) - stated_lag * kernel.seen(measured, 1)
     sprung = share * late + (1.0 - share) * moved[0]
     columns = np.stack([moved[1], sprung, np.ones(sprung.size)])
-    values, covariance, residual = _least_squares(columns, -(shaken + moved[2]), kernel)
+    values, covariance, residual = fit_equation(columns, -(shaken + moved[2]), kernel)
     w0 = float(np.sqrt(max(values[1], np.finfo(float).tiny)))
     ratio = values[0] / (2.0 * w0)
     return Identification(
@@ -235,26 +239,6 @@ def _relative(square_variance: float, w0: float) -> float:
 def _misfit(residual: Array, shaken: Array) -> float:
     power = float(shaken @ shaken)
     return float(np.sqrt(residual @ residual / power)) if power > 0.0 else 0.0
-
-
-def _least_squares(columns: Array, target: Array, kernel: Kernel) -> tuple[Array, Array, Array]:
-    """Coefficients, their covariance with correlated residuals, and the residuals."""
-    scale = np.maximum(np.sqrt((columns**2).mean(axis=1)), np.finfo(float).tiny)
-    rows = columns / scale[:, np.newaxis]
-    normal = rows @ rows.T
-    values = np.linalg.lstsq(normal, rows @ target, rcond=1e-13)[0]
-    residual = target - values @ rows
-    freedom = max(residual.size - rows.shape[0], 1)
-    lags = min(kernel.values[0].size // kernel.every, target.size // 4)
-    meat = normal * float(residual @ residual) / freedom
-    for lag in range(1, lags + 1):
-        common = float(residual[lag:] @ residual[:-lag]) / freedom
-        cross = rows[:, lag:] @ rows[:, :-lag].T
-        meat += common * (cross + cross.T)
-    bread = np.linalg.pinv(normal, rcond=1e-13, hermitian=True)
-    covariance = bread @ meat @ bread
-    np.fill_diagonal(covariance, np.maximum(np.diag(covariance), 0.0))
-    return values / scale, covariance / np.outer(scale, scale), residual
 
 
 def _check(

@@ -16,6 +16,7 @@ from reliab.validation.assessment.assessment import Assessment
 from reliab.validation.assessment.default_criterion import default_criterion
 from reliab.validation.assessment.doubts import verdict_of_error
 from reliab.validation.assessment.error_of_test import ErrorOfTest, Question, error_of_test
+from reliab.validation.assessment.explanations import Explanation, error_under
 from reliab.validation.assessment.fault_effects import error_with_faults
 from reliab.validation.assessment.faults import Fault, find_faults, repaired
 from reliab.validation.assessment.findings import FaultEffect
@@ -174,11 +175,21 @@ def _judged(recording: Recording, clean: Recording, faults: tuple[Fault, ...], q
     smoothed = error.rebuilt.histories.measured
     equation = examine_equation(clean, question.structure, question.stated, smoothed)
     shown = replace(question, structure=equation.structure(question.structure))
-    otherwise = _otherwise_stated(clean, equation, shown)
+    otherwise: tuple[ErrorOfTest, ...] = ()
     if shown.structure != question.structure:
-        otherwise = (error, *otherwise)
+        otherwise = (replace(error, under="the structure as stated"),)
         error, effects = _errors(recording, faults, shown)
-    return _Judged(error=error, effects=effects, equation=equation, otherwise=otherwise)
+    explained = tuple(
+        error_under(explanation, clean, shown)
+        for explanation in equation.explanations
+        if explanation != Explanation()
+    )
+    return _Judged(
+        error=replace(error, alternatives=explained),
+        effects=effects,
+        equation=equation,
+        otherwise=(*otherwise, *explained),
+    )
 
 
 def _faults(recording: Recording, question: Question, taper: str) -> tuple[Fault, ...]:
@@ -197,19 +208,6 @@ def _errors(
     return error_with_faults(
         recording, faults, lambda test, offset: error_of_test(test, question, sensor_offset=offset)
     )
-
-
-def _otherwise_stated(
-    recording: Recording, equation: OwnEquation, question: Question
-) -> tuple[ErrorOfTest, ...]:
-    """Error with the identified damping ratio, where it contradicts the stated one."""
-    if equation.identified is None or "xi" not in equation.wrong:
-        return ()
-    ratio = equation.identified.damping_ratio.value
-    if not 0.0 < ratio < 1.0:
-        return ()
-    restated = replace(question, structure=replace(question.structure, damping_ratio=ratio))
-    return (error_of_test(recording, restated),)
 
 
 def _with_any_damping(recording: Recording, question: Question) -> tuple[ErrorOfTest, ...]:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from reliab.criterion.experimental_share import whole_is_worst
 from reliab.validation.assessment.band import noise_floor
-from reliab.validation.assessment.doubts import ERROR_NAMES
+from reliab.validation.assessment.doubts import ERROR_NAMES, sizes_otherwise
 from reliab.validation.assessment.findings import FaultEffect, Findings
 from reliab.validation.assessment.verdict import Word
 from reliab.vocabulary import Metric
@@ -84,12 +84,7 @@ def _of_error(findings: Findings) -> Iterator[str]:
     yield from findings.equation.contradictions
     yield from findings.equation.notes
     if findings.otherwise_stated:
-        sizes = ", ".join(f"{rebuilt.of(findings.metric).value:.2%}" for rebuilt in findings.otherwise_stated)
-        yield (
-            f"{ERROR_NAMES[findings.metric]} is {findings.error.of(findings.metric).value:.2%} with the "
-            "frequency "
-            f"and share that the test shows and the damping ratio as stated; otherwise {sizes}."
-        )
+        yield sizes_otherwise(findings.error, findings.otherwise_stated)
     by_error, by_index = findings.verdict.word, findings.verdict_by_index.word
     if Word.UNDECIDED in (by_error, by_index) or by_error is by_index or findings.index is None:
         return

@@ -8,6 +8,11 @@ from reliab.vocabulary import Metric
 
 ERROR_NAMES = {Metric.RMS: "RMS^R", Metric.MTE: "MTE^R"}
 _PERCENT = 100.0
+_STRUCTURE = "Find out why the structure differs from the stated one: the verdict depends on it."
+_SKEW = (
+    "Measure the skew of the channels, by one signal on all of them, and the damping ratio, by a free "
+    "vibration: the verdict depends on which of them it is."
+)
 
 
 def verdict_of_error(
@@ -56,9 +61,9 @@ def verdict_of_error(
     if equation.nonlinear:
         reasons.append(equation.nonlinear)
         remedies.append("Calibrate a model of the specimen with `reliab diagnose`, and give it with --model.")
-    if any(word_of_probability(rebuilt.probability) is not word for rebuilt in otherwise):
-        reasons.extend(equation.contradictions)
-        remedies.append("Find out why the structure differs from the stated one: the verdict depends on it.")
+    if error.contested or any(word_of_probability(rebuilt.probability) is not word for rebuilt in otherwise):
+        reasons.extend([*equation.contradictions, sizes_otherwise(error, otherwise)])
+        remedies.append(_SKEW if error.contested else _STRUCTURE)
     if any(word_of_probability(restated.probability) is not word for restated in assumed):
         by_size = sorted(assumed, key=lambda restated: restated.of(error.metric).value)
         sizes = " to ".join(
@@ -68,6 +73,12 @@ def verdict_of_error(
         reasons.append(f"No damping ratio was stated, and the verdict depends on it: {name} is {sizes}.")
         remedies.append("State the damping ratio of the structure with --xi.")
     return verdict.doubted(reasons, remedies)
+
+
+def sizes_otherwise(error: ErrorOfTest, otherwise: tuple[ErrorOfTest, ...]) -> str:
+    """Say how large the error is, and how large with other values that are stated or possible."""
+    sizes = ", ".join(f"{other.of(error.metric).value:.2%} with {other.under}" for other in otherwise)
+    return f"{ERROR_NAMES[error.metric]} is {error.of(error.metric).value:.2%}, but {sizes}."
 
 
 def probability_text(probability: float, *, bound: float = 0.99) -> str:

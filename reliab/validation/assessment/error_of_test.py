@@ -1,7 +1,7 @@
 """The error of one test, rebuilt from its command and measured displacement."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final
 
@@ -12,8 +12,10 @@ from reliab.loop.hybrid_test.model_file import UpdatedModel
 from reliab.loop.structure import Structure
 from reliab.rebuilt_error import Estimate, Parts, RebuiltError, Tolerances, Widening, rebuild
 from reliab.rebuilt_error.nonlinear_reference import rebuild_with_specimen
+from reliab.rebuilt_error.whole_structure import whole_structure
 from reliab.stated_value import StatedValue
 from reliab.validation.assessment.recording import Recording
+from reliab.validation.assessment.verdict import word_of_probability
 from reliab.vocabulary import Metric
 
 Array = NDArray[np.float64]
@@ -107,12 +109,18 @@ class ErrorOfTest:
         Error with which it is compared [-].
     damping_ratio : float
         ξ of the structure with which it was rebuilt [-].
+    under : str
+        What was taken to hold beside what was stated, in words; empty where nothing was.
+    alternatives : tuple of ErrorOfTest
+        Errors of the same test under other explanations of what it shows, none of which can be excluded.
     """
 
     rebuilt: RebuiltError
     metric: Metric
     threshold: float
     damping_ratio: float
+    under: str = ""
+    alternatives: tuple["ErrorOfTest", ...] = ()
 
     def of(self, metric: Metric) -> Estimate:
         """Error by one metric, with its 90 % interval [-]."""
@@ -120,8 +128,20 @@ class ErrorOfTest:
 
     @property
     def probability(self) -> float:
-        """Probability that the error asked about stays below the threshold."""
-        return self.rebuilt.probability(self.threshold, self.metric)
+        """Probability that the error asked about stays below the threshold.
+
+        Where alternatives lead to other verdicts, it is the mean of all: each may be the true one.
+        """
+        own = self.rebuilt.probability(self.threshold, self.metric)
+        if not self.contested:
+            return own
+        return float(np.mean([own, *(other.probability for other in self.alternatives)]))
+
+    @property
+    def contested(self) -> bool:
+        """Whether the verdict is another one under some alternative."""
+        own = word_of_probability(self.rebuilt.probability(self.threshold, self.metric))
+        return any(word_of_probability(other.probability) is not own for other in self.alternatives)
 
     @property
     def reference(self) -> Array:
@@ -154,7 +174,11 @@ class ErrorOfTest:
 
 
 def error_of_test(
-    recording: Recording, question: Question, *, sensor_offset: float | None = None
+    recording: Recording,
+    question: Question,
+    *,
+    sensor_offset: float | None = None,
+    specimen_damping: float = 0.0,
 ) -> ErrorOfTest:
     """Rebuild the error of a test.
 
@@ -167,6 +191,8 @@ def error_of_test(
     sensor_offset : float, optional
         Offset of the displacement sensor that the loop did not feel [m]; by default it is read from the rest
         before the test.
+    specimen_damping : float, optional
+        Damping of the linear specimen over its stiffness [s], a part of the structure's damping ratio.
 
     Returns
     -------
@@ -176,6 +202,7 @@ def error_of_test(
     scale = question.stated.get("scale", StatedValue(1.0)).value
     lag = question.stated.get("feedback_lag", StatedValue(0.0)).value / _MILLISECONDS
     measured = recording.measured / scale
+    whole = whole_structure(question.structure)
     if question.model is not None:
         rebuilt = rebuild_with_specimen(
             recording.command,
@@ -192,7 +219,7 @@ def error_of_test(
             recording.command,
             measured,
             recording.time_step,
-            question.structure,
+            replace(whole, specimen_damping=specimen_damping * whole.specimen_stiffness),
             feedback_lag=lag,
             sensor_offset=sensor_offset,
             tolerances=question.tolerances,

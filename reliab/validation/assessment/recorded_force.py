@@ -92,7 +92,7 @@ def require_restoring_force(
     if unexplained > _UNRELATED:
         raise InputError(
             "The recorded force must follow the measured displacement",
-            value=f"a force of which {unexplained:.0%} (in power) follows no spring, dashpot, mass or friction",
+            value=f"a force whose power follows no spring, dashpot, mass or friction by {unexplained:.0%}",
             remedy="Check that the force is the specimen's, and that the load cell was connected",
             where=where,
         )
