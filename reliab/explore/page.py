@@ -21,7 +21,15 @@ import xarray as xr
 from reliab.errors import InputError
 from reliab.explore.packing import pack
 from reliab.files import written_whole
-from reliab.validation.assessment.recognition import LENGTHS, NAMES, OTHER_QUANTITIES, TIMES, Part
+from reliab.validation.assessment.recognition import (
+    ACCELERATIONS,
+    EXTRAS,
+    FORCES,
+    LENGTHS,
+    NAMES,
+    OTHER_QUANTITIES,
+    TIMES,
+)
 from reliab.version import __version__
 
 _FOLDER: Final = Path(__file__).parent / "web"
@@ -134,9 +142,11 @@ def render(packed: Mapping[str, Any], settings: Settings, *, source: str) -> str
 def words() -> dict[str, Any]:
     """Return the names and units by which the page recognises columns: those of `reliab assess`."""
     return {
-        "names": {part.value: NAMES[part] for part in (Part.TIME, Part.COMMAND, Part.MEASURED)},
+        "names": {part.value: names for part, names in NAMES.items()},
+        "extras": list(EXTRAS),
         "lengths": dict(LENGTHS),
         "times": dict(TIMES),
+        "otherUnits": [*ACCELERATIONS, *FORCES],
         "otherQuantities": sorted(OTHER_QUANTITIES),
     }
 

@@ -5,6 +5,7 @@ import re
 import shutil
 import time
 
+import pandas as pd
 import pytest
 
 from reliab.explore import write_page
@@ -134,3 +135,72 @@ def test_two_criteria_stand_side_by_side(page):
     )
     assert page.execute_script(regions)[1] not in (own, compared)
     until(page, "return document.querySelectorAll('#delay-law .band').length === 1")
+
+
+def with_channels(path, **histories):
+    """The sample test with further columns."""
+    table = pd.read_csv(SAMPLE, comment="#")
+    table.assign(**{name: make(table) for name, make in histories.items()}).to_csv(path, index=False)
+    return path
+
+
+def said(browser):
+    """All that the page says of a test, at this moment."""
+    return browser.execute_script(
+        "const test = document.getElementById('test');"
+        "return [test.hidden ? '' : test.innerText, document.querySelectorAll('#plane .test-mark').length]"
+    )
+
+
+@pytest.mark.parametrize("second", ["good", "refused"])
+def test_nothing_of_the_old_test_stays_when_another_file_is_read(page, tmp_path, second):
+    other = tmp_path / "other.csv"
+    table = pd.read_csv(SAMPLE, comment="#")
+    table.measured_m *= 0.97
+    (table if second == "good" else table[["time_s", "command_m"]]).to_csv(other, index=False)
+    drop(page, SAMPLE)
+    until(page, "return document.getElementById('word').textContent !== ''")
+    numbers = page.execute_script(  # both errors and A, which the other test does not share
+        "return [...document.querySelectorAll('#numbers td')].slice(1, 4).map((cell) => cell.textContent)"
+    )
+    page.execute_script(  # what the page says after each change of it
+        "window.seen = []; const look = () => window.seen.push(document.getElementById('test').hidden ? '' :"
+        " document.getElementById('test').innerText); new MutationObserver(look).observe("
+        "document.body, {subtree: true, childList: true, characterData: true, attributes: true});"
+    )
+    page.find_element("id", "file").send_keys(str(other))
+    if second == "good":
+        until(page, "return document.getElementById('word').textContent === 'not reliable'")
+    else:
+        until(page, "return document.getElementById('problem').textContent !== ''")
+        assert said(page) == ["", 0]
+    seen = page.execute_script("return window.seen")
+    assert seen[0] == ""
+    assert all(number not in shown for shown in seen for number in numbers)
+
+
+def test_of_two_files_dropped_at_once_the_last_is_judged(page, tmp_path):
+    other = tmp_path / "other.csv"
+    other.write_text(SAMPLE.read_text(encoding="utf-8"), encoding="utf-8")
+    page.find_element("id", "file").send_keys(str(SAMPLE))
+    page.find_element("id", "file").send_keys(str(other))
+    until(page, "return document.getElementById('word').textContent !== ''")
+    assert text(page, "test-name") == "other.csv"
+
+
+@pytest.mark.parametrize(
+    ("names", "said_of"),
+    [
+        (["force_n"], "holds force,"),
+        (["ground_acceleration_mps2"], "holds ground acceleration,"),
+        (["load cell (kN)", "ag [g]"], "holds ground acceleration and force,"),
+    ],
+)
+def test_a_test_with_channels_that_the_page_does_not_use_is_left_to_assess(page, tmp_path, names, said_of):
+    force = {name: lambda table: 39.5 * table.measured_m + 3e3 * table.measured_m**3 for name in names}
+    drop(page, with_channels(tmp_path / "more.csv", **force))
+    until(page, "return document.getElementById('word').textContent !== ''")
+    assert text(page, "word") == "undecided"
+    assert said_of in text(page, "notes")
+    assert "reliab assess" in text(page, "notes")
+    assert "by command and measured displacement alone" in text(page, "numbers")

@@ -231,6 +231,34 @@ def test_files_are_read_as_by_python(by_javascript, tmp_path, text):
     np.testing.assert_allclose(page["measured"], recording.measured, rtol=1e-12)
 
 
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("force_n", "Force [kN]", "load cell (kip)", "f_m", "reaction", "daq.force", "force"),
+        *(
+            "ground_acceleration_mps2",
+            "ag",
+            "ag [g]",
+            "a_g (m/s²)",
+            "xg_dd",
+            "excitation_gal",
+            "table_acceleration",
+        ),
+        *("temperature", "force_rate", "velocity_mps", "forced", "temposonic2", "strain"),
+    ],
+)
+def test_channels_that_the_page_does_not_use_are_those_that_python_does(by_javascript, tmp_path, name):
+    rows = "\n".join(f"{i / 64},{i % 7},{i % 7},{i % 5}" for i in range(80))
+    text = f"time_s,command_mm,measured_mm,{name}\n{rows}\n"
+    path = tmp_path / "test.csv"
+    path.write_text(text, encoding="utf-8")
+    recording = read_recording(path)
+    (page,) = by_javascript(("read", {"text": text}))
+    used = {"ground acceleration": recording.ground, "force": recording.force}
+    assert page["unused"] == [part for part, values in used.items() if values is not None]
+    np.testing.assert_allclose(page["command"], recording.command, rtol=1e-12)
+
+
 def table(rows):
     return "time,command,measured\n" + "\n".join(",".join(map(str, row)) for row in rows)
 

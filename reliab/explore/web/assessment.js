@@ -7,7 +7,7 @@ import { track } from "./tracking.js";
 const CERTAIN = 0.95;
 
 // Everything of a test that does not depend on the structure; throws where the test cannot be judged.
-export function examine({ command, measured, step, notes }) {
+export function examine({ command, measured, step, notes, unused }) {
   const bridged = [command, measured].map(withoutSpikes), [x, y] = bridged.map(({ values }) => values);
   const reason = refusal(x, y);
   if (reason) throw new RangeError(reason);
@@ -15,7 +15,7 @@ export function examine({ command, measured, step, notes }) {
   const spikes = count ? [`Spikes of ${count} samples were replaced by straight lines: no actuator moves like that.`] : [];
   const tracking = track(x, y, step);
   return {
-    command: x, measured: y, step, notes: [...notes, ...spikes], broken: brokenChannels(command, measured),
+    command: x, measured: y, step, notes: [...notes, ...spikes], unused, broken: brokenChannels(command, measured),
     duration: (command.length - 1) * step, tracking, lines: slowLines(x, y, step, tracking), kept: new Map(),
   };
 }
@@ -51,7 +51,7 @@ export function judge(test, structure, { threshold, metric }) {
 export function* verdictOf(test, judged, deviations) {
   const errors = yield* conclude(judged.rebuilt, deviations);
   const probability = errors.probability(judged.metric, judged.threshold);
-  const word = wordOf(probability), doubts = [...(word === "reliable" ? test.broken : [])];
+  const word = wordOf(probability), doubts = [...unusedChannels(test.unused), ...(word === "reliable" ? test.broken : [])];
   for (const [i, otherwise] of judged.otherwise.entries()) {
     const changed = (yield* conclude(otherwise(), deviations)).probability(judged.metric, judged.threshold);
     if (wordOf(changed) !== word) {
@@ -60,6 +60,12 @@ export function* verdictOf(test, judged, deviations) {
     }
   }
   return { ...errors, probability, word: doubts.length ? "undecided" : word, doubts };
+}
+
+// What the page has not looked at: a channel that may contradict the verdict.
+function unusedChannels(unused) {
+  if (!unused.length) return [];
+  return [`The file also holds ${unused.join(" and ")}, which this page does not use: reliab assess judges the test with ${unused.length > 1 ? "them" : "it"}.`];
 }
 
 // Verdict of a probability that the error stays below the threshold.

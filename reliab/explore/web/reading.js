@@ -8,26 +8,31 @@ const COMMENT = /^(#|%|\/\/|!)/;
 const MISSING = new Set(["", "nan", "na", "n/a", "null", "none", "-nan", "#n/a"]);
 const DECIMAL_COMMA = /^[+-]?\d+,\d+(?:[eE][+-]?\d+)?$/;
 const NUMBER = /^[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?$/;
-const UNIT = /[[(]\s*([^\])]+?)\s*[\])]\s*$|(?<=[a-z0-9])_([a-zµ]+)$/i;
+const UNIT = /[[(]\s*([^\])]+?)\s*[\])]\s*$|(?<=[a-z0-9])_([a-zµ]+(?:\/s(?:\^?2|²)|ps2|s2)?)$/i;
 const FEWEST_SAMPLES = 64;
 const MOST_SAMPLES = 2_000_000;
 
 // A reason why a file cannot be read, in a sentence for its user.
 export class ReadingError extends Error {}
 
-// Command and measured displacement [m], step [s] and sentences about what was assumed.
+// Command and measured displacement [m], step [s], sentences about what was assumed, and channels that are not used.
 export function readTest(text, words) {
   const { rows, names, units } = tableOf(text);
   const places = recognise(names, rows[0].length, words), notes = [];
   const column = (part) => Float64Array.from(rows, (row) => row[places[part]]);
-  const unit = (part) => (names ? units[places[part]] || unitOf(names[places[part]], words) : "");
+  const unit = (part) => {
+    const stated = names ? units[places[part]] || unitOf(names[places[part]], words) : "";
+    return Object.hasOwn(part === "time" ? words.times : words.lengths, stated) ? stated : "";
+  };
   const lengths = ["command", "measured"].map(unit);
   if (!names) notes.push("The columns have no names and were taken by their order.");
   if (lengths[0] === "" && lengths[1] === "") notes.push("No unit is stated: displacements were taken to be in metres.");
   const metres = lengths.map((length, i) => words.lengths[length || lengths[1 - i]] ?? 1);
   const step = stepOf(column("time")) * (words.times[unit("time")] ?? 1);
   const scaled = (part, factor) => column(part).map((value) => value * factor);
-  return { command: scaled("command", metres[0]), measured: scaled("measured", metres[1]), step, notes };
+  const plain = (names ?? []).map((name) => normal(name.split(".").pop(), words));
+  const unused = words.extras.filter((part) => plain.some((name) => words.names[part].includes(name)));
+  return { command: scaled("command", metres[0]), measured: scaled("measured", metres[1]), step, notes, unused };
 }
 
 // Rows of numbers, with the names and units of the columns where lines before them state them.
@@ -112,7 +117,7 @@ function unitOf(name, words) {
   const match = UNIT.exec(name.trim());
   if (match === null || Object.values(words.names).some((known) => known.includes(name.toLowerCase().replace(/[^a-z0-9]+/g, "")))) return "";
   const unit = (match[1] ?? match[2]).toLowerCase();
-  return Object.hasOwn(words.lengths, unit) || Object.hasOwn(words.times, unit) ? unit : "";
+  return [words.lengths, words.times].some((units) => Object.hasOwn(units, unit)) || words.otherUnits.includes(unit) ? unit : "";
 }
 
 // Step between times, which must be equal but for the rounding of the times.

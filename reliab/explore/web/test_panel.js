@@ -15,6 +15,8 @@ const LARGEST_FILE = 200e6; // bytes
 export class TestPanel {
   test = null;
 
+  #reading = 0;
+
   #span = null;
 
   #changed;
@@ -60,23 +62,40 @@ export class TestPanel {
     this.#write();
   }
 
-  // Say that the verdict is being computed anew.
+  // Take away what was said of the test, until its verdict is computed anew.
   wait() {
+    this.verdict = null;
     field("word").textContent = "";
+    field("notes").replaceChildren();
+    field("test").ariaBusy = "true";
+    if (this.test !== null && !field("test").hidden) this.#writeNumbers();
   }
 
+  // Read another test; nothing of the one before stays, and of several files the last one counts.
   async read(file) {
+    this.#reading += 1;
+    const reading = this.#reading;
+    this.test = null;
+    this.#refuse("");
+    field("reading").textContent = `Reading ${file.name} …`;
+    this.#changed();
+    await new Promise((resume) => { setTimeout(resume, 0); }); // the browser shows it
+    let test = null, problem = "";
     try {
       if (file.size > LARGEST_FILE) throw new ReadingError("The file is larger than 200 MB; use reliab assess.");
-      this.test = examine(readTest(await file.text(), this.#words));
-      field("test-name").textContent = file.name;
-      this.#span = [0, this.test.duration];
-      field("problem").textContent = "";
+      const text = await file.text();
+      if (reading !== this.#reading) return;
+      test = examine(readTest(text, this.#words));
     } catch (error) {
       if (!(error instanceof ReadingError || error instanceof RangeError)) throw error;
-      this.test = null;
-      this.#refuse(`${file.name}: ${error.message}`);
+      problem = `${file.name}: ${error.message}`;
     }
+    if (reading !== this.#reading) return;
+    this.test = test;
+    this.#span = test && [0, test.duration];
+    field("test-name").textContent = file.name;
+    field("reading").textContent = "";
+    if (test === null) this.#refuse(problem);
     this.#changed();
   }
 
@@ -131,16 +150,17 @@ export class TestPanel {
     [field("from").value, field("to").value] = this.#span.map((value) => value.toFixed(2));
   }
 
-  #write() {
-    const { tracking, rebuilt, faults, metric, threshold } = this.judged, { verdict } = this;
-    const word = field("word"), interval = ({ value, low, high }) => `${percent(value)}, 90 % interval ${percent(low)} to ${percent(high)}`;
-    word.textContent = verdict.word;
-    word.className = verdict.word.split(" ")[0];
-    const bounded = verdict.probability > 0.99 ? "above 0.99" : verdict.probability < 0.01 ? "below 0.01" : verdict.probability.toFixed(2);
+  // The numbers of the test, with dots for those that follow with the verdict.
+  #writeNumbers() {
+    const { tracking, rebuilt, metric, threshold } = this.judged, { verdict } = this;
+    const later = (write) => (verdict === null ? "…" : write(verdict));
+    const interval = ({ value, low, high }) => `${percent(value)}, 90 % interval ${percent(low)} to ${percent(high)}`;
+    const bounded = (probability) => (probability > 0.99 ? "above 0.99" : probability < 0.01 ? "below 0.01" : probability.toFixed(2));
+    const alone = this.test.unused.length ? ", by command and measured displacement alone" : "";
     const rows = [
-      [`Probability that the ${metric.toUpperCase()} error is below ${percent(threshold)}`, bounded],
-      ["RMS error of this test, rebuilt", interval(verdict.rms)],
-      ["Largest error of this test, rebuilt", interval(verdict.mte)],
+      [`Probability that the ${metric.toUpperCase()} error is below ${percent(threshold)}${alone}`, later(({ probability }) => bounded(probability))],
+      ["RMS error of this test, rebuilt", later(({ rms }) => interval(rms))],
+      ["Largest error of this test, rebuilt", later(({ mte }) => interval(mte))],
       ["Amplitude A", tracking.amplitude.toFixed(5)],
       ["Equivalent delay d", `${(1e3 * tracking.delay).toFixed(4)} ms`],
       ["Index by the criterion", `${this.index.toPrecision(4)}: ${this.index <= 1 ? "inside" : "outside"}`],
@@ -152,6 +172,14 @@ export class TestPanel {
       head.scope = "row";
       return node("tr", "", head, node("td", "", value));
     }));
+  }
+
+  #write() {
+    const { faults } = this.judged, { verdict } = this, word = field("word");
+    word.textContent = verdict.word;
+    word.className = verdict.word.split(" ")[0];
+    field("test").ariaBusy = "false";
+    this.#writeNumbers();
     const felt = { true: "the loop felt it", false: "the loop did not feel it, and it was taken away", null: "whether the loop felt it is not known" };
     const found = faults.map((fault) => `The measured displacement has an ${fault.kind === "offset" ? "offset" : "upward or downward drift"} of ${percent(Math.abs(fault.size))} of the command's peak: ${felt[fault.felt]}.`);
     field("notes").replaceChildren(
