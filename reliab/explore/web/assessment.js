@@ -65,7 +65,7 @@ export function* verdictOf(test, judged, deviations) {
 // What the page has not looked at: a channel that may contradict the verdict.
 function unusedChannels(unused) {
   if (!unused.length) return [];
-  return [`The file also holds ${unused.join(" and ")}, which this page does not use: reliab assess judges the test with ${unused.length > 1 ? "them" : "it"}.`];
+  return [`The file also holds ${unused.map((part) => `the ${part}`).join(" and ")}, which this page does not use: reliab assess judges the test with ${unused.length > 1 ? "them" : "it"}.`];
 }
 
 // Verdict of a probability that the error stays below the threshold.

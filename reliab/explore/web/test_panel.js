@@ -156,7 +156,7 @@ export class TestPanel {
     const later = (write) => (verdict === null ? "…" : write(verdict));
     const interval = ({ value, low, high }) => `${percent(value)}, 90 % interval ${percent(low)} to ${percent(high)}`;
     const bounded = (probability) => (probability > 0.99 ? "above 0.99" : probability < 0.01 ? "below 0.01" : probability.toFixed(2));
-    const alone = this.test.unused.length ? ", by command and measured displacement alone" : "";
+    const alone = this.test.unused.length ? ", by displacements alone" : "";
     const rows = [
       [`Probability that the ${metric.toUpperCase()} error is below ${percent(threshold)}${alone}`, later(({ probability }) => bounded(probability))],
       ["RMS error of this test, rebuilt", later(({ rms }) => interval(rms))],

@@ -77,7 +77,9 @@ def verdict_of_error(
 
 def sizes_otherwise(error: ErrorOfTest, otherwise: tuple[ErrorOfTest, ...]) -> str:
     """Say how large the error is, and how large with other values that are stated or possible."""
-    sizes = ", ".join(f"{other.of(error.metric).value:.2%} with {other.under}" for other in otherwise)
+    sizes = ", ".join(
+        f"{restated.of(error.metric).value:.2%} with {restated.under}" for restated in otherwise
+    )
     return f"{ERROR_NAMES[error.metric]} is {error.of(error.metric).value:.2%}, but {sizes}."
 
 

@@ -132,16 +132,16 @@ class ErrorOfTest:
 
         Where alternatives lead to other verdicts, it is the mean of all: each may be the true one.
         """
-        own = self.rebuilt.probability(self.threshold, self.metric)
+        as_stated = self.rebuilt.probability(self.threshold, self.metric)
         if not self.contested:
-            return own
-        return float(np.mean([own, *(other.probability for other in self.alternatives)]))
+            return as_stated
+        return float(np.mean([as_stated, *(another.probability for another in self.alternatives)]))
 
     @property
     def contested(self) -> bool:
         """Whether the verdict is another one under some alternative."""
-        own = word_of_probability(self.rebuilt.probability(self.threshold, self.metric))
-        return any(word_of_probability(other.probability) is not own for other in self.alternatives)
+        word = word_of_probability(self.rebuilt.probability(self.threshold, self.metric))
+        return any(word_of_probability(another.probability) is not word for another in self.alternatives)
 
     @property
     def reference(self) -> Array:

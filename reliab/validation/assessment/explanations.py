@@ -42,13 +42,13 @@ class Explanation:
     feedback_lag: float = 0.0
     dashpot: float = 0.0
 
-    def __add__(self, other: "Explanation") -> "Explanation":
+    def __add__(self, further: "Explanation") -> "Explanation":
         """Both together."""
         return Explanation(
-            damping=self.damping + other.damping,
-            skew=self.skew + other.skew,
-            feedback_lag=self.feedback_lag + other.feedback_lag,
-            dashpot=self.dashpot + other.dashpot,
+            damping=self.damping + further.damping,
+            skew=self.skew + further.skew,
+            feedback_lag=self.feedback_lag + further.feedback_lag,
+            dashpot=self.dashpot + further.dashpot,
         )
 
     def damping_ratio(self, structure: Structure) -> float:
@@ -100,10 +100,10 @@ class VelocityTerm:
         """Whether it differs from 0 significantly and not negligibly."""
         return abs(self.value) > max(_SIGNIFICANT * self.deviation, self.least)
 
-    def without(self, other: "VelocityTerm") -> "VelocityTerm":
+    def without(self, further: "VelocityTerm") -> "VelocityTerm":
         """Take away another term that is a part of it."""
-        deviation = float(np.hypot(self.deviation, other.deviation))
-        return replace(self, value=self.value - other.value, deviation=deviation)
+        deviation = float(np.hypot(self.deviation, further.deviation))
+        return replace(self, value=self.value - further.value, deviation=deviation)
 
 
 def explain(
@@ -148,7 +148,7 @@ def explain(
         return causes
     return (
         *_of_equation(of_equation, stated_lag),
-        *(one + another for one, another in product(beside, causes)),
+        *(cause + further for cause, further in product(beside, causes)),
     )
 
 

@@ -213,7 +213,7 @@ def _said(
         yield f"The recorded force is {size:.2g} ± {deviation:.1g} ms {where} the measured displacement."
     if explanations:
         causes = ", or ".join(explanation.spoken(structure) for explanation in explanations)
-        yield f"The cause may be {causes}: the test cannot tell which."
+        yield f"The cause may be {causes}{': the test cannot tell which' if len(explanations) > 1 else ''}."
 
 
 def _within(estimate: Identified, stated: StatedValue | None, factor: float) -> bool:
