@@ -115,7 +115,7 @@ def trace_frame_ellipses(
             "frame": request.frame.name,
             "error_of": request.frame.error_of,
         },
-        error_at_rest=np.nan_to_num(np.array(rests), posinf=1e300),
+        error_at_rest=np.array(rests),
     )
 
 

@@ -25,6 +25,8 @@ _PARTS = 4  # in which the actuator's error is approached
 _NEWTON_STEPS = 30
 _CONVERGED = 1e-12
 _CIRCLE = 8  # points around s = 0 from which value and slope there are taken
+_UNKNOWN_POLES = np.errstate(over="ignore", invalid="ignore", divide="ignore")
+"""A pole that is not found runs away, and is NaN in what is computed from it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,6 +53,7 @@ class PoleLoop:
         """Whether every followed pole lies in the left half-plane, shape (cells,)."""
         return np.asarray((self.poles.real < 0.0).all(axis=0))
 
+    @_UNKNOWN_POLES
     def transfer(self, s: ComplexArray) -> ComplexArray:
         """Reduced transfer function from −a_g [s²] at s [rad/s], shape (frequencies, cells)."""
         at = np.asarray(s)[:, np.newaxis]
@@ -61,6 +64,7 @@ class PoleLoop:
         return np.asarray(total)
 
 
+@_UNKNOWN_POLES
 def pole_loop(partition: Partition, gain: Array, delay: Array, output: Array | None = None) -> PoleLoop:
     """Follow the poles of the test for many actuators, and work out the residues of an output.
 
@@ -90,8 +94,7 @@ def pole_loop(partition: Partition, gain: Array, delay: Array, output: Array | N
             value=f"{partition.frame.size - start.size} overdamped modes",
             remedy="Reduce the damping, or the number of degrees of freedom",
         )
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # a pole that is not found runs away
-        poles = np.stack([_followed(partition, complex(pole), gain, delay) for pole in start])
+    poles = np.stack([_followed(partition, complex(pole), gain, delay) for pole in start])
     residues = _residues(partition, poles, gain, delay, output)
     rest, rest_time = _rest(partition, poles, residues, gain, delay, output)
     return PoleLoop(poles=poles, residues=residues, rest=rest, rest_time=rest_time)
@@ -181,8 +184,7 @@ def _rest(
     remainder = exact - (residues / (at - poles) + residues.conj() / (at - poles.conj())).sum(axis=1)
     value = remainder.mean(axis=0).real
     slope = (remainder / s[:, np.newaxis]).mean(axis=0).real
-    with np.errstate(divide="ignore", invalid="ignore"):
-        time = np.nan_to_num(-slope / value, nan=0.0, posinf=0.0, neginf=0.0)
+    time = np.nan_to_num(-slope / value, nan=0.0, posinf=0.0, neginf=0.0)
     # The rest of a delay lags, that of a lead is ahead; one of another shape follows the ground at once.
     sound = (time * delay > 0.0) & (np.abs(time) < 2.0 * np.abs(delay))
     return np.asarray(np.nan_to_num(value)), np.where(sound, time, 0.0)

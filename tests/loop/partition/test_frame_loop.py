@@ -2,7 +2,10 @@
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
+from scipy.signal import lsim
 
 from reliab.boundary import motion_contours
 from reliab.errors import InputError
@@ -128,14 +131,66 @@ def test_an_unstable_test_is_followed_by_its_poles_and_refused_by_the_spectral_e
         oracle.deviation(oracle.cells(gain=1.0, delay=0.020))
 
 
-def test_an_actuator_at_rest_leaves_the_floors_to_the_computer_alone(shaken):
-    excitation = Excitation(acceleration=shaken, time_step=0.02)
-    partition = benchmark_partition(1)
-    measured = FrameLoop(excitation=excitation, partition=partition).at_rest()
-    assert measured.peak[0] == measured.ideal_peak
-    roof = FrameLoop(excitation=excitation, partition=partition, output=np.array([0.0, 0.0, 1.0])).at_rest()
-    assert np.isfinite(roof.peak[0])
-    assert roof.peak[0] > 0.0
+def braced_first_storey(share, output=(0.0, 0.0, 1.0)):
+    """Three storeys with a share of the first one's stiffness in the laboratory, and an output."""
+    mass, stiffness = shear_frame([2000.0, 2000.0, 1500.0], [1.2e6, 1.0e6, 8.0e5])
+    frame = Frame(mass=mass, stiffness=stiffness, damping=modal_damping(mass, stiffness, 0.02))
+    specimen = Specimen(stiffness=share * 1.2e6)
+    partition = Partition(frame=frame, interface=[1.0, 0.0, 0.0], specimen=specimen)
+    return partition, None if output is None else np.array(output)
+
+
+OUTPUTS = (None, (1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 1.0))
+
+
+@pytest.mark.parametrize("output", OUTPUTS)
+@pytest.mark.parametrize("share", [0.5, 0.98, 0.99, 0.999, 0.9999, 1.0])
+def test_an_actuator_at_rest_leaves_the_floors_to_the_computer_alone(shaken, share, output):
+    """Whether or not what is left to the computer oscillates, is overdamped or drifts freely."""
+    partition, seen = braced_first_storey(share, output)
+    rest = FrameLoop(
+        excitation=Excitation(acceleration=shaken, time_step=0.02), partition=partition, output=seen
+    ).at_rest()
+    times = np.arange(0.0, 0.02 * (shaken.size - 1) + 1e-9, 0.005)
+    ground = np.interp(times, 0.02 * np.arange(shaken.size), shaken)
+
+    def floors(mass, damping, stiffness):
+        """Exact for the piecewise-linear record, by matrix exponentials."""
+        nothing, one = np.zeros((3, 3)), np.eye(3)
+        of_state = -np.linalg.solve(mass, np.hstack([stiffness, damping]))
+        matrix = np.vstack([np.hstack([nothing, one]), of_state])
+        load = np.concatenate([np.zeros(3), -np.linalg.solve(mass, partition.frame.mass @ np.ones(3))])
+        outputs = np.hstack([one, nothing])
+        return lsim((matrix, load[:, np.newaxis], outputs, np.zeros((3, 1))), ground, times)[1].T
+
+    frame = partition.frame
+    ideal = floors(frame.mass, frame.damping, frame.stiffness)
+    alone = floors(partition.numerical_mass, partition.numerical_damping, partition.numerical_stiffness)
+    strayed = ideal[0] if seen is None else seen @ (alone - ideal)
+    assert rest.peak[0] == pytest.approx(np.abs(strayed).max(), rel=2e-3)
+    assert rest.mean_square[0] == pytest.approx(np.mean(strayed**2), rel=5e-3)
+
+
+@given(
+    share=st.sampled_from([0.9, 0.9997, 1.0]),
+    gain=st.floats(1e-13, 3.0),
+    delay=st.floats(-0.05, 5.0),
+    output=st.sampled_from(OUTPUTS),
+)
+@settings(max_examples=25)
+def test_whatever_the_actuator_the_error_is_a_number_or_beyond_every_threshold(share, gain, delay, output):
+    """And no warning of the numerics is given, which the settings of the tests turn into an error."""
+    partition, seen = braced_first_storey(share, output)
+    ground = np.sin(np.arange(200) / 5.0) * np.hanning(200)
+    loop = FrameLoop(
+        excitation=Excitation(acceleration=ground, time_step=0.02),
+        partition=partition,
+        output=seen,
+        engine=Engine.POLE,
+    )
+    cells = loop.cells(gain=gain, delay=delay)
+    for error in (loop.deviation(cells).mean_square, loop.deviation(cells).peak, loop.reduction_error(cells)):
+        assert not np.isnan(error).any()
 
 
 def test_what_a_frame_cannot_be_asked_is_refused(shaken):
