@@ -14,6 +14,7 @@ from reliab.discrepancy.blocks.loop import LoopBlock
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, Stretch
+from reliab.discrepancy.campaign.contradictions import require_consistent
 from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.informed_band import informed_up_to
@@ -56,10 +57,12 @@ def diagnose(campaign: Campaign | str | Path, *, progress: Progress = silent) ->
     Raises
     ------
     InputError
-        If no block is observed or no displacement moves.
+        If no block is observed, no displacement moves, or tests contradict themselves or each other by a sign
+        or a unit.
     """
     if isinstance(campaign, str | Path):
         campaign = read_campaign(campaign)
+    faults = require_consistent(campaign)
     kinds = _observed(campaign)
     motions = motions_of(campaign)
     scales = scales_of(campaign, motions)
@@ -72,7 +75,7 @@ def diagnose(campaign: Campaign | str | Path, *, progress: Progress = silent) ->
         for kind in kinds:
             block = _block(kind, campaign, scales, motions, diagnoses)
             diagnoses.append(_examined(block, campaign, lambda: progress(next(steps), whole)))
-    return Diagnosis(campaign=campaign, blocks=tuple(diagnoses))
+    return Diagnosis(campaign=campaign, blocks=tuple(diagnoses), faults=faults)
 
 
 def _observed(campaign: Campaign) -> list[type[ObservedBlock]]:

@@ -1,9 +1,10 @@
-"""A force with the wrong sign is told by the energy that the specimen would deliver."""
+"""A force with the wrong sign is refused: the specimen would deliver energy."""
 
 import pandas as pd
 import pytest
 
 from reliab.discrepancy import diagnose, read_campaign
+from reliab.errors import InputError
 from reliab.shipped import shipped
 
 FACTORS = {"sign": -1.0, "none": 1.0}
@@ -32,8 +33,12 @@ def damper(tmp_path):
     return write
 
 
-@pytest.mark.parametrize(("fault", "told"), [("sign", True), ("none", False)])
-def test_a_specimen_that_delivers_energy_is_told(damper, fault, told):
-    campaign = read_campaign(damper(FACTORS[fault]))
-    assert all((test.absorbed < -0.9) is told for test in campaign.tests)
-    assert any("sign of force_n" in remark for remark in diagnose(campaign).remarks) is told
+def test_a_specimen_that_delivers_energy_is_refused(damper):
+    with pytest.raises(InputError, match="must resist the motion") as refused:
+        diagnose(read_campaign(damper(FACTORS["sign"])))
+    assert refused.value.where is not None
+    assert "positive where the specimen resists" in str(refused.value)
+
+
+def test_a_specimen_that_resists_is_diagnosed_without_a_doubt_of_its_sign(damper):
+    assert not any("sign of" in remark for remark in diagnose(read_campaign(damper(FACTORS["none"]))).remarks)

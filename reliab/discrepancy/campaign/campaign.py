@@ -49,20 +49,6 @@ class MeasuredTest:
         """Number of samples."""
         return next(iter(self.channels.values())).size
 
-    @property
-    def absorbed(self) -> float:
-        """Work that the specimen takes up over the sum of its absolute amounts [-]; 0 without the channels.
-
-        It is near 0 for a spring, near 1 for a damper, and cannot be clearly negative for a passive specimen
-        whose force is recorded with the sign of a restoring force.
-        """
-        if not {Channel.MEASURED, Channel.FORCE} <= set(self.channels):
-            return 0.0
-        force, moved = self.channels[Channel.FORCE], np.diff(self.channels[Channel.MEASURED])
-        work = 0.5 * (force[1:] + force[:-1]) * moved
-        total = float(np.abs(work).sum())
-        return float(work.sum()) / total if total > 0.0 else 0.0
-
 
 @dataclass(frozen=True, kw_only=True)
 class Stretch:

@@ -20,7 +20,6 @@ SHORT_RECORD = 256
 """Samples of a test below which a remark says that it is short."""
 
 _LIKE_A_STRUCTURE = {"added_mass", "viscous_damping"}
-_DELIVERED = 0.5  # of the work without regard to its sign
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -33,12 +32,15 @@ class Diagnosis:
         The campaign.
     blocks : tuple of BlockDiagnosis
         Every observed block.
+    faults : tuple of str, optional
+        Faults of the recordings, sentences.
     criterion_shift : dict, optional
         Ratios of the criterion's parameters with and without the effects, where they were computed.
     """
 
     campaign: Campaign
     blocks: tuple[BlockDiagnosis, ...]
+    faults: tuple[str, ...] = ()
     criterion_shift: dict[str, float] | None = None
 
     @property
@@ -76,8 +78,8 @@ class Diagnosis:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Sentences on what limits the answer: doubts, bounds, convergence, model error, short records."""
-        remarks = [effect.remark for effect in self.doubtful]
+        """Sentences on what limits the answer: faults, doubts, bounds, convergence, errors of models."""
+        remarks = [*self.faults, *(effect.remark for effect in self.doubtful)]
         for block in self.blocks:
             remarks += _limits_of(block)
         remarks += [
@@ -85,11 +87,6 @@ class Diagnosis:
             for test in self.campaign.tests
             if test.size < SHORT_RECORD
         ]
-        if all(test.absorbed < -_DELIVERED for test in self.campaign.tests):
-            remarks.append(
-                "In every test the specimen delivers energy to the actuator: check the sign of force_n, which"
-                " is positive where the specimen resists a positive displacement."
-            )
         return tuple(dict.fromkeys(remarks))
 
     def plot(self, axes: "Axes | None" = None) -> "Axes":

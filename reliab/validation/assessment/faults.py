@@ -105,14 +105,30 @@ def find_faults(
     tuple of Fault
         None for a sound recording.
     """
-    clean, in_command, in_measured = without_spikes(recording)
+    clean, *_ = without_spikes(recording)
     expected = _expected(clean, tracking)
     return (
-        *_spikes(recording, clean, in_command, in_measured),
-        *_copy(clean),
+        *plain_faults(recording),
         *_standstill(clean, expected),
         *_slow(clean, expected, threshold, experimental_fraction, tracking),
     )
+
+
+def plain_faults(recording: Recording) -> tuple[Fault, ...]:
+    """Look for faults that show without any model of the rig: spikes, and one channel exported twice.
+
+    Parameters
+    ----------
+    recording : Recording
+        The test as it was recorded.
+
+    Returns
+    -------
+    tuple of Fault
+        None for a sound recording.
+    """
+    clean, in_command, in_measured = without_spikes(recording)
+    return (*_spikes(recording, clean, in_command, in_measured), *_copy(clean))
 
 
 def _expected(recording: Recording, tracking: TrackingIndex) -> Array:

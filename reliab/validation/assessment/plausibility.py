@@ -19,6 +19,15 @@ _UNRELATED = 0.2
 """Correlation at the best lag below which the measured displacement does not follow the command; in an
 unstable test it follows late, but with a higher correlation."""
 
+_LONGEST_REACTION = 0.1
+"""Time by which a rig may be late [s]. Half a period below it is no reversed sign for sure."""
+
+_IN_STEP = 0.8
+"""Correlation above which a rig is not late enough to attenuate by a filter of its own."""
+
+_PROPORTIONAL = 0.98
+"""Correlation at the best lag above which a difference in size is a factor, not a limit of the rig."""
+
 _FEWEST_PERIODS = 2.0
 _LONGEST_STEP = 0.2  # of a period
 _LONGEST_LAG = 0.25  # of the test
@@ -128,16 +137,16 @@ def _require_following(recording: Recording) -> None:
     command, measured = _moving(recording.command), _moving(recording.measured)
     size = float(np.linalg.norm(command) * np.linalg.norm(measured))
     correlation = float(command @ measured) / size
-    if correlation < _OPPOSITE:
+    reach, none = int(_LONGEST_LAG * command.size), command.size - 1
+    products = scipy.signal.correlate(measured, command, method="fft")[none - reach : none + reach + 1]
+    best, lag = float(products.max()) / size, abs(int(np.argmax(products)) - reach) * recording.time_step
+    if correlation < _OPPOSITE and lag > _LONGEST_REACTION:
         raise InputError(
             "The measured displacement must have the command's sign",
             value=f"a correlation of {correlation:.2f} between the two",
             remedy="Reverse the sign of one channel",
             where=recording.name,
         )
-    reach, none = int(_LONGEST_LAG * command.size), command.size - 1
-    products = scipy.signal.correlate(measured, command, method="fft")[none - reach : none + reach + 1]
-    best = float(products.max()) / size
     if best < _UNRELATED:
         raise InputError(
             "The measured displacement must follow the command",
@@ -154,6 +163,8 @@ def _require_following(recording: Recording) -> None:
             remedy="Check that the channel was connected",
             where=recording.name,
         )
+    if correlation < _IN_STEP or best < _PROPORTIONAL:
+        return
     ratio = float(np.linalg.norm(measured) / np.linalg.norm(command))
     for factor, units in _UNIT_FACTORS.items():
         for expected in (factor, 1.0 / factor):

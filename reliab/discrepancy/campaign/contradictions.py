@@ -1,0 +1,195 @@
+"""Blunders of a recording that a model would take for an effect: signs, units, channels that do not belong.
+
+Each test is examined as `reliab assess` examines one. Then the tests are compared with each other: one rig
+may answer another motion by another amount, but not with another sign, and not a thousandfold.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
+from reliab.errors import InputError
+from reliab.validation.assessment.faults import plain_faults
+from reliab.validation.assessment.plausibility import require_plausible
+from reliab.validation.assessment.recorded_force import require_restoring_force
+from reliab.validation.assessment.recording import Recording
+
+Spectrum = NDArray[np.complex128]
+Pair = tuple[Channel, Channel]
+
+_REMEDY: Final = (
+    "Correct the columns of this test: metres and newtons, displacements of one direction, and a force that "
+    "is positive where the specimen resists a positive displacement"
+)
+_BINS_IN_BAND = (
+    4.0  # of the shortest test: a band is narrower than a resonance, and noise is not coherent in it
+)
+_COHERENT = 0.8
+_SHARED, _ALIKE = 0.3, 0.8  # of two tests' cross-spectra: how much they overlap, and agree where they do
+_STEEPEST = 2.0  # power of the frequency with which a rig answers
+_LARGEST_CHANGE = np.log(
+    30.0
+)  # of its gain: the specimen's setting and its amplitude may change from test to test
+
+
+def require_consistent(campaign: Campaign) -> tuple[str, ...]:
+    """Refuse tests whose channels contradict each other, or the other tests, by a sign or a unit.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        The measured tests.
+
+    Returns
+    -------
+    tuple of str
+        Faults of recordings that can be diagnosed nevertheless, a sentence each.
+
+    Raises
+    ------
+    InputError
+        With the file, what was found and the remedy.
+    """
+    faults = tuple(sentence for test in campaign.tests for sentence in _faults_of(test, campaign))
+    _require_agreement(campaign)
+    return faults
+
+
+def _faults_of(test: MeasuredTest, campaign: Campaign) -> Iterator[str]:
+    """Examine one test by itself."""
+    command, measured, force = (
+        test.channels.get(channel) for channel in (Channel.COMMAND, Channel.MEASURED, Channel.FORCE)
+    )
+    specimen = campaign.nominal.specimen
+    stiffness = None if specimen is None else specimen.stiffness
+    if measured is None or not np.ptp(measured if command is None else command) > 0.0:
+        return
+    try:
+        if command is not None:
+            recording = Recording(
+                command=command, measured=measured, time_step=campaign.step, name=test.file, force=force
+            )
+            expected = replace(recording, command=campaign.nominal.actuator.gain * command)
+            require_plausible(expected, stiffness=stiffness)
+            yield from (f"{test.file}: {fault.finding}" for fault in plain_faults(recording))
+        elif force is not None:
+            require_restoring_force(measured, force, campaign.step, stiffness=stiffness, where=test.file)
+    except InputError as error:
+        raise InputError(error.rule, value=error.value, remedy=_REMEDY, where=test.file) from None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Moved:
+    """One test: sizes and frequencies of its channels, and their cross-spectra in bands.
+
+    Attributes
+    ----------
+    file : str
+        Name of its file.
+    size, frequency : mapping of Channel to float
+        Logarithms of RMS without the mean, up to a constant of the test, and of mean frequency.
+    crossed : mapping of tuple to numpy.ndarray
+        Cross-spectrum of a pair of channels in bands of frequency, of unit length, shape (bands,); None where
+        the two are not coherent.
+    """
+
+    file: str
+    size: Mapping[Channel, float]
+    frequency: Mapping[Channel, float]
+    crossed: Mapping[Pair, Spectrum | None]
+
+    @classmethod
+    def of(cls, test: MeasuredTest, channels: list[Channel], rate: float, width: float) -> "_Moved":
+        """Transform the channels of a test, all of which move, into bands of a width [Hz]."""
+        centred = {channel: test.channels[channel] - test.channels[channel].mean() for channel in channels}
+        scales = {channel: float(np.abs(values).max()) for channel, values in centred.items()}
+        spectra = {channel: np.fft.rfft(centred[channel] / scales[channel])[1:] for channel in channels}
+        frequency = np.arange(1, test.size // 2 + 1) * rate / test.size
+        band = (frequency / width).astype(np.intp)
+        powers = {channel: np.abs(spectrum) ** 2 for channel, spectrum in spectra.items()}
+        return cls(
+            file=test.file,
+            size={c: float(np.log(scales[c]) + 0.5 * np.log(powers[c].sum())) for c in channels},
+            frequency={c: float(np.log((frequency * powers[c]).sum() / powers[c].sum())) for c in channels},
+            crossed={(a, b): _crossed(spectra[a], spectra[b], band) for a, b in combinations(channels, 2)},
+        )
+
+
+def _crossed(first: Spectrum, second: Spectrum, band: NDArray[np.intp]) -> Spectrum | None:
+    product = first.conj() * second
+    summed = np.bincount(band, product.real) + 1j * np.bincount(band, product.imag)
+    powers = [np.bincount(band, np.abs(spectrum) ** 2) for spectrum in (first, second)]
+    if np.abs(summed).sum() < _COHERENT * np.sqrt(powers[0] * powers[1]).sum():
+        return None
+    return np.asarray(summed / np.linalg.norm(summed))
+
+
+def _require_agreement(campaign: Campaign) -> None:
+    """Compare the tests with each other."""
+    channels = sorted(campaign.channels)
+    width = _BINS_IN_BAND * campaign.rate / min(test.size for test in campaign.tests)
+    tests = [
+        _Moved.of(test, channels, campaign.rate, width)
+        for test in campaign.tests
+        if all(np.ptp(test.channels[channel]) > 0.0 for channel in channels)
+    ]
+    pairs = list(combinations(channels, 2))
+    for rule, agrees, found in (
+        ("The tests of a campaign must have the same signs", _same_sign, _reversed),
+        ("The tests of a campaign must have the same units", _same_unit, _scaled),
+    ):
+        votes = [
+            (test, pair, [agrees(test, other, pair) for other in tests if other is not test])
+            for test in tests
+            for pair in pairs
+        ]
+        against = [(test, pair) for test, pair, vote in votes if vote.count(False) > vote.count(True)]
+        if against:
+            files = [test.file for test, _ in against]
+            first = max(tests, key=lambda test: files.count(test.file))
+            blamed = [pair for test, pair in against if test is first]
+            channel = max(channels, key=lambda name: sum(name in pair for pair in blamed))
+            others = [test for test in tests if test is not first]
+            raise InputError(
+                rule, value=found(first, others, channel, blamed), remedy=_REMEDY, where=first.file
+            )
+
+
+def _same_sign(test: _Moved, other: _Moved, pair: Pair) -> bool | None:
+    """Whether two channels move alike in two tests; None where these share too few frequencies to tell."""
+    mine, theirs = test.crossed[pair], other.crossed[pair]
+    if mine is None or theirs is None:
+        return None
+    bands = min(mine.size, theirs.size)
+    products = mine[:bands].conj() * theirs[:bands]
+    shared, alike = float(np.abs(products).sum()), float(products.real.sum())
+    return alike > 0.0 if shared > _SHARED and abs(alike) > _ALIKE * shared else None
+
+
+def _same_unit(test: _Moved, other: _Moved, pair: Pair) -> bool:
+    """Whether the gain changes by no more than amplitude, frequency and setting of a rig can explain."""
+    given, answered = (test.size[channel] - other.size[channel] for channel in pair)
+    reach = _STEEPEST * abs(test.frequency[pair[0]] - other.frequency[pair[0]])
+    return bool(abs(answered - given) < _LARGEST_CHANGE + reach)
+
+
+def _reversed(_test: _Moved, others: list[_Moved], channel: Channel, pairs: list[Pair]) -> str:
+    beside = ", ".join(sorted({name for pair in pairs if channel in pair for name in pair} - {channel}))
+    against = f"against {others[0].file}" if len(others) == 1 else "against most other tests"
+    return f"{channel} reversed {against}, beside {beside}"
+
+
+def _scaled(test: _Moved, others: list[_Moved], channel: Channel, pairs: list[Pair]) -> str:
+    beside = [next(name for name in pair if name is not channel) for pair in pairs if channel in pair]
+    gains = [
+        test.size[channel] - other.size[channel] - test.size[name] + other.size[name]
+        for name in beside
+        for other in others
+    ]
+    against = f"in {others[0].file}" if len(others) == 1 else "in the other tests"
+    return f"{channel} {np.exp(np.median(gains)):.3g} times what it is {against}, beside {', '.join(beside)}"

@@ -1,0 +1,143 @@
+"""Blunders of a recording are refused by name before any model takes them for an effect."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from reliab.discrepancy import Campaign, Channel, MeasuredTest, diagnose, read_campaign
+from reliab.discrepancy.campaign.contradictions import require_consistent
+from reliab.errors import InputError
+
+RIGS = {name: read_campaign(name) for name in ("rig_a", "rig_b", "rig_c")}
+FORCE, GROUND, COMMAND, MEASURED = Channel.FORCE, Channel.GROUND, Channel.COMMAND, Channel.MEASURED
+
+
+def spoiled(campaign, channel, factor, tests=None):
+    """The campaign with a channel of some tests, or of all, multiplied."""
+    changed = [
+        replace(test, channels={**test.channels, channel: factor * test.channels[channel]})
+        if tests is None or place in tests
+        else test
+        for place, test in enumerate(campaign.tests)
+    ]
+    return replace(campaign, tests=tuple(changed))
+
+
+def kept(campaign, *channels):
+    """The campaign with some of its channels only."""
+    return replace(
+        campaign,
+        tests=tuple(
+            replace(test, channels={channel: test.channels[channel] for channel in channels})
+            for test in campaign.tests
+        ),
+    )
+
+
+@pytest.mark.parametrize("campaign", RIGS.values(), ids=RIGS)
+def test_sound_campaigns_pass_without_a_word(campaign):
+    assert require_consistent(campaign) == ()
+
+
+@pytest.mark.parametrize("factor", [-1.0, 1000.0, 0.001, -39.37])
+@pytest.mark.parametrize("channel", Channel)
+@pytest.mark.parametrize("name", RIGS)
+def test_a_blunder_in_one_run_names_the_file_and_the_rule(name, channel, factor):
+    campaign = RIGS[name]
+    for place, test in enumerate(campaign.tests):
+        with pytest.raises(InputError, match=r"sign|unit|resist|specimen") as refused:
+            require_consistent(spoiled(campaign, channel, factor, {place}))
+        assert refused.value.where == test.file
+
+
+@pytest.mark.parametrize(
+    ("channel", "factor", "rule"),
+    [
+        (FORCE, -1.0, "resist the motion"),
+        (FORCE, 1000.0, "stated specimen"),
+        (MEASURED, -1.0, "command's sign"),
+        (MEASURED, 1000.0, "one unit"),
+        (COMMAND, 0.0254, "one unit"),
+    ],
+)
+@pytest.mark.parametrize("name", RIGS)
+def test_a_blunder_in_every_run_is_refused_as_in_an_assessment(name, channel, factor, rule):
+    with pytest.raises(InputError, match=rule) as refused:
+        diagnose(spoiled(RIGS[name], channel, factor))
+    assert refused.value.where == RIGS[name].tests[0].file
+
+
+@pytest.mark.parametrize(
+    "channels", [(MEASURED, FORCE), (COMMAND, MEASURED), (GROUND, MEASURED), (GROUND, COMMAND, FORCE)]
+)
+@pytest.mark.parametrize("factor", [-1.0, 1000.0])
+def test_every_set_of_channels_shows_a_blunder_in_one_run(channels, factor):
+    campaign = kept(RIGS["rig_a"], *channels)
+    require_consistent(campaign)
+    for channel in channels:
+        with pytest.raises(InputError) as refused:
+            require_consistent(spoiled(campaign, channel, factor, {1}))
+        assert refused.value.where == campaign.tests[1].file
+
+
+def swept(frequency, *, seconds=20.0, rate=200.0, amplitude=1.0, answer=None):
+    """A test of an actuator and a damper with friction, driven by a swelling sine."""
+    time = np.arange(0.0, seconds, 1.0 / rate)
+    command = 0.01 * amplitude * np.sin(2.0 * np.pi * frequency * time) * np.sin(np.pi * time / seconds)
+    measured = command if answer is None else answer(command, rate)
+    speed = np.gradient(measured, 1.0 / rate)
+    force = 500.0 * speed + 40.0 * np.tanh(speed / 1e-3)
+    noise = np.random.default_rng(1)
+    channels = {COMMAND: command, MEASURED: measured, FORCE: force}
+    channels = {
+        name: values + 1e-4 * values.std() * noise.normal(size=time.size) for name, values in channels.items()
+    }
+    return MeasuredTest(
+        file=f"{frequency:.3g}_{amplitude:.3g}.csv", motion="", held_out=False, channels=channels
+    )
+
+
+def slow(time_constant, limit=np.inf):
+    """An actuator with a first-order lag and a stroke."""
+
+    def answer(command, rate):
+        moved = np.zeros_like(command)
+        for k in range(1, command.size):
+            moved[k] = moved[k - 1] + (command[k] - moved[k - 1]) / (time_constant * rate)
+        return np.clip(moved, -limit, limit)
+
+    return answer
+
+
+@given(
+    frequencies=st.lists(st.floats(0.3, 20.0), min_size=2, max_size=4, unique=True),
+    amplitudes=st.lists(st.floats(0.1, 3.0), min_size=4, max_size=4),
+    time_constant=st.floats(0.006, 0.06),
+    limit=st.sampled_from([0.004, np.inf]),
+)
+@settings(max_examples=25)
+def test_what_a_slow_rig_with_a_stroke_and_friction_does_is_no_blunder(
+    frequencies, amplitudes, time_constant, limit
+):
+    tests = [
+        swept(frequency, amplitude=amplitude, answer=slow(time_constant, limit))
+        for frequency, amplitude in zip(frequencies, amplitudes, strict=False)
+    ]
+    campaign = Campaign(
+        name="slow", structure=None, mass=1.0, actuator=None, specimen=None, rate=200.0, tests=tuple(tests)
+    )
+    require_consistent(campaign)
+
+
+def test_a_copied_channel_is_told_beside_the_diagnosis():
+    campaign = RIGS["rig_b"]
+    copied = replace(
+        campaign.tests[0],
+        channels={**campaign.tests[0].channels, MEASURED: campaign.tests[0].channels[COMMAND]},
+    )
+    faults = require_consistent(replace(campaign, tests=(copied, *campaign.tests[1:])))
+    (fault,) = faults
+    assert fault.startswith(f"{copied.file}: Command and measured displacement are identical")
