@@ -27,12 +27,6 @@ if TYPE_CHECKING:
 RESULT_FILE = "diagnosis.json"
 REPORT_FILE = "report.pdf"
 
-_SENTENCES = {
-    "named": "The model lacks what is listed below.",
-    "no_missing_effect": "Calibration alone explains the tests: nothing is missing.",
-    "unknown_effect": "Something is missing that is none of the known effects.",
-    "not_identifiable": "Something is missing, but these tests do not show which effect it is.",
-}
 _WHERE = {
     "block": "left",
     "channel": "left",
@@ -80,7 +74,7 @@ def diagnose(
         diagnosis = diagnose_campaign(measured, progress=progress)
     quiet = json_target == "-"
     if not quiet:
-        console().print(f"{diagnosis.campaign.name}: {diagnosis.verdict}. {_SENTENCES[diagnosis.verdict]}")
+        console().print(f"{diagnosis.campaign.name}: {diagnosis.verdict}. {diagnosis.statement}")
     with progress_bar("Sampling posteriors") as progress:
         addition = add(diagnosis, out=out, progress=progress)
     content = addition.as_dict()
@@ -173,7 +167,7 @@ def _show_effects(diagnosis: "Diagnosis") -> None:
 def _proved(block: "BlockDiagnosis") -> str:
     """Sentence on the gap of a block."""
     gap = block.gap
-    closed = "" if gap.closed_fraction is None else f", {gap.closed_fraction:.1%} of the gap closed"
+    closed = "" if gap.stated_share is None else f", {gap.stated_share:.1%} of the gap closed"
     floor = "not known" if gap.floor is None else f"{gap.floor:.4f} ({gap.source})"
     return (
         f"{block.block.block}, held-out {', '.join(gap.held_out)}, {gap.channel}: error {gap.before:.4f}"

@@ -114,7 +114,7 @@ def test_errors_stand_by_test_and_with_and_without_each_effect(damped):
 def test_nothing_missing_is_said_so():
     document = discrepancy_report(diagnose(campaign_with()), provenance={})
     assert document.tone == "good"
-    assert "Nothing is missing" in document.verdict
+    assert "".join(document.verdict) == "Calibration alone explains the tests: nothing is missing."
     assert compiled_report(document, date=dt.date(2026, 1, 2)).startswith(b"%PDF")
 
 

@@ -144,7 +144,7 @@ def _require_agreement(campaign: Campaign) -> None:
         ("The tests of a campaign must have the same units", _same_unit, _scaled),
     ):
         votes = [
-            (test, pair, [agrees(test, other, pair) for other in tests if other is not test])
+            (test, pair, [agrees(test, rival, pair) for rival in tests if rival is not test])
             for test in tests
             for pair in pairs
         ]
@@ -160,9 +160,9 @@ def _require_agreement(campaign: Campaign) -> None:
             )
 
 
-def _same_sign(test: _Moved, other: _Moved, pair: Pair) -> bool | None:
+def _same_sign(test: _Moved, rival: _Moved, pair: Pair) -> bool | None:
     """Whether two channels move alike in two tests; None where these share too few frequencies to tell."""
-    mine, theirs = test.crossed[pair], other.crossed[pair]
+    mine, theirs = test.crossed[pair], rival.crossed[pair]
     if mine is None or theirs is None:
         return None
     bands = min(mine.size, theirs.size)
@@ -171,10 +171,10 @@ def _same_sign(test: _Moved, other: _Moved, pair: Pair) -> bool | None:
     return alike > 0.0 if shared > _SHARED and abs(alike) > _ALIKE * shared else None
 
 
-def _same_unit(test: _Moved, other: _Moved, pair: Pair) -> bool:
+def _same_unit(test: _Moved, rival: _Moved, pair: Pair) -> bool:
     """Whether the gain changes by no more than amplitude, frequency and setting of a rig can explain."""
-    given, answered = (test.size[channel] - other.size[channel] for channel in pair)
-    reach = _STEEPEST * abs(test.frequency[pair[0]] - other.frequency[pair[0]])
+    given, answered = (test.size[channel] - rival.size[channel] for channel in pair)
+    reach = _STEEPEST * abs(test.frequency[pair[0]] - rival.frequency[pair[0]])
     return bool(abs(answered - given) < _LARGEST_CHANGE + reach)
 
 
@@ -187,9 +187,9 @@ def _reversed(_test: _Moved, others: list[_Moved], channel: Channel, pairs: list
 def _scaled(test: _Moved, others: list[_Moved], channel: Channel, pairs: list[Pair]) -> str:
     beside = [next(name for name in pair if name is not channel) for pair in pairs if channel in pair]
     gains = [
-        test.size[channel] - other.size[channel] - test.size[name] + other.size[name]
+        test.size[channel] - rival.size[channel] - test.size[name] + rival.size[name]
         for name in beside
-        for other in others
+        for rival in others
     ]
     against = f"in {others[0].file}" if len(others) == 1 else "in the other tests"
     return f"{channel} {np.exp(np.median(gains)):.3g} times what it is {against}, beside {', '.join(beside)}"

@@ -24,6 +24,10 @@ LARGEST_REMAINDER = 0.2
 What remains is then at most half of what the effects explain, in RMS. Beyond it the verdict is
 `unknown_effect`."""
 
+_ABOVE_FLOOR = 2.0
+"""Times the noise floor from which a remainder is called an effect where no effect was found: three quarters
+of its energy are then no noise."""
+
 SMALLEST_GAP = 0.1
 """RMS of a remainder over that of the signal from which it is called an effect where no effect was found."""
 
@@ -51,8 +55,12 @@ def _remainder(problem: Problem, best: Fit, proved: Gap) -> Unknown | None:
     """
     if _is_balanced(problem) and not _judged_error(problem, best) > SMALLEST_GAP:
         return None
-    large = proved.unexplained_share > LARGEST_REMAINDER if best.space.effects else True
-    if not (large and proved.model_error > SMALLEST_GAP):
+    large = proved.model_error > SMALLEST_GAP
+    if best.space.effects:
+        large = large and proved.unexplained_share > LARGEST_REMAINDER
+    elif proved.floor is not None:
+        large = large or proved.after > _ABOVE_FLOOR * proved.floor
+    if not large:
         return None
     return Unknown(
         block=str(problem.block.block),

@@ -9,6 +9,7 @@ from reliab.discrepancy.result.block_diagnosis import STRUCTURE, BlockDiagnosis,
 from reliab.discrepancy.result.gap import Gap
 from reliab.discrepancy.result.missing_effect import MissingEffect, Unknown
 from reliab.discrepancy.result.showing import draw_gap, table_of_diagnosis
+from reliab.discrepancy.result.statements import is_explained, remainder_statement, statement
 from reliab.vocabulary import Block
 
 if TYPE_CHECKING:
@@ -62,6 +63,16 @@ class Diagnosis:
     def verdict(self) -> Verdict:
         """The answer in one word."""
         return Verdict.of(self.effects, self.doubtful, self.unknown)
+
+    @property
+    def statement(self) -> str:
+        """The verdict in a sentence."""
+        return statement(self.verdict, self.blocks)
+
+    @property
+    def is_explained(self) -> bool:
+        """Whether what the models leave can be taken for noise in every block."""
+        return all(is_explained(block) for block in self.blocks)
 
     @property
     def gap(self) -> Gap:
@@ -149,10 +160,5 @@ def _limits_of(block: BlockDiagnosis) -> list[str]:
             " approximation."
         )
     if not block.leaves_noise:
-        floor = "unknown" if gap.floor is None else f"{gap.floor:.3g} by the {gap.source}"
-        remarks.append(
-            f"The difference that remains between measurement and model of the {name} is not noise but an"
-            f" error of the model: {gap.model_error:.3g} of the signal's RMS on held-out tests, where the"
-            f" noise floor is {floor}. No probability above 0.99 is stated."
-        )
+        remarks.append(remainder_statement(name, gap, block.structured_share))
     return remarks

@@ -2,9 +2,24 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import Any
 
 import numpy as np
+
+_FLOOR_UNCERTAINTY = 0.2
+"""Relative uncertainty of a floor, which is estimated from the recordings: within it two sizes are one."""
+
+_WHOLE = 0.999
+"""Largest share of a gap that is said to be closed where what remains stands above the noise."""
+
+
+class Remainder(StrEnum):
+    """How what a model leaves on held-out tests compares with the noise floor."""
+
+    AT_NOISE = "at the noise"
+    ABOVE_NOISE = "above the noise"
+    NOT_KNOWN = "noise not known"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,7 +36,8 @@ class Gap:
         RMS of the difference over RMS of the signal, calibrated model and model with the effects.
     floors : mapping of str to float
         RMS of the part that is not repeatable over RMS of the signal, by its source, the most reliable first;
-        empty where the recordings do not show it.
+        empty where the recordings do not show it. One above what the model leaves is no floor, and does not
+        count.
     tests_before, tests_after : mapping of str to float
         `before` and `after` of each held-out test, by file.
     """
@@ -37,12 +53,23 @@ class Gap:
     @property
     def source(self) -> str | None:
         """What the floor was taken from, None where it is not known."""
-        return next(iter(self.floors), None)
+        possible = (
+            name for name, size in self.floors.items() if size <= (1.0 + _FLOOR_UNCERTAINTY) * self.after
+        )
+        return next(possible, None)
 
     @property
     def floor(self) -> float | None:
         """RMS of what no model could explain over that of the signal, None where it is not known."""
-        return next(iter(self.floors.values()), None)
+        return None if self.source is None else self.floors[self.source]
+
+    @property
+    def remainder(self) -> Remainder:
+        """Whether what remains is at the noise, within the uncertainty of the floor."""
+        if self.floor is None:
+            return Remainder.NOT_KNOWN
+        at_noise = self.after <= (1.0 + _FLOOR_UNCERTAINTY) * self.floor
+        return Remainder.AT_NOISE if at_noise else Remainder.ABOVE_NOISE
 
     @property
     def model_error(self) -> float:
@@ -56,6 +83,18 @@ class Gap:
             return None
         share = (self.before**2 - self.after**2) / (self.before**2 - self.floor**2)
         return min(max(share, 0.0), 1.0)
+
+    @property
+    def stated_share(self) -> float | None:
+        """Closed share of the gap as it is said: all of it only where what remains is at the noise.
+
+        None where there was no gap above the noise.
+        """
+        if self.floor is None or self.before <= (1.0 + _FLOOR_UNCERTAINTY) * self.floor:
+            return None
+        if self.closed_fraction is None or self.remainder is Remainder.AT_NOISE:
+            return self.closed_fraction
+        return min(self.closed_fraction, _WHOLE)
 
     @property
     def unexplained_share(self) -> float:

@@ -163,9 +163,12 @@ def _require_following(recording: Recording) -> None:
             remedy="Check that the channel was connected",
             where=recording.name,
         )
-    if correlation < _IN_STEP or best < _PROPORTIONAL:
-        return
-    ratio = float(np.linalg.norm(measured) / np.linalg.norm(command))
+    if correlation > _IN_STEP and best > _PROPORTIONAL:
+        _require_one_unit(float(np.linalg.norm(measured) / np.linalg.norm(command)), recording.name)
+
+
+def _require_one_unit(ratio: float, where: str) -> None:
+    """Refuse a measured displacement that is larger or smaller than the command by the ratio of two units."""
     for factor, units in _UNIT_FACTORS.items():
         for expected in (factor, 1.0 / factor):
             if abs(ratio / expected - 1.0) < _UNIT_TOLERANCE:
@@ -173,7 +176,7 @@ def _require_following(recording: Recording) -> None:
                     "Command and measured displacement must be in one unit",
                     value=f"a measured displacement of {ratio:.4g} times the command, as {units} would have",
                     remedy="State the unit in the column's name (measured_mm), or convert the column",
-                    where=recording.name,
+                    where=where,
                 )
 
 

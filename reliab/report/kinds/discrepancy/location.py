@@ -46,7 +46,11 @@ def location_section(diagnosis: Diagnosis) -> Section:
         caption = "What the residual of the calibrated model varies with; p is corrected for all trials."
         blocks.append(Table(frame=frame, columns=columns, caption=caption, label="tab:where"))
     else:
-        blocks.append(Paragraph(text="The residual of the calibrated model does not differ from noise."))
+        noise = "The residual of the calibrated model does not differ from noise."
+        open_question = (
+            "The residual of the calibrated model varies with no quantity of the motion that was tried."
+        )
+        blocks.append(Paragraph(text=noise if diagnosis.is_explained else open_question))
     for diagnosed in diagnosis.blocks:
         if diagnosed.findings:
             blocks += drawn("residuals over frequency", partial(time_frequency_figure, diagnosed))

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 
 from reliab.discrepancy import BlockDiagnosis, Diagnosis
+from reliab.discrepancy.result.gap import Remainder
 from reliab.report.document import Block, Column, Paragraph, Section, Table
 from reliab.report.kinds.discrepancy.figures import drawn, gap_figure, histories_figure
 from reliab.report.numbers import Fixed, Significant
@@ -29,7 +30,7 @@ def proof_section(diagnosis: Diagnosis) -> Section:
     rows = [
         {
             **diagnosed.gap.as_dict(),
-            "closed": np.nan if diagnosed.gap.closed_fraction is None else diagnosed.gap.closed_fraction,
+            "closed": np.nan if diagnosed.gap.stated_share is None else diagnosed.gap.stated_share,
             "noise_floor": np.nan if diagnosed.gap.floor is None else diagnosed.gap.floor,
         }
         for diagnosed in diagnosis.blocks
@@ -54,20 +55,32 @@ def proof_section(diagnosis: Diagnosis) -> Section:
 def _floor(diagnosed: BlockDiagnosis) -> Prose:
     """Sentence on what no model could explain, and what is the model's own error."""
     gap = diagnosed.gap
-    if gap.floor is None:
-        return prose(
-            "{channel}: the recordings do not show how much of the error is noise (no repeated tests or "
-            "cycles, no rest, no white band above the motion). What remains is {left} of the signal.",
-            channel=gap.channel,
-            left=percent(gap.after),
-        )
+    match gap.remainder:
+        case Remainder.AT_NOISE:
+            text = "{channel}: what remains, {after} of the signal, is at the noise, {floor} by the {source}."
+        case Remainder.ABOVE_NOISE:
+            text = (
+                "{channel}: judged by the {source}, {floor} of the signal is noise that no model explains. "
+                "What remains above it, {left} of the signal, is an error of the model."
+            )
+        case Remainder.NOT_KNOWN if gap.floors:
+            text = (
+                "{channel}: how much of the error is noise is not known; the {others} seemed to show more "
+                "noise than the model leaves. What remains is {after} of the signal."
+            )
+        case Remainder.NOT_KNOWN:
+            text = (
+                "{channel}: the recordings do not show how much of the error is noise (no repeated tests or "
+                "cycles, no rest, no white band above the motion). What remains is {after} of the signal."
+            )
     return prose(
-        "{channel}: judged by the {source}, {floor} of the signal is noise that no model can explain. What "
-        "remains above it, {left} of the signal, is an error of the model.",
+        text,
         channel=gap.channel,
+        after=percent(gap.after),
+        floor="" if gap.floor is None else percent(gap.floor),
         source=gap.source or "",
-        floor=percent(gap.floor),
         left=percent(gap.model_error),
+        others=", ".join(gap.floors),
     )
 
 

@@ -6,6 +6,7 @@ from reliab.discrepancy import Diagnosis, Verdict
 from reliab.discrepancy.adding.posterior import Posterior
 from reliab.discrepancy.fitting.observations import MOST_OF_A_TEST
 from reliab.discrepancy.naming.unexplained import LARGEST_REMAINDER
+from reliab.discrepancy.result.gap import Remainder
 from reliab.report.document import Block, Document, Paragraph, Points, Section
 from reliab.report.kinds.discrepancy.location import location_section
 from reliab.report.kinds.discrepancy.missing_effects import missing_effects_section
@@ -66,7 +67,7 @@ def discrepancy_report(
         kind="Diagnosis of a measured campaign",
         title=diagnosis.campaign.name,
         verdict=_verdict(diagnosis),
-        tone="good" if diagnosis.verdict is Verdict.NO_MISSING_EFFECT else "plain",
+        tone="good" if diagnosis.verdict is Verdict.NO_MISSING_EFFECT and diagnosis.is_explained else "plain",
         facts={**_facts(diagnosis), "To do next": _NEXT[diagnosis.verdict]},
         blocks=(*sections, _method(remarks)),
         provenance=provenance_of(provenance),
@@ -77,7 +78,7 @@ def _verdict(diagnosis: Diagnosis) -> Prose:
     names = ", ".join(spelled_out(effect.name) for effect in diagnosis.effects)
     match diagnosis.verdict:
         case Verdict.NO_MISSING_EFFECT:
-            return "Nothing is missing: calibration alone explains the tests."
+            return prose("{statement}", statement=diagnosis.statement)
         case Verdict.NAMED:
             return prose("The model lacks *{names}*. {closed}", names=names, closed=_closed(diagnosis))
         case Verdict.UNKNOWN_EFFECT:
@@ -98,11 +99,11 @@ def _verdict(diagnosis: Diagnosis) -> Prose:
 
 
 def _closed(diagnosis: Diagnosis) -> str:
-    share = diagnosis.gap.closed_fraction
+    share = diagnosis.gap.stated_share
     if share is None:
         before, after = percent(diagnosis.gap.before), percent(diagnosis.gap.after)
         return f"On held-out tests the error falls from {before} to {after}."
-    if share >= _WHOLLY:
+    if share >= _WHOLLY and diagnosis.gap.remainder is Remainder.AT_NOISE:
         return "With it the gap on held-out tests closes to the noise."
     remainder = "" if share >= _CLOSED else " A part of it remains."
     return f"With it {percent(share)} of the gap on held-out tests is closed.{remainder}"
