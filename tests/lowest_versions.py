@@ -26,8 +26,8 @@ def lowest(requirement: str) -> str | None:
 
     Examples
     --------
-    >>> lowest("arviz>=0.21,<1"), lowest("pandas-stubs")
-    ('arviz==0.21', None)
+    >>> lowest("emcee>=3.1.6,<4"), lowest("pandas-stubs")
+    ('emcee==3.1.6', None)
     """
     bound = _BOUND.match(requirement)
     return f"{bound[1]}=={bound[2]}" if bound else None

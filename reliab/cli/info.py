@@ -13,7 +13,7 @@ from reliab.shipped import KINDS, shipped
 from reliab.version import __version__
 
 _PACKAGES = (
-    *("numpy", "scipy", "pandas", "xarray", "numba", "matplotlib", "seaborn", "emcee", "arviz", "zarr"),
+    *("numpy", "scipy", "pandas", "xarray", "numba", "matplotlib", "seaborn", "emcee", "arviz-stats", "zarr"),
     *("h5netcdf", "h5py", "typst", "typer", "rich", "pydantic", "dask", "distributed"),
 )
 _MEGABYTE = 1e6

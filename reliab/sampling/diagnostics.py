@@ -1,17 +1,15 @@
 """Whether a run has converged: R-hat, effective sample sizes, autocorrelation time."""
 
-import warnings
 from dataclasses import dataclass
-from types import ModuleType
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 LARGEST_R_HAT: Final = 1.01
 LEAST_EFFECTIVE_SIZE: Final = 1000
 FEWEST_ENSEMBLES: Final = 4
+_TAIL: Final = (0.05, 0.95)
 
 
 class ConvergenceWarning(UserWarning):
@@ -98,60 +96,40 @@ def diagnose(draws: NDArray[np.float64], names: tuple[str, ...], thin: int) -> D
     >>> diagnose(draws, ("mean",), 1).converged
     True
     """
+    from arviz_stats.base import array_stats
     from emcee.autocorr import integrated_time
 
     ensembles, count, walkers, dimensions = draws.shape
     half = count // 2
     halves = draws[:, : 2 * half].reshape(2 * ensembles, half, walkers, dimensions)
-    arviz = quiet_arviz()
+    chains = draws.transpose(0, 2, 1, 3).reshape(ensembles * walkers, count, dimensions)
+    axes = {"chain_axis": 0, "draw_axis": 1}
     with np.errstate(all="ignore"):
-        r_hat = arviz.rhat(_walkers_in_turn(halves))["theta"].values
-        sizes = [
-            arviz.ess(_one_chain_each(draws), method=method)["theta"].values for method in ("bulk", "tail")
-        ]
+        r_hat = array_stats.rhat(walkers_in_turn(halves), **axes)
+        bulk_size = array_stats.ess(chains, **axes)
+        tail_size = array_stats.ess(chains, **axes, method="tail", prob=_TAIL)
         times = [integrated_time(ensemble, tol=0, quiet=True) for ensemble in draws]
     return Diagnostics(
         names=names,
         r_hat=r_hat,
-        bulk_size=sizes[0],
-        tail_size=sizes[1],
+        bulk_size=bulk_size,
+        tail_size=tail_size,
         autocorrelation_time=thin * np.mean(times, axis=0),
         ensembles=ensembles,
     )
 
 
-def _one_chain_each(draws: NDArray[np.float64]) -> xr.Dataset:
-    chains = draws.transpose(0, 2, 1, 3).reshape(-1, *draws.shape[1::2])
-    return xr.Dataset({"theta": (("chain", "draw", "parameter"), chains)})
-
-
-def _walkers_in_turn(draws: NDArray[np.float64]) -> xr.Dataset:
-    chains = draws.transpose(0, 2, 1, 3).reshape(draws.shape[0], -1, draws.shape[-1])
-    return xr.Dataset({"theta": (("chain", "draw", "parameter"), chains)})
-
-
-def quiet_arviz() -> ModuleType:
-    """Import ArviZ without its notice about the coming version, which is not the user's concern."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", FutureWarning)
-        import arviz
-    return arviz
-
-
-def inference_data(draws: NDArray[np.float64], names: tuple[str, ...]) -> Any:  # noqa: ANN401 - ArviZ is untyped
-    """Draws as ArviZ's object, one chain for each ensemble, for its plots and files.
+def walkers_in_turn(draws: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Put the walkers of each ensemble one after the other.
 
     Parameters
     ----------
     draws : array of float, shape (ensembles, draws, walkers, parameters)
         Kept draws.
-    names : tuple of str
-        Parameters.
 
     Returns
     -------
-    arviz.InferenceData
-        One variable for each parameter, the walkers of an ensemble one after the other.
+    array of float, shape (ensembles, draws of all walkers, parameters)
+        One chain for each ensemble.
     """
-    chains = draws.transpose(0, 2, 1, 3).reshape(draws.shape[0], -1, draws.shape[-1])
-    return quiet_arviz().from_dict(posterior={name: chains[..., k] for k, name in enumerate(names)})
+    return draws.transpose(0, 2, 1, 3).reshape(draws.shape[0], -1, draws.shape[-1])

@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from reliab.files import written_whole
-from reliab.sampling.diagnostics import ConvergenceWarning, Diagnostics, diagnose, inference_data
+from reliab.sampling.diagnostics import ConvergenceWarning, Diagnostics, diagnose, walkers_in_turn
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -73,12 +73,14 @@ class PosteriorSample:
         return pd.DataFrame(columns, index=pd.Index(self.names, name="parameter"))
 
     def write_netcdf(self, path: Path) -> None:
-        """Write the draws as ArviZ reads them (`arviz.from_netcdf`), one chain for each ensemble.
+        """Write the draws as a group `posterior`, which ArviZ reads, one chain for each ensemble.
 
         The file is made in memory, because HDF5 loses the error of a full disk when it closes one.
         """
-        data = inference_data(self.draws, self.names)
-        groups = xr.DataTree.from_dict({group: data[group] for group in data.groups()})
+        chains = walkers_in_turn(self.draws)
+        coordinates = dict(zip(("chain", "draw"), map(np.arange, chains.shape[:2]), strict=True))
+        variables = {name: (tuple(coordinates), chains[..., k]) for k, name in enumerate(self.names)}
+        groups = xr.DataTree.from_dict({"posterior": xr.Dataset(variables, coordinates)})
         with written_whole(path) as file:
             file.write_bytes(groups.to_netcdf(engine="h5netcdf"))
 

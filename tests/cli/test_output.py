@@ -91,5 +91,14 @@ def test_version_and_help_are_printed_without_numerics():
 
 def test_a_criterion_from_ellipses_needs_neither_kernels_nor_what_other_methods_need():
     asked = "from reliab.criterion import derive_criterion; from reliab.sweep import open_ellipses"
-    idle = ("numba", "scipy.stats", "scipy.signal", "scipy.optimize", "emcee", "arviz", "matplotlib", "zarr")
+    idle = (
+        "numba",
+        "scipy.stats",
+        "scipy.signal",
+        "scipy.optimize",
+        "emcee",
+        "arviz_stats",
+        "matplotlib",
+        "zarr",
+    )
     assert modules_after(asked, *idle)[0] == "[]"

@@ -27,7 +27,7 @@ from pathlib import Path
 _NOBODY = 65534
 _IMPORTED = (
     "encodings.utf_8_sig",  # which another user may be unable to import later
-    *("arviz", "emcee", "h5netcdf", "matplotlib.pyplot", "typst", "zarr", "rich.table", "reliab.api"),
+    *("arviz_stats", "emcee", "h5netcdf", "matplotlib.pyplot", "typst", "zarr", "rich.table", "reliab.api"),
     *("reliab.criterion", "reliab.discrepancy", "reliab.explore.page", "reliab.report.kinds.discrepancy"),
     *("reliab.study", "reliab.sweep", "reliab.validation"),
 )

@@ -15,7 +15,6 @@ from reliab.sampling import (
     chain_file,
     sample,
 )
-from reliab.sampling.diagnostics import inference_data
 
 MODEL = NormalValues(values=np.random.default_rng(1).normal(size=30))
 QUICK = Ensembles(steps=40, thin=2, walkers=8)
@@ -149,13 +148,6 @@ def test_a_long_run_converges_and_reports_its_figures():
     assert (table[["bulk_size", "tail_size"]] > 1000.0).all().all()
     assert table["autocorrelation_time"].between(1.0, 100.0).all()
     assert table["mean"].iloc[0] == pytest.approx(values.mean(), abs=0.05)
-
-
-@SHORT
-def test_draws_go_to_arviz_with_one_chain_for_each_ensemble():
-    found = sample(MODEL, QUICK)
-    data = inference_data(found.draws, found.names)
-    assert data.posterior["mean"].sizes == {"chain": 4, "draw": 10 * 8}
 
 
 @pytest.mark.parametrize(("steps", "thin"), [(0, 1), (101, 1), (30, 4)])

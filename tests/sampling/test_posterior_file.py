@@ -1,10 +1,10 @@
-"""Draws as a file that ArviZ reads."""
+"""Draws as a file that ArviZ reads: a NetCDF file with a group `posterior` over chains and draws."""
 
 from unittest.mock import patch
 
-import arviz
 import h5py
 import numpy as np
+import xarray as xr
 
 from reliab.sampling.posterior_sample import PosteriorSample
 
@@ -12,14 +12,21 @@ DRAWS = np.random.default_rng(5).standard_normal((2, 7, 3, 2))  # ensembles, dra
 SAMPLE = PosteriorSample(names=("a", "b"), draws=DRAWS, thin=1, accepted=0.3)
 
 
-def test_arviz_reads_the_draws_one_chain_for_each_ensemble(tmp_path):
+def test_the_group_of_draws_has_one_chain_for_each_ensemble(tmp_path):
     SAMPLE.write_netcdf(tmp_path / "draws.nc")
-    posterior = arviz.from_netcdf(tmp_path / "draws.nc").posterior
-    assert dict(posterior.sizes) == {"chain": 2, "draw": 21}
-    for k, name in enumerate(SAMPLE.names):
-        assert np.sort(posterior[name].values, axis=1).tolist() == (
-            np.sort(DRAWS[..., k].reshape(2, -1), axis=1).tolist()
-        )
+    with xr.open_dataset(tmp_path / "draws.nc", group="posterior", engine="h5netcdf") as posterior:
+        assert posterior.sizes == {"chain": 2, "draw": 21}
+        for name in ("chain", "draw"):
+            assert posterior[name].values.tolist() == list(range(posterior.sizes[name]))
+        for k, name in enumerate(SAMPLE.names):
+            assert posterior[name].dims == ("chain", "draw")
+            assert posterior[name].values.tolist() == DRAWS[..., k].transpose(0, 2, 1).reshape(2, -1).tolist()
+
+
+def test_the_same_draws_make_the_same_file(tmp_path):
+    for name in ("one.nc", "two.nc"):
+        SAMPLE.write_netcdf(tmp_path / name)
+    assert (tmp_path / "one.nc").read_bytes() == (tmp_path / "two.nc").read_bytes()
 
 
 def test_hdf5_writes_no_file_itself(tmp_path):

@@ -24,7 +24,7 @@ def draw_all(
     structures: Sequence[tuple[float, float]],
     derivations: "Sequence[Derivation]",
 ) -> list[str]:
-    """Draw every structure and posterior into a folder, as SVG; keep posteriors for ArviZ's own plots.
+    """Draw every structure and posterior into a folder, as SVG; keep posteriors for ArviZ.
 
     Parameters
     ----------

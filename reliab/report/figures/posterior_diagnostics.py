@@ -1,22 +1,24 @@
-"""Whether a posterior can be relied on: traces, ranks and pairs by ArviZ, in the style of the reports."""
+"""Whether a posterior can be relied on: traces, ranks and pairs."""
 
-import warnings
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from types import ModuleType
-from typing import Any
+from collections.abc import Sequence
+from textwrap import fill
 
 import numpy as np
-from matplotlib import MatplotlibDeprecationWarning
+import scipy
+import seaborn as sns
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from reliab.report.axes import name_axes, plain
-from reliab.report.style import BLUE, blank, line, panels, styled
+from reliab.report.style import BLUE, INK, blank, line, panels, styled
 from reliab.sampling import PosteriorSample
-from reliab.sampling.diagnostics import inference_data, quiet_arviz
+from reliab.sampling.diagnostics import walkers_in_turn
 
 _ROW = 26.0
 _CELL = 30.0
+_LABEL = 18
+_RANK_BINS = 20
 _KEPT = 1000
 """Draws of an ensemble that are drawn; all of them would make large files and no other picture."""
 
@@ -39,17 +41,13 @@ def traces(posterior: PosteriorSample, parameters: Sequence[str] = ()) -> Figure
     """
     chosen = list(parameters or posterior.names)
     figure, axes = panels(len(chosen), 2, height=14.0 + _ROW * len(chosen), ratios=(1.0, 2.0))
-    with _arviz() as arviz:
-        arviz.plot_trace(
-            _thinned(posterior),
-            var_names=chosen,
-            axes=axes,
-            compact=False,
-            chain_prop={"color": [line(rank)["color"] for rank in range(len(posterior.draws))]},
-            plot_kwargs={"linewidth": 0.9},
-            trace_kwargs={"linewidth": 0.2, "alpha": 0.6},
-        )
+    number, chains = _thinned(posterior)
     for (density, course), name in zip(axes, chosen, strict=True):
+        for rank, values in enumerate(chains[..., posterior.names.index(name)]):
+            colour = line(rank)["color"]
+            _density(density, values, colour)
+            course.plot(number, values, color=colour, linewidth=0.2, alpha=0.6)
+        density.set_yticks([])
         density.set_title(plain(name))
         course.set_title(_convergence(posterior, name))
         name_axes(density, "Value [-]" if name == chosen[-1] else "", "Density [-]")
@@ -76,23 +74,17 @@ def ranks(posterior: PosteriorSample, parameters: Sequence[str] = ()) -> Figure:
     chosen = list(parameters or posterior.names)
     columns = min(3, len(chosen))
     rows = -(-len(chosen) // columns)
-    figure, axes = panels(rows, columns, height=14.0 + 34.0 * rows)
+    figure, axes = panels(rows, columns, height=14.0 + 34.0 * rows, share_y=True)
     places = axes.ravel()
     for place in places[len(chosen) :]:
         place.remove()
-    with _arviz() as arviz:
-        arviz.plot_rank(
-            inference_data(posterior.draws, posterior.names),
-            var_names=chosen,
-            kind="vlines",
-            colors=[line(rank)["color"] for rank in range(len(posterior.draws))],
-            ax=places[: len(chosen)],
-            vlines_kwargs={"linewidth": 1.0},
-            marker_vlines_kwargs={"markersize": 2.0},
-        )
     for place, name in zip(places, chosen, strict=False):
+        values = walkers_in_turn(posterior.draws)[..., posterior.names.index(name)]
+        for rank, ratio in enumerate(_rank_histograms(values)):
+            place.stairs(ratio, np.linspace(0.0, values.size, _RANK_BINS + 1), baseline=None, **line(rank))
+        place.axhline(1.0, color=INK, linewidth=0.6)
         place.set_title(plain(name))
-        name_axes(place, "Rank among all draws [-]", "Density [-]")
+        name_axes(place, "Rank among all draws [-]", "Draws over expected [-]" if place in axes[:, 0] else "")
     return figure
 
 
@@ -115,44 +107,48 @@ def pairs(posterior: PosteriorSample, parameters: Sequence[str]) -> Figure:
     count = len(parameters)
     figure = blank(height=min(160.0, 10.0 + _CELL * count))
     axes = figure.subplots(count, count, squeeze=False)
-    with _arviz() as arviz:
-        arviz.plot_pair(
-            _thinned(posterior),
-            var_names=list(parameters),
-            kind="scatter",
-            marginals=True,
-            ax=axes,
-            scatter_kwargs={"s": 1.0, "alpha": 0.4, "marker": ".", "color": BLUE},
-            marginal_kwargs={"plot_kwargs": {"linewidth": 1.0, "color": BLUE}},
-        )
+    draws = _thinned(posterior)[1].reshape(-1, len(posterior.names))
+    values = [draws[:, posterior.names.index(name)] for name in parameters]
     for (row, column), place in np.ndenumerate(axes):
-        across = _in_two_lines(parameters[column]) if row == count - 1 else ""
-        up = _in_two_lines(parameters[row]) if column == 0 and row > 0 else ""
-        name_axes(place, across, up)
+        if column > row:
+            place.remove()
+            continue
         if row == column:
+            _density(place, values[row], BLUE)
             place.set_yticks([])
+        else:
+            place.plot(values[column], values[row], ".", markersize=1.0, mew=0.0, alpha=0.6, color=BLUE)
+        place.tick_params(labelbottom=row == count - 1, labelleft=column == 0)
+        across = _label(parameters[column]) if row == count - 1 else ""
+        up = _label(parameters[row]) if column == 0 and row > 0 else ""
+        name_axes(place, across, up)
     return figure
 
 
-def _thinned(posterior: PosteriorSample) -> Any:  # noqa: ANN401 - ArviZ is untyped
-    """Draws as ArviZ's object, a thousand of each ensemble."""
-    steps, walkers = posterior.draws.shape[1:3]
-    return inference_data(posterior.draws, posterior.names).sel(
-        draw=np.unique(np.linspace(0, steps * walkers - 1, _KEPT).astype(int))
-    )
+def _density(place: Axes, values: NDArray[np.float64], colour: str) -> None:
+    sns.kdeplot(x=values, ax=place, color=colour, linewidth=0.9, cut=0, warn_singular=False)
 
 
-@contextmanager
-def _arviz() -> Iterator[ModuleType]:
-    """ArviZ without matplotlib's complaints of what it calls, which are not the user's concern."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", MatplotlibDeprecationWarning)
-        yield quiet_arviz()
+def _rank_histograms(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Draws of each ensemble among equal parts of all ranks, over what is expected where all are alike.
+
+    Shape (ensembles, parts).
+    """
+    ranks = scipy.stats.rankdata(values, axis=None).reshape(values.shape)
+    expected = values.shape[1] / _RANK_BINS
+    ends = (0.5, values.size + 0.5)
+    return np.array([np.histogram(chain, _RANK_BINS, range=ends)[0] / expected for chain in ranks])
 
 
-def _in_two_lines(name: str) -> str:
-    """Break a name after the effect that it belongs to."""
-    return f"{plain(name)} [-]".replace(": ", ":\n", 1)
+def _thinned(posterior: PosteriorSample) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Take a thousand draws of each ensemble: their numbers, and shape (ensembles, draws, parameters)."""
+    chains = walkers_in_turn(posterior.draws)
+    number = np.unique(np.linspace(0, chains.shape[1] - 1, _KEPT).astype(int))
+    return number, chains[:, number]
+
+
+def _label(name: str) -> str:
+    return fill(f"{plain(name)} [-]", _LABEL)
 
 
 def _convergence(posterior: PosteriorSample, name: str) -> str:

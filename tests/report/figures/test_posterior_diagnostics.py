@@ -24,8 +24,8 @@ def strayed(posterior):
 
 
 def widest(axes):
-    """Greatest distance of an ensemble's ranks from the level line of its own."""
-    return max(np.ptp(each.get_ydata()) for each in axes.lines if len(each.get_ydata()) > 2)
+    """Greatest range of an ensemble's draws over what is expected."""
+    return max(np.ptp(each.get_data().values) for each in axes.patches)
 
 
 def test_traces_have_a_row_for_each_parameter_and_name_its_convergence(posterior):
@@ -45,6 +45,20 @@ def test_a_strayed_ensemble_is_seen(posterior):
 
 def test_ranks_have_a_panel_for_each_parameter(posterior):
     assert [each.get_title(loc="left") for each in ranks(posterior).axes] == list(NAMES)
+
+
+def test_ranks_of_ensembles_add_up_to_what_is_expected(posterior):
+    (place,) = ranks(strayed(posterior), ("mean of b",)).axes
+    each = np.array([steps.get_data().values for steps in place.patches])
+    assert each.shape[0] == ENSEMBLES
+    np.testing.assert_allclose(each.mean(axis=0), 1.0, atol=0.02)
+    np.testing.assert_allclose(each.mean(axis=1), 1.0)
+
+
+def test_draws_that_are_all_equal_are_drawn_without_a_complaint(posterior):
+    still = PosteriorSample(names=NAMES, draws=np.ones_like(posterior.draws), thin=2, accepted=0.0)
+    for draw in (traces, ranks, pairs):
+        assert draw(still, NAMES).axes
 
 
 def test_pairs_fill_the_lower_triangle(posterior):
