@@ -1,6 +1,9 @@
 """The one place where numerical kernels are compiled, so that every kernel has the same flags."""
 
+import warnings
 from collections.abc import Callable
+from functools import cache
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
@@ -33,8 +36,19 @@ def compiled(function: _Kernel) -> _Kernel:
     """
     try:
         return _compiled(function, cache=True)
-    except RuntimeError:  # no folder for compiled kernels can be written: each process compiles them anew
+    except RuntimeError:  # no folder for compiled kernels can be written
+        _say_that_none_are_kept()
         return _compiled(function, cache=False)
+
+
+@cache
+def _say_that_none_are_kept() -> None:
+    warnings.warn(
+        "Compiled code cannot be kept, because neither the folder of reliab nor your cache folder can be "
+        "written: every run compiles it anew, which takes some seconds. "
+        "Set the environment variable NUMBA_CACHE_DIR to a folder that can be written.",
+        stacklevel=3,
+    )
 
 
 @compiled
@@ -49,3 +63,9 @@ def copy_rows(source: NDArray[Any], target: NDArray[Any]) -> None:
     for row in range(target.shape[0]):
         for column in range(target.shape[1]):
             target[row, column] = source[row, column]
+
+
+def kernel_folder() -> Path | None:
+    """Folder in which compiled kernels of this module are kept; None where none can be written."""
+    kept = getattr(copy_rows, "stats", None)  # a plain function where Numba is told to compile nothing
+    return Path(kept.cache_path) if kept and kept.cache_path else None

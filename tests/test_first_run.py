@@ -1,12 +1,16 @@
 """The first run on a machine: nothing is cached, and perhaps nothing can be."""
 
 import ast
+import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tomllib
 from pathlib import Path
+
+import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -20,14 +24,14 @@ for module in pkgutil.walk_packages(reliab.__path__, "reliab."):
 """
 
 
-def run(arguments, **environment):
-    """Run Python with a home and caches that only `environment` names."""
+def run(arguments, folder=ROOT, **environment):
+    """Run Python in the folder of a package, with a home and caches that only `environment` names."""
     elsewhere = ("XDG_", "MPLCONFIGDIR", "NUMBA_CACHE_DIR")
     kept = {name: value for name, value in os.environ.items() if not name.startswith(elsewhere)}
-    command = [sys.executable, *map(str, arguments)]
     return subprocess.run(  # noqa: S603 - this very package
-        command,
-        env={**kept, "PYTHONPATH": str(ROOT), **environment},
+        [sys.executable, *arguments],
+        env={**kept, "PYTHONPATH": str(folder), **environment},
+        cwd=folder,
         capture_output=True,
         text=True,
         check=False,
@@ -59,3 +63,48 @@ def test_no_dependency_and_no_module_warns_when_it_is_imported_with_an_empty_hom
     assert (done.returncode, done.stderr) == (0, "")
     files = [path for path in tmp_path.rglob("*") if path.is_file()]
     assert {path.parent.name for path in files} <= {"matplotlib"}, "a list of fonts only"
+
+
+def test_no_dependency_and_no_module_needs_a_home_to_be_imported():
+    done = run(["-c", IMPORT_ALL, *sorted(modules_of_dependencies())], HOME="/dev/null")
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.fixture
+def read_only(tmp_path):
+    """A copy of the package in which no compiled kernel can be kept, not even by the superuser."""
+    ignored = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(ROOT / "reliab", tmp_path / "installed/reliab", ignore=ignored)
+    for folder in ("datasets", "studies"):
+        (tmp_path / "installed" / folder).symlink_to(ROOT / folder)
+    for path in (tmp_path / "installed/reliab").rglob("*.py"):
+        (path.parent / "__pycache__").touch()
+    return tmp_path / "installed"
+
+
+def test_info_states_the_folder_in_which_compiled_code_is_kept(read_only, tmp_path):
+    def stated(**environment):
+        done = run(["-B", "-m", "reliab", "info", "--json", "-"], read_only, **environment)
+        assert done.returncode == 0
+        return json.loads(done.stdout)["compiled code"], done.stderr
+
+    home, named = tmp_path / "home", tmp_path / "named"
+    of_home, silent = stated(HOME=str(home))
+    assert Path(of_home).is_relative_to(home)
+    assert silent == ""
+    assert list(Path(of_home).iterdir())
+    assert stated(HOME=str(home), NUMBA_CACHE_DIR=str(named)) == (str(named), "")
+    assert stated(HOME=str(home), NUMBA_CACHE_DIR="/proc/nowhere") == (of_home, "")
+    place, said = stated(HOME="/dev/null")
+    assert place == "not kept"
+    assert said.count("Compiled code cannot be kept") == said.count("NUMBA_CACHE_DIR") == 1
+    assert len(said.splitlines()) == 1
+
+
+@pytest.mark.slow
+def test_where_compiled_code_cannot_be_kept_a_command_says_so_once_and_answers(read_only):
+    asked = ["-B", "-m", "reliab", "assess", "sample_test", "--f", "1", "--xi", "0.02", "--json", "-"]
+    done = run(asked, read_only, HOME="/dev/null")
+    assert done.returncode == 0
+    assert json.loads(done.stdout)["verdict"] == "reliable"
+    assert done.stderr.count("Compiled code cannot be kept") == len(done.stderr.splitlines()) == 1

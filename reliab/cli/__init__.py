@@ -100,7 +100,8 @@ def run(arguments: Sequence[str]) -> int:
         Exit code: 0 done, 1 the answer is "not reliable", 2 bad input, 3 unfinished but safe, 130 interrupted
         by Ctrl-C.
     """
-    logging.getLogger("asyncio").addHandler(logging.NullHandler())  # errors are told once, as below
+    for library in ("asyncio", "matplotlib"):  # errors are told once, as below; fonts are listed elsewhere
+        logging.getLogger(library).addHandler(logging.NullHandler())
     command = typer.main.get_command(app)
     try:
         with noticed_interruption(), warnings.catch_warnings():

@@ -1,6 +1,5 @@
 """`reliab info`: the facts about an installation that a bug report needs."""
 
-import os
 import platform
 import sys
 from typing import Any
@@ -49,7 +48,7 @@ def describe() -> dict[str, Any]:
         "executable": sys.executable,
         "packages": {name: _version(name) for name in _PACKAGES},
         "shipped": {kind: _folder(kind) for kind in KINDS},
-        "compiled code": os.environ.get("NUMBA_CACHE_DIR") or "__pycache__ beside each module",
+        "compiled code": _compiled_code(),
     }
 
 
@@ -66,3 +65,14 @@ def _folder(kind: str) -> str:
     folder = shipped(kind, "")
     size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
     return f"{folder}, {size / _MEGABYTE:.1f} MB"
+
+
+def _compiled_code() -> str:
+    try:
+        from reliab.compiled import kernel_folder
+    except ImportError as error:
+        return f"none ({error})"
+    folder = kernel_folder()
+    if folder is None:
+        return "not kept"
+    return "__pycache__ beside each module" if folder.name == "__pycache__" else str(folder.parent)

@@ -21,6 +21,9 @@ FAILED = (2, 3)
 BEFORE = b"before"
 PAGE = 4096
 YEAR = 365.25 * 86_400.0
+NOWHERE = dict.fromkeys(
+    ("HOME", "XDG_CACHE_HOME", "XDG_CONFIG_HOME", "NUMBA_CACHE_DIR", "MPLCONFIGDIR"), "/proc/nowhere"
+)
 
 
 @pytest.fixture(scope="session")
@@ -278,16 +281,26 @@ def test_of_two_processes_in_one_place_the_second_is_refused_or_finds_all_done(
     "environment",
     [
         {"HOME": "", "XDG_CACHE_HOME": ""},
-        {"HOME": "/proc/nowhere", "NUMBA_CACHE_DIR": "/proc/nowhere", "MPLCONFIGDIR": "/proc/nowhere"},
+        NOWHERE,
     ],
     ids=["no home", "no caches"],
 )
-@pytest.mark.parametrize("name", ["simulate", "criterion", "run"])
-def test_no_home_and_no_caches_are_needed(name, environment, sources, tmp_path, undisturbed, counted):
-    outcome = command(WORKS[name].arguments(sources, tmp_path), environment)
+@pytest.mark.parametrize("name", WORKS)
+def test_no_home_and_no_caches_are_needed(name, environment, sources, folders, undisturbed, counted):
+    out = folders(name, 0)
+    outcome = command(WORKS[name].arguments(sources, out), environment)
     counted[name, "no home or caches"] += 1
-    assert outcome.code == 0, outcome.errors
-    assert results(tmp_path) == undisturbed(name)[1]
+    assert (outcome.code, outcome.errors) == (undisturbed(name)[0].code, "")
+    assert results(out) == undisturbed(name)[1]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SAMPLING)
+def test_posteriors_need_no_home_and_no_caches_either(name, sources, tmp_path, counted):
+    outcome = command(SAMPLING[name].arguments(sources, tmp_path), NOWHERE)
+    counted[name, "no home or caches"] += 1
+    assert (outcome.code, outcome.errors) == (0, "")
+    assert results(tmp_path)
 
 
 @pytest.mark.slow
