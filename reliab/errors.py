@@ -5,6 +5,9 @@ from typing import Final
 INTERRUPTED: Final = 130
 """Exit code after Ctrl-C, as shells give it."""
 
+CLOSED_PIPE: Final = 141
+"""Exit code where nobody reads the output to its end, as shells give it."""
+
 _LONGEST_VALUE = 1000
 
 

@@ -8,7 +8,7 @@ from reliab.errors import InputError
 
 _STATED = re.compile(
     r"^\s*(?P<value>[+-]?[\d.]+(?:e[+-]?\d+)?)\s*"
-    r"(?:(?:±|\+/?-)\s*(?P<deviation>[\d.]+(?:e[+-]?\d+)?)\s*(?P<percent>%?))?\s*$",
+    r"(?:(?:±|\+/?-|,(?=[^,.]*\.))\s*(?P<deviation>[\d.]+(?:e[+-]?\d+)?)\s*(?P<percent>%?))?\s*$",
     re.IGNORECASE,
 )
 _PERCENT = 100.0
@@ -36,7 +36,9 @@ class StatedValue:
 
     @classmethod
     def parse(cls, text: str, quantity: str = "quantity") -> "StatedValue":
-        """Read "1", "1±0.01", "1+-0.01", "1+/-0.01" or "1±1%".
+        """Read "1", "1±0.01", "1+-0.01", "1+/-0.01", "1,0.01" or "1±1%".
+
+        After a comma the deviation must have a decimal point: "1,5" may mean 1.5 as well as 1 ± 5.
 
         Parameters
         ----------
@@ -55,17 +57,18 @@ class StatedValue:
         InputError
             If the text is nothing of the kind, or a number is not finite.
         """
-        match = _STATED.match(text)
         try:
+            # bytes of the command line that its locale could not read come as surrogates
+            match = _STATED.match(text.encode("utf-8", "surrogateescape").decode("utf-8", "replace"))
             value = float(match["value"]) if match else math.nan
             deviation = float(match["deviation"] or 0.0) if match else math.nan
         except ValueError:
-            value = deviation = math.nan
+            match, value, deviation = None, math.nan, math.nan
         if match is None or not (math.isfinite(value) and math.isfinite(deviation)):
             raise InputError(
                 f"The {quantity} must be a number, or a number with its standard deviation",
                 value=repr(text),
-                remedy="Write 1, 1±0.01, 1+-0.01 or 1±1%",
+                remedy="Write 1.5, 1±0.01, 1+-0.01, 1,0.01 or 1±1%",
             )
         return cls(value, deviation * abs(value) / _PERCENT if match["percent"] else deviation)
 

@@ -33,7 +33,7 @@ from reliab.cli.defaults import read_defaults
 from reliab.cli.examples import example_of
 from reliab.cli.interruption import interruption, noticed_interruption
 from reliab.cli.output import write_what_can_be_written
-from reliab.cli.printable import printable
+from reliab.cli.printable import printable, substituted
 from reliab.errors import INTERRUPTED, IncompleteError, InputError
 from reliab.stated_value import StatedValue
 from reliab.version import __version__
@@ -81,8 +81,7 @@ def options(
 
 def main() -> None:
     """Run the command line; bad input ends with one sentence and exit code 2."""
-    for stream in (sys.stdout, sys.stderr):
-        write_what_can_be_written(stream)
+    sys.stdout, sys.stderr = map(write_what_can_be_written, (sys.stdout, sys.stderr))
     sys.exit(run(sys.argv[1:]))
 
 
@@ -98,7 +97,7 @@ def run(arguments: Sequence[str]) -> int:
     -------
     int
         Exit code: 0 done, 1 the answer is "not reliable", 2 bad input, 3 unfinished but safe, 130 interrupted
-        by Ctrl-C.
+        by Ctrl-C, 141 nobody reads the output to its end.
     """
     for library in ("asyncio", "matplotlib"):  # errors are told once, as below; fonts are listed elsewhere
         logging.getLogger(library).addHandler(logging.NullHandler())
@@ -106,9 +105,12 @@ def run(arguments: Sequence[str]) -> int:
     try:
         with noticed_interruption(), warnings.catch_warnings():
             warnings.showwarning = _show_warning
-            command.main(
-                list(spread(arguments, command)), prog_name="reliab", default_map=read_defaults(command)
-            )
+            try:
+                command.main(
+                    list(spread(arguments, command)), prog_name="reliab", default_map=read_defaults(command)
+                )
+            finally:
+                sys.stdout.flush()  # a pipe that is closed, or a disk that is full, shows by now
     except InputError as error:
         return _fail(str(error), _BAD_INPUT)
     except IncompleteError as error:
@@ -181,13 +183,17 @@ def _is_number(text: str) -> bool:
 
 def _show_warning(message: Warning | str, *_details: object, **_more: object) -> None:
     """Show a warning as a line without the place in the code that gave it."""
-    typer.secho(printable(f"Warning: {message}"), err=True, fg=typer.colors.YELLOW, color=_colour())
+    _say(f"Warning: {message}", typer.colors.YELLOW)
 
 
 def _fail(message: str, code: int) -> int:
     kind = "" if code == INTERRUPTED else "Error: "
-    typer.secho(printable(f"{kind}{message}"), err=True, fg=typer.colors.RED, color=_colour())
+    _say(f"{kind}{message}", typer.colors.RED)
     return code
+
+
+def _say(text: str, colour: str) -> None:
+    typer.secho(substituted(printable(text), sys.stderr), err=True, fg=colour, color=_colour())
 
 
 def _colour() -> bool | None:

@@ -3,6 +3,7 @@
 import codecs
 import io
 import json
+import os
 import sys
 import unicodedata
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -11,19 +12,20 @@ from typing import TYPE_CHECKING, Any, Final, TextIO
 
 import typer
 
-from reliab.cli.printable import printable
-from reliab.errors import InputError
+from reliab.cli.printable import printable, substituted
+from reliab.errors import CLOSED_PIPE, InputError
 from reliab.files import written_whole
 
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
+    from typing_extensions import Buffer
 
 _WIDTH_OF_PIPES = 160
 
 
 def console() -> "Console":
-    """Return a console for results: as wide as the terminal; in a pipe wide enough that no row is broken."""
+    """Return a console for results: as wide as the terminal; in a pipe of a fixed width for sentences."""
     from reliab.cli.literal_console import LiteralConsole
 
     terminal = LiteralConsole()
@@ -35,21 +37,59 @@ def takes_any_character(stream: TextIO) -> bool:
     return (getattr(stream, "encoding", None) or "utf-8").lower().startswith("utf")
 
 
-def write_what_can_be_written(stream: TextIO) -> None:
-    """Replace characters that a terminal or pipe cannot show, "ξ" by "xi".
+def write_what_can_be_written(stream: TextIO) -> TextIO:
+    """Replace characters that a terminal or pipe cannot show, "ξ" by "xi", and end where nobody reads on.
 
     Parameters
     ----------
     stream : file
         Standard output or error.
+
+    Returns
+    -------
+    file
+        The stream that takes its place.
     """
     if not isinstance(stream, io.TextIOWrapper):
-        return
+        return stream
+    stream = _ending_with_its_reader(stream)
     if takes_any_character(stream):
         stream.reconfigure(errors="backslashreplace")  # for names of files that are no text
     else:
         codecs.register_error(_SUBSTITUTION, _substitute)
         stream.reconfigure(errors=_SUBSTITUTION)
+    return stream
+
+
+def _ending_with_its_reader(stream: io.TextIOWrapper) -> io.TextIOWrapper:
+    """Return the same stream, on which a closed pipe ends the command; terminals cannot be closed."""
+    try:
+        number = stream.fileno()
+    except io.UnsupportedOperation:
+        return stream
+    if stream.isatty():
+        return stream
+    return io.TextIOWrapper(
+        io.BufferedWriter(_ReadPipe(number, "wb", closefd=False)),
+        encoding=stream.encoding,
+        line_buffering=stream.line_buffering,
+        write_through=stream.write_through,
+    )
+
+
+class _ReadPipe(io.FileIO):
+    """A pipe or file. Libraries turn a closed pipe into exit code 1, which is an answer of ours."""
+
+    def write(self, data: "Buffer", /) -> int:
+        try:
+            return super().write(data)
+        except OSError as error:
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nowhere, self.fileno())  # what is still held back would fail once more at the end
+            os.close(nowhere)
+            if isinstance(error, BrokenPipeError):
+                raise SystemExit(CLOSED_PIPE) from None
+            raise
 
 
 def _substitute(error: UnicodeError) -> tuple[str, int]:
@@ -61,21 +101,28 @@ def _substitute(error: UnicodeError) -> tuple[str, int]:
 
 
 def _without_marks(character: str) -> str:
-    """Nearest plain text of a character, "R" for "ᴿ"; "?" where there is none."""
-    plain = (_IN_ASCII.get(part, part) for part in unicodedata.normalize("NFKD", character))
-    return "".join(plain).encode("ascii", "ignore").decode() or "?"
+    """Nearest plain text of a character, "R" for "ᴿ", "xi" for "ξ"; "?" where there is none."""
+    parts = unicodedata.normalize("NFKD", character)
+    plain = "".join(_IN_ASCII.get(part) or _greek(part) for part in parts if not unicodedata.combining(part))
+    return plain.encode("ascii", "ignore").decode() or ("" if unicodedata.combining(character) else "?")
+
+
+def _greek(letter: str) -> str:
+    """Name of a Greek letter, as it is said; every other character as it is."""
+    alphabet, *_, name = unicodedata.name(letter, "").split() or [""]
+    return name.lower() if alphabet == "GREEK" else letter
 
 
 _SUBSTITUTION = "reliab"
 _IN_ASCII: Final = {
-    "ξ": "xi",
-    "α": "alpha",
-    "τ": "tau",
-    "ω": "omega",
-    "φ": "phi",
-    "σ": "sigma",
-    "π": "pi",
     "Σ": "sum",
+    "λ": "lambda",
+    "±": "+-",
+    "°": " degrees",
+    "µ": "u",
+    "′": "'",
+    "∝": "~",
+    "█": "#",
     "√": "sqrt ",
     "≤": "<=",
     "≥": ">=",
@@ -117,7 +164,8 @@ def table(title: str, headings: Mapping[str, str]) -> "Table":
 
     rich_table = Table(title=title, box=box.SIMPLE, padding=(0, 1, 0, 0), title_justify="left")
     for heading, justify in headings.items():
-        rich_table.add_column(Text(printable(heading)), justify=justify, no_wrap=True)  # type: ignore[arg-type]
+        literal = substituted(printable(heading), sys.stdout)
+        rich_table.add_column(Text(literal), justify=justify, no_wrap=True)  # type: ignore[arg-type]
     return rich_table
 
 

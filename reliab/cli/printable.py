@@ -1,6 +1,7 @@
 """Names as they may be shown on a terminal."""
 
 import unicodedata
+from typing import IO
 
 
 def printable(text: str) -> str:
@@ -23,6 +24,27 @@ def printable(text: str) -> str:
     """
     return "".join(
         character.encode("unicode_escape").decode() if _steers(character) else character for character in text
+    )
+
+
+def substituted(text: str, stream: IO[str]) -> str:
+    """Put what a stream writes for characters that it lacks, so that columns are as wide as they will be.
+
+    Parameters
+    ----------
+    text : str
+        Any text.
+    stream : file
+        Where it will be written.
+
+    Returns
+    -------
+    str
+        The text as it will stand there.
+    """
+    encoding = getattr(stream, "encoding", None) or "utf-8"
+    return text.encode(encoding, getattr(stream, "errors", None) or "surrogatepass").decode(
+        encoding, "surrogatepass"
     )
 
 

@@ -1,14 +1,19 @@
 """Terminals and pipes that lack characters get others in their place, and JSON stays exact."""
 
+import ast
 import io
 import json
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
+import reliab
 from reliab.cli import main
+from reliab.cli.output import write_what_can_be_written
+from reliab.cli.printable import printable
 from reliab.version import __version__
 
 STRUCTURE = ["--f", "1", "--xi", "0.02"]
@@ -102,3 +107,55 @@ def test_a_criterion_from_ellipses_needs_neither_kernels_nor_what_other_methods_
         "zarr",
     )
     assert modules_after(asked, *idle)[0] == "[]"
+
+
+def characters_that_are_shown():
+    """Characters of all texts of the package but docstrings outside of the commands, and texts of reports."""
+    characters = set()
+    for path in Path(reliab.__file__).parent.rglob("*.py"):
+        tree = ast.parse(path.read_bytes())
+        documented = (ast.Module, ast.ClassDef, ast.FunctionDef)
+        docstrings = {
+            id(node.body[0].value)
+            for node in ast.walk(tree)
+            if isinstance(node, documented) and ast.get_docstring(node, clean=False) is not None
+        }
+        if "report" not in path.parts:
+            texts = (node for node in ast.walk(tree) if isinstance(node, ast.Constant))
+            texts = (node.value for node in texts if id(node) not in docstrings or "cli" in path.parts)
+            characters |= set("".join(text for text in texts if isinstance(text, str)))
+    return {character for character in characters if character == printable(character)}
+
+
+def test_no_character_of_ours_becomes_a_question_mark():
+    shown = characters_that_are_shown()
+    assert {"ξ", "█", "±", "²", "−"} <= shown
+    stream = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
+    write_what_can_be_written(stream)
+    lost = set()
+    for character in sorted(shown - {"?"}):
+        stream.write(character)
+        stream.flush()
+        if b"?" in stream.buffer.getvalue():
+            lost.add(character)
+            stream.buffer.truncate(0)
+    assert lost == set()
+
+
+def test_bars_are_drawn_and_tolerances_read_in_the_c_locale():
+    locale = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0", "NO_COLOR": "1"}
+    environment = {name: text for name, text in os.environ.items() if name != "PYTHONIOENCODING"}
+
+    def asked(frequency):
+        program = [sys.executable, "-m", "reliab", "assess", "--design", "--f", frequency, "--xi", "0.02"]
+        return subprocess.run(  # noqa: S603 - this very package
+            program, capture_output=True, env={**environment, **locale}, check=False
+        )
+
+    design = asked("1").stdout.decode("ascii")
+    assert "########" in design
+    assert "?" not in design
+    assert len({len(row) for row in design.splitlines() if row.startswith("|")}) <= 2, "columns are straight"
+    refused = asked("1±0.01")
+    assert refused.returncode == 2
+    assert b"found --f 1 +- 0.01." in refused.stderr
