@@ -3,6 +3,9 @@
 import re
 from pathlib import Path
 
+import pytest
+
+from reliab.report.sources import SOURCES
 from reliab.version import __version__
 
 ROOT = Path(__file__).parents[1]
@@ -23,3 +26,33 @@ def test_the_summary_has_the_sections_and_the_length_of_a_software_journal():
     sections = re.findall(r"^# (.*)$", text, re.MULTILINE)
     assert {"Summary", "Statement of need", "Comparison with other software", "References"} <= set(sections)
     assert len(text.split()) <= MOST_WORDS
+
+
+def paper_title():
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    return re.search(r'^  - type: article\n    title: "(.*)"$', citation, re.MULTILINE)[1].casefold()
+
+
+def texts():
+    """Every text for readers, and what reports say of the paper, as one line each."""
+    pages = {
+        path.relative_to(ROOT).as_posix(): path for path in ROOT.rglob("*.md") if ".venv" not in path.parts
+    }
+    lines = {name: path.read_text(encoding="utf-8") for name, path in pages.items()}
+    lines["reports"] = next(source.text for source in SOURCES if source.label == "guo2017")
+    return {name: " ".join(line.split()) for name, line in lines.items()}
+
+
+@pytest.mark.parametrize(("name", "text"), [pytest.param(*item, id=item[0]) for item in texts().items()])
+def test_the_paper_has_one_title_wherever_it_is_named(name, text):
+    """In italics after its authors, or as a reference: authors, year, title."""
+    named = re.findall(r"Guo(?:, T\.)? and others(?: \(2017\))?,? \*([^*]+)\*", text)
+    named += re.findall(r"Guo(?:, T\.)? and others \(2017\)\. ([^.]+)\.", text)
+    assert {title.casefold() for title in named} <= {paper_title()}
+    assert named or name not in {
+        "README.md",
+        "reliab/README.md",
+        "reports/site/paper.md",
+        "reports/summary.md",
+        "reports",
+    }

@@ -32,6 +32,7 @@ from reliab.cli import run as run_command
 from reliab.cli.defaults import read_defaults
 from reliab.cli.examples import example_of
 from reliab.cli.interruption import interruption, noticed_interruption
+from reliab.cli.literal_help import take_help_literally
 from reliab.cli.output import write_what_can_be_written
 from reliab.cli.printable import printable, substituted
 from reliab.errors import INTERRUPTED, IncompleteError, InputError
@@ -102,6 +103,7 @@ def run(arguments: Sequence[str]) -> int:
     for library in ("asyncio", "matplotlib"):  # errors are told once, as below; fonts are listed elsewhere
         logging.getLogger(library).addHandler(logging.NullHandler())
     command = typer.main.get_command(app)
+    take_help_literally(command)
     try:
         with noticed_interruption(), warnings.catch_warnings():
             warnings.showwarning = _show_warning

@@ -30,6 +30,26 @@ def test_example_is_printed_by_the_help_and_understood(name, capsys):
     assert COMMANDS[name].make_context(name, arguments).params
 
 
+def described(command, path=()):
+    """Each command and group with its path, and every text that its help is made of."""
+    own = [command.help, *(getattr(parameter, "help", None) for parameter in command.params), command.epilog]
+    yield path, [text for text in own if text]
+    for name, inner in getattr(command, "commands", {}).items():
+        yield from described(inner, (*path, name))
+
+
+@pytest.mark.parametrize(
+    ("path", "texts"),
+    [pytest.param(*item, id=" ".join(item[0])) for item in described(typer.main.get_command(app))],
+)
+def test_help_shows_every_character_of_its_texts(path, texts, monkeypatch, capsys):
+    """Units in brackets, asterisks, colons: nothing of it is markup."""
+    monkeypatch.setattr("typer.rich_utils.MAX_WIDTH", 500)
+    assert run([*path, "--help"]) == 0
+    printed = "".join(capsys.readouterr().out.split())
+    assert [text for text in texts if "".join(text.split()) not in printed] == []
+
+
 def test_info_names_versions_and_what_ships(capsys):
     assert run(["info"]) == 0
     printed = capsys.readouterr().out
