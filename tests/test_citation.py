@@ -10,6 +10,7 @@ from reliab.version import __version__
 
 ROOT = Path(__file__).parents[1]
 MOST_WORDS = 1000  # of the summary, without its head
+NAMING = ("README.md", "reliab/README.md", "reports/site/paper.md", "reports/summary.md", "reports")
 
 
 def test_the_citation_states_this_version():
@@ -34,25 +35,19 @@ def paper_title():
 
 
 def texts():
-    """Every text for readers, and what reports say of the paper, as one line each."""
+    """Every text for readers, and what reports say of the paper."""
     pages = {
         path.relative_to(ROOT).as_posix(): path for path in ROOT.rglob("*.md") if ".venv" not in path.parts
     }
     lines = {name: path.read_text(encoding="utf-8") for name, path in pages.items()}
     lines["reports"] = next(source.text for source in SOURCES if source.label == "guo2017")
-    return {name: " ".join(line.split()) for name, line in lines.items()}
+    return lines
 
 
 @pytest.mark.parametrize(("name", "text"), [pytest.param(*item, id=item[0]) for item in texts().items()])
 def test_the_paper_has_one_title_wherever_it_is_named(name, text):
-    """In italics after its authors, or as a reference: authors, year, title."""
-    named = re.findall(r"Guo(?:, T\.)? and others(?: \(2017\))?,? \*([^*]+)\*", text)
-    named += re.findall(r"Guo(?:, T\.)? and others \(2017\)\. ([^.]+)\.", text)
-    assert {title.casefold() for title in named} <= {paper_title()}
-    assert named or name not in {
-        "README.md",
-        "reliab/README.md",
-        "reports/site/paper.md",
-        "reports/summary.md",
-        "reports",
-    }
+    """In italics after its authors, or in a list of references: authors, year, title."""
+    named = re.findall(r"Guo and others,?(?: \(2017\),)? \*([^*]+)\*", text)
+    named += re.findall(r"^Guo(?:, T\.)? and others \(2017\)\. ([^.]+)\.", text, re.MULTILINE)
+    assert {" ".join(title.split()).casefold() for title in named} <= {paper_title()}
+    assert named or name not in NAMING
