@@ -9,6 +9,7 @@ import pytest
 
 import reliab
 from reliab.shipped import shipped
+from reliab.sweep import open_ellipses
 from reliab.validation.assessment import default_criterion, read_recording
 
 mpl.use("Agg")
@@ -66,14 +67,27 @@ def test_a_diagnosis_is_a_table_and_two_bars_for_each_block():
     assert len(diagnosis.plot().patches) == 2 * len(diagnosis.blocks)
 
 
-def test_region_reaches_as_far_as_the_limits():
+def test_each_half_of_a_region_ends_on_no_delay_at_the_limits_of_its_side():
     criterion = default_criterion(1.0, 0.02)
     axes = criterion.plot(1.0, 0.02)
-    across, up = axes.lines[0].get_data()
-    lag, lead = (criterion.limits(1.0, 0.02, side) for side in ("lag", "lead"))
-    assert up.max() == pytest.approx(float(lag[1]) ** 0.5, rel=1e-6)
-    assert up.min() == pytest.approx(-(float(lead[1]) ** 0.5), rel=1e-6)
-    assert across.max() == pytest.approx(100 * max(float(lag[0]), float(lead[0])) ** 0.5, rel=1e-6)
+    names = [text.get_text() for text in axes.get_legend().get_texts()]
+    for rank, (side, sign) in enumerate((("lag", 1.0), ("lead", -1.0))):
+        across, up = axes.lines[rank].get_data()
+        a, b = (float(limit) for limit in criterion.limits(1.0, 0.02, side))
+        assert np.max(sign * up) == pytest.approx(b**0.5, rel=1e-6)
+        assert np.min(sign * up) >= -1e-12
+        np.testing.assert_allclose(np.sort(across)[[0, -1]], [-100 * a**0.5, 100 * a**0.5])
+        np.testing.assert_allclose(up[[0, -1]], 0.0, atol=1e-12)
+        assert f"{100 * a**0.5:.2f} % or {b**0.5:.2f} ms" in names[rank]
+
+
+def test_the_ellipses_of_leads_are_the_wider_ones_on_no_delay():
+    """Why the halves of a region do not meet there, for every motion that ships."""
+    ellipses = open_ellipses(shipped("datasets", "real_suite/ellipses.nc")).sel(curve="inscribed")
+    known = ellipses.sel(f=1.0, xi=0.02, threshold=0.05, metric="rms")["a"]
+    ratios = np.sqrt(known.sel(side="lead") / known.sel(side="lag")).values
+    assert ratios.min() > 1.0
+    assert ratios.max() < 1.15
 
 
 def test_error_is_drawn_over_time(verdict):

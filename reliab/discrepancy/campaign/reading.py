@@ -25,11 +25,17 @@ The command is then the displacement of the frame at the interface, the force th
 import re
 import tomllib
 from pathlib import Path, PurePath
-from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError
+from pydantic import ValidationError
 
 from reliab.discrepancy.campaign.campaign import Campaign, MeasuredTest
+from reliab.discrepancy.campaign.description import (
+    CampaignDescription,
+    FrameTables,
+    SpecimenTable,
+    StructureTable,
+    TestTable,
+)
 from reliab.discrepancy.campaign.folder import CAMPAIGN_FILE, campaign_folder
 from reliab.discrepancy.campaign.table import read_table
 from reliab.errors import InputError
@@ -43,69 +49,6 @@ from reliab.loop.structure import Structure
 MOST_SAMPLES = 3_000_000
 """Largest number of samples of all tests, a thousand tests of 23 s at 128 Hz. By extrapolation from 4 and 16
 tests a diagnosis then takes about 4 GB and two hours."""
-
-_Positive = Annotated[float, Field(ge=1e-30, le=1e30)]  # whose squares are numbers
-_NotNegative = Annotated[float, Field(ge=0.0, le=1e30)]
-
-
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class _Structure(_Table):
-    frequency_hz: _Positive
-    damping_ratio: Annotated[float, Field(gt=0.0, lt=1.0)]
-    mass_kg: _Positive | None = None
-    experimental_fraction: Annotated[float, Field(gt=0.0, le=1.0)] = 1.0
-
-
-class _Frame(_Table):
-    """`[structure]` of a frame: tables of `frame.toml`, which are checked where they are read."""
-
-    frame: dict[str, Any]
-    damping: dict[str, Any]
-    specimen: dict[str, Any]
-
-
-class _Actuator(_Table):
-    gain: _Positive = 1.0
-    delay_s: _NotNegative = 0.0
-
-
-class _Specimen(_Table):
-    stiffness_n_per_m: _NotNegative = 0.0
-    damping_n_s_per_m: _NotNegative = 0.0
-    mass_kg: _NotNegative = 0.0
-
-
-class _Sampling(_Table):
-    rate_hz: _Positive
-
-
-class _Test(_Table):
-    file: Annotated[str, Field(min_length=1)]
-    motion: str = ""
-    held_out: bool = False
-
-
-def _kind_of_structure(table: object) -> str:
-    """Distinguish a frame from a structure of one degree of freedom by its tables."""
-    return "frame" if isinstance(table, dict) and "frame" in table else "one_mode"
-
-
-class _CampaignFile(_Table):
-    name: str = ""
-    structure: (
-        Annotated[
-            Annotated[_Structure, Tag("one_mode")] | Annotated[_Frame, Tag("frame")],
-            Discriminator(_kind_of_structure),
-        ]
-        | None
-    ) = None
-    actuator: _Actuator | None = None
-    specimen: _Specimen | None = None
-    sampling: _Sampling
-    tests: Annotated[list[_Test], Field(min_length=1)]
 
 
 def read_campaign(folder: Path | str) -> Campaign:
@@ -173,7 +116,7 @@ def _check_files(names: list[str]) -> None:
             )
 
 
-def _held_out(tests: list[_Test]) -> list[bool]:
+def _held_out(tests: list[TestTable]) -> list[bool]:
     """Which tests are held out: those marked, else the last; of a single test only its end is held out."""
     marked = [test.held_out for test in tests]
     if len(tests) == 1:
@@ -181,9 +124,9 @@ def _held_out(tests: list[_Test]) -> list[bool]:
     return marked if any(marked) else [*marked[:-1], True]
 
 
-def _campaign(described: _CampaignFile, tests: tuple[MeasuredTest, ...], folder: Path) -> Campaign:
+def _campaign(described: CampaignDescription, tests: tuple[MeasuredTest, ...], folder: Path) -> Campaign:
     structure, actuator, specimen = described.structure, described.actuator, described.specimen
-    one_mode = structure if isinstance(structure, _Structure) else None
+    one_mode = structure if isinstance(structure, StructureTable) else None
     return Campaign(
         name=described.name or folder.name,
         structure=None if one_mode is None else _as_structure(one_mode),
@@ -192,11 +135,11 @@ def _campaign(described: _CampaignFile, tests: tuple[MeasuredTest, ...], folder:
         specimen=None if specimen is None else _as_specimen(specimen),
         rate=described.sampling.rate_hz,
         tests=tests,
-        partition=_as_partition(structure, described) if isinstance(structure, _Frame) else None,
+        partition=_as_partition(structure, described) if isinstance(structure, FrameTables) else None,
     )
 
 
-def _as_partition(table: _Frame, described: _CampaignFile) -> Partition:
+def _as_partition(table: FrameTables, described: CampaignDescription) -> Partition:
     """Build the frame with its specimen, and refuse entries that are repeated or have no meaning."""
     if described.specimen is not None:
         raise InputError(
@@ -216,7 +159,7 @@ def _as_partition(table: _Frame, described: _CampaignFile) -> Partition:
     return partition
 
 
-def _as_structure(table: _Structure) -> Structure:
+def _as_structure(table: StructureTable) -> Structure:
     return Structure(
         frequency=table.frequency_hz,
         damping_ratio=table.damping_ratio,
@@ -224,11 +167,11 @@ def _as_structure(table: _Structure) -> Structure:
     )
 
 
-def _as_specimen(table: _Specimen) -> Specimen:
+def _as_specimen(table: SpecimenTable) -> Specimen:
     return Specimen(stiffness=table.stiffness_n_per_m, damping=table.damping_n_s_per_m, mass=table.mass_kg)
 
 
-def _described(path: Path) -> _CampaignFile:
+def _described(path: Path) -> CampaignDescription:
     try:
         text = ordinary(path).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
@@ -239,7 +182,7 @@ def _described(path: Path) -> _CampaignFile:
             where=str(path),
         ) from error
     try:
-        return _CampaignFile.model_validate(tomllib.loads(text))
+        return CampaignDescription.model_validate(tomllib.loads(text))
     except tomllib.TOMLDecodeError as error:
         raise InputError("The file must be valid TOML", value=str(error), where=path.name) from error
     except ValidationError as error:

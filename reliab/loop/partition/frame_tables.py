@@ -25,16 +25,18 @@ NotNegative = Annotated[float, Field(ge=0.0)]
 
 
 class PlanarTable(DescribedTable):
-    """`[frame.planar]`: a regular moment frame of columns and beams."""
+    """A regular moment frame of columns and beams, whose floors are degrees of freedom."""
 
-    storeys: Annotated[int, Field(ge=1)]
-    bays: Annotated[int, Field(ge=1)]
-    elastic_modulus_pa: Positive
-    column_inertia_m4: Positive
-    beam_inertia_m4: Positive
-    storey_height_m: Positive
-    bay_width_m: Positive
-    fixed_base: bool = False
+    storeys: Annotated[int, Field(ge=1)] = Field(description="Number of storeys")
+    bays: Annotated[int, Field(ge=1)] = Field(description="Number of bays")
+    elastic_modulus_pa: Positive = Field(description="Elastic modulus")
+    column_inertia_m4: Positive = Field(description="Second moment of area of a column")
+    beam_inertia_m4: Positive = Field(description="Second moment of area of a beam")
+    storey_height_m: Positive = Field(description="Height of a storey")
+    bay_width_m: Positive = Field(description="Width of a bay")
+    fixed_base: bool = Field(
+        default=False, description="Whether columns are clamped at the ground, not hinged"
+    )
 
     @property
     def stiffness(self) -> Array:
@@ -52,15 +54,23 @@ class PlanarTable(DescribedTable):
 
 
 class FrameTable(DescribedTable):
-    """`[frame]`: mass and stiffness."""
+    """Mass and stiffness of the whole structure, each in one of its ways."""
 
-    masses_kg: Row | None = None
-    mass_matrix_kg: tuple[Row, ...] | None = None
-    storey_stiffnesses_n_per_m: Row | None = None
-    stiffness_matrix_n_per_m: tuple[Row, ...] | None = None
-    planar: PlanarTable | None = None
-    names: tuple[str, ...] = ()
-    influence: Row | None = None
+    masses_kg: Row | None = Field(default=None, description="Masses of the floors, from the ground up")
+    mass_matrix_kg: tuple[Row, ...] | None = Field(default=None, description="Mass matrix, by rows")
+    storey_stiffnesses_n_per_m: Row | None = Field(
+        default=None, description="Stiffnesses of the storeys of a shear frame, from the ground up"
+    )
+    stiffness_matrix_n_per_m: tuple[Row, ...] | None = Field(
+        default=None, description="Stiffness matrix, by rows"
+    )
+    planar: PlanarTable | None = Field(default=None, description="Stiffness from columns and beams")
+    names: tuple[str, ...] = Field(
+        default=(), description="Names of the degrees of freedom; without them “1”, “2”, …"
+    )
+    influence: Row | None = Field(
+        default=None, description="How the ground moves the degrees of freedom; without it each by 1"
+    )
 
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:
@@ -89,13 +99,17 @@ class FrameTable(DescribedTable):
 
 
 class DampingTable(DescribedTable):
-    """`[damping]`: exactly one way of describing it."""
+    """Damping of the whole structure: `ratio`, `ratios`, `rayleigh_ratios` or `matrix_n_s_per_m`."""
 
-    ratio: NotNegative | None = None
-    ratios: Row | None = None
-    rayleigh_ratios: tuple[float, float] | None = None
-    rayleigh_frequencies_hz: tuple[Positive, Positive] | None = None
-    matrix_n_s_per_m: tuple[Row, ...] | None = None
+    ratio: NotNegative | None = Field(default=None, description="Damping ratio of all modes")
+    ratios: Row | None = Field(default=None, description="Damping ratio of each mode, the slowest first")
+    rayleigh_ratios: tuple[float, float] | None = Field(
+        default=None, description="Damping ratios of Rayleigh damping at two frequencies"
+    )
+    rayleigh_frequencies_hz: tuple[Positive, Positive] | None = Field(
+        default=None, description="These two frequencies"
+    )
+    matrix_n_s_per_m: tuple[Row, ...] | None = Field(default=None, description="Damping matrix, by rows")
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
@@ -118,11 +132,11 @@ class DampingTable(DescribedTable):
 
 
 class EffectTable(BaseModel):
-    """`[[specimen.effects]]`: an effect of the library with its parameters."""
+    """What the specimen does beyond its linear part: an effect of the library with its parameters."""
 
     model_config = ConfigDict(extra="allow", frozen=True)
 
-    name: str
+    name: str = Field(description="Name of the effect; its parameters stand beside it")
 
     @property
     def effect(self) -> Effect:
@@ -144,17 +158,26 @@ class EffectTable(BaseModel):
 
 
 class SpecimenTable(DescribedTable):
-    """`[specimen]`: the specimen and where it is attached."""
+    """The specimen, and the interface at which it is attached."""
 
-    degree_of_freedom: str | int | None = None
-    below: str | int | None = None
-    direction: Row | None = None
-    stiffness_n_per_m: NotNegative = 0.0
-    damping_n_s_per_m: float | None = None
-    damping_ratio: NotNegative | None = None
-    mass_kg: NotNegative = 0.0
-    part_of_structure: bool = True
-    effects: tuple[EffectTable, ...] = ()
+    degree_of_freedom: str | int | None = Field(
+        default=None, description="Floor that the specimen connects with the ground, or with `below`"
+    )
+    below: str | int | None = Field(default=None, description="Floor at its other end; without it the ground")
+    direction: Row | None = Field(
+        default=None,
+        description="Interface displacement by degree of freedom, in place of `degree_of_freedom`",
+    )
+    stiffness_n_per_m: NotNegative = Field(default=0.0, description="Stiffness of the specimen")
+    damping_n_s_per_m: float | None = Field(default=None, description="Damping coefficient of the specimen")
+    damping_ratio: NotNegative | None = Field(
+        default=None, description="Damping ratio of the specimen by itself, in place of its coefficient"
+    )
+    mass_kg: NotNegative = Field(default=0.0, description="Mass of the specimen")
+    part_of_structure: bool = Field(
+        default=True, description="Whether the matrices hold the specimen; if not, it is added to them"
+    )
+    effects: tuple[EffectTable, ...] = Field(default=(), description="What it does beyond its linear part")
 
     @model_validator(mode="after")
     def _one_place(self) -> Self:
@@ -187,10 +210,12 @@ class SpecimenTable(DescribedTable):
 
 
 class ErrorTable(DescribedTable):
-    """`[error]`: the response whose error counts."""
+    """The response whose error counts."""
 
-    of: str = "interface"
-    between: tuple[str, str] | None = None
+    of: str = Field(
+        default="interface", description="The interface, a degree of freedom by its name, or “drift”"
+    )
+    between: tuple[str, str] | None = Field(default=None, description="Upper and lower floor of a drift")
 
     @model_validator(mode="after")
     def _drift(self) -> Self:
@@ -211,13 +236,15 @@ class ErrorTable(DescribedTable):
 class FrameDescription(DescribedTable):
     """The whole file."""
 
-    name: str = "frame"
-    kind: Literal["frame"] = "frame"
-    frame: FrameTable
-    damping: DampingTable
-    specimen: SpecimenTable
-    error: ErrorTable = ErrorTable()
-    transfer_system: TransferTable | None = None
+    name: str = Field(default="frame", description="Free text")
+    kind: Literal["frame"] = Field(default="frame", description="What the file describes")
+    frame: FrameTable = Field(description="Mass and stiffness")
+    damping: DampingTable = Field(description="Damping")
+    specimen: SpecimenTable = Field(description="Specimen and interface")
+    error: ErrorTable = Field(default=ErrorTable(), description="Whose error counts")
+    transfer_system: TransferTable | None = Field(
+        default=None, description="The rig, whose error `reliab criterion` states"
+    )
 
 
 def _matrix(rows: tuple[Row, ...] | None) -> Array:

@@ -19,14 +19,22 @@ _MILLISECONDS = 1e3
 
 
 class ServoHydraulicTable(DescribedTable):
-    """`[transfer_system.servo_hydraulic]`: the plant of the benchmark, with other numbers where given."""
+    """The servo-hydraulic plant of the benchmark, with other numbers where given."""
 
-    input_gain: Positive = ServoHydraulic.input_gain
-    valve_gain: Positive = ServoHydraulic.valve_gain
-    piston_coupling_n_per_m: Positive = ServoHydraulic.piston_coupling
-    leakage_per_s: Positive = ServoHydraulic.leakage
-    valve_damping_per_s: Positive = ServoHydraulic.valve_damping
-    valve_stiffness_per_s2: Positive = ServoHydraulic.valve_stiffness
+    input_gain: Positive = Field(
+        default=ServoHydraulic.input_gain, description="Gain of the command’s way to the valve"
+    )
+    valve_gain: Positive = Field(default=ServoHydraulic.valve_gain, description="Gain of the valve [N/(m·s³)]")
+    piston_coupling_n_per_m: Positive = Field(
+        default=ServoHydraulic.piston_coupling, description="Coupling of the piston"
+    )
+    leakage_per_s: Positive = Field(default=ServoHydraulic.leakage, description="Leakage past the piston")
+    valve_damping_per_s: Positive = Field(
+        default=ServoHydraulic.valve_damping, description="Damping of the valve"
+    )
+    valve_stiffness_per_s2: Positive = Field(
+        default=ServoHydraulic.valve_stiffness, description="Stiffness of the valve"
+    )
 
     @property
     def plant(self) -> ServoHydraulic:
@@ -42,17 +50,27 @@ class ServoHydraulicTable(DescribedTable):
 
 
 class TransferTable(DescribedTable):
-    """`[transfer_system]`: one way of describing it, and a pure delay beside a transfer function."""
+    """The actuator with its inner control, in one of its ways, and a pure delay beside it."""
 
-    gain: Positive | None = None
-    numerator: tuple[float, ...] | None = None
-    denominator: tuple[float, ...] | None = None
-    zeros_per_s: tuple[Root, ...] = ()
-    poles_per_s: tuple[Root, ...] | None = None
-    file: str | None = None
-    variable: str | None = None
-    servo_hydraulic: ServoHydraulicTable | None = None
-    delay_ms: Annotated[float, Field(ge=0.0)] = 0.0
+    gain: Positive | None = Field(default=None, description="Gain at rest, alone or beside `poles_per_s`")
+    numerator: tuple[float, ...] | None = Field(
+        default=None, description="Coefficients of the numerator, in descending powers of s"
+    )
+    denominator: tuple[float, ...] | None = Field(
+        default=None, description="Coefficients of the denominator, likewise"
+    )
+    zeros_per_s: tuple[Root, ...] = Field(default=(), description="Zeros, as `poles_per_s`")
+    poles_per_s: tuple[Root, ...] | None = Field(
+        default=None, description="Poles; [real, imaginary] stands for a conjugate pair"
+    )
+    file: str | None = Field(
+        default=None, description="MATLAB file beside this one with num and den, z, p and k, or A, B, C and D"
+    )
+    variable: str | None = Field(default=None, description="Structure in that file which holds them")
+    servo_hydraulic: ServoHydraulicTable | None = Field(default=None, description="Plant of the benchmark")
+    delay_ms: Annotated[float, Field(ge=0.0)] = Field(
+        default=0.0, description="Pure delay beside each of these"
+    )
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
