@@ -1,6 +1,6 @@
 """Probabilistic reliability of real-time hybrid simulation.
 
-Commands that answer something have functions here: `load_motions`, `simulate`, `ellipses`, `derive_criterion`,
+Commands that answer have functions here: `load_motions`, `simulate`, `ellipses`, `derive_criterion`,
 `assess`, `cross_validate`, `diagnose` and `write_report`; beside them stand what reads their input
 (`open_results`, `read_ellipses`, `read_recording`, `read_campaign`, `open_study`), `published_criterion`,
 `run_study`, a `Structure` and the `InputError` that bad input raises. Each is imported when it is first asked

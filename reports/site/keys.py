@@ -58,7 +58,7 @@ def reference(description: type[BaseModel]) -> str:
     Returns
     -------
     str
-        A heading and a table of keys for every table of the file, the file itself first.
+        A heading and a table of keys for every table of the file, what stands outside of them first.
     """
     schema = description.model_json_schema()
     return "\n".join(_sections(schema, schema["$defs"], ""))
@@ -66,9 +66,8 @@ def reference(description: type[BaseModel]) -> str:
 
 def _sections(table: Schema, named: Schema, path: str) -> Iterator[str]:
     """Yield the lines on a table of the file and on those inside it."""
-    if path:
-        yield f"\n### `{path}`\n"
-        yield f"{' '.join(table['description'].split())}\n"
+    yield f"\n### {f'`{path}`' if path else 'Outside of all tables'}\n"
+    yield f"{' '.join(table['description'].split())}\n"
     inside = [(key, *_inner(entry, named)) for key, entry in table["properties"].items()]
     required = table.get("required", ())
     yield "| key | value | unit | default | meaning |"

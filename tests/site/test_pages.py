@@ -112,3 +112,5 @@ def test_site_is_built_without_a_warning(tmp_path):
     from sphinx.cmd.build import build_main
 
     assert build_main(["-W", "--keep-going", "-q", "-b", "html", str(SITE), str(tmp_path / "site")]) == 0
+    reference = (tmp_path / "site" / "api.html").read_text(encoding="utf-8")
+    assert re.findall(r"&lt;(?:function|class|.* object at) ", reference) == []

@@ -71,7 +71,7 @@ def _kind_of_structure(table: object) -> str:
 
 
 class CampaignDescription(_Table):
-    """The whole file."""
+    """A rig and its tests."""
 
     name: str = Field(default="", description="Free text; without it the name of the folder")
     structure: (

@@ -64,5 +64,7 @@ def draw_gap(name: str, blocks: Sequence[BlockDiagnosis], axes: "Axes | None" = 
         shown.bar([place + shift for place in range(len(names))], shares, width=0.4, label=label)
     shown.set_xticks(range(len(names)), names)
     shown.set(ylabel="error [% of RMS]", yscale="log", title=name)
+    shown.yaxis.set_major_formatter("{x:g}")
+    shown.yaxis.set_minor_formatter("{x:g}")
     shown.legend(frameon=False)
     return shown

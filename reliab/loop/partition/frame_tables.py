@@ -234,7 +234,7 @@ class ErrorTable(DescribedTable):
 
 
 class FrameDescription(DescribedTable):
-    """The whole file."""
+    """A structure of which one part stands in the laboratory."""
 
     name: str = Field(default="frame", description="Free text")
     kind: Literal["frame"] = Field(default="frame", description="What the file describes")

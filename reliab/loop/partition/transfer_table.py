@@ -24,7 +24,9 @@ class ServoHydraulicTable(DescribedTable):
     input_gain: Positive = Field(
         default=ServoHydraulic.input_gain, description="Gain of the command’s way to the valve"
     )
-    valve_gain: Positive = Field(default=ServoHydraulic.valve_gain, description="Gain of the valve [N/(m·s³)]")
+    valve_gain: Positive = Field(
+        default=ServoHydraulic.valve_gain, description="Gain of the valve [N/(m·s³)]"
+    )
     piston_coupling_n_per_m: Positive = Field(
         default=ServoHydraulic.piston_coupling, description="Coupling of the piston"
     )

@@ -1,4 +1,4 @@
-"""Error of the whole test against delay (Figure 4) and against amplitude (Figure 6)."""
+"""Error of the whole test against delay and against amplitude (Figures 4 and 6)."""
 
 from collections.abc import Mapping
 
@@ -7,32 +7,32 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from reliab.report.axes import AMPLITUDE, ERRORS, MILLI, label_logarithmic, mark
+from reliab.report.axes import AMPLITUDE, ERRORS, MILLI, label_logarithmic, legend_below, mark
 from reliab.report.style import GREY, INK, letters, line, panels, styled
 from reliab.vocabulary import Metric
 
-_HEIGHT = 58.0
+_HEIGHT = 62.0
 _PERCENT = 100.0
 _MANY = 12
 _LEAST = 0.5
 
 
+Curves = tuple[NDArray[np.float64], Mapping[Metric, NDArray[np.float64]]]
+"""Abscissae, shape (n,), with the errors MTE^R and RMS^R [-] there."""
+
+
 @styled
-def error_against_delay(
-    delays: NDArray[np.float64],
-    errors: Mapping[Metric, NDArray[np.float64]],
-    *,
-    critical_delay: float,
-    threshold: float,
+def error_curves(
+    over_delay: Curves, over_amplitude: Curves, *, critical_delay: float, threshold: float
 ) -> Figure:
-    """Draw how the error grows with the delay of the actuator (Figure 4).
+    """Draw how the error grows with the delay and with the amplitude error of the actuator.
 
     Parameters
     ----------
-    delays : array of float, shape (n,)
-        Delays d [s].
-    errors : mapping of Metric to array of float, shape (n,)
-        MTE^R and RMS^R [-].
+    over_delay : tuple of array and mapping of Metric to array
+        Delays d [s] and the errors.
+    over_amplitude : tuple of array and mapping of Metric to array
+        Amplitudes A [-] and the errors.
     critical_delay : float
         Where the loop becomes unstable [s].
     threshold : float
@@ -41,54 +41,26 @@ def error_against_delay(
     Returns
     -------
     matplotlib.figure.Figure
-        Error [%] over delay [ms], on a linear and on a logarithmic scale.
+        Error [%] over delay [ms], on a linear and on a logarithmic scale, and over amplitude [-].
     """
-    figure, axes = panels(1, 2, height=_HEIGHT)
-    letters(axes, ("linear scale", "logarithmic scale"))
-    for place in axes[0]:
-        _curves(place, MILLI * delays, errors)
-        _threshold(place, threshold)
+    figure, axes = panels(1, 3, height=_HEIGHT)
+    linear, logarithmic, amplitude = axes[0]
+    letters(axes, ("delay", "delay, logarithmic scale", "amplitude"))
+    for place in (linear, logarithmic):
+        _curves(place, MILLI * over_delay[0], over_delay[1])
         place.axvline(MILLI * critical_delay, color=INK, linewidth=0.8, linestyle=(0, (1, 2)))
         place.set_xlabel("Delay $d$ [ms]")
-    axes[0, 1].set_yscale("log")
-    axes[0, 1].set_ylim(bottom=_LEAST)
-    label_logarithmic(axes[0, 1].yaxis)
-    mark(
-        axes[0, 0],
-        "critical\ndelay",
-        (_share_of(axes[0, 0], MILLI * critical_delay) - 0.02, 0.97),
-        ha="right",
-    )
-    axes[0, 0].legend(loc="center left")
-    return figure
-
-
-@styled
-def error_against_amplitude(
-    amplitudes: NDArray[np.float64], errors: Mapping[Metric, NDArray[np.float64]], *, threshold: float
-) -> Figure:
-    """Draw how the error grows with the amplitude error of the actuator (Figure 6).
-
-    Parameters
-    ----------
-    amplitudes : array of float, shape (n,)
-        Amplitudes A [-].
-    errors : mapping of Metric to array of float, shape (n,)
-        MTE^R and RMS^R [-].
-    threshold : float
-        Error at which a test is no longer accepted [-].
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Error [%] over amplitude [-].
-    """
-    figure, axes = panels(height=_HEIGHT, width=100.0)
-    _curves(axes[0, 0], amplitudes, errors)
-    _threshold(axes[0, 0], threshold)
-    axes[0, 0].set_xlabel(AMPLITUDE)
-    axes[0, 0].set_ylim(bottom=0.0)
-    axes[0, 0].legend(loc="upper center")
+    _curves(amplitude, *over_amplitude)
+    amplitude.set_xlabel(AMPLITUDE)
+    amplitude.set_ylim(bottom=0.0)
+    for place in axes[0]:
+        place.axhline(_PERCENT * threshold, color=GREY, linewidth=0.8, label=f"{_PERCENT * threshold:g} %")
+    logarithmic.set_yscale("log")
+    logarithmic.set_ylim(bottom=_LEAST)
+    label_logarithmic(logarithmic.yaxis)
+    linear.set_ylabel("Error of the whole test [%]")
+    mark(linear, "critical\ndelay", (_share_of(linear, MILLI * critical_delay) - 0.02, 0.97), ha="right")
+    legend_below(figure, linear)
     return figure
 
 
@@ -101,12 +73,7 @@ def _curves(axes: Axes, x: NDArray[np.float64], errors: Mapping[Metric, NDArray[
             markevery=max(1, x.size // _MANY),
             **line(rank, marker=True),
         )
-    axes.set_ylabel("Error of the whole test [%]")
     axes.set_xlim(x.min(), x.max())
-
-
-def _threshold(axes: Axes, threshold: float) -> None:
-    axes.axhline(_PERCENT * threshold, color=GREY, linewidth=0.8, label=f"{_PERCENT * threshold:g} %")
 
 
 def _share_of(axes: Axes, x: float) -> float:

@@ -7,7 +7,7 @@ from matplotlib.patches import Rectangle
 
 from reliab.report.style import BLUE, INK, PALE, VERMILION, blank, styled
 
-_HEIGHT = 62.0
+_HEIGHT = 48.0
 _COILS = 7
 
 

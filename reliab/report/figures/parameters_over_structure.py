@@ -19,7 +19,7 @@ from reliab.report.axes import (
 )
 from reliab.report.style import letters, line, panels, styled
 
-_HEIGHT = 62.0
+_HEIGHT = 58.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -116,6 +116,7 @@ def report(study: BenchmarkStudy, folder: Path) -> Document:
         title=study.title,
         tests=json.loads((folder / TESTS).read_text(encoding="utf-8"))["tests"],
         published=published if len(published) else None,
+        threshold=study.benchmark.threshold,
         provenance={**study.provenance, **made_with(folder)},
         purpose=study.purpose,
     )

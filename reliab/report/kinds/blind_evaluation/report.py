@@ -6,7 +6,7 @@ from typing import Any
 import pandas as pd
 
 from reliab.loop.effects import library
-from reliab.report.document import Block, Column, Document, Figure, Paragraph, Points, Section, Table
+from reliab.report.document import Column, Document, Figure, Paragraph, Points, Section, Table
 from reliab.report.figures.discrepancy_evaluation import discrepancy_confusion, discrepancy_reliability
 from reliab.report.numbers import Fixed, Whole
 from reliab.report.prose import Prose, prose
@@ -20,6 +20,9 @@ _GROUPS = (
     "One effect in a loop that is seen through one channel",
     "Nothing hidden, and effects outside the library",
 )
+_AMONG, _FAINT, _ONE_CHANNEL = " among several", "faint ", "one channel "
+_NOTHING = ("none", "miscalibrated")
+_FEWEST_BINS = 3
 _SHARE = Fixed(decimals=1, factor=PERCENT)
 
 
@@ -72,16 +75,23 @@ def blind_evaluation_report(
                 n=gap["n"],
             ),
         },
-        blocks=(_rates(runs), _confusion(last), _probabilities(last), _failures(last), _limits(notes)),
+        blocks=(
+            _rates(last),
+            _confusion(last),
+            _probabilities(last),
+            _failures(last),
+            _limits(notes),
+            *_earlier(runs),
+        ),
         provenance=provenance_of(
             {**provenance, **{f"seeds, code {run['code']}": run["seeds"] for run in runs}}
         ),
     )
 
 
-def _rates(runs: Sequence[Mapping[str, Any]]) -> Section:
-    last = {**runs[-1]["rates"], "90 % intervals that cover": runs[-1]["coverage"]}
-    rows = [{"what": name, **rate, "wanted": _target(rate)} for name, rate in last.items() if rate["of"]]
+def _rates(run: Mapping[str, Any]) -> Section:
+    rates = {**run["rates"], "90 % intervals that cover": run["coverage"]}
+    rows = [{"what": name, **rate, "wanted": _target(rate)} for name, rate in rates.items() if rate["of"]]
     columns = (
         Column(key="what", heading="What", wide=True),
         Column(key="count", heading="Times", number=Whole()),
@@ -93,12 +103,8 @@ def _rates(runs: Sequence[Mapping[str, Any]]) -> Section:
         Column(key="wanted", heading="Target"),
     )
     caption = "What was measured on the last run, with Wilson's 95 % intervals."
-    blocks: list[Block] = [
-        Table(frame=pd.DataFrame(rows), columns=columns, caption=caption, label="tab:rates")
-    ]
-    if len(runs) > 1:
-        blocks.append(_earlier(runs))
-    return Section(title="How often it is right", blocks=tuple(blocks))
+    table = Table(frame=pd.DataFrame(rows), columns=columns, caption=caption, label="tab:rates")
+    return Section(title="How often it is right", blocks=(table,))
 
 
 def _target(rate: Mapping[str, Any]) -> str:
@@ -110,8 +116,10 @@ def _target(rate: Mapping[str, Any]) -> str:
     return f"at {'most' if rate['at_most'] else 'least'} {percent(target)}"
 
 
-def _earlier(runs: Sequence[Mapping[str, Any]]) -> Table:
-    """Rates of all runs, each with the code of its time."""
+def _earlier(runs: Sequence[Mapping[str, Any]]) -> tuple[Section, ...]:
+    """Rates of all runs, each with the code of its time; nothing where there is one."""
+    if len(runs) == 1:
+        return ()
     frame = pd.DataFrame(
         {
             run["code"]: {
@@ -127,43 +135,99 @@ def _earlier(runs: Sequence[Mapping[str, Any]]) -> Table:
         *(Column(key=code, heading=f"Code {code}") for code in frame.columns),
     )
     caption = "All runs in their order; each was made on campaigns that nobody had seen before."
-    return Table(frame=shown, columns=columns, caption=caption, label="tab:runs")
+    table = Table(frame=shown, columns=columns, caption=caption, label="tab:runs")
+    return (Section(title="Earlier runs", blocks=(table,), appendix=True),)
 
 
 def _confusion(run: Mapping[str, Any]) -> Section:
+    """Draw the first group, and tabulate all, each with what was answered otherwise."""
     groups: dict[str, dict[str, Mapping[str, int]]] = {}
     for truth, answers in run["confusion"].items():
         groups.setdefault(_group(truth), {})[truth] = answers
-    figures = [
-        Figure(
-            drawing=discrepancy_confusion(groups[name]),
-            caption=f"{name}: what is hidden against what is answered, verdicts without a name in brackets.",
-            label=f"fig:confusion{place}",
-            leads=not place,
-        )
-        for place, name in enumerate(name for name in _GROUPS if name in groups)
+    named = [name for name in _GROUPS if name in groups]
+    columns = (
+        Column(key="group", heading="Hidden", wide=True),
+        Column(key="kinds", heading="Kinds", number=Whole()),
+        Column(key="of", heading="Times", number=Whole()),
+        Column(key="right", heading="Answered so", number=Whole()),
+        Column(key="otherwise", heading="Otherwise", wide=True),
+    )
+    return Section(
+        title="Which effects are confused",
+        blocks=(
+            Table(
+                frame=pd.DataFrame([_counted(name, groups[name]) for name in named]),
+                columns=columns,
+                caption="What is hidden against what is answered; verdicts without a name in brackets.",
+                label="tab:confusion",
+            ),
+            Figure(
+                drawing=discrepancy_confusion(groups[named[0]]),
+                caption=f"{named[0]}: what is hidden against what is answered.",
+                label="fig:confusion",
+                leads=True,
+            ),
+        ),
+    )
+
+
+def _counted(group: str, truths: Mapping[str, Mapping[str, int]]) -> dict[str, object]:
+    """Count the answers of a group that are what was hidden, and name the others."""
+    others = [
+        f"{count} × {spelled_out(truth)} as {spelled_out(answer)}"
+        for truth, answers in truths.items()
+        for answer, count in answers.items()
+        if answer != _answer_to(truth)
     ]
-    return Section(title="Which effects are confused", blocks=tuple(figures))
+    return {
+        "group": group,
+        "kinds": len(truths),
+        "of": sum(sum(answers.values()) for answers in truths.values()),
+        "right": sum(answers.get(_answer_to(truth), 0) for truth, answers in truths.items()),
+        "otherwise": ", ".join(others) or "–",
+    }
+
+
+def _answer_to(truth: str) -> str:
+    """Answer that is right for what is hidden."""
+    name = truth.removesuffix(_AMONG).removeprefix(_FAINT).removeprefix(_ONE_CHANNEL)
+    if name in library():
+        return name
+    return "(no_missing_effect)" if name in _NOTHING else "(unknown_effect)"
 
 
 def _group(truth: str) -> str:
     alone, among, faint, one_channel, outside = _GROUPS
-    if truth.endswith(" among several"):
+    if truth.endswith(_AMONG):
         return among
-    if truth.startswith("faint "):
+    if truth.startswith(_FAINT):
         return faint
-    if truth.startswith("one channel "):
+    if truth.startswith(_ONE_CHANNEL):
         return one_channel
     return alone if truth in library() else outside
 
 
 def _probabilities(run: Mapping[str, Any]) -> Section:
+    """Draw stated probabilities against shares, or say them where they are too few for a curve."""
     bins = pd.DataFrame(run["reliability"]["bins"])
-    caption = "How often effects were right that were named with a probability; the numbers count effects."
-    return Section(
-        title="Whether stated probabilities are kept",
-        blocks=(Figure(drawing=discrepancy_reliability(bins), caption=caption, label="fig:reliability"),),
+    title = "Whether stated probabilities are kept"
+    if len(bins) >= _FEWEST_BINS:
+        caption = "How often effects were right that were named with a probability; the numbers count them."
+        figure = Figure(drawing=discrepancy_reliability(bins), caption=caption, label="fig:reliability")
+        return Section(title=title, blocks=(figure,))
+    sentences = (
+        prose(
+            "Of {n} effects that were named with a probability of {stated} in the mean, {share} were right "
+            "(95 % interval {low} to {high}).",
+            n=row["of"],
+            stated=percent(row["mean_stated"], 4),
+            share=percent(row["share"]),
+            low=percent(row["low"]),
+            high=percent(row["high"]),
+        )
+        for row in bins.to_dict("records")
     )
+    return Section(title=title, blocks=tuple(Paragraph(text=sentence) for sentence in sentences))
 
 
 def _failures(run: Mapping[str, Any]) -> Section:

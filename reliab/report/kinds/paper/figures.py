@@ -26,7 +26,7 @@ from reliab.report.figures.curve_fits import curve_fits
 from reliab.report.figures.displacement_histories import HistoryPanel, displacement_histories
 from reliab.report.figures.ellipses_and_criterion import ellipses_and_criterion
 from reliab.report.figures.error_contours import error_contours
-from reliab.report.figures.error_curves import error_against_amplitude, error_against_delay
+from reliab.report.figures.error_curves import error_curves
 from reliab.report.figures.error_maps import error_maps
 from reliab.report.figures.frame import frame
 from reliab.report.figures.parameter_correlation import parameter_correlation
@@ -54,7 +54,7 @@ def loop_section(example: xr.Dataset) -> Section:
     loop = Figure(drawing=block_diagram(), caption=caption, label="fig:paper-1")
     return Section(
         title="One ground motion: errors of delay and of amplitude",
-        blocks=(loop, _histories(example), *_error_curves(example)),
+        blocks=(loop, _histories(example), _error_curves(example)),
     )
 
 
@@ -79,29 +79,24 @@ def _histories(example: xr.Dataset) -> Figure:
     )
 
 
-def _error_curves(example: xr.Dataset) -> tuple[Figure, Figure]:
+def _error_curves(example: xr.Dataset) -> Figure:
     """Figures 4 and 6."""
-    by_delay = {metric: example["error_of_delay"].sel(metric=str(metric)).values for metric in _METRICS}
-    by_gain = {metric: example["error_of_gain"].sel(metric=str(metric)).values for metric in _METRICS}
-    return (
-        Figure(
-            drawing=error_against_delay(
-                example["long_delay"].values,
-                by_delay,
-                critical_delay=float(example.attrs["critical_delay"]),
-                threshold=FIVE_PERCENT,
-            ),
-            caption=(
-                "Figure 4 of the paper: 5 % is exceeded at a quarter of the critical delay. Stable is not "
-                "accurate."
-            ),
-            label="fig:paper-4",
+    by_delay, by_amplitude = (
+        {metric: example[name].sel(metric=str(metric)).values for metric in _METRICS}
+        for name in ("error_of_delay", "error_of_gain")
+    )
+    return Figure(
+        drawing=error_curves(
+            (example["long_delay"].values, by_delay),
+            (example["gain"].values, by_amplitude),
+            critical_delay=float(example.attrs["critical_delay"]),
+            threshold=FIVE_PERCENT,
         ),
-        Figure(
-            drawing=error_against_amplitude(example["gain"].values, by_gain, threshold=FIVE_PERCENT),
-            caption="Figure 6 of the paper: both errors grow in proportion to the amplitude error.",
-            label="fig:paper-6",
+        caption=(
+            "Figures 4 and 6 of the paper: 5 % is exceeded at a quarter of the critical delay, stable is not "
+            "accurate; both errors grow in proportion to the amplitude error."
         ),
+        label="fig:paper-4",
     )
 
 

@@ -4,10 +4,10 @@ from collections.abc import Mapping
 
 import pandas as pd
 
-from reliab.report.document import Column, Document, Figure, Paragraph, Section, Table
+from reliab.report.document import Column, Document, Figure, Section, Table
 from reliab.report.figures.beyond_the_model import error_beyond_the_model
 from reliab.report.numbers import Fixed, Whole
-from reliab.report.prose import prose
+from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
 from reliab.report.wording import PERCENT
 from reliab.validation.partitioned_structures import PREDICTIONS, ratios
@@ -51,22 +51,37 @@ def partitioned_structures_report(
     """
     kept = tests[~tests["lost"]]
     table = ratios(kept).assign(name=lambda frame: [_NAMES[name] for name in frame["prediction"]])
-    finest = table.set_index("prediction").loc["rebuilt"]
-    opening = (Paragraph(text=purpose),) if purpose else ()
     return Document(
         kind="Partitioned structures",
         title=title,
-        verdict=prose(
-            "In {tests} tests the error rebuilt from a test's own displacements is {median} times the "
-            "simulated one in the median; {lost} tests of {all} were lost to instability.",
-            tests=len(kept),
-            median=f"{finest['median']:.3f}",
-            lost=int(tests["lost"].sum()),
-            all=len(tests),
-        ),
-        facts={"Structures": str(tests["structure"].nunique()), "Motions": str(tests["motion"].nunique())},
-        blocks=(*opening, _predictions(table, kept), _by_structure(kept), _shares(shares)),
+        verdict=_verdict(table.set_index("prediction")),
+        facts={
+            "Question": "Which prediction of the error of such a test can be relied on?",
+            "Tests": prose(
+                "{all} of {structures} structures under {motions} motions; {lost} were lost to instability",
+                all=len(tests),
+                structures=tests["structure"].nunique(),
+                motions=tests["motion"].nunique(),
+                lost=int(tests["lost"].sum()),
+            ),
+            "Purpose": purpose,
+        },
+        blocks=(_predictions(table, kept), _by_structure(kept), _shares(shares)),
         provenance=provenance_of(provenance),
+    )
+
+
+def _verdict(table: pd.DataFrame) -> Prose:
+    """Name the prediction that scatters least, with its ratios, and the one that is furthest off."""
+    best, worst = table["scatter"].idxmin(), (table["median"] - 1.0).abs().idxmax()
+    return prose(
+        "Rely on the error {best}: it lies between {low} and {high} times the simulated error in 90 % of the "
+        "tests. {worst} states {median} times the simulated error in the median.",
+        best=_NAMES[str(best)],
+        low=f"{table.loc[best, 'low']:.2f}",
+        high=f"{table.loc[best, 'high']:.2f}",
+        worst=_NAMES[str(worst)].replace("equation", "Equation"),
+        median=f"{table.loc[worst, 'median']:.1f}",
     )
 
 

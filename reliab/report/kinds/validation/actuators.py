@@ -41,6 +41,7 @@ def actuators_section(tests: pd.DataFrame) -> Section:
                     "on the diagonal, A and d describe the actuator fully."
                 ),
                 label="fig:beyond",
+                floats=True,
             ),
             _table(_by_actuator(tests)),
         ),
