@@ -1,10 +1,10 @@
 """Probabilistic reliability of real-time hybrid simulation.
 
 Commands that answer have functions here: `load_motions`, `simulate`, `ellipses`, `derive_criterion`,
-`assess`, `cross_validate`, `diagnose` and `write_report`; beside them stand what reads their input
-(`open_results`, `read_ellipses`, `read_recording`, `read_campaign`, `open_study`), `published_criterion`,
-`run_study`, a `Structure` and the `InputError` that bad input raises. Each is imported when it is first asked
-for.
+`assess`, `design_test`, `cross_validate`, `diagnose` and `write_report`; beside them stand what reads their
+input (`open_results`, `read_ellipses`, `read_recording`, `read_campaign`, `open_study`),
+`published_criterion`, `run_study`, a `Structure` and the `InputError` that bad input raises. Each is imported
+when it is first asked for.
 """
 
 from typing import TYPE_CHECKING
@@ -13,7 +13,10 @@ from reliab.lazy_exports import exports
 from reliab.version import __version__
 
 if TYPE_CHECKING:
-    from reliab.api import ellipses, simulate
+    from reliab.api.assessment import assess
+    from reliab.api.boundaries import ellipses
+    from reliab.api.design import design_test
+    from reliab.api.simulation import simulate
     from reliab.criterion import derive_criterion, published_criterion, read_ellipses
     from reliab.discrepancy import diagnose, read_campaign
     from reliab.errors import InputError
@@ -22,20 +25,20 @@ if TYPE_CHECKING:
     from reliab.study import open_study, run_study, write_report
     from reliab.sweep import open_results
     from reliab.validation.assessment import read_recording
-    from reliab.validation.assessment.plain import assess
     from reliab.validation.cross_validation import cross_validate
 
 _HOMES = {
     "load_motions": "reliab.motions",
-    "simulate": "reliab.api",
-    "ellipses": "reliab.api",
+    "simulate": "reliab.api.simulation",
+    "ellipses": "reliab.api.boundaries",
     "open_results": "reliab.sweep",
     "read_ellipses": "reliab.criterion",
     "derive_criterion": "reliab.criterion",
     "published_criterion": "reliab.criterion",
     "cross_validate": "reliab.validation.cross_validation",
     "read_recording": "reliab.validation.assessment",
-    "assess": "reliab.validation.assessment.plain",
+    "assess": "reliab.api.assessment",
+    "design_test": "reliab.api.design",
     "read_campaign": "reliab.discrepancy",
     "diagnose": "reliab.discrepancy",
     "open_study": "reliab.study",
@@ -52,6 +55,7 @@ __all__ = [
     "assess",
     "cross_validate",
     "derive_criterion",
+    "design_test",
     "diagnose",
     "ellipses",
     "load_motions",

@@ -33,6 +33,7 @@ from reliab.cli.defaults import read_defaults
 from reliab.cli.examples import example_of
 from reliab.cli.interruption import interruption, noticed_interruption
 from reliab.cli.literal_help import take_help_literally
+from reliab.cli.option_names import as_options
 from reliab.cli.output import write_what_can_be_written
 from reliab.cli.printable import printable, substituted
 from reliab.errors import INTERRUPTED, IncompleteError, InputError
@@ -114,9 +115,9 @@ def run(arguments: Sequence[str]) -> int:
             finally:
                 sys.stdout.flush()  # a pipe that is closed, or a disk that is full, shows by now
     except InputError as error:
-        return _fail(str(error), _BAD_INPUT)
+        return _fail(as_options(str(error), command), _BAD_INPUT)
     except IncompleteError as error:
-        return _fail(str(error), _INCOMPLETE)
+        return _fail(as_options(str(error), command), _INCOMPLETE)
     except ModuleNotFoundError as error:
         if (missing := _not_installed(error)) is None:
             raise

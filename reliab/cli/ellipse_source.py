@@ -170,12 +170,12 @@ class EllipseSource:
             return of_fractions(self._traced_in(self.results), self.alpha, self.results)
         if self.structure is not None:
             return self._of_frame(self.structure)
-        from reliab import api
+        from reliab.api.boundaries import ellipses
         from reliab.motions import load_motions
 
         suite = load_motions(*(self.motions or []), sets=self.sets)
         with progress_bar("Reading spectra" if self.first_order else "Tracing boundaries") as progress:
-            return api.ellipses(
+            return ellipses(
                 suite,
                 f=self.f,
                 xi=self.xi,

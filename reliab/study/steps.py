@@ -8,7 +8,8 @@ from typing import Final
 import numpy as np
 import xarray as xr
 
-from reliab.api import ellipses, simulate
+from reliab.api.boundaries import ellipses
+from reliab.api.simulation import simulate
 from reliab.criterion import Criterion
 from reliab.criterion.derivation import Derivation
 from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, known

@@ -9,6 +9,7 @@ from reliab.errors import InputError
 from reliab.indices.window import Window
 from reliab.loop.engine import Engine
 from reliab.loop.hybrid_test import HybridTest
+from reliab.motions import Motion, MotionSuite, load_motions
 from reliab.sweep.grid import ExplicitGrid, Grid, ScaledGrid
 from reliab.sweep.request import SweepRequest
 
@@ -16,6 +17,8 @@ Numbers = float | Sequence[float]
 """One number, or several."""
 Names = str | Sequence[str]
 """One name, or several."""
+Motions = MotionSuite | Motion | str | Path
+"""Ground motions, one of them, or what `load_motions` reads."""
 
 _Choice = TypeVar("_Choice")
 _GRIDS: Final[dict[str, Grid]] = {"scaled": ScaledGrid(), "paper": ExplicitGrid()}
@@ -195,3 +198,21 @@ def one_of(name: str, choices: dict[str, _Choice], what: str) -> _Choice:
             f"The {what} is one of {', '.join(choices)}", value=name, remedy="Choose one of these"
         )
     return choices[name]
+
+
+def suite_of(motions: Motions) -> MotionSuite:
+    """Take a suite as it is, put a motion into one, and load what is named.
+
+    Parameters
+    ----------
+    motions : MotionSuite, Motion, str or pathlib.Path
+        A suite, a motion, or a folder, file or name that `load_motions` takes.
+
+    Returns
+    -------
+    MotionSuite
+        The motions.
+    """
+    if isinstance(motions, MotionSuite):
+        return motions
+    return MotionSuite.from_motions([motions]) if isinstance(motions, Motion) else load_motions(motions)

@@ -197,4 +197,4 @@ def test_an_assumed_damping_ratio_is_said(folder):
     left_open = json.loads(run(folder / "between.csv", "--f", 1, "--json", "-").stdout)
     assert left_open["verdict"] == "undecided"
     assert "(ξ = 0.005)" in left_open["reasons"][0]
-    assert "--xi" in left_open["would_decide"][0]
+    assert "damping ratio" in left_open["would_decide"][0]

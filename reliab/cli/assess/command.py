@@ -1,11 +1,15 @@
 """`reliab assess`: the verdict on a test, or what is tolerable before one."""
 
+from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
+from reliab.cli.assess.filed_report import Report
+from reliab.cli.assess.meaning import applicable, matched, only_value, refuse_idle
 from reliab.cli.completion import metrics, samples
+from reliab.cli.option_names import as_options
 from reliab.cli.options import (
     JsonTarget,
     Laboratory,
@@ -14,6 +18,7 @@ from reliab.cli.options import (
     ReportDate,
     ReportTitle,
     StructureFile,
+    setting_of,
 )
 
 Tests = Annotated[
@@ -177,23 +182,30 @@ def assess(
     json_target: JsonTarget = None,
 ) -> None:
     """Judge a real test by the error that its command and measured displacement reveal."""
-    from reliab.cli.assess.demand import Demand
-
-    demand = Demand.read(context)
+    refuse_idle(context, design=design)
+    asked: dict[str, Any] = {"xi": xi, "threshold": threshold, "metric": metric, "criterion": criterion}
     if design:
-        from reliab.cli.assess.design import state_tolerances
+        from reliab.api.design import design_test
+        from reliab.cli.assess.design import answer_design
 
-        state_tolerances(demand)
+        tolerable = design_test(**applicable(context, {**asked, "f": f, "confidence": confidence}))
+        answer_design(tolerable, figure, json_target)
         return
     from reliab.cli.assess.verdicts import answer
 
-    if structure is None:
-        from reliab.cli.assess.measured_test import judge_of_tests
-
-        reliable = answer(demand, judge_of_tests(demand))
-    else:
-        from reliab.cli.assess.frame import judge_of_frames
-
-        reliable = answer(demand, judge_of_frames(demand, structure))
+    asked |= {"f": only_value(f, "f"), "alpha": alpha, "mass": mass, "structure": structure}
+    asked |= {"scale": scale, "feedback_lag": feedback_lag, "model": model, "motion": motion}
+    asked |= {"confidence": only_value(confidence, "confidence"), "command": command, "measured": measured}
+    asked |= {"time": time, "rate": rate, "units": units, "time_units": time_units, "delimiter": delimiter}
+    files = [test for test in matched(tests or []) if test != out]
+    setting = setting_of(title, date, paper, laboratory, logo)
+    reliable = answer(
+        files,
+        applicable(context, asked),
+        out=out,
+        json_target=json_target,
+        report=None if report is None else Report(report, setting),
+        say=partial(as_options, command=context.find_root().command),
+    )
     if check and not reliable:
         raise typer.Exit(1)

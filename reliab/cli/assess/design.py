@@ -3,14 +3,14 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reliab.cli.options import FIVE_PERCENT, ONE_HERTZ, TWO_PERCENT
 from reliab.cli.output import console, table, write_json
 from reliab.errors import InputError
 from reliab.files import written_whole
-from reliab.stated_value import StatedValue
 
 if TYPE_CHECKING:
-    from reliab.cli.assess.demand import Demand
+    from collections.abc import Sequence
+
+    from reliab.api.design import Design
     from reliab.validation.assessment import Tolerance
 
 _NINETY_FIVE = 0.95
@@ -18,48 +18,25 @@ _BAR = 40
 _MILLISECONDS = 1e3
 
 
-def state_tolerances(demand: "Demand") -> None:
+def answer_design(design: "Design", figure: Path | None, json_target: str | None) -> None:
     """Print, draw or write what is tolerable before a test.
 
     Parameters
     ----------
-    demand : Demand
-        What is asked.
+    design : Design
+        What is tolerable.
+    figure : pathlib.Path or None
+        File of the chart, if one is wanted.
+    json_target : str or None
+        File of the JSON, "-" for standard output.
     """
-    from reliab.validation.assessment.design import CONFIDENCES, chart_frequencies, tolerable_errors
-
-    criterion = demand.own_criterion
-
-    def tolerances(frequencies: list[float]) -> "list[Tolerance]":
-        return tolerable_errors(
-            frequencies,
-            _exact(demand.xi, "xi") if demand.xi else TWO_PERCENT,
-            threshold=FIVE_PERCENT if demand.threshold is None else demand.threshold,
-            confidences=demand.confidence or CONFIDENCES,
-            metric=demand.metric or "rms",
-            criterion=criterion,
-        )
-
-    rows = tolerances([_exact(frequency, "f") for frequency in demand.f or [StatedValue(ONE_HERTZ)]])
-    chart = tolerances(chart_frequencies(criterion))
-    if demand.figure is not None:
-        _draw(chart, demand.figure)
-    content = {"design": [row.to_dict() for row in rows], "chart": [row.to_dict() for row in chart]}
-    if not write_json(content, demand.json_target):
-        _show_design(rows, chart)
+    if figure is not None:
+        _draw(design.chart, figure)
+    if not write_json(design.to_dict(), json_target):
+        _show_design(design.tolerances, design.chart)
 
 
-def _exact(stated: StatedValue, name: str) -> float:
-    if stated.deviation:
-        raise InputError(
-            "Tolerable errors before a test are those of an exact structure",
-            value=f"--{name} {stated}",
-            remedy="Leave the tolerance out, or give two values",
-        )
-    return stated.value
-
-
-def _draw(chart: "list[Tolerance]", path: Path) -> None:
+def _draw(chart: "Sequence[Tolerance]", path: Path) -> None:
     from reliab.report.figures.tolerable_errors import tolerable_errors_over_frequency
 
     drawn = tolerable_errors_over_frequency(chart)
@@ -75,7 +52,7 @@ def _draw(chart: "list[Tolerance]", path: Path) -> None:
         ) from error
 
 
-def _show_design(rows: "list[Tolerance]", chart: "list[Tolerance]") -> None:
+def _show_design(rows: "Sequence[Tolerance]", chart: "Sequence[Tolerance]") -> None:
     first = rows[0]
     shown = table(
         f"Tolerable errors at ξ = {first.damping_ratio:g} for an error of {first.threshold:.0%}",
@@ -103,7 +80,7 @@ def _show_design(rows: "list[Tolerance]", chart: "list[Tolerance]") -> None:
     _show_chart(chart, terminal)
 
 
-def _show_chart(chart: "list[Tolerance]", terminal: Any) -> None:  # noqa: ANN401 - Rich's console
+def _show_chart(chart: "Sequence[Tolerance]", terminal: Any) -> None:  # noqa: ANN401 - Rich's console
     """Bars of the tolerable delay over the frequency at one confidence, the longest being the widest."""
     confidence = min((point.confidence for point in chart), key=lambda value: abs(value - _NINETY_FIVE))
     chosen = [point for point in chart if point.confidence == confidence]

@@ -1,33 +1,62 @@
 """The report of an assessed test, with the checksums of the files from which it was made."""
 
 import hashlib
-from collections.abc import Mapping
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from reliab.shipped import or_shipped
+
 if TYPE_CHECKING:
-    from reliab.report import Document, Setting
+    from reliab.report import Setting
+    from reliab.validation.assessment import Assessment
+    from reliab.validation.assessment.frame_assessment import FrameAssessment
 
 
-def file_report(document: "Document", report: Path, setting: "Setting") -> None:
-    """Write the report of a test.
+@dataclass(frozen=True)
+class Report:
+    """A report that is wanted.
 
-    Parameters
+    Attributes
     ----------
-    document : Document
-        The report.
-    report : pathlib.Path
+    file : pathlib.Path
         Its PDF.
     setting : Setting
         Paper, title, name and logo of the laboratory, and the date; today by default.
     """
-    from reliab.report import write_pdf
 
-    write_pdf(document, report, date=datetime.now(tz=UTC).date(), setting=setting)
+    file: Path
+    setting: "Setting"
+
+    def write(
+        self, assessment: "Assessment | FrameAssessment", *, test: Path, structure: Path | None
+    ) -> None:
+        """Write it.
+
+        Parameters
+        ----------
+        assessment : Assessment or FrameAssessment
+            What was found.
+        test, structure : pathlib.Path
+            Files of the test and of the frame, if it is one.
+        """
+        from reliab.report import write_pdf
+        from reliab.report.kinds.assessment import assessment_report, frame_assessment_report
+        from reliab.validation.assessment import Assessment
+
+        files = {"file": or_shipped(test, "datasets", "test.csv")}
+        if structure is not None:
+            files["structure"] = structure
+        document = (
+            assessment_report(assessment, provenance=_checksums(files))
+            if isinstance(assessment, Assessment)
+            else frame_assessment_report(assessment, provenance=_checksums(files))
+        )
+        write_pdf(document, self.file, date=datetime.now(tz=UTC).date(), setting=self.setting)
 
 
-def checksums(files: Mapping[str, Path]) -> dict[str, object]:
+def _checksums(files: dict[str, Path]) -> dict[str, object]:
     """Names and checksums of files, by what each of them is."""
     lines: dict[str, object] = {}
     for name, path in files.items():

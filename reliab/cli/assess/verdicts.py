@@ -1,13 +1,20 @@
 """What `reliab assess` answers: about one test all that is found, about several a table."""
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from reliab.cli.assess.demand import Demand
-from reliab.cli.assess.judgement import Judge
+from reliab.cli.assess.shown_frame import show_frame
+from reliab.cli.assess.shown_test import show_assessment
 from reliab.cli.output import console, progress_bar, table, write_json
 from reliab.errors import InputError
 from reliab.files import written_whole
+
+if TYPE_CHECKING:
+    from reliab.cli.assess.filed_report import Report
+    from reliab.validation.assessment import Assessment
+    from reliab.validation.assessment.frame_assessment import FrameAssessment
+    from reliab.validation.assessment.several import Assessments
 
 _PERCENT = 100.0
 _COLUMNS = {
@@ -21,15 +28,31 @@ _COLUMNS = {
 }
 
 
-def answer(demand: Demand, judge: Judge) -> bool:
+def answer(
+    tests: list[Path],
+    asked: dict[str, Any],
+    *,
+    out: Path | None,
+    json_target: str | None,
+    report: "Report | None",
+    say: Callable[[str], str],
+) -> bool:
     """Judge tests; write and print what is found.
 
     Parameters
     ----------
-    demand : Demand
-        What is asked.
-    judge : callable
-        Judges one test.
+    tests : list of pathlib.Path
+        Their files.
+    asked : dict
+        Arguments of `reliab.assess`.
+    out : pathlib.Path or None
+        File of the table, if one is wanted.
+    json_target : str or None
+        File of the JSON, "-" for standard output.
+    report : Report or None
+        The report of a single test, if one is wanted.
+    say : callable
+        Writes the arguments that a message names as options.
 
     Returns
     -------
@@ -41,66 +64,70 @@ def answer(demand: Demand, judge: Judge) -> bool:
     InputError
         If no test is named or one cannot be judged; of several, after the others are answered.
     """
-    if not demand.tests:
-        raise InputError(
-            "A test's file is needed",
-            value="none",
-            remedy="Name it, or ask what is tolerable with --design",
-        )
-    if len(demand.tests) == 1:
-        return _answer_one(demand, judge)
-    return _answer_several(demand, judge)
+    from reliab.api.arguments import unused
+    from reliab.api.assessment import assess
 
-
-def _answer_one(demand: Demand, judge: Judge) -> bool:
-    judgement = judge(demand.tests[0])
-    _write_table(demand, [_named(demand.tests[0], judgement.content)])
-    if not write_json(judgement.content, demand.json_target):
-        judgement.show()
-    judgement.write_report()
-    return bool(judgement.content["reliable"])
-
-
-def _answer_several(demand: Demand, judge: Judge) -> bool:
-    contents = []
+    if len(tests) == 1:
+        assessment = assess(tests[0], **asked)
+        _answer_one(assessment, tests[0], out, json_target)
+        if report is not None:
+            report.write(assessment, test=tests[0], structure=asked.get("structure"))
+        return bool(assessment.reliable)
+    if report is not None:
+        raise unused("report", "beside several tests, since it is the report of one")
     with progress_bar("tests") as progress:
-        for number, test in enumerate(demand.tests):
-            progress(number, len(demand.tests))
-            try:
-                contents.append(_named(test, judge(test).content))
-            except InputError as error:
-                contents.append(_named(test, {"fault": str(error)}))
-    _write_table(demand, contents)
-    if not write_json(contents, demand.json_target):
+        assessments = assess(tests, **asked, progress=progress)
+    _answer_several(assessments, out, json_target, say)
+    return assessments.reliable
+
+
+def _answer_one(
+    assessment: "Assessment | FrameAssessment", test: Path, out: Path | None, json_target: str | None
+) -> None:
+    from reliab.validation.assessment import Assessment
+
+    content = assessment.to_dict()
+    _write_table(out, [{"file": str(test), **content}])
+    if write_json(content, json_target):
+        return
+    if isinstance(assessment, Assessment):
+        show_assessment(assessment)
+    else:
+        show_frame(assessment)
+
+
+def _answer_several(
+    assessments: "Assessments", out: Path | None, json_target: str | None, say: Callable[[str], str]
+) -> None:
+    contents = [
+        {"file": file, **({"fault": say(content["fault"])} if "fault" in content else content)}
+        for file, content in assessments.to_dict().items()
+    ]
+    _write_table(out, contents)
+    if not write_json(contents, json_target):
         _show(contents)
-    faulty = [content["file"] for content in contents if "fault" in content]
-    if faulty:
+    if assessments.faults:
         raise InputError(
             "Every file must be a test that can be judged",
-            value=f"{len(faulty)} of {len(contents)} not judged: {', '.join(faulty)}",
+            value=f"{len(assessments.faults)} of {len(contents)} not judged: {', '.join(assessments.faults)}",
             remedy="Mend them as the reasons say, or leave them out; the others are answered",
         )
-    return all(content["reliable"] for content in contents)
 
 
-def _named(test: Path, content: dict[str, Any]) -> dict[str, Any]:
-    return {"file": str(test), **content}
-
-
-def _write_table(demand: Demand, contents: list[dict[str, Any]]) -> None:
-    if demand.out is None:
+def _write_table(out: Path | None, contents: list[dict[str, Any]]) -> None:
+    if out is None:
         return
     from reliab.validation.assessment.verdict_table import verdict_table
 
     try:
-        with written_whole(demand.out) as file:
+        with written_whole(out) as file:
             verdict_table(contents).to_csv(file, index=False)
     except OSError as error:
         raise InputError(
             "The table's file must be writable",
             value=error.strerror,
             remedy="Name another file",
-            where=str(demand.out),
+            where=str(out),
         ) from error
 
 

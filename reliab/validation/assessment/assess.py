@@ -13,6 +13,13 @@ from reliab.rebuilt_error.whole_structure import whole_structure
 from reliab.stated_value import StatedValue
 from reliab.validation.assessment.alignment import align
 from reliab.validation.assessment.assessment import Assessment
+from reliab.validation.assessment.contradictions import (
+    limited,
+    of_columns,
+    of_frequency,
+    of_motion,
+    of_stability,
+)
 from reliab.validation.assessment.default_criterion import default_criterion
 from reliab.validation.assessment.doubts import verdict_of_error
 from reliab.validation.assessment.error_of_test import ErrorOfTest, Question, error_of_test
@@ -29,7 +36,7 @@ from reliab.validation.assessment.recording import Recording
 from reliab.validation.assessment.spikes import without_spikes
 from reliab.validation.assessment.tracking_index import TrackingIndex, track
 from reliab.validation.assessment.tracking_measures import measure_tracking
-from reliab.validation.assessment.verdict import Verdict
+from reliab.validation.assessment.verdict import Verdict, word_of_probability
 from reliab.vocabulary import Metric
 
 _FEW_DRAWS = 2
@@ -96,9 +103,7 @@ def assess(
         If the test is too short or too long, sampled too coarsely, has two units or signs, or the measured
         displacement does not follow the command.
     """
-    require_length(recording, structure.frequency)
-    require_drawable(recording, whole_structure(structure))
-    require_plausible(recording, stiffness=_stated_stiffness(structure, stated or {}))
+    _require_judgeable(recording, structure, stated or {})
     chosen = criterion or default_criterion(
         structure.frequency,
         structure.damping_ratio,
@@ -119,7 +124,7 @@ def assess(
     clean = repaired(recording, faults)
     tracking = track(clean, window=taper, seed=seed)
     judged = _judged(recording, clean, faults, question)
-    return Assessment(
+    assessment = Assessment(
         recording=recording,
         structure=structure,
         stated=question.stated,
@@ -135,7 +140,43 @@ def assess(
         otherwise_stated=judged.otherwise,
         verdict=judged.verdict(_with_any_damping(clean, question) if assumed else ()),
         assumed=assumed,
+        column_doubts=tuple(of_columns(recording, tracking)),
     )
+    return _with_contradictions(assessment, clean, question)
+
+
+def _require_judgeable(
+    recording: Recording, structure: Structure, stated: Mapping[str, StatedValue]
+) -> None:
+    require_length(recording, structure.frequency)
+    require_drawable(recording, whole_structure(structure))
+    require_plausible(recording, stiffness=_stated_stiffness(structure, stated))
+
+
+def _with_contradictions(assessment: Assessment, clean: Recording, question: Question) -> Assessment:
+    """Add where the recording contradicts what is stated, which limits the verdict."""
+    contradictions = (
+        *(
+            of_frequency(clean, assessment.tracking, [question.structure.frequency])
+            if not question.model
+            else ()
+        ),
+        *of_stability(assessment.stability_margin),
+        *of_motion(assessment.placement),
+        *(assessment.column_doubts if _depends_on_columns(assessment, clean, question) else ()),
+    )
+    return replace(
+        assessment, contradictions=contradictions, verdict=limited(assessment.verdict, contradictions)
+    )
+
+
+def _depends_on_columns(assessment: Assessment, clean: Recording, question: Question) -> bool:
+    """Tell whether the columns may be swapped, and the verdict would then be another one."""
+    if not assessment.column_doubts:
+        return False
+    shown = replace(question, structure=assessment.equation.structure(question.structure))
+    swapped = error_of_test(replace(clean, command=clean.measured, measured=clean.command), shown)
+    return word_of_probability(swapped.probability) is not word_of_probability(assessment.error.probability)
 
 
 def _stated_stiffness(structure: Structure, stated: Mapping[str, StatedValue]) -> float | None:

@@ -3,24 +3,20 @@
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from reliab.criterion.experimental_share import whole_is_worst
-from reliab.validation.assessment.band import noise_floor
 from reliab.validation.assessment.doubts import ERROR_NAMES, sizes_otherwise
 from reliab.validation.assessment.findings import FaultEffect, Findings
 from reliab.validation.assessment.verdict import Word
 from reliab.vocabulary import Metric
 
+_BY_SHAPE = "shape of the response"
 _FEW_PERIODS = 10.0
 _FEW_SAMPLES = 20.0  # of a period
 _NOISY = 0.05
-_OFF_RESONANCE = (0.5, 1.7)
 _FAR_FROM_ONE = 0.2
 _VARYING = 0.1  # share of a limit
 _UNEXPLAINED = 0.3  # share of the amplitude limit
-_LEAD = 1e-5  # s
-_NOISIER, _ROUNDING = 10.0, 1e-8  # in power
 _MILLISECONDS = 1e3
 
 
@@ -37,7 +33,7 @@ def cautions(findings: Findings) -> tuple[str, ...]:
     tuple of str
         Sentences; none for a sound test inside the criterion's validity.
     """
-    return findings.assumed + tuple(
+    sentences = (
         sentence
         for group in (
             _of_faults,
@@ -47,9 +43,11 @@ def cautions(findings: Findings) -> tuple[str, ...]:
             _of_constancy,
             _of_validity,
             _of_motion,
+            _of_contradictions,
         )
         for sentence in group(findings)
     )
+    return tuple(dict.fromkeys([*findings.assumed, *sentences]))
 
 
 def _of_faults(findings: Findings) -> Iterator[str]:
@@ -107,31 +105,13 @@ def _of_error(findings: Findings) -> Iterator[str]:
 
 
 def _of_columns(findings: Findings) -> Iterator[str]:
-    tracking, recording = findings.tracking, findings.recording
-    _, (_, latest) = tracking.interval(0.99)
-    if tracking.delay < -_LEAD and latest < 0.0:
-        yield (
-            f"The measured displacement leads the command by {-_MILLISECONDS * tracking.delay:.3g} ms: "
-            "the columns may be swapped, or a compensator overcorrects."
-        )
-    noise_of_command, noise_of_measured = (
-        _noise(history) for history in (recording.command, recording.measured)
-    )
-    if noise_of_command > _NOISIER * noise_of_measured and noise_of_command > _ROUNDING:
-        yield (
-            "The command is noisier than the measured displacement, though a command is computed and the "
-            "other is measured: the columns may be swapped."
-        )
+    tracking = findings.tracking
+    yield from (doubt.finding for doubt in findings.column_doubts)
     if abs(tracking.amplitude - 1.0) > _FAR_FROM_ONE:
         yield (
             f"A = {tracking.amplitude:.4g} is far from 1: command and measured displacement may be in "
             "different units."
         )
-
-
-def _noise(values: NDArray[np.float64]) -> float:
-    floor, total = noise_floor(values)
-    return floor * values.size / total
 
 
 def _of_signal(findings: Findings) -> Iterator[str]:
@@ -177,14 +157,8 @@ def _of_validity(findings: Findings) -> Iterator[str]:
         yield (
             f"The structure ({structure.frequency:g} Hz, ξ = {structure.damping_ratio:g}) lies outside of "
             f"the criterion's validity; the limits are scaled from those at {carried[0]:g} Hz, "
-            f"ξ = {carried[1]:g} by dimensionless errors. Give the ground motion with --motion for exact "
+            f"ξ = {carried[1]:g} by dimensionless errors. Give the test's ground motion for exact "
             "ones."
-        )
-    ratio = findings.tracking.plain.equivalent_frequency / structure.frequency
-    if not _OFF_RESONANCE[0] <= ratio <= _OFF_RESONANCE[1]:
-        yield (
-            f"The command moves at {findings.tracking.plain.equivalent_frequency:.3g} Hz, the structure at "
-            f"{structure.frequency:g} Hz: check the frequency and the units of time."
         )
     if structure.experimental_fraction < 1.0 and findings.placement is None:
         measured = whole_is_worst(structure.frequency, structure.damping_ratio)
@@ -197,24 +171,16 @@ def _of_validity(findings: Findings) -> Iterator[str]:
             "The criterion is for a structure that stands wholly in the laboratory (α = 1); for "
             f"α = {structure.experimental_fraction:g} {judgement}."
         )
-    if findings.stability_margin <= 0.0:
-        yield "The delay exceeds the critical one: the loop is unstable."
 
 
 def _of_motion(findings: Findings) -> Iterator[str]:
     placement = findings.placement
-    if placement is None:
-        return
-    place = placement.alignment
-    if not place.matched:
-        yield (
-            f"The test was not found in the record of {placement.motion} (best similarity "
-            f"{place.match:.2f} of 1): "
-            "it may be another motion, or another structure. Where in it the test began is unknown; the "
-            "index is that of the part, as long as the test, in which the structure moves most."
-        )
-    elif place.by == "shape of the response":
+    if placement is not None and placement.alignment.matched and placement.alignment.by == _BY_SHAPE:
         yield (
             f"The test was found in the record of {placement.motion} by the shape of its response; its size "
             "differs, as where the record was scaled or the unit of the displacements is not metres."
         )
+
+
+def _of_contradictions(findings: Findings) -> Iterator[str]:
+    yield from (contradiction.finding for contradiction in findings.contradictions)

@@ -122,7 +122,7 @@ def _at_threshold(ellipses: xr.Dataset, threshold: float) -> xr.Dataset:
         raise InputError(
             f"The shipped ellipses are for errors from {stored.min():g} to {stored.max():g}",
             value=threshold,
-            remedy="Derive a criterion with `reliab criterion --out`, and give it with --criterion",
+            remedy="Derive a criterion with `reliab criterion --out`, and give it as `criterion`",
         )
     pair = ellipses[["a", "b"]].sel(threshold=_neighbours(stored, threshold))
     if pair.sizes["threshold"] > 1:

@@ -60,7 +60,7 @@ def verdict_of_error(
     reasons, remedies = _doubts(effects, word)
     if equation.nonlinear:
         reasons.append(equation.nonlinear)
-        remedies.append("Calibrate a model of the specimen with `reliab diagnose`, and give it with --model.")
+        remedies.append("Calibrate a model of the specimen with `reliab diagnose`, and give that model.")
     if error.contested or any(word_of_probability(rebuilt.probability) is not word for rebuilt in otherwise):
         reasons.extend([*equation.contradictions, sizes_otherwise(error, otherwise)])
         remedies.append(_SKEW if error.contested else _STRUCTURE)
@@ -71,7 +71,7 @@ def verdict_of_error(
             for restated in (by_size[0], by_size[-1])
         )
         reasons.append(f"No damping ratio was stated, and the verdict depends on it: {name} is {sizes}.")
-        remedies.append("State the damping ratio of the structure with --xi.")
+        remedies.append("State the damping ratio of the structure.")
     return verdict.doubted(reasons, remedies)
 
 

@@ -8,6 +8,7 @@ from reliab.criterion import Criterion
 from reliab.loop.stability import critical_delay, stability_margin
 from reliab.loop.structure import Structure
 from reliab.stated_value import StatedValue
+from reliab.validation.assessment.contradictions import Contradiction
 from reliab.validation.assessment.error_of_test import ErrorOfTest
 from reliab.validation.assessment.faults import Fault
 from reliab.validation.assessment.improvement import Improvement, improvement
@@ -91,6 +92,11 @@ class Findings:
         The verdict on the test, by its error.
     assumed : tuple of str
         What was not stated and had to be assumed, in sentences.
+    column_doubts : tuple of Contradiction
+        Why command and measured displacement may be swapped.
+    contradictions : tuple of Contradiction
+        Where the recording contradicts what is stated, so that the verdict is undecided at best; doubts about
+        the columns where the verdict depends on them.
     """
 
     recording: Recording
@@ -108,6 +114,8 @@ class Findings:
     otherwise_stated: tuple[ErrorOfTest, ...]
     verdict: Verdict
     assumed: tuple[str, ...] = ()
+    column_doubts: tuple[Contradiction, ...] = ()
+    contradictions: tuple[Contradiction, ...] = ()
 
     @property
     def metric(self) -> Metric:

@@ -16,6 +16,7 @@ from reliab.loop.structure import Structure
 from reliab.rebuilt_error import Part, Tolerances, WholeStructure, rebuild
 from reliab.stated_value import StatedValue
 from reliab.sweep.frame_table import governing_mode
+from reliab.validation.assessment.contradictions import limited, of_frequency, of_stability
 from reliab.validation.assessment.doubts import verdict_of_error
 from reliab.validation.assessment.error_of_test import ErrorOfTest
 from reliab.validation.assessment.fault_effects import error_with_faults
@@ -110,7 +111,7 @@ def assess_frame(
     error, effects = error_with_faults(recording, faults, rebuilt)
     sound = repaired(recording, faults)
     tracking, over_frequency = track(sound), _over_frequency(sound)
-    return FrameAssessment(
+    assessment = FrameAssessment(
         recording=recording,
         frame=frame,
         mode=mode,
@@ -125,6 +126,18 @@ def assess_frame(
         population=None
         if criterion is None
         else place(criterion, mode, tracking.amplitude, tracking.delay, tracking.draws),
+    )
+    return _with_contradictions(assessment, sound)
+
+
+def _with_contradictions(assessment: FrameAssessment, sound: Recording) -> FrameAssessment:
+    """Add where the recording contradicts what is stated, which limits the verdict."""
+    contradictions = (
+        *of_frequency(sound, assessment.tracking, [mode.frequency for mode in assessment.modes]),
+        *of_stability(assessment.stability_margin),
+    )
+    return replace(
+        assessment, contradictions=contradictions, verdict=limited(assessment.verdict, contradictions)
     )
 
 

@@ -66,14 +66,14 @@ def require_length(recording: Recording, frequency: float) -> None:
         raise InputError(
             f"A test must last at least {_FEWEST_PERIODS:g} periods of the structure",
             value=f"{periods:.2g} ({recording.duration:g} s at {frequency:g} Hz)",
-            remedy="Give the whole test; times are in seconds unless --time-units says otherwise",
+            remedy="Give the whole test; times are in seconds unless `time_units` says otherwise",
             where=recording.name,
         )
     if recording.time_step * frequency > _LONGEST_STEP:
         raise InputError(
             f"A step must be at most {_LONGEST_STEP:g} of a period of the structure",
             value=f"{recording.time_step:g} s at {frequency:g} Hz",
-            remedy="Times are in seconds; if they are in milliseconds, give --time-units ms",
+            remedy='Times are in seconds; if they are in milliseconds, give `time_units="ms"`',
             where=recording.name,
         )
 

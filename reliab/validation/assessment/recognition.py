@@ -181,7 +181,7 @@ def _by_place(columns: Columns) -> dict[Part, Recognised]:
         raise InputError(
             "Columns without names must be time, command and measured, or command and measured",
             value=f"{len(names)} columns",
-            remedy="Name the columns in the first line, or give --command and --measured",
+            remedy="Name the columns in the first line, or give `command` and `measured`",
             where=columns.path.name,
         )
     return {part: Recognised(name=name, unit="") for part, name in zip(parts, names, strict=True)}

@@ -2,9 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from reliab.validation.assessment.assessment import Assessment
+from reliab.validation.assessment.frame_assessment import FrameAssessment
 from reliab.validation.assessment.verdict_table import verdict_table
 
 if TYPE_CHECKING:
@@ -21,14 +22,14 @@ class Assessments:
     ----------
     files : tuple of str
         Files of the tests, in the order in which they were given.
-    judged : mapping of str to Assessment
+    judged : mapping of str to Assessment or FrameAssessment
         By file, what is found about the tests that could be judged.
     faults : mapping of str to str
         By file, why the others could not be judged.
     """
 
     files: tuple[str, ...]
-    judged: Mapping[str, Assessment]
+    judged: Mapping[str, Assessment | FrameAssessment]
     faults: Mapping[str, str]
 
     @property
@@ -36,14 +37,16 @@ class Assessments:
         """Whether every test could be judged and is reliable."""
         return not self.faults and all(assessment.reliable for assessment in self.judged.values())
 
+    def to_dict(self) -> dict[str, dict[str, Any]]:
+        """By file, what is found in plain numbers; for a test that could not be judged, its `fault`."""
+        return {
+            file: {"fault": self.faults[file]} if file in self.faults else self.judged[file].to_dict()
+            for file in self.files
+        }
+
     def to_frame(self) -> "pd.DataFrame":
         """Put the verdicts into a table; see `reliab.validation.assessment.verdict_table`."""
-        return verdict_table(
-            {"file": file, "fault": self.faults[file]}
-            if file in self.faults
-            else {"file": file, **self.judged[file].to_dict()}
-            for file in self.files
-        )
+        return verdict_table({"file": file, **summary} for file, summary in self.to_dict().items())
 
     def __repr__(self) -> str:
         verdicts = [str(assessment.verdict.word).replace("_", " ") for assessment in self.judged.values()]

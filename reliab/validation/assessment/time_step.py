@@ -91,7 +91,7 @@ def time_step_of(
     raise InputError(
         "A test's file must say at what times the samples were taken",
         value=", ".join(repr(name) for name in list(columns.values)[:8]),
-        remedy="Add a column time, name it with --time, or give the sampling rate with --rate",
+        remedy="Add a column time, name it with `time`, or give the sampling rate with `rate`",
         where=columns.path.name,
     )
 
@@ -101,7 +101,7 @@ def _agrees(columns: Columns, step: float, rate_hz: float | None) -> None:
         raise InputError(
             "The times must agree with the sampling rate",
             value=f"{1.0 / step:.6g} Hz against {rate_hz:g} Hz",
-            remedy="Correct --rate, or say with --time-units in what unit the times are",
+            remedy="Correct `rate`, or say with `time_units` in what unit the times are",
             where=columns.path.name,
         )
 

@@ -98,7 +98,7 @@ def verdict_by_index(
         return Verdict(
             word=Word.UNDECIDED,
             reasons=("The test leads, and the criterion has no limits for leads.",),
-            would_decide=("Give its ground motion with --motion, or a criterion that has limits for leads.",),
+            would_decide=("Give its ground motion, or a criterion that has limits for leads.",),
         )
     low, high = interval
     if high <= 1.0:
@@ -120,5 +120,5 @@ def verdict_by_index(
                 "and too many to call it bad."
             ),
         ),
-        would_decide=("Give the test's ground motion with --motion; it decides the index.",),
+        would_decide=("Give the test's ground motion; it decides the index.",),
     )

@@ -18,7 +18,7 @@ def verdict_table(summaries: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
     Parameters
     ----------
     summaries : iterable of mapping
-        What `Assessment.to_dict` or `summarise_frame` says of each test, with its `file`; of a test that
+        What the `to_dict` of its assessment says of each test, with its `file`; of a test that
         could not be judged its `file` and the `fault`.
 
     Returns

@@ -19,7 +19,6 @@ from reliab.motions.synthetic import synthetic_suite
 from reliab.report.kinds.assessment import frame_assessment_report
 from reliab.stated_value import StatedValue
 from reliab.sweep.frame_table import governing_mode
-from reliab.validation.assessment.frame_summary import summarise_frame
 from reliab.validation.assessment.frame_test import assess_frame
 from reliab.validation.assessment.recording import Recording
 from reliab.vocabulary import Metric
@@ -66,7 +65,7 @@ def test_the_error_is_that_against_the_undivided_frame(frame, test_and_truth):
     assert assessment.error.of(Metric.RMS).value == pytest.approx(truth, rel=0.05)
     assert assessment.faults == ()
     assert 0.0 < assessment.stability_margin < 1.0
-    summary = summarise_frame(assessment)
+    summary = assessment.to_dict()
     assert summary["reliable"] == (summary["verdict"] == "reliable")
     assert summary["by_index"] is None
 
@@ -78,7 +77,7 @@ def test_a_spike_is_stated_and_does_not_move_the_error(frame, test_and_truth):
     spoilt = assess_frame(replace(recording, measured=spiky), frame, feedback_lag=LAG)
     assert [(effect.fault.kind, effect.fault.in_loop) for effect in spoilt.faults] == [("spike", False)]
     assert spoilt.error.of(Metric.RMS).value == pytest.approx(truth, rel=0.05)
-    assert summarise_frame(spoilt)["faults"][0]["kind"] == "spike"
+    assert spoilt.to_dict()["faults"][0]["kind"] == "spike"
 
 
 def test_an_offset_is_stated_with_the_error_without_it(frame, test_and_truth):
@@ -105,7 +104,7 @@ def test_a_criterion_of_the_frame_gives_an_index_beside_the_error(frame, test_an
     )
     criterion = replace(published_criterion("guo_2017_18"), provenance=provenance)
     assessment = assess_frame(test_and_truth[0], frame, criterion=criterion)
-    by_index = summarise_frame(assessment)["by_index"]
+    by_index = assessment.to_dict()["by_index"]
     a, b = (float(limit) for limit in criterion.limits(mode.frequency, mode.damping_ratio))
     amplitude, delay = assessment.tracking.amplitude, 1e3 * assessment.tracking.delay
     assert by_index["index"] == pytest.approx((amplitude - 1.0) ** 2 / a + delay**2 / b)
@@ -129,7 +128,7 @@ def test_a_recording_that_cannot_be_judged_is_refused(frame, test_and_truth):
 def test_tracking_over_frequency_is_that_of_the_servo(frame, test_and_truth):
     recording, _ = test_and_truth
     assessment = assess_frame(recording, frame, feedback_lag=LAG)
-    summary = summarise_frame(assessment)
+    summary = assessment.to_dict()
     found, held = assessment.over_frequency, 0.5 / RATE
     servo = SERVO.transfer(2j * np.pi * found.frequency, frame.partition.specimen)
     exact = -np.angle(servo) / (2.0 * np.pi * found.frequency) + held

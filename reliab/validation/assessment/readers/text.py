@@ -62,7 +62,7 @@ def read_text(path: Path, *, delimiter: str | None = None) -> Columns:
         raise InputError(
             "A test's file must hold rows of at least two numbers",
             value="none" if first is None else f"{len(first.cells)} in line {first.number}",
-            remedy="Export command and measured displacement as columns, or give --delimiter",
+            remedy="Export command and measured displacement as columns, or give `delimiter`",
             where=path.name,
         )
     names, units = _header(before, len(first.cells))

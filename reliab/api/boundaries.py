@@ -1,7 +1,4 @@
-"""What `reliab` offers to Python, in the words of its command line.
-
-The functions take plain numbers and names and hand over to the rooms of the package, which offer more.
-"""
+"""`reliab.ellipses`: boundaries of equal error as ellipses."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,108 +9,20 @@ from reliab.boundary import Curve
 from reliab.errors import InputError
 from reliab.indices.window import Window
 from reliab.loop.hybrid_test import HybridTest
-from reliab.motions import Motion, MotionSuite, load_motions
 from reliab.progress import Progress, silent
 from reliab.sweep import CURVES, EllipseRequest, predict_ellipses, trace_ellipses
 from reliab.sweep.plain import (
     WHOLLY_EXPERIMENTAL,
+    Motions,
     Names,
     Numbers,
     StatedStructures,
     one_of,
     several,
-    sweep_request,
+    suite_of,
 )
 from reliab.sweep.real_suite import REAL
 from reliab.vocabulary import Metric, Side
-
-Motions = MotionSuite | Motion | str | Path
-"""Ground motions, one of them, or what `load_motions` reads."""
-
-
-def simulate(
-    motions: Motions,
-    *,
-    out: str | Path,
-    f: Numbers | None = None,
-    xi: Numbers | None = None,
-    grid: str = "scaled",
-    window: Names = ("record",),
-    alpha: Numbers = WHOLLY_EXPERIMENTAL,
-    model: str | Path | HybridTest | None = None,
-    engine: str = "automatic",
-    resume: bool = False,
-    workers: int | None = None,
-    scheduler: str | None = None,
-    progress: Progress = silent,
-) -> xr.Dataset:
-    """Simulate motions for all structures and actuators and store the results.
-
-    Parameters
-    ----------
-    motions : MotionSuite, Motion, str or pathlib.Path
-        The ground motions, as `load_motions` gives them, one of them, or what it would read: a folder, a file
-        or the name of a suite.
-    out : str or pathlib.Path
-        The Zarr store to write.
-    f, xi : float or sequence of float, optional
-        Natural frequencies [Hz] and damping ratios [-]; 1 Hz and 0.02 by default.
-    grid : {"scaled", "paper"}, optional
-        Actuators that are simulated: scaled to each structure, late and early (with a model late only), or
-        those of the paper, which are late.
-    window : str or sequence of str, optional
-        Where errors are taken, "record", "arias" or seconds; several may be stored.
-    alpha : float or sequence of float, optional
-        Experimental fraction of the stiffness [-]; of several the results have a dimension.
-    model : str, pathlib.Path or HybridTest, optional
-        A hybrid test with effects, or the file of one. Its structure takes the place of `f`, `xi` and
-        `alpha`, and gain, delay and the index (A, d) of the results are those of its actuator alone.
-    engine : {"automatic", "pole", "delay", "spectral"}, optional
-        How the loop is solved.
-    resume : bool, optional
-        Whether to continue a store that was begun.
-    workers : int, optional
-        Threads; one for each processor by default.
-    scheduler : str, optional
-        Address of a dask scheduler that solves the motions instead.
-    progress : callable, optional
-        Called after each motion.
-
-    Returns
-    -------
-    xarray.Dataset
-        `rms`, `mte`, `A` [-], `d` [s] and `stable` over (motion, f, xi, kp, tau), with `alpha` after `xi`
-        where several fractions are given.
-
-    Raises
-    ------
-    InputError
-        If a value is not allowed, a record is bad or the store cannot be written to.
-    IncompleteError
-        If the disk is full; what is stored is safe.
-
-    Examples
-    --------
-    >>> import tempfile, reliab
-    >>> motions = reliab.load_motions("synthetic")[:2]
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     results = reliab.simulate(motions, out=f"{folder}/results.zarr").load()
-    >>> results["rms"].dims, results["rms"].shape
-    (('motion', 'f', 'xi', 'kp', 'tau'), (2, 1, 1, 41, 57))
-    """
-    request = sweep_request(f=f, xi=xi, grid=grid, window=window, alpha=alpha, model=model, engine=engine)
-    from reliab.sweep import open_results, run_sweep
-
-    path = run_sweep(
-        suite_of(motions),
-        request,
-        out,
-        resume=resume,
-        workers=workers,
-        scheduler=scheduler,
-        progress=progress,
-    )
-    return open_results(path)
 
 
 def ellipses(
@@ -211,24 +120,6 @@ def ellipses(
     )
     trace = predict_ellipses if first_order else trace_ellipses
     return trace(suite_of(source), request, progress=progress)
-
-
-def suite_of(motions: Motions) -> MotionSuite:
-    """Take a suite as it is, put a motion into one, and load what is named.
-
-    Parameters
-    ----------
-    motions : MotionSuite, Motion, str or pathlib.Path
-        A suite, a motion, or a folder, file or name that `load_motions` takes.
-
-    Returns
-    -------
-    MotionSuite
-        The motions.
-    """
-    if isinstance(motions, MotionSuite):
-        return motions
-    return MotionSuite.from_motions([motions]) if isinstance(motions, Motion) else load_motions(motions)
 
 
 def _holds_results(path: Path) -> bool:

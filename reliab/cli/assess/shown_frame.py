@@ -1,99 +1,23 @@
-"""`reliab assess TEST --structure FRAME.toml`: the verdict on a test of a partitioned frame."""
+"""What `reliab assess --structure` prints about a test of a frame."""
 
 from collections.abc import Iterator
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reliab.cli.assess.demand import Demand
-from reliab.cli.assess.filed_report import checksums, file_report
-from reliab.cli.assess.judgement import Judge, Judgement
-from reliab.cli.options import FIVE_PERCENT
 from reliab.cli.output import console, table
-from reliab.errors import InputError
-from reliab.shipped import or_shipped
 
 if TYPE_CHECKING:
     from reliab.validation.assessment.frame_assessment import FrameAssessment
 
-_SAID_BY_THE_FILE = ("f", "xi", "alpha", "mass")
-_NOT_FOR_FRAMES = {
-    "motion": "The index of a frame's test is that of a criterion of the frame: give it with --criterion",
-    "model": "The error of a frame's test is rebuilt for a linear specimen",
-    "confidence": "The verdict rests on the test's own error; a criterion brings its confidence with it",
-}
 
-
-def judge_of_frames(demand: Demand, structure: Path) -> Judge:
-    """Read what the tests of a frame share, and return what judges one of them.
+def show_frame(assessment: "FrameAssessment") -> None:
+    """Print verdict, error, tracking at the modes, and what to know.
 
     Parameters
     ----------
-    demand : Demand
-        What is asked.
-    structure : pathlib.Path
-        Description of the frame.
-
-    Returns
-    -------
-    callable
-        Takes the file of a test and returns its `Judgement`.
-
-    Raises
-    ------
-    InputError
-        If an option has no meaning beside a frame, or a shared file cannot be read.
+    assessment : FrameAssessment
+        What was found.
     """
-    _refuse_unused(demand)
-    from reliab.loop.partition.frame_file import read_frame
-    from reliab.validation.assessment.frame_summary import summarise_frame
-    from reliab.validation.assessment.frame_test import assess_frame
-    from reliab.vocabulary import Metric
-
-    frame, criterion = read_frame(structure), demand.own_criterion
-
-    def judge(test: Path) -> Judgement:
-        assessment = assess_frame(
-            demand.read_recording(test),
-            frame,
-            criterion=criterion,
-            threshold=FIVE_PERCENT if demand.threshold is None else demand.threshold,
-            metric=Metric.parse(demand.metric or "rms"),
-            feedback_lag=demand.feedback_lag,
-            scale=demand.scale,
-        )
-        content = summarise_frame(assessment)
-        return Judgement(
-            content=content,
-            show=lambda: _show(content),
-            write_report=lambda: _write_report(assessment, demand, test, structure),
-        )
-
-    return judge
-
-
-def _write_report(assessment: "FrameAssessment", demand: Demand, test: Path, structure: Path) -> None:
-    """Write the report, if it is asked for."""
-    if demand.report is not None:
-        from reliab.report.kinds.assessment import frame_assessment_report
-
-        files = checksums({"file": or_shipped(test, "datasets", "test.csv"), "structure": structure})
-        file_report(frame_assessment_report(assessment, provenance=files), demand.report, demand.setting)
-
-
-def _refuse_unused(demand: Demand) -> None:
-    """Refuse options that would not be used, and say why."""
-    for name in _SAID_BY_THE_FILE:
-        if getattr(demand, name):
-            raise InputError(
-                f"--{name} has no meaning beside --structure",
-                remedy="Leave it out; the description of the frame says what the test is of",
-            )
-    for name, reason in _NOT_FOR_FRAMES.items():
-        if getattr(demand, name):
-            raise InputError(f"--{name} has no meaning beside --structure. {reason}", remedy="Leave it out")
-
-
-def _show(content: dict[str, Any]) -> None:
+    content = assessment.to_dict()
     terminal = console()
     terminal.print(_quantities(content))
     terminal.print(_modes(content))

@@ -1,0 +1,127 @@
+"""`reliab.design_test`: what is tolerable before a test."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from reliab.api.arguments import Quantity, stated_values, unused
+from reliab.criterion import Criterion, read_criterion
+from reliab.errors import InputError
+from reliab.sweep.plain import Numbers, several
+from reliab.validation.assessment.design import (
+    CONFIDENCES,
+    Tolerance,
+    chart_frequencies,
+    tolerable_errors,
+)
+from reliab.vocabulary import Metric
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True, kw_only=True)
+class Design:
+    """Tolerable errors of a rig before a test.
+
+    Attributes
+    ----------
+    tolerances : tuple of Tolerance
+        Of the structures that were asked for, by frequency, then by confidence.
+    chart : tuple of Tolerance
+        The same over all frequencies for which the criterion is valid.
+    """
+
+    tolerances: tuple[Tolerance, ...]
+    chart: tuple[Tolerance, ...]
+
+    def to_dict(self) -> dict[str, list[dict[str, Any]]]:
+        """Plain numbers with stable keys: `design` and `chart`, delays in milliseconds."""
+        return {
+            "design": [tolerance.to_dict() for tolerance in self.tolerances],
+            "chart": [tolerance.to_dict() for tolerance in self.chart],
+        }
+
+    def to_frame(self) -> "pd.DataFrame":
+        """Table of the structures that were asked for, with the keys of `to_dict`."""
+        import pandas as pd
+
+        return pd.DataFrame(self.to_dict()["design"])
+
+
+def design_test(
+    *,
+    f: Quantity | Sequence[Quantity] = 1.0,
+    xi: Quantity = 0.02,
+    threshold: float | None = None,
+    confidence: Numbers | None = None,
+    metric: str | None = None,
+    criterion: str | Path | Criterion | None = None,
+) -> Design:
+    """State how much delay and amplitude error a rig may have, before a test.
+
+    Parameters
+    ----------
+    f : float or sequence of float, optional
+        Natural frequencies [Hz].
+    xi : float, optional
+        Damping ratio [-].
+    threshold : float, optional
+        Error of the whole test [-], 0.05 by default; a criterion brings its own.
+    confidence : float or sequence of float, optional
+        Shares of ground motions, 0.80, 0.90, 0.95 and 0.99 by default; a criterion brings its own.
+    metric : {"rms", "mte"}, optional
+        Error of the whole test; a criterion brings its own.
+    criterion : str, pathlib.Path or Criterion, optional
+        The criterion, or its file as `reliab criterion --out` writes it; by default the one that ships.
+
+    Returns
+    -------
+    Design
+        Tolerable errors of each structure and over the frequency.
+
+    Raises
+    ------
+    InputError
+        If a value is not allowed, has a tolerance, or the criterion cannot be read.
+
+    Examples
+    --------
+    >>> design = design_test(f=1, xi=0.02, confidence=0.95)
+    >>> [(tolerance.frequency, tolerance.confidence) for tolerance in design.tolerances]
+    [(1.0, 0.95)]
+    """
+    if criterion is not None:
+        given = {"threshold": threshold, "confidence": confidence, "metric": metric}
+        for name in (name for name, value in given.items() if value is not None):
+            raise unused(name, "beside `criterion`, which brings its own")
+    read = read_criterion(criterion) if isinstance(criterion, str | Path) else criterion
+    ratio = _exact(xi, "xi")
+
+    def tolerances(frequencies: list[float]) -> tuple[Tolerance, ...]:
+        return tuple(
+            tolerable_errors(
+                frequencies,
+                ratio,
+                threshold=0.05 if threshold is None else float(threshold),
+                confidences=CONFIDENCES if confidence is None else several(confidence),
+                metric=str(metric or Metric.RMS),
+                criterion=read,
+            )
+        )
+
+    stated = [f] if isinstance(f, Quantity) else f
+    frequencies = [_exact(frequency, "f") for frequency in stated]
+    return Design(tolerances=tolerances(frequencies), chart=tolerances(chart_frequencies(read)))
+
+
+def _exact(quantity: Quantity, name: str) -> float:
+    stated = stated_values(**{name: quantity})[name]
+    if stated.deviation:
+        raise InputError(
+            "Tolerable errors before a test are those of an exact structure",
+            value=f"`{name}` = {stated}",
+            remedy="Leave the tolerance out, or give two values",
+        )
+    return stated.value

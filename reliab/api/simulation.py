@@ -1,0 +1,94 @@
+"""`reliab.simulate`: motions for all structures and actuators, stored."""
+
+from pathlib import Path
+
+import xarray as xr
+
+from reliab.loop.hybrid_test import HybridTest
+from reliab.progress import Progress, silent
+from reliab.sweep.plain import WHOLLY_EXPERIMENTAL, Motions, Names, Numbers, suite_of, sweep_request
+
+
+def simulate(
+    motions: Motions,
+    *,
+    out: str | Path,
+    f: Numbers | None = None,
+    xi: Numbers | None = None,
+    grid: str = "scaled",
+    window: Names = ("record",),
+    alpha: Numbers = WHOLLY_EXPERIMENTAL,
+    model: str | Path | HybridTest | None = None,
+    engine: str = "automatic",
+    resume: bool = False,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    progress: Progress = silent,
+) -> xr.Dataset:
+    """Simulate motions for all structures and actuators and store the results.
+
+    Parameters
+    ----------
+    motions : MotionSuite, Motion, str or pathlib.Path
+        The ground motions, as `load_motions` gives them, one of them, or what it would read: a folder, a file
+        or the name of a suite.
+    out : str or pathlib.Path
+        The Zarr store to write.
+    f, xi : float or sequence of float, optional
+        Natural frequencies [Hz] and damping ratios [-]; 1 Hz and 0.02 by default.
+    grid : {"scaled", "paper"}, optional
+        Actuators that are simulated: scaled to each structure, late and early (with a model late only), or
+        those of the paper, which are late.
+    window : str or sequence of str, optional
+        Where errors are taken, "record", "arias" or seconds; several may be stored.
+    alpha : float or sequence of float, optional
+        Experimental fraction of the stiffness [-]; of several the results have a dimension.
+    model : str, pathlib.Path or HybridTest, optional
+        A hybrid test with effects, or the file of one. Its structure takes the place of `f`, `xi` and
+        `alpha`, and gain, delay and the index (A, d) of the results are those of its actuator alone.
+    engine : {"automatic", "pole", "delay", "spectral"}, optional
+        How the loop is solved.
+    resume : bool, optional
+        Whether to continue a store that was begun.
+    workers : int, optional
+        Threads; one for each processor by default.
+    scheduler : str, optional
+        Address of a dask scheduler that solves the motions instead.
+    progress : callable, optional
+        Called after each motion.
+
+    Returns
+    -------
+    xarray.Dataset
+        `rms`, `mte`, `A` [-], `d` [s] and `stable` over (motion, f, xi, kp, tau), with `alpha` after `xi`
+        where several fractions are given.
+
+    Raises
+    ------
+    InputError
+        If a value is not allowed, a record is bad or the store cannot be written to.
+    IncompleteError
+        If the disk is full; what is stored is safe.
+
+    Examples
+    --------
+    >>> import tempfile, reliab
+    >>> motions = reliab.load_motions("synthetic")[:2]
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     results = reliab.simulate(motions, out=f"{folder}/results.zarr").load()
+    >>> results["rms"].dims, results["rms"].shape
+    (('motion', 'f', 'xi', 'kp', 'tau'), (2, 1, 1, 41, 57))
+    """
+    request = sweep_request(f=f, xi=xi, grid=grid, window=window, alpha=alpha, model=model, engine=engine)
+    from reliab.sweep import open_results, run_sweep
+
+    path = run_sweep(
+        suite_of(motions),
+        request,
+        out,
+        resume=resume,
+        workers=workers,
+        scheduler=scheduler,
+        progress=progress,
+    )
+    return open_results(path)

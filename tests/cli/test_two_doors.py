@@ -1,0 +1,183 @@
+"""The command and the function of Python give one answer, or refuse for one reason in their own words."""
+
+import inspect
+import json
+import random
+
+import numpy as np
+import pytest
+import typer
+
+import reliab
+from reliab import cli
+from reliab.api import assessment, judging
+from reliab.cli.option_names import as_options
+from reliab.criterion import read_criterion
+from reliab.loop.hybrid_test.model_file import read_model
+from reliab.loop.partition.frame_file import read_frame
+from reliab.motions import read_motion
+
+DRAWS = 400
+COMMAND = typer.main.get_command(cli.app)
+OF_THE_TERMINAL = {
+    *("design", "figure", "report", "title", "date", "paper", "laboratory", "logo"),
+    *("out", "check", "json_target", "help"),
+}
+TESTS = [
+    *[["test.csv"]] * 16,
+    *(["stated.csv"], ["stated.csv"], ["whole.csv"], ["bare.csv"], ["ms.csv"], ["bar.csv"], ["missing.csv"]),
+    *(["test.csv", "stated.csv"], ["stated.csv", "bare.csv", "missing.csv"], ["test.csv", "test.csv"], []),
+]
+CHOICES = {
+    "f": (*[1.0] * 8, 1, "1±0.01", "1+-1%", 0.9, "one", "nan", -1, 0, "1±"),
+    "xi": (*[0.02] * 8, 0.05, "0.02±0.002", 2, "x", 0, -0.02),
+    "alpha": (0.5, 1, "0.9±0.1", 1.5, "half"),
+    "scale": (1.003, "1±0.005", 0, -1, "big"),
+    "feedback_lag": (0.5, "0.5±0.1", 0, -1, "late"),
+    "mass": (2, "2±0.1", 0),
+    "motion": ("ground.txt", "missing.txt", "criterion.json"),
+    "criterion": ("criterion.json", "missing.json", "test.csv"),
+    "model": ("model.toml", "missing.toml", "frame.toml"),
+    "structure": ("frame.toml", "missing.toml", "model.toml"),
+    "threshold": (0.03, 0.05, 5.0, 0.0, float("nan")),
+    "confidence": (0.8, 95.0, float("nan")),
+    "metric": ("rms", "mte", "peak"),
+    "command": ("other_m", "nothing"),
+    "measured": ("other_m", "nothing"),
+    "time": ("slow_s", "nothing"),
+    "rate": (128.0, 100.0, 0.0, -5.0, float("inf")),
+    "units": ("mm", "furlong"),
+    "time_units": ("ms", "h"),
+    "delimiter": ("|", ";"),
+}
+OFTEN = {"f": 0.9, "xi": 0.7}
+
+
+class Answer:
+    """What reaches the numerical rooms, in place of their answer."""
+
+    reliable = True
+
+    def __init__(self, recording, *given, **stated):
+        self.content = {
+            "recording": [float(np.sum(values)) for values in (recording.command, recording.measured)],
+            "step": recording.time_step,
+            "asked": [repr(given), *(f"{name} = {value!r}" for name, value in sorted(stated.items()))],
+        }
+
+    def to_dict(self):
+        return self.content
+
+
+@pytest.fixture(scope="module")
+def folder(folder_of_a_test):
+    text = (folder_of_a_test / "test.csv").read_text(encoding="utf-8")
+    header = "# f = 1 ± 0.02 Hz\n# xi = 0.03\n# scale = 1.001\n"
+    (folder_of_a_test / "stated.csv").write_text(header + text, encoding="utf-8")
+    return folder_of_a_test
+
+
+def drawn(number):
+    """Draw files of tests and arguments; most are valid, some are not, and some do not go together."""
+    dice = random.Random(number)  # noqa: S311
+    stated = {
+        name: dice.choice(values) for name, values in CHOICES.items() if dice.random() < OFTEN.get(name, 0.05)
+    }
+    return dice.choice(TESTS), stated
+
+
+def by_command(capsys, tests, stated):
+    options = [text for name, value in stated.items() for text in (f"--{name.replace('_', '-')}", str(value))]
+    code = cli.run(["assess", *tests, *options, "--json", "-"])
+    out, err = capsys.readouterr()
+    return code, json.loads(out) if out else None, err.strip()
+
+
+def by_python(tests, stated):
+    """Answer in Python as the command does."""
+    try:
+        answer = reliab.assess(tests[0] if len(tests) == 1 else tests, **stated)
+    except reliab.InputError as error:
+        return 2, None, f"Error: {as_options(str(error), COMMAND)}"
+    if len(tests) == 1:
+        return 0, answer.to_dict(), ""
+    contents = [
+        {
+            "file": file,
+            **{key: as_options(value, COMMAND) if key == "fault" else value for key, value in _.items()},
+        }
+        for file, _ in answer.to_dict().items()
+    ]
+    return (2 if answer.faults else 0), contents, ""
+
+
+def agree(capsys, tests, stated):
+    code, content, sentence = by_command(capsys, tests, stated)
+    expected = by_python(tests, stated)
+    assert (code, content) == expected[:2], (tests, stated)
+    if content is None:
+        assert sentence == expected[2], (tests, stated)
+        assert "`" not in sentence.replace("`reliab", "").replace(" --", "") or "`reliab" in sentence
+    return code
+
+
+def test_drawn_inputs_reach_the_numerical_rooms_as_one(folder, monkeypatch, capsys):
+    monkeypatch.chdir(folder)
+    monkeypatch.setattr(judging, "assess_structure", Answer)
+    monkeypatch.setattr(judging, "assess_frame", Answer)
+    codes = [agree(capsys, *drawn(number)) for number in range(DRAWS)]
+    assert codes.count(0) > 0.2 * DRAWS
+    assert codes.count(2) > 0.2 * DRAWS
+
+
+@pytest.mark.slow
+def test_drawn_inputs_are_answered_as_one(folder, monkeypatch, capsys):
+    monkeypatch.chdir(folder)
+    for number in range(150):
+        agree(capsys, *drawn(1000 + number))
+
+
+@pytest.mark.parametrize("number", range(6))
+def test_a_drawn_input_is_answered_as_one(folder, monkeypatch, capsys, number):
+    monkeypatch.chdir(folder)
+    stated = (
+        {"f": 1, "xi": 0.02},
+        {"f": 1},
+        {"f": 2, "xi": 0.05, "model": "model.toml"},
+        {"model": "model.toml", "scale": 1.003},
+        {"structure": "frame.toml", "metric": "mte"},
+        {"f": 1, "xi": 0.02, "threshold": 5},
+    )[number]
+    assert agree(capsys, ["test.csv"], stated) == (2 if number in (2, 5) else 0)
+
+
+def test_objects_say_what_their_files_say(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    monkeypatch.setattr(judging, "assess_structure", Answer)
+    monkeypatch.setattr(judging, "assess_frame", Answer)
+    readers = {
+        "criterion": ("criterion.json", read_criterion),
+        "model": ("model.toml", read_model),
+        "motion": ("ground.txt", read_motion),
+        "structure": ("frame.toml", read_frame),
+    }
+    for name, (file, read) in readers.items():
+        rest = {} if name == "structure" else {"f": 1, "xi": 0.02}
+        by_object = reliab.assess("test.csv", **{name: read(file)}, **rest)
+        by_file = reliab.assess("test.csv", **{name: file}, **rest)
+        assert by_object.content["recording"] == by_file.content["recording"]
+        assert [text[:60] for text in by_object.content["asked"]] == [
+            text[:60] for text in by_file.content["asked"]
+        ]
+
+
+def test_every_option_is_an_argument_and_every_argument_an_option():
+    options = {parameter.name for parameter in COMMAND.commands["assess"].params} - OF_THE_TERMINAL
+    arguments = set(inspect.signature(reliab.assess).parameters)
+    assert options - {"tests"} == arguments - {"test", "progress"} == set(CHOICES)
+    assert set(assessment.Stated.__annotations__) == arguments - {"test", "structure"}
+
+
+def test_an_argument_that_does_not_exist_is_refused():
+    with pytest.raises(TypeError, match="error_window"):
+        reliab.assess("sample_test", f=1, xi=0.02, error_window=3)
