@@ -5,6 +5,7 @@ import re
 from dataclasses import dataclass
 
 from reliab.errors import InputError
+from reliab.significant import significant
 
 _STATED = re.compile(
     r"^\s*(?P<value>[+-]?[\d.]+(?:e[+-]?\d+)?)\s*"
@@ -73,4 +74,4 @@ class StatedValue:
         return cls(value, deviation * abs(value) / _PERCENT if match["percent"] else deviation)
 
     def __str__(self) -> str:
-        return f"{self.value:g}" + (f" ± {self.deviation:.3g}" if self.deviation else "")
+        return f"{self.value:g}" + (f" ± {significant(self.deviation)}" if self.deviation else "")

@@ -38,6 +38,7 @@ GROUND = {
     "progress",
     "registry",
     "shipped",
+    "significant",
     "stated_value",
     "version",
     "vocabulary",

@@ -4,6 +4,8 @@ Messages name an argument in backquotes, `` `xi` ``, or with its value, `` `time
 line writes them as its options.
 """
 
+from collections.abc import Mapping
+
 from reliab.errors import InputError
 from reliab.stated_value import StatedValue
 
@@ -31,6 +33,23 @@ def _value(quantity: Quantity, name: str) -> StatedValue:
     if isinstance(quantity, StatedValue):
         return quantity
     return StatedValue.parse(str(quantity), f"value of `{name}`")
+
+
+def require_positive(stated: Mapping[str, StatedValue]) -> None:
+    """Refuse a scale of the sensor or a mass that is not positive.
+
+    Raises
+    ------
+    InputError
+        If one is zero or negative.
+    """
+    for name in ("scale", "mass"):
+        if name in stated and not stated[name].value > 0.0:
+            raise InputError(
+                f"The value of `{name}` must be positive",
+                value=str(stated[name]),
+                remedy="Give 1 for a sensor that reads true" if name == "scale" else "Give it in kilograms",
+            )
 
 
 def unused(name: str, why: str) -> InputError:

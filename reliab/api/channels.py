@@ -6,6 +6,7 @@ from pathlib import Path
 import pandas as pd
 
 from reliab.api.arguments import unused
+from reliab.errors import InputError
 from reliab.shipped import or_shipped
 from reliab.validation.assessment.reading import read_recording
 from reliab.validation.assessment.recording import Recording
@@ -39,6 +40,12 @@ class Channels:
             if given:
                 raise unused(given[0], "beside a test that was read already")
             return test
+        if self.rate is not None and not 0.0 < self.rate < float("inf"):
+            raise InputError(
+                "The value of `rate` must be positive and finite",
+                value=float(self.rate),
+                remedy="Give the samples in a second",
+            )
         if isinstance(test, pd.DataFrame) and self.delimiter is not None:
             raise unused("delimiter", "beside a data frame")
         return read_recording(

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from reliab.api.arguments import unused
+from reliab.api.arguments import require_positive, unused
 from reliab.criterion import Criterion, read_criterion
 from reliab.errors import InputError
 from reliab.loop.hybrid_test.model_file import UpdatedModel, read_model
@@ -133,14 +133,16 @@ class Terms:
         criterion = self._own_criterion()
 
         def judge(recording: Recording) -> FrameAssessment:
+            stated = {**recording.stated, **self.numbers}
+            require_positive(stated)
             return assess_frame(
                 recording,
                 frame,
                 criterion=criterion,
                 threshold=self._threshold,
                 metric=Metric.parse(self.metric or Metric.RMS),
-                feedback_lag=self.numbers.get("feedback_lag"),
-                scale=self.numbers.get("scale", recording.stated.get("scale")),
+                feedback_lag=stated.get("feedback_lag"),
+                scale=stated.get("scale"),
             )
 
         return judge
@@ -165,6 +167,7 @@ def _stated(
     if "mass" in numbers and (recording.ground is None or recording.force is None):
         raise unused("mass", "without columns of ground acceleration and force")
     stated = {**recording.stated, **of_model, **numbers}
+    require_positive(stated)
     if "f" not in stated:
         raise InputError(
             "The natural frequency of the structure must be stated",

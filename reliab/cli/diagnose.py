@@ -19,6 +19,7 @@ from reliab.cli.options import (
 )
 from reliab.cli.output import console, progress_bar, table, write_json
 from reliab.errors import InputError
+from reliab.significant import significant
 
 if TYPE_CHECKING:
     from reliab.discrepancy import Addition, BlockDiagnosis, Diagnosis
@@ -152,7 +153,7 @@ def _show_effects(diagnosis: "Diagnosis") -> None:
         names = table("What is missing", _EFFECTS)
         for effect in effects:
             for estimate in effect.estimates:
-                value, spread = f"{estimate.value:.4g} {estimate.units}", f"{estimate.sd:.2g}"
+                value, spread = f"{estimate.value:.4g} {estimate.units}", significant(estimate.sd, 2)
                 mark = " (on a bound)" if estimate.name in effect.on_bounds else ""
                 name = f"{estimate.name}{mark}"
                 names.add_row(effect.name, f"{effect.probability:.3f}", name, value, spread)

@@ -9,6 +9,7 @@ import typer
 from reliab.cli.options import JsonTarget, Sets
 from reliab.cli.output import console, write_json
 from reliab.cli.printable import printable
+from reliab.significant import significant
 
 if TYPE_CHECKING:
     from reliab.motions import Fault, MotionSuite
@@ -63,7 +64,7 @@ def _show_motions(rows: list[dict[str, Any]]) -> None:
             f"{row['time_step']:.5g}",
             f"{row['duration']:.2f}",
             f"{row['pga_g']:.4f}",
-            f"{row['arias_intensity']:.3g}",
+            significant(row["arias_intensity"]),
             f"{row['significant_duration']:.2f}",
             f"{row['mean_period']:.3f}",
         )

@@ -6,6 +6,7 @@ from reliab.criterion.ellipse_sample import names_along
 from reliab.criterion.goodness_of_fit import objection
 from reliab.criterion.methods import Method
 from reliab.criterion.sample_grid import SampleGrid
+from reliab.significant import significant
 from reliab.vocabulary import Side
 
 _FEW_EVENTS = 30
@@ -66,7 +67,7 @@ def _without_promise(grid: SampleGrid, method: Method, confidence: float, empty:
     carried = method.carried_confidence(motions, events)
     return (
         f"Too few motions or earthquakes for {method.name} at {confidence:g}: {motions} motions of "
-        f"{_earthquakes(events)} support {carried:.3g} at most, so that the limits are zero and no "
+        f"{_earthquakes(events)} support {significant(carried)} at most, so that the limits are zero and no "
         f"test is accepted."
     )
 
@@ -85,8 +86,8 @@ def _beyond_the_earthquakes(grid: SampleGrid, method: Method, confidence: float)
     if confidence <= events / (events + 1.0) + 1e-9 or method.distribution_free:
         return ""
     return (
-        f"{_earthquakes(events).capitalize()} support {events / (events + 1.0):.3g} by themselves; at "
-        f"{confidence:g} the limits rest on the shape of a fitted distribution."
+        f"{_earthquakes(events).capitalize()} support {significant(events / (events + 1.0))} by "
+        f"themselves; at {confidence:g} the limits rest on the shape of a fitted distribution."
     )
 
 
@@ -96,8 +97,8 @@ def _shortfall(grid: SampleGrid, method: Method, confidence: float) -> str:
         return ""
     return (
         f"The quantile of a distribution fitted to {grid.fewest_motions} motions is exceeded by "
-        f"{share:.3g} of further ones on average, not by {confidence:g}; dirichlet and predictive allow "
-        "for it."
+        f"{significant(share)} of further ones on average, not by {confidence:g}; dirichlet and "
+        "predictive allow for it."
     )
 
 

@@ -13,6 +13,7 @@ from reliab.criterion.population import Population
 from reliab.criterion.provenance import Provenance
 from reliab.criterion.showing import draw_region, table_of_criterion
 from reliab.errors import InputError
+from reliab.significant import significant
 from reliab.vocabulary import Metric, Side
 
 if TYPE_CHECKING:
@@ -205,8 +206,8 @@ class Criterion:
 
     def _repr_html_(self) -> str:
         promise = {
-            "error": f"below {self.threshold:.3g} {self.metric.upper()}",
-            "confidence": f"{self.confidence:.3g} of ground motions, by {self.method}",
+            "error": f"below {significant(self.threshold)} {self.metric.upper()}",
+            "confidence": f"{significant(self.confidence)} of ground motions, by {self.method}",
             "limits": "a and b together" if self.joint else "a and b, each for itself",
         }
         return table_of_criterion(promise, self.law, self.provenance)

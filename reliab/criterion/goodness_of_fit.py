@@ -7,6 +7,7 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from reliab.criterion.distributions import Distribution
+from reliab.significant import significant
 
 SIGNIFICANCE = 0.05
 """Lognormality is rejected below this p-value."""
@@ -57,7 +58,8 @@ def objection(values: ArrayLike, parameter: str) -> str:
     if p_value >= SIGNIFICANCE:
         return ""
     return (
-        f"{parameter} is not lognormal over these motions (Shapiro-Wilk p = {p_value:.2g}), so that a "
+        f"{parameter} is not lognormal over these motions (Shapiro-Wilk p = {significant(p_value, 2)}), "
+        "so that a "
         "lognormal quantile does not keep the stated confidence; the methods dirichlet, order_statistic "
         "and conformal do not need it."
     )

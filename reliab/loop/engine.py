@@ -33,6 +33,7 @@ from reliab.loop.pole_plane.responses import Responses
 from reliab.loop.shared_drives import shared_drives
 from reliab.loop.structure import Structure
 from reliab.loop.structure_batch import Prepared
+from reliab.significant import significant
 
 REDUCTION_TOLERANCE = 3e-5
 """Largest relative error of RMS^R that the reduction to the dominant pole may cause [-]; the peak,
@@ -166,7 +167,8 @@ class Loop:
             raise InputError(
                 "The dominant pole may replace the loop only where the error of RMS^R that this causes "
                 f"is at most {tolerance[worst]:g}",
-                value=f"{error[worst]:.2g} at k_p = {cells.gain[worst]:g}, τ = {cells.delay[worst]:g} s",
+                value=f"{significant(error[worst], 2)} at k_p = {cells.gain[worst]:g}, τ = "
+                f"{cells.delay[worst]:g} s",
                 remedy="Use the engine 'automatic'",
             )
         return self._mixed(cells, reducible, ~cells.stable & (error <= _ROUGH_TOLERANCE))

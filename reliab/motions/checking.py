@@ -15,6 +15,7 @@ from reliab.motions.loading import BUILT_IN, declare, load_motions
 from reliab.motions.readers.reading import Declared
 from reliab.motions.readers.source import is_file, is_folder
 from reliab.motions.record import RecordFile
+from reliab.significant import significant
 from reliab.vocabulary import STANDARD_GRAVITY
 
 _LIKENESS = 50.0
@@ -188,7 +189,8 @@ def _unlike_peaks(peaks: list[_Peak]) -> Iterator[tuple[bool, Fault]]:
                 file=peak.file,
                 line=None,
                 rule=f"Peaks in one folder must lie within a factor of {_LIKENESS:g} of their median",
-                value=f"{peak.value / STANDARD_GRAVITY:.3g} g against {middle / STANDARD_GRAVITY:.3g} g",
+                value=f"{significant(peak.value / STANDARD_GRAVITY)} g against "
+                f"{significant(middle / STANDARD_GRAVITY)} g",
                 remedy=f"A weak record, or wrong units in its header; {remedy}"
                 if peak.stated
                 else f"Check for mixed units; {remedy}",

@@ -14,6 +14,7 @@ from reliab.loop.engine import Loop
 from reliab.loop.excitation import Excitation
 from reliab.loop.structure import Structure
 from reliab.motions import Motion
+from reliab.significant import significant
 
 Array = NDArray[np.float64]
 Pair = tuple[float, float]
@@ -145,5 +146,7 @@ def _durations(motion: Motion, structure: Structure) -> Difference:
     quiet[: motion.acceleration.size] = motion.acceleration
     lengths = (chosen * motion.duration).tolist()
     ellipses = [simulated_ellipse(quiet, motion.time_step, structure, length) for length in lengths]
-    details = tuple(f"{length:.3g} s instead of {motion.duration:.3g} s" for length in lengths)
+    details = tuple(
+        f"{significant(length)} s instead of {significant(motion.duration)} s" for length in lengths
+    )
     return Difference(kind="duration", details=details, pairs=_table(ellipses))

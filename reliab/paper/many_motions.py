@@ -21,6 +21,7 @@ from reliab.paper.printed import (
     PrintedTables,
 )
 from reliab.paper.records import Records
+from reliab.significant import significant
 
 _UNITS = {"a": "1", "b": "ms2", "error": "ms4"}
 _ROOT_UNITS = {"a": "1", "b": "ms"}
@@ -86,9 +87,8 @@ def _explanation(ratio_a: float, ratio_b: float) -> str:
     if not np.isfinite(ratio_a + ratio_b) or max(abs(ratio_a - 1.0), abs(ratio_b - 1.0)) <= CLOSE:
         return ""
     if abs(ratio_a / ratio_b - 1.0) <= CLOSE:
-        return (
-            f"a and b both off by about {(ratio_a * ratio_b) ** 0.5:.2g}, as another duration might make them"
-        )
+        factor = significant((ratio_a * ratio_b) ** 0.5, 2)
+        return f"a and b both off by about {factor}, as another duration might make them"
     return "the row does not come back from the record of that name"
 
 

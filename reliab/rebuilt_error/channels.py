@@ -9,6 +9,7 @@ from reliab.errors import InputError
 from reliab.rebuilt_error.initial import Start, examine_start
 from reliab.rebuilt_error.noise import SensorNoise
 from reliab.rebuilt_error.whole_structure import WholeStructure
+from reliab.significant import significant
 
 Array = NDArray[np.float64]
 
@@ -61,7 +62,7 @@ def checked_histories(
     if lowest * step * _FEWEST_PER_PERIOD > 1.0:
         raise InputError(
             f"A period of the structure must hold at least {_FEWEST_PER_PERIOD:.0f} samples",
-            value=f"{1.0 / (lowest * step):.3g}",
+            value=significant(1.0 / (lowest * step)),
             remedy="Record at a higher rate: the error between samples is unknown",
         )
     return command, measured

@@ -18,6 +18,7 @@ from reliab.errors import InputError
 from reliab.rebuilt_error.noise import estimate_noise
 from reliab.rebuilt_error.spectral import filtered
 from reliab.rebuilt_error.whole_structure import WholeStructure
+from reliab.significant import significant
 
 Array = NDArray[np.float64]
 
@@ -108,7 +109,7 @@ def combined_reading(command: Array, measured: Array, felt: Array, time_step: fl
     if not scale > 0.0:
         raise InputError(
             "The force must grow with the measured displacement",
-            value=f"a slope of {scale:.3g} of what the specimen's stiffness says",
+            value=f"a slope of {significant(scale)} of what the specimen's stiffness says",
             remedy="Check the sign of the force",
         )
     stated = (felt - zero) / scale

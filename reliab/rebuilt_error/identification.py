@@ -30,6 +30,7 @@ from reliab.loop.structure import Structure
 from reliab.rebuilt_error.equation_fit import fit_equation
 from reliab.rebuilt_error.kernel import Kernel
 from reliab.rebuilt_error.specimen_spring import fit_spring
+from reliab.significant import significant
 
 Array = NDArray[np.float64]
 
@@ -259,6 +260,6 @@ def _check(
     if command.size * step * structure.frequency < _FEWEST_PERIODS:
         raise InputError(
             f"Parameters need at least {_FEWEST_PERIODS:.0f} periods of the structure",
-            value=f"{command.size * step * structure.frequency:.2g}",
+            value=significant(command.size * step * structure.frequency, 2),
             remedy="Give the whole test",
         )

@@ -2,6 +2,7 @@
 
 from reliab.errors import InputError
 from reliab.rebuilt_error.whole_structure import WholeStructure
+from reliab.significant import significant
 
 LARGEST_READING = 1e30
 """What no sensor reads in any unit, and whose square is still a number."""
@@ -78,8 +79,8 @@ def require_fitting(samples: int, every: int, time_step: float, most: int = MOST
     if not fits(samples, every, most):
         longest = most * every * time_step / _HOUR
         raise InputError(
-            f"A test of this structure may last {longest:.3g} h at most, since the intervals of its error "
-            f"are drawn at {most:,} samples at most",
-            value=f"{samples * time_step / _HOUR:.3g} h",
+            f"A test of this structure may last {significant(longest)} h at most, since the intervals of "
+            f"its error are drawn at {most:,} samples at most",
+            value=f"{significant(samples * time_step / _HOUR)} h",
             remedy="Cut it where everything stands still, and judge the parts one by one",
         )

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from reliab.compiled import compiled
 from reliab.errors import InputError
+from reliab.significant import significant
 
 Array = NDArray[np.float64]
 
@@ -94,7 +95,7 @@ def examine_specimen(measured: Array, force: Array, time_step: float, frequency:
     if measured.size * time_step * frequency < FEWEST_PERIODS:
         raise InputError(
             f"A specimen is examined over at least {FEWEST_PERIODS:.0f} periods",
-            value=f"{measured.size * time_step * frequency:.2g}",
+            value=significant(measured.size * time_step * frequency, 2),
             remedy="Give the whole test",
         )
     low_pass = _low_pass(frequency, time_step)

@@ -13,6 +13,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 from numpy.typing import ArrayLike, NDArray
 
 from reliab.report.style import RC
+from reliab.significant import significant
 from reliab.vocabulary import Metric
 
 _STEPS = ((1, 2, 3, 4, 5, 6, 7, 8, 9), (1, 1.5, 2, 3, 5, 7), (1, 2, 5), (1, 3), (1,))
@@ -120,7 +121,7 @@ def scientific(value: float, digits: int = 3) -> str:
     >>> scientific(5.29e-5), scientific(1.048), scientific(0.977)
     ('$5.29\\times10^{-5}$', '1.05', '0.977')
     """
-    text = f"{value:.{digits}g}"
+    text = significant(value, digits)
     if "e" not in text:
         return text
     mantissa, exponent = text.split("e")

@@ -8,6 +8,7 @@ import numpy as np
 
 from reliab.criterion.methods import METHODS
 from reliab.report.prose import Math, Piece
+from reliab.significant import significant
 from reliab.vocabulary import Metric
 
 PERCENT: Final = 100.0
@@ -59,7 +60,7 @@ def percent(share: float, digits: int = 3) -> str:
     >>> percent(0.05), percent(0.95281)
     ('5 %', '95.3 %')
     """
-    return f"{PERCENT * share:.{digits}g} %"
+    return f"{significant(PERCENT * share, digits)} %"
 
 
 def probability(value: float) -> str:

@@ -8,6 +8,7 @@ import xarray as xr
 
 from reliab.errors import InputError
 from reliab.files import decoding, ordinary, written_whole
+from reliab.significant import significant
 
 _MOST_EXPANSION = 1032
 """Bytes that one byte of a file can stand for: the limit of DEFLATE, by which NetCDF files are compressed."""
@@ -88,7 +89,7 @@ def _refuse_empty_promises(promised: int, path: Path) -> None:
         raise InputError(
             "A NetCDF file must hold the numbers that it declares, at most "
             f"{_MOST_EXPANSION} bytes in each byte of its own",
-            value=f"{promised:.3g} bytes declared in {size}",
+            value=f"{significant(promised)} bytes declared in {size}",
             remedy="Obtain the file again",
             where=str(path),
         )

@@ -17,7 +17,7 @@ from reliab.loop.hybrid_test.model_file import read_model
 from reliab.loop.partition.frame_file import read_frame
 from reliab.motions import read_motion
 
-DRAWS = 400
+DRAWS = 200
 COMMAND = typer.main.get_command(cli.app)
 OF_THE_TERMINAL = {
     *("design", "figure", "report", "title", "date", "paper", "laboratory", "logo"),

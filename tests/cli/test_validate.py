@@ -6,6 +6,7 @@ import typer
 from typer.testing import CliRunner, Result
 
 from reliab.cli.validate import validate
+from reliab.cli.validate.answer import kept_shares
 from reliab.errors import InputError
 from reliab.shipped import shipped
 
@@ -56,7 +57,31 @@ def test_shipped_results_say_what_became_of_tests():
     assert 0.92 <= ours["containment"]["rate"] <= 0.98
     assert ours["false_safe"]["rate"] < 0.05 < eq18["false_safe"]["rate"]
     shown = run(*arguments).stdout
-    assert "guo_2017_18 protects 12.0% of the motions where it states 95%" in shown
+    printed = (
+        "guo_2017_18 does not keep the share that it states: it protects 12.0% of the motions where it states"
+    )
+    assert f"{printed} 95%" in shown
+    for row in found["rows"]:
+        assert f"{row['candidate']} keeps" in shown or f"{row['candidate']} does not keep" in shown
+
+
+def test_every_method_and_law_is_told_whether_its_share_is_kept():
+    rates = {"kept": (0.96, 0.9, 0.99), "scattered": (0.94, 0.9, 0.97), "broken": (0.5, 0.4, 0.6)}
+    rows = [
+        {"candidate": name, "confidence": 0.95, "containment": {"rate": rate, "low": low, "high": high}}
+        for name, (rate, low, high) in rates.items()
+    ]
+    unjudged = {"candidate": "few", "confidence": 0.95, "containment": dict.fromkeys(("rate", "low", "high"))}
+    beside = [{**row, "confidence": 0.3} for row in rows]
+    sentences = list(kept_shares([*rows, unjudged, *beside]))
+    for sentence, (name, verb) in zip(
+        sentences,
+        (("kept", "keeps"), ("scattered", "may keep"), ("broken", "does not keep")),
+        strict=True,
+    ):
+        assert sentence.startswith(f"{name} {verb} the share that it states")
+        assert f"{rates[name][0]:.1%} of the motions where it states 95%" in sentence
+    assert "at 95%:" in sentences[-1]
 
 
 @pytest.mark.parametrize("scheme", ["k_fold", "random_halves"])

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from reliab.cli.output import console, table
+from reliab.significant import significant
 
 if TYPE_CHECKING:
     from reliab.validation.assessment.frame_assessment import FrameAssessment
@@ -45,7 +46,7 @@ def _quantities(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
     }
     if content["by_index"] is not None:
         by_index = content["by_index"]
-        index = "unknown" if by_index["index"] is None else f"{by_index['index']:.3g}"
+        index = "unknown" if by_index["index"] is None else significant(by_index["index"])
         rows["index of the criterion"] = f"{index}: {by_index['verdict'].replace('_', ' ')}"
     shown = table(f"Test of {content['structure']}", {"": "left", "value": "left"})
     for name, value in rows.items():
@@ -77,8 +78,8 @@ def _sentences(content: dict[str, Any]) -> Iterator[str]:
     if resolved is not None:
         low, high = resolved["frequency_hz"][0], resolved["frequency_hz"][-1]
         yield (
-            f"A and d over frequency are known from {low:.3g} to {high:.3g} Hz and account for an RMS^R of "
-            f"{resolved['error']['rms']:.2%}; without them "
+            f"A and d over frequency are known from {significant(low)} to {significant(high)} Hz and "
+            f"account for an RMS^R of {resolved['error']['rms']:.2%}; without them "
             f"{resolved['error']['remaining_rms']:.2%} would remain."
         )
     first = content["error"]["improve_first"]

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from reliab.cli.output import console, table
+from reliab.significant import significant
 
 if TYPE_CHECKING:
     from reliab.validation.assessment import Assessment
@@ -44,7 +45,7 @@ def _headline(assessment: "Assessment") -> str:
     name = ERROR_NAMES[assessment.metric]
     return (
         f"{assessment.verdict.word.shout}: {name} is {assessment.error.of(assessment.metric).value:.2%} "
-        f"against {_PERCENT * assessment.criterion.threshold:.3g}%, "
+        f"against {significant(_PERCENT * assessment.criterion.threshold)}%, "
         f"probability {probability_text(assessment.probability)} of staying below"
     )
 
@@ -57,7 +58,7 @@ def _asked(assessment: "Assessment") -> str:
         for name, symbol, unit in (("f", "f", " Hz"), ("xi", "ξ", ""), ("alpha", "α", ""))
     )
     return (
-        f"Structure {stated}; threshold {_PERCENT * assessment.criterion.threshold:.3g}% "
+        f"Structure {stated}; threshold {significant(_PERCENT * assessment.criterion.threshold)}% "
         f"({ERROR_NAMES[assessment.metric]}); "
         f"window of the error: the test's own {assessment.recording.duration:.4g} s. RMS^R is the root mean "
         "square, MTE^R the largest value, of measured minus exact displacement, both over the peak of the "
@@ -89,10 +90,10 @@ def _indices(assessment: "Assessment", summary: dict[str, Any]) -> Any:  # noqa:
         f"{assessment.criterion.confidence:.0%} of ground motions, window "
         f"{assessment.criterion.provenance.window}"
         if assessment.placement is None
-        else f"{assessment.placement.motion}, {assessment.placement.window[0]:.3g} to "
+        else f"{assessment.placement.motion}, {significant(assessment.placement.window[0])} to "
         f"{assessment.placement.window[1]:.4g} s of its record"
     )
-    size = "no limits for leads" if assessment.index is None else f"{assessment.index:.3g} against 1"
+    size = "no limits for leads" if assessment.index is None else f"{significant(assessment.index)} against 1"
     shown = table(
         f"By index: {assessment.verdict_by_index.word.shout.lower()}, {size} for {against}",
         {"index": "left", "value": "right", "95 % interval": "left", "tolerable alone": "right"},
@@ -121,14 +122,14 @@ def _sentences(assessment: "Assessment", summary: dict[str, Any]) -> Iterator[st
         yield (
             f"A gain A and a delay d alone would err by {assessment.placement.error:.2%} under "
             f"{assessment.placement.motion} "
-            f"({assessment.placement.window[0]:.3g} to {assessment.placement.window[1]:.4g} s of its record)."
+            f"({significant(assessment.placement.window[0])} to {assessment.placement.window[1]:.4g} s "
+            "of its record)."
         )
     if assessment.index_probability is not None:
         basis = "its own ground motion" if assessment.placement is not None else "further ground motions"
         yield (
             f"By A and d under {basis}: probability {probability_text(assessment.index_probability)} of "
-            "staying "
-            "below the threshold."
+            "staying below the threshold."
         )
     for reason in assessment.verdict_by_index.would_decide:
         yield f"The index: {reason}"
@@ -148,15 +149,16 @@ def _sentences(assessment: "Assessment", summary: dict[str, Any]) -> Iterator[st
 
 
 def _or_none(what: str, tolerable: float, unit: str) -> str:
-    return f"{what} {tolerable:.3g}{unit}" if tolerable > 0.0 else f"no {what}"
+    return f"{what} {significant(tolerable)}{unit}" if tolerable > 0.0 else f"no {what}"
 
 
 def _tracking(measures: dict[str, Any]) -> str:
     force = "recorded force" if measures["energy_of_recorded_force"] else "a linear specimen"
     return (
         f"Tracking of the command: largest error {measures['mte']:.2%} of its peak, RMS "
-        f"{measures['rms']:.2%} of its own; tracking indicator {measures['tracking_indicator_m2']:.3g} m²; "
-        f"phase and amplitude error indices {measures['paei_phase_rad']:.3g} rad and "
+        f"{measures['rms']:.2%} of its own; tracking indicator "
+        f"{significant(measures['tracking_indicator_m2'])} m²; "
+        f"phase and amplitude error indices {significant(measures['paei_phase_rad'])} rad and "
         f"{measures['paei_amplitude']:+.4f}; energy error {measures['energy_error']:+.1%} of the largest "
         f"strain energy ({force})."
     )

@@ -9,6 +9,7 @@ from reliab.cli.assess.shown_test import show_assessment
 from reliab.cli.output import console, progress_bar, table, write_json
 from reliab.errors import InputError
 from reliab.files import written_whole
+from reliab.significant import significant
 
 if TYPE_CHECKING:
     from reliab.cli.assess.filed_report import Report
@@ -134,7 +135,9 @@ def _write_table(out: Path | None, contents: list[dict[str, Any]]) -> None:
 def _show(contents: list[dict[str, Any]]) -> None:
     judged = [content for content in contents if "fault" not in content]
     asked = (
-        f", {judged[0]['metric'].upper()} against {_PERCENT * judged[0]['threshold']:.3g}%" if judged else ""
+        f", {judged[0]['metric'].upper()} against {significant(_PERCENT * judged[0]['threshold'])}%"
+        if judged
+        else ""
     )
     shown = table(f"Verdicts on {len(contents)} tests{asked}", _COLUMNS)
     for content in contents:

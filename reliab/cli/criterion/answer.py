@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from reliab.cli.output import console, table
 from reliab.errors import InputError
 from reliab.files import written_whole
+from reliab.significant import significant
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -154,8 +155,8 @@ def show(rows: Sequence[Mapping[str, Any]], posteriors: Sequence[Mapping[str, An
     for row in rows:
         shown.add_row(
             *(f"{row[key]:g}" for key in ("f", "xi", "alpha", "threshold", "confidence")),
-            *(f"{row[key]:.3g}" for key in ("a", "b", "amplitude_limit", "delay_limit_ms")),
-            "-" if row["lead_limit_ms"] is None else f"{row['lead_limit_ms']:.3g}",
+            *(significant(row[key]) for key in ("a", "b", "amplitude_limit", "delay_limit_ms")),
+            "-" if row["lead_limit_ms"] is None else significant(row["lead_limit_ms"]),
         )
     terminal = console()
     for posterior in posteriors:

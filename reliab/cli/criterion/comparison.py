@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from reliab.cli.output import console, progress_bar, table
 from reliab.errors import InputError
+from reliab.significant import significant
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -122,7 +123,9 @@ def show_comparison(comparison: Mapping[str, Any]) -> None:
         As :func:`compare` makes it.
     """
     for judged in comparison["distributions"]:
-        tests = ", ".join(f"{name.replace('_', '-')} {p:.2g}" for name, p in judged["lognormality"].items())
+        tests = ", ".join(
+            f"{name.replace('_', '-')} {significant(p, 2)}" for name, p in judged["lognormality"].items()
+        )
         where = f"f = {judged['f']:g} Hz, ξ = {judged['xi']:g}, error {judged['threshold']:g}"
         heading = f"Distributions of {judged['parameter']} at {where}, earthquakes held out."
         console().print(f"{heading} p of lognormality: {tests}.", highlight=False)
@@ -131,7 +134,7 @@ def show_comparison(comparison: Mapping[str, Any]) -> None:
             {"distribution": "left", **{name.replace("_", " "): "right" for name in _FIGURES}},
         )
         for row in judged["scores"]:
-            shown.add_row(row["distribution"], *(f"{row[name]:.3g}" for name in _FIGURES))
+            shown.add_row(row["distribution"], *(significant(row[name]) for name in _FIGURES))
         console().print(shown)
     for threshold in dict.fromkeys(row["threshold"] for row in comparison["laws"]):
         alike = [row for row in comparison["laws"] if row["threshold"] == threshold]
@@ -147,5 +150,5 @@ def _show_laws(error: str, rows: Sequence[Mapping[str, Any]]) -> None:
         console().print(f"Laws at {error}: {what} by f [Hz].", highlight=False)
         shown = table("", {"law": "left", **{f"{f:g}": "right" for f in frequencies}})
         for law in dict.fromkeys(row["law"] for row in rows):
-            shown.add_row(law, *(f"{row[key]:.3g}" for row in rows if row["law"] == law))
+            shown.add_row(law, *(significant(row[key]) for row in rows if row["law"] == law))
         console().print(shown)

@@ -5,6 +5,7 @@ from typing import Any
 from reliab.cli.criterion.demand import Demand
 from reliab.cli.options import FIVE_PERCENT
 from reliab.cli.output import console, progress_bar, table
+from reliab.significant import significant
 
 
 def rig_beside(demand: Demand) -> dict[str, Any]:
@@ -55,7 +56,7 @@ def show_rig(rig: dict[str, Any]) -> None:
     shown = table(f"Error of the described rig, {rig['metric']}", {"": "left", "value": "right"})
     shown.add_row("median of the motions", f"{rig['median']:.2%}")
     shown.add_row("largest", f"{rig['largest']:.2%}")
-    shown.add_row(f"motions below {rig['threshold']:.3g}", f"{rig['share_below']:.0%}")
+    shown.add_row(f"motions below {significant(rig['threshold'])}", f"{rig['share_below']:.0%}")
     for name, form in (("A", ".4f"), ("d_ms", ".3f")):
         values = sorted(motion[name] for motion in rig["motions"])
         shown.add_row(f"{name}, least to largest", f"{values[0]:{form}} to {values[-1]:{form}}")

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from reliab.cli.output import console, table
+from reliab.significant import significant
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -58,7 +59,7 @@ def show_shares(share_law: Mapping[str, Any]) -> None:
     for row in share_law["ratios"]:
         shown.add_row(
             *(f"{row[key]:g}" for key in ("f", "xi", "alpha", "threshold", "confidence")),
-            *("-" if row[key] is None else f"{row[key]:.3g}" for key in ("a_ratio", "b_ratio", "law")),
+            *("-" if row[key] is None else significant(row[key]) for key in ("a_ratio", "b_ratio", "law")),
             *("-" if row[key] is None else f"{row[key]:+.1%}" for key in ("a_deviation", "b_deviation")),
         )
     terminal = console()
@@ -69,8 +70,8 @@ def show_shares(share_law: Mapping[str, Any]) -> None:
             strength, deviation = fit[f"{name}_strength"], fit[f"{name}_largest_deviation"]
             if strength is not None:
                 terminal.print(
-                    f"{name} at {where}: s = {strength:.3g} fits best, off by {deviation:.1%} at most; by "
-                    f"the law s = {fit['white_noise']:.3g}.",
+                    f"{name} at {where}: s = {significant(strength)} fits best, off by {deviation:.1%} "
+                    f"at most; by the law s = {significant(fit['white_noise'])}.",
                     highlight=False,
                 )
     terminal.print(

@@ -14,6 +14,7 @@ from reliab.cli.output import console, table
 from reliab.rebuilt_error import RebuiltError
 from reliab.rebuilt_error.monitor import Monitor
 from reliab.rebuilt_error.rebuild import DRAWS
+from reliab.significant import significant
 from reliab.vocabulary import Metric
 
 _PERCENT = 100.0
@@ -160,7 +161,8 @@ class Watch:
         damping = message["net_damping_ratio"]
         return (
             f"{message['time_s']:8.2f} s  {self.metric.upper()} {error['value']:.2%} (90 %: "
-            f"{error['low']:.2%} to {error['high']:.2%}), below {_PERCENT * self.threshold:.3g}% with "
+            f"{error['low']:.2%} to {error['high']:.2%}), below "
+            f"{significant(_PERCENT * self.threshold)}% with "
             f"probability {message['error']['probability']:.3f}, net damping "
             + ("not settled" if damping is None else f"{damping:.2%}")
         )
@@ -180,7 +182,9 @@ class Watch:
                 f"{error.value:.2%} ({error.low:.2%} to {error.high:.2%})",
             )
             probability = result.probability(self.threshold, self.metric)
-            shown.add_row(f"probability below {_PERCENT * self.threshold:.3g}%", f"{probability:.3f}")
+            shown.add_row(
+                f"probability below {significant(_PERCENT * self.threshold)}%", f"{probability:.3f}"
+            )
         damping = None if now.damping is None else now.damping.ratio
         shown.add_row("net damping ratio", "not settled" if damping is None else f"{damping:.2%}")
         for alarm in self.alarms:

@@ -1,5 +1,6 @@
 """What `reliab validate` answers: JSON, and tables on the terminal."""
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from reliab.cli.output import console, table
@@ -119,13 +120,8 @@ def show(content: dict[str, Any]) -> None:
     terminal.print(_table(title, content["rows"]))
     if content["rows_lead"]:
         terminal.print(_table("The same for actuators that are early (leads)", content["rows_lead"]))
-    for row in content["rows"]:
-        if row["candidate"].startswith("guo_"):
-            terminal.print(
-                f"{row['candidate']} protects {row['containment']['rate']:.1%} of the motions where it "
-                f"states {row['confidence']:.0%}.",
-                highlight=False,
-            )
+    for sentence in (*kept_shares(content["rows"]), *kept_shares(content["rows_lead"], " for leads")):
+        terminal.print(sentence, highlight=False)
     if content["n_of_learned_earthquakes"]:
         terminal.print(
             f"{content['n_of_learned_earthquakes']} of the motions are of earthquakes that the suite holds; "
@@ -146,6 +142,48 @@ def show(content: dict[str, Any]) -> None:
         )
     if content["truth"] == "ellipse":
         terminal.print(ELLIPSE_NOTE)
+
+
+def kept_shares(rows: list[dict[str, Any]], of_side: str = "") -> Iterator[str]:
+    """Say of each method and law whether the share of motions that it states is kept.
+
+    Parameters
+    ----------
+    rows : list of dict
+        As :func:`answer` gives them.
+    of_side : str, optional
+        For which actuators, where the rows are of one side.
+
+    Yields
+    ------
+    str
+        A sentence for each method and law.
+
+    Examples
+    --------
+    >>> rate = {"rate": 0.52, "low": 0.41, "high": 0.63}
+    >>> print(*kept_shares([{"candidate": "guo_2017_18", "confidence": 0.95, "containment": rate}]))
+    guo_2017_18 does not keep the share that it states: it protects 52.0% of the motions where it states 95%.
+    """
+    for candidate in dict.fromkeys(row["candidate"] for row in rows):
+        judged = [
+            (row["containment"], row["confidence"])
+            for row in rows
+            if row["candidate"] == candidate and row["containment"]["rate"] is not None
+        ]
+        if not judged:
+            continue
+        below = [(rate, stated) for rate, stated in judged if rate["rate"] < stated]
+        broken = [f"{stated:.0%}" for rate, stated in below if (rate["high"] or rate["rate"]) < stated]
+        keeps = "keeps the share that it states"
+        if broken:
+            at = f" at {', '.join(broken)}" if len(judged) > 1 else ""
+            keeps = f"does not keep the share that it states{at}"
+        elif below:
+            keeps = "may keep the share that it states, as far as so few motions can tell"
+        shares = ", ".join(f"{rate['rate']:.1%} where it states {stated:.0%}" for rate, stated in judged)
+        first, *others = shares.split(" where", 1)
+        yield f"{candidate} {keeps}{of_side}: it protects {first} of the motions where{others[0]}."
 
 
 def _table(title: str, rows: list[dict[str, Any]]) -> "Table":

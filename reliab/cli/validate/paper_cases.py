@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from reliab.cli.output import console, table, write_json
 from reliab.errors import InputError
+from reliab.significant import significant
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -113,7 +114,7 @@ def _show_cases(content: Mapping[str, Any], verdicts: "pd.DataFrame") -> None:
     for row in verdicts.to_dict(orient="records"):
         shown.add_row(
             *(str(row["case"]), f"{row['f']:g}", f"{row['xi']:g}", f"{row['A']:.4f}", f"{row['d_ms']:.3f}"),
-            *(row["criterion"], f"{row['index']:.3g}", "yes" if row["accepted"] else "no"),
+            *(row["criterion"], significant(row["index"]), "yes" if row["accepted"] else "no"),
             "" if row["probability"] != row["probability"] else f"{row['probability']:.3f}",
             *(f"{100.0 * row['rms']:.2f}", "yes" if row["good"] else "no"),
         )

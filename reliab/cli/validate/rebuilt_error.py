@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from reliab.cli.options import FIVE_PERCENT, ONE_HERTZ, TWO_PERCENT
 from reliab.cli.output import console, progress_bar, table, write_json
 from reliab.errors import InputError
+from reliab.significant import significant
 from reliab.vocabulary import Metric
 
 if TYPE_CHECKING:
@@ -134,7 +135,7 @@ def _answer(design: "Design", tables: "dict[str, pd.DataFrame]") -> dict[str, An
 
 def _show(content: dict[str, Any]) -> None:
     terminal = console()
-    asked = f"{content['metric'].upper()}^R {content['threshold']:.3g}"
+    asked = f"{content['metric'].upper()}^R {significant(content['threshold'])}"
     terminal.print(_table(f"Linear specimens, sensor of 40 dB, {asked}", content["judges"], "judge"))
     rebuilt = [row for row in content["conditions"] if row["judge"] == content["judges"][0]["judge"]]
     named = [{**row, "label": _condition(row)} for row in rebuilt]

@@ -16,6 +16,7 @@ from reliab.discrepancy.spectra.noise import NoiseModel
 from reliab.discrepancy.spectra.segment import energy_of
 from reliab.discrepancy.terms import OutsideTerm
 from reliab.discrepancy.terms.periodic import Disturbance
+from reliab.significant import significant
 from reliab.vocabulary import Block
 
 LARGEST_REMAINDER = 0.2
@@ -108,7 +109,8 @@ def _interrupted(problem: Problem, best: Fit, error: float) -> Unknown | None:
         return None
     return Unknown(
         block=str(problem.block.block),
-        expression=f"{problem.block.channel} held {seen.events} times, for {seen.seconds:.3g} s as a rule",
+        expression=f"{problem.block.channel} held {seen.events} times, for {significant(seen.seconds)} s "
+        "as a rule",
         description="the reading stands still now and then while the model moves on: the sensor drops out",
         held_out_nrmse=error,
     )

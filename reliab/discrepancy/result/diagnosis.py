@@ -10,6 +10,7 @@ from reliab.discrepancy.result.gap import Gap
 from reliab.discrepancy.result.missing_effect import MissingEffect, Unknown
 from reliab.discrepancy.result.showing import draw_gap, table_of_diagnosis
 from reliab.discrepancy.result.statements import is_explained, remainder_statement, statement
+from reliab.significant import significant
 from reliab.vocabulary import Block
 
 if TYPE_CHECKING:
@@ -138,7 +139,8 @@ def _limits_of(block: BlockDiagnosis) -> list[str]:
         for parameter in effect.on_bounds
     ]
     remarks += [
-        f"The tests ran with a {STRUCTURE[item.name].meaning} of {item.value:.3g} ± {item.sd:.1g} times the"
+        f"The tests ran with a {STRUCTURE[item.name].meaning} of {significant(item.value)} ± "
+        f"{significant(item.sd, 1)} times the"
         " nominal one: check the table [structure] of the campaign."
         for item in block.misstated
     ]

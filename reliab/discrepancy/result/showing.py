@@ -7,6 +7,7 @@ from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Verdict
 from reliab.discrepancy.result.gap import Gap
 from reliab.discrepancy.result.missing_effect import MissingEffect
 from reliab.html_table import html_table
+from reliab.significant import significant
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,9 +22,10 @@ def table_of_diagnosis(
     described = {
         effect.name: "; ".join(
             [
-                f"probability {effect.probability:.3g}",
+                f"probability {significant(effect.probability)}",
                 *(
-                    f"{estimate.name} {estimate.value:.4g} ± {estimate.sd:.1g} {estimate.units}".strip()
+                    f"{estimate.name} {estimate.value:.4g} ± {significant(estimate.sd, 1)} "
+                    f"{estimate.units}".strip()
                     for estimate in effect.estimates
                 ),
             ]
@@ -33,7 +35,8 @@ def table_of_diagnosis(
     rows = {
         "verdict": str(verdict).replace("_", " "),
         **described,
-        f"error on held-out tests, {gap.channel}": f"{gap.before:.3g} before, {gap.after:.3g} after",
+        f"error on held-out tests, {gap.channel}": f"{significant(gap.before)} before, "
+        f"{significant(gap.after)} after",
     }
     return html_table(name, rows, remarks)
 

@@ -24,6 +24,7 @@ from reliab.loop.partition.partition import Partition
 from reliab.loop.spectral import respond
 from reliab.loop.structure import Structure
 from reliab.loop.structures import undivided_response
+from reliab.significant import significant
 
 Array = NDArray[np.float64]
 
@@ -259,7 +260,7 @@ class FrameLoop:
         if delay >= limit:
             raise InputError(
                 f"The spectral engine needs a delay below the critical delay, which is {1e3 * limit:.6g} ms "
-                f"(at {frequency:.3g} Hz) for k_p = {gain:g}",
+                f"(at {significant(frequency)} Hz) for k_p = {gain:g}",
                 value=f"{1e3 * delay:.6g} ms",
                 remedy="Use a stepping engine for an unstable test",
             )

@@ -5,6 +5,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from reliab.errors import InputError
 from reliab.loop.structures.frame import natural_modes
+from reliab.significant import significant
 
 
 def modal_damping(mass: ArrayLike, stiffness: ArrayLike, ratios: ArrayLike) -> NDArray[np.float64]:
@@ -92,7 +93,7 @@ def rayleigh_damping(
     if lowest < 0.0:
         raise InputError(
             "Rayleigh damping must leave every mode a positive damping ratio",
-            value=f"{lowest:.3g} for some mode",
+            value=f"{significant(lowest)} for some mode",
             remedy="Choose ratios or frequencies that lie closer together",
         )
     return np.asarray(on_mass * np.asarray(mass) + on_stiffness * np.asarray(stiffness))

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from reliab.boundary import Contour, Curve
 from reliab.report.axes import AMPLITUDE, DELAY, MILLI, name_axes
 from reliab.report.style import INK, line, panels, styled
+from reliab.significant import significant
 
 _HEIGHT = 68.0
 _POINTS = 201
@@ -34,7 +35,7 @@ def curve_fits(contour: Contour, curves: Sequence[Curve]) -> Figure:
     margin = 0.1 * np.ptp(contour.amplitude)
     amplitude = np.linspace(contour.amplitude[0] - margin, contour.amplitude[-1] + margin, _POINTS)
     for rank, curve in enumerate(curves):
-        name = f"{curve.name}, misfit {curve.sse:.2g} ms⁴"
+        name = f"{curve.name}, misfit {significant(curve.sse, 2)} ms⁴"
         place.plot(amplitude, MILLI * curve.delay(amplitude), label=name, **line(rank))
     place.plot(
         contour.amplitude,

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from reliab.report.axes import TIME, name_axes, plain
 from reliab.report.style import BLUE, GREY, INK, VERMILION, panels, styled
+from reliab.significant import significant
 
 _PANEL_HEIGHT, _MARGIN = 37.0, 12.0
 _MOST_SAMPLES = 3000
@@ -102,5 +103,5 @@ def _bars(place: Axes, channel: GapPanel) -> None:
     low, high = min(channel.errors), max(channel.errors)
     place.set_xlim(0.08 * max(low, 1e-9), 12.0 * high)
     for rank, value in enumerate(channel.errors):
-        place.text(1.15 * value, rank, f"{value:.3g}", va="center", fontsize=8.0)
+        place.text(1.15 * value, rank, significant(value), va="center", fontsize=8.0)
     name_axes(place, "RMS over signal's RMS [-]", "")

@@ -10,6 +10,7 @@ from reliab.criterion.motion_predictive import MotionPredictive
 from reliab.report.axes import A_PARAMETER, B_PARAMETER, label_logarithmic, legend_below, name_axes
 from reliab.report.style import BLUE, GREEN, GREY, INK, PALE, VERMILION, letters, panels, styled
 from reliab.sampling.normal_inverse_chi_squared import NormalInverseChiSquared
+from reliab.significant import significant
 
 _HEIGHT = 88.0
 _POINTS = 241
@@ -40,7 +41,7 @@ def posterior_and_predictive(
     """
     figure, axes = panels(2, 2, height=_HEIGHT)
     share = _PERCENT * (1.0 - confidence)
-    quantile, further = f"{share:.3g} % quantile", "a further motion"
+    quantile, further = f"{significant(share)} % quantile", "a further motion"
     letters(axes, (f"{quantile} of $a$", f"{quantile} of $b$", f"{further}: $a$", f"{further}: $b$"))
     for k, (values, name) in enumerate(((sample.a, A_PARAMETER), (sample.b, B_PARAMETER))):
         _posterior(axes[0, k], values, limits[k], 1.0 - confidence)
@@ -86,7 +87,7 @@ def _predictive(
         linestyle=(0, (1.2, 1.2)),
         label="lognormal",
     )
-    axes.axhline(share, color=INK, linewidth=0.7, linestyle=(0, (1, 2)), label=f"{share:.2g}")
+    axes.axhline(share, color=INK, linewidth=0.7, linestyle=(0, (1, 2)), label=significant(share, 2))
     if limit > 0.0:
         axes.axvline(limit, color=VERMILION, linestyle=(0, (5, 1.6)), label="criterion")
     axes.set(xscale="log", xlim=tuple(np.exp([x[0], x[-1]])))

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from reliab.criterion.experimental_share import whole_is_worst
+from reliab.significant import significant
 from reliab.validation.assessment.doubts import ERROR_NAMES, sizes_otherwise
 from reliab.validation.assessment.findings import FaultEffect, Findings
 from reliab.validation.assessment.verdict import Word
@@ -98,9 +99,8 @@ def _of_error(findings: Findings) -> Iterator[str]:
         else "this test's ground motion and length are more or less demanding than those"
     )
     yield (
-        f"The error of this very test ({size:.2%}) and the index ({findings.index:.3g} against 1) "
-        "disagree: the "
-        f"index describes {basis}, the error this test; {why}. The verdict follows the error."
+        f"The error of this very test ({size:.2%}) and the index ({significant(findings.index)} against 1) "
+        f"disagree: the index describes {basis}, the error this test; {why}. The verdict follows the error."
     )
 
 
@@ -118,10 +118,10 @@ def _of_signal(findings: Findings) -> Iterator[str]:
     recording, tracking = findings.recording, findings.tracking
     periods = recording.duration * findings.structure.frequency
     if periods < _FEW_PERIODS:
-        yield f"The test is short: {periods:.2g} periods of the structure."
+        yield f"The test is short: {significant(periods, 2)} periods of the structure."
     samples = 1.0 / (recording.time_step * tracking.plain.equivalent_frequency)
     if samples < _FEW_SAMPLES:
-        yield f"The test is sampled coarsely: {samples:.3g} samples in a period."
+        yield f"The test is sampled coarsely: {significant(samples)} samples in a period."
     noise = float(np.sqrt(max(tracking.noise_share**2 - tracking.unexplained_share**2, 0.0)))
     if noise > _NOISY:
         yield (f"The test is noisy: {noise:.1%} of the measured displacement is unrelated to the command.")
@@ -141,7 +141,8 @@ def _of_constancy(findings: Findings) -> Iterator[str]:
     if late > _VARYING * np.sqrt(b):
         first, last = (_MILLISECONDS * delay for delay in (windows.delay.min(), windows.delay.max()))
         yield (
-            f"The delay varies over the test, from {first:.3g} to {last:.3g} ms. A and d are averages; the "
+            f"The delay varies over the test, from {significant(first)} to {significant(last)} ms. A and "
+            "d are averages; the "
             "error of a test whose delay drifts by half either way was within 12 % of that of its average."
         )
     if windows.amplitude_range > _VARYING * np.sqrt(a):

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.significant import significant
 from reliab.validation.assessment.band import noise_floor, periodogram
 from reliab.validation.assessment.own_motion import OwnPlacement
 from reliab.validation.assessment.recording import Recording
@@ -61,8 +62,8 @@ def of_frequency(
         return
     stated = " and ".join(f"{frequency:.4g}" for frequency in sorted({min(frequencies), max(frequencies)}))
     yield Contradiction(
-        finding=f"The command moves at {moves:.3g} Hz, the structure at {stated} Hz, where the command shows "
-        "no resonance: check the frequency and the units of time.",
+        finding=f"The command moves at {significant(moves)} Hz, the structure at {stated} Hz, where the "
+        "command shows no resonance: check the frequency and the units of time.",
         remedy="State the natural frequency of the structure that was tested, or the file's unit of time.",
     )
 
@@ -108,8 +109,8 @@ def of_columns(recording: Recording, tracking: TrackingIndex) -> Iterator[Contra
     if tracking.delay < -_LEAD and latest < 0.0:
         lead = -_MILLISECONDS * tracking.delay
         yield Contradiction(
-            finding=f"The measured displacement leads the command by {lead:.3g} ms: the columns may be "
-            "swapped, or a compensator overcorrects.",
+            finding=f"The measured displacement leads the command by {significant(lead)} ms: the columns "
+            "may be swapped, or a compensator overcorrects.",
             remedy=remedy,
         )
     noise_of_command, noise_of_measured = (

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from reliab.significant import significant
+
 RECORD = "record"
 """Window of ellipses whose errors were computed over whole records."""
 
@@ -68,7 +70,7 @@ def window_for(duration: float | None, stored: Iterable[str]) -> CriterionWindow
             below=f"{below:g}",
             above=f"{above:g}",
             weight=float(np.log(duration / below) / np.log(above / below)),
-            label=f"{duration:.3g} s, between those of {below:g} s and {above:g} s",
+            label=f"{significant(duration)} s, between those of {below:g} s and {above:g} s",
         )
     note = ""
     if abs(duration / near - 1.0) > _SAME:

@@ -1,5 +1,6 @@
 """The verdict by the error of the test, and what makes it undecided."""
 
+from reliab.significant import significant
 from reliab.validation.assessment.error_of_test import ErrorOfTest
 from reliab.validation.assessment.findings import FaultEffect
 from reliab.validation.assessment.own_equation import OwnEquation
@@ -49,7 +50,7 @@ def verdict_of_error(
     name = ERROR_NAMES[error.metric]
     reason = (
         f"{name} is {size.value:.2%}, 90 % interval {size.low:.2%} to {size.high:.2%}, against a threshold "
-        f"of {_PERCENT * error.threshold:.3g}%: "
+        f"of {significant(_PERCENT * error.threshold)}%: "
         f"probability {probability_text(error.probability)} of staying below it."
     )
     verdict = Verdict(
@@ -67,7 +68,7 @@ def verdict_of_error(
     if any(word_of_probability(restated.probability) is not word for restated in assumed):
         by_size = sorted(assumed, key=lambda restated: restated.of(error.metric).value)
         sizes = " to ".join(
-            f"{100 * restated.of(error.metric).value:.2f} % (ξ = {restated.damping_ratio:.2g})"
+            f"{100 * restated.of(error.metric).value:.2f} % (ξ = {significant(restated.damping_ratio, 2)})"
             for restated in (by_size[0], by_size[-1])
         )
         reasons.append(f"No damping ratio was stated, and the verdict depends on it: {name} is {sizes}.")
@@ -94,7 +95,7 @@ def probability_text(probability: float, *, bound: float = 0.99) -> str:
     if probability > bound:
         return f"> {bound:g}"
     if probability < 1.0 - bound:
-        return f"< {1.0 - bound:.2g}"
+        return f"< {significant(1.0 - bound, 2)}"
     return f"{probability:.2f}"
 
 

@@ -13,6 +13,7 @@ from reliab.loop.structure import Structure
 from reliab.rebuilt_error import Estimate, Parts, RebuiltError, Tolerances, Widening, rebuild
 from reliab.rebuilt_error.nonlinear_reference import rebuild_with_specimen
 from reliab.rebuilt_error.whole_structure import whole_structure
+from reliab.significant import significant
 from reliab.stated_value import StatedValue
 from reliab.validation.assessment.recording import Recording
 from reliab.validation.assessment.verdict import word_of_probability
@@ -170,7 +171,7 @@ class ErrorOfTest:
         if widest.deviation_for_half is None or widest.name in ("time_shift", "feedback_lag"):
             return (f"Determine {spoken} better: its uncertainty widens the interval most.",)
         half = _PERCENT * widest.deviation_for_half
-        return (f"Determine {spoken} to {half:.2g} %: the interval is then half as wide.",)
+        return (f"Determine {spoken} to {significant(half, 2)} %: the interval is then half as wide.",)
 
 
 def error_of_test(

@@ -13,6 +13,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from reliab.significant import significant
 from reliab.validation.assessment.recording import Recording
 from reliab.validation.assessment.spikes import without_spikes
 from reliab.validation.assessment.tracking_index import TrackingIndex
@@ -155,7 +156,8 @@ def _spikes(
             yield Fault(
                 kind="spike",
                 finding=(
-                    f"The {name} jumps and returns within {lasting:.3g} ms in all, first at {first:.4g} s, "
+                    f"The {name} jumps and returns within {significant(lasting)} ms in all, first at "
+                    f"{first:.4g} s, "
                     f"by up to {size:.1%} of the command's peak: no actuator moves like that."
                 ),
                 in_command=added if name == "command" else None,
@@ -193,7 +195,7 @@ def _standstill(recording: Recording, expected: Array) -> Iterator[Fault]:
             yield Fault(
                 kind="standstill",
                 finding=(
-                    f"The {name} stands still for {lasting:.3g} s, first at "
+                    f"The {name} stands still for {significant(lasting)} s, first at "
                     f"{still[0][0] * recording.time_step:.4g} s, while the other channel moves by "
                     f"{moved:.0%} of the command's peak: either the actuator stood still, or the "
                     "recording did."

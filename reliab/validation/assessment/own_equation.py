@@ -11,6 +11,7 @@ from reliab.rebuilt_error.identification import Identification, Identified, iden
 from reliab.rebuilt_error.kernel import Kernel
 from reliab.rebuilt_error.specimen_check import examine_specimen
 from reliab.rebuilt_error.specimen_spring import fit_spring
+from reliab.significant import significant
 from reliab.stated_value import StatedValue
 from reliab.validation.assessment.explanations import (
     Explanation,
@@ -227,7 +228,8 @@ def _sentence(name: str, estimate: Identified) -> str:
         factor * number for number in (estimate.value, estimate.deviation, estimate.stated)
     )
     return (
-        f"The test's own equation of motion shows {words} of {value:.4g} ± {deviation:.1g}{unit}; "
+        f"The test's own equation of motion shows {words} of {value:.4g} ± "
+        f"{significant(deviation, 1)}{unit}; "
         f"{stated:.4g}{unit} was stated."
     )
 
@@ -248,6 +250,5 @@ def _nonlinear(recording: Recording, structure: Structure, smoothed: Array) -> s
         return ""
     return (
         f"The specimen looks nonlinear: {nonlinearity.share:.1%} of its force follows no spring, dashpot "
-        "or mass. "
-        "The error was computed for a linear specimen."
+        "or mass. The error was computed for a linear specimen."
     )

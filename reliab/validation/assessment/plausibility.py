@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from reliab.errors import InputError
 from reliab.rebuilt_error.size import require_fitting, samples_in_step_of_structure
 from reliab.rebuilt_error.whole_structure import WholeStructure
+from reliab.significant import significant
 from reliab.validation.assessment.band import noise_floor
 from reliab.validation.assessment.recorded_force import require_order, require_restoring_force
 from reliab.validation.assessment.recording import Recording
@@ -65,7 +66,7 @@ def require_length(recording: Recording, frequency: float) -> None:
     if periods < _FEWEST_PERIODS:
         raise InputError(
             f"A test must last at least {_FEWEST_PERIODS:g} periods of the structure",
-            value=f"{periods:.2g} ({recording.duration:g} s at {frequency:g} Hz)",
+            value=f"{significant(periods, 2)} ({recording.duration:g} s at {frequency:g} Hz)",
             remedy="Give the whole test; times are in seconds unless `time_units` says otherwise",
             where=recording.name,
         )

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from reliab.html_table import html_table
+from reliab.significant import significant
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,14 +21,14 @@ def table_of_assessment(assessment: "Findings") -> str:
     error, placed = assessment.error, assessment.population
     rows = {
         "verdict": str(assessment.verdict.word).replace("_", " "),
-        f"probability of an error below {error.threshold:.3g} {error.metric.upper()}": _probability(
+        f"probability of an error below {significant(error.threshold)} {error.metric.upper()}": _probability(
             error.probability
         ),
         "RMS error": _interval(error.rebuilt.rms),
         "largest error": _interval(error.rebuilt.mte),
         "amplitude A": f"{assessment.tracking.amplitude:.4f}",
         "equivalent delay d": f"{_MILLI * assessment.tracking.delay:.3f} ms",
-        "index by the criterion": "none" if placed.index is None else f"{placed.index:.3g}",
+        "index by the criterion": "none" if placed.index is None else significant(placed.index),
     }
     return html_table(assessment.recording.name, rows, assessment.verdict.reasons)
 

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
+from reliab.significant import significant
+
 CERTAIN: Final = 0.95
 """Probability from which on a test is called reliable; below 1 − this, not reliable."""
 
@@ -102,15 +104,17 @@ def verdict_by_index(
         )
     low, high = interval
     if high <= 1.0:
-        return Verdict(word=Word.RELIABLE, reasons=(f"The index {index:.3g} and its interval stay below 1.",))
+        return Verdict(
+            word=Word.RELIABLE, reasons=(f"The index {significant(index)} and its interval stay below 1.",)
+        )
     if low <= 1.0:
         return Verdict(
             word=Word.UNDECIDED,
-            reasons=(f"The interval of the index, {low:.3g} to {high:.3g}, holds 1.",),
+            reasons=(f"The interval of the index, {significant(low)} to {significant(high)}, holds 1.",),
             would_decide=("Less noise, or a longer test, narrows the interval of A and d.",),
         )
     if own_motion or probability is None or probability <= 1.0 - confidence:
-        return Verdict(word=Word.NOT_RELIABLE, reasons=(f"The index {index:.3g} exceeds 1.",))
+        return Verdict(word=Word.NOT_RELIABLE, reasons=(f"The index {significant(index)} exceeds 1.",))
     return Verdict(
         word=Word.UNDECIDED,
         reasons=(

@@ -19,6 +19,7 @@ from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
 from reliab.report.sources import SOURCES
 from reliab.report.wording import PERCENT, percent
+from reliab.significant import significant
 from reliab.validation.assessment.frame_assessment import FrameAssessment, ModeOfTest
 from reliab.validation.assessment.tracking_index import LEVEL
 from reliab.validation.assessment.verdict import Word
@@ -82,7 +83,7 @@ def _facts(assessment: FrameAssessment) -> dict[str, Prose]:
     }
     placed = assessment.population
     if placed is not None and assessment.criterion is not None:
-        index = MISSING if placed.index is None else f"{placed.index:.3g}"
+        index = MISSING if placed.index is None else significant(placed.index)
         facts["Index of the criterion"] = (
             f"{index} against 1, for {percent(assessment.criterion.confidence)} of ground motions"
         )

@@ -13,6 +13,7 @@ from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
 from reliab.report.sources import SOURCES
 from reliab.report.wording import PERCENT, meaning_of_confidence, percent, spelled_out
+from reliab.significant import significant
 from reliab.validation.assessment.assessment import Assessment
 from reliab.validation.assessment.tracking_index import LEVEL
 from reliab.validation.assessment.verdict import Word
@@ -207,8 +208,8 @@ def _plane(assessment: Assessment) -> Figure:
     over_time = (
         ""
         if windows is None
-        else f" Right: both in windows of {windows.length:.3g} s (bars: two standard deviations); a rig that "
-        "behaves alike throughout shows no trend."
+        else f" Right: both in windows of {significant(windows.length)} s (bars: two standard "
+        "deviations); a rig that behaves alike throughout shows no trend."
     )
     return Figure(
         drawing=tracking_overview(

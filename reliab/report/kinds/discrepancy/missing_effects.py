@@ -14,6 +14,7 @@ from reliab.report.kinds.discrepancy.figures import drawn, posterior_figure
 from reliab.report.numbers import Fixed, Significant
 from reliab.report.prose import Prose, prose
 from reliab.report.wording import percent, spelled_out
+from reliab.significant import significant
 
 
 def missing_effects_section(diagnosis: Diagnosis, sampled: Mapping[str, Posterior]) -> Section:
@@ -86,7 +87,8 @@ def _parameters(diagnosis: Diagnosis) -> Table:
 def _sentence(effect: MissingEffect) -> Prose:
     name, description = spelled_out(effect.name), effect.effect.description
     listed = "; ".join(
-        f"{spelled_out(rival.name)} (probability {rival.probability:.2g}, error {rival.held_out_nrmse:.3g})"
+        f"{spelled_out(rival.name)} (probability {significant(rival.probability, 2)}, error "
+        f"{significant(rival.held_out_nrmse)})"
         for rival in effect.rivals
     )
     alternatives = f"Alternatives, with their errors on held-out tests: {listed}."

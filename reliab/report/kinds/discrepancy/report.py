@@ -127,7 +127,7 @@ def _facts(diagnosis: Diagnosis) -> dict[str, Prose]:
     if campaign.partition is not None:
         frequencies = campaign.partition.frame.modes.frequency
         facts["Structure"] = prose(
-            "frame of {size} degrees of freedom, $f_1 = {lowest:.3g}$ Hz",
+            "frame of {size} degrees of freedom, $f_1 = {significant(lowest)}$ Hz",
             size=campaign.partition.frame.size,
             lowest=float(frequencies[0]),
         )
