@@ -57,7 +57,7 @@ def assessment() -> bool:
 def criterion() -> bool:
     """Draw the figure of the README: the real motions, the criterion, and equation (18)."""
     ellipses = open_ellipses(shipped("datasets", "real_suite/ellipses.nc"))
-    derived = derive_criterion(ellipses, frequency=FREQUENCY, damping_ratio=DAMPING_RATIO)
+    derived = derive_criterion(ellipses, f=FREQUENCY, xi=DAMPING_RATIO)
     sample = sample_of(
         ellipses,
         frequency=FREQUENCY,

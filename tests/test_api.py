@@ -1,5 +1,6 @@
 """What the package offers to Python mirrors the command line."""
 
+import json
 import subprocess
 import sys
 from dataclasses import replace
@@ -10,13 +11,14 @@ import pytest
 import xarray as xr
 
 import reliab
+from reliab import cli
 from reliab.motions import MotionSuite
 from reliab.motions.writing import write_suite
 from reliab.shipped import shipped
 
 PROMISED = (
     *("load_motions", "simulate", "ellipses", "derive_criterion"),
-    *("assess", "cross_validate", "diagnose", "write_report"),
+    *("assess", "design_test", "cross_validate", "diagnose", "write_report"),
 )
 
 
@@ -96,13 +98,39 @@ def test_files_that_the_commands_write_are_taken_everywhere(motion, traced, tmp_
 
 def test_a_criterion_is_derived_from_a_name_a_file_a_table_or_a_dataset():
     file = shipped("datasets", "paper/table2.csv")
-    wanted = {"method": "quantile", "frequency": 1.0, "damping_ratio": 0.02}
+    wanted = {"method": "quantile", "f": 1.0, "xi": 0.02}
     by_file = reliab.derive_criterion(file, **wanted)
     assert reliab.derive_criterion(str(file), **wanted) == by_file
     assert reliab.derive_criterion(pd.read_csv(file), **wanted) == by_file
     assert reliab.derive_criterion(reliab.read_ellipses(file), **wanted) == by_file
-    by_name = reliab.derive_criterion("real_suite", frequency=1.0, damping_ratio=0.02)
+    by_name = reliab.derive_criterion("real_suite", f=1.0, xi=0.02)
     assert float(by_name.limits(1.0, 0.02)[1]) == pytest.approx(1.163, abs=0.01)
+
+
+def test_a_criterion_between_the_stored_structures_is_that_of_the_command(capsys):
+    asked = ("--ellipses", "real_suite", "--method", "quantile", "--f", "1.3", "--xi", "0.02", "--json", "-")
+    assert cli.run(["criterion", *asked]) == 0
+    row = json.loads(capsys.readouterr().out)["criteria"][0]
+    derived = reliab.derive_criterion("real_suite", method="quantile", f=1.3, xi=0.02)
+    assert (row["f"], row["a"], row["b"]) == (1.3, *map(float, derived.limits(1.3, 0.02)))
+    with pytest.raises(reliab.InputError, match="must have been traced"):
+        reliab.derive_criterion("real_suite", f=13.0)
+
+
+def test_former_names_of_arguments_do_what_they_did():
+    wanted = {"method": "quantile"}
+    with pytest.warns(DeprecationWarning, match="`frequency` is called `f`"):
+        former = reliab.derive_criterion("real_suite", frequency=1.0, **wanted)
+    assert former == reliab.derive_criterion("real_suite", f=1.0, **wanted)
+
+
+def test_a_design_is_that_of_the_command(capsys):
+    assert cli.run(["assess", "--design", "--f", "1", "2", "--confidence", "0.95", "--json", "-"]) == 0
+    design = reliab.design_test(f=[1, 2], confidence=0.95)
+    assert design.to_dict() == json.loads(capsys.readouterr().out)
+    assert design.to_frame()["f"].tolist() == [1.0, 2.0]
+    with pytest.raises(reliab.InputError, match="exact structure"):
+        reliab.design_test(f="1±0.1")
 
 
 @pytest.mark.parametrize(

@@ -37,6 +37,7 @@ GROUND = {
     "lazy_exports",
     "progress",
     "registry",
+    "renamed",
     "shipped",
     "significant",
     "stated_value",

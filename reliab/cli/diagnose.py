@@ -78,7 +78,7 @@ def diagnose(
         console().print(f"{diagnosis.campaign.name}: {diagnosis.verdict}. {diagnosis.statement}")
     with progress_bar("Sampling posteriors") as progress:
         addition = add(diagnosis, out=out, progress=progress)
-    content = addition.as_dict()
+    content = addition.to_dict()
     if out is not None:
         write_json(content, str(out / RESULT_FILE))
     if not write_json(content, json_target):

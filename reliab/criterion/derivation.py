@@ -21,10 +21,12 @@ from reliab.criterion.provenance import Provenance, kind_of_motions, records_che
 from reliab.criterion.sample_grid import SampleGrid
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
+from reliab.renamed import renamed
 from reliab.sweep.shares import at_share, share_of
 from reliab.vocabulary import CurveName, Metric, Side
 
 
+@renamed("0.4", frequency="f", damping_ratio="xi")
 def derive_criterion(
     ellipses: EllipseSource,
     *,
@@ -33,8 +35,8 @@ def derive_criterion(
     distribution: str | None = None,
     steps: int | None = None,
     chains: str | Path | None = None,
-    frequency: float | None = None,
-    damping_ratio: float | None = None,
+    f: float | None = None,
+    xi: float | None = None,
     joint: bool | None = None,
     law: FittedLaw | str = Table,
     threshold: float = 0.05,
@@ -64,8 +66,9 @@ def derive_criterion(
     chains : str or pathlib.Path, optional
         For the hierarchical methods, the HDF5 file of the chains; with it an interrupted run resumes, and a
         run that was too short is lengthened.
-    frequency, damping_ratio : float, optional
-        The only structure to derive it for [Hz, -], one of the dataset's; all of them by default.
+    f, xi : float, optional
+        The only natural frequency [Hz] and damping ratio [-] to derive it for; between those of the dataset
+        all are taken, and by default as well.
     joint : bool, optional
         Whether a and b hold together, or each for itself; by default together, and for the paper's
         "quantile" each for itself.
@@ -114,15 +117,15 @@ def derive_criterion(
     derivation = Derivation.of(
         read_ellipses(
             ellipses,
-            frequency=1.0 if frequency is None else frequency,
-            damping_ratio=0.02 if damping_ratio is None else damping_ratio,
+            f=1.0 if f is None else f,
+            xi=0.02 if xi is None else xi,
             threshold=threshold,
             metric=str(metric),
         ),
         method=method_of(method, **settings) if isinstance(method, str) else method,
         law=known(FITTED, law) if isinstance(law, str) else law,
-        frequency=frequency,
-        damping_ratio=damping_ratio,
+        frequency=f,
+        damping_ratio=xi,
         threshold=threshold,
         metric=str(metric),
         chains=None if chains is None else Path(chains),
@@ -290,7 +293,8 @@ class Derivation:
 
 
 def _only(ellipses: xr.Dataset, name: str, value: float | None) -> xr.Dataset:
-    """Keep one value of a dimension, or all in increasing order."""
-    if value is None:
+    """Keep one value of a dimension; all, increasing, for a value between them, and where none is asked for."""
+    held = ellipses[name].values
+    if value is None or (held.min() < value < held.max() and not np.isclose(held, value, rtol=1e-9).any()):
         return ellipses.sortby(name)
     return ellipses.isel({name: [position(ellipses, name, value)]})

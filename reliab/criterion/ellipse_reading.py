@@ -7,6 +7,7 @@ import xarray as xr
 
 from reliab.criterion.ellipse_csv import read_table
 from reliab.errors import InputError
+from reliab.renamed import renamed
 from reliab.shipped import or_shipped
 from reliab.vocabulary import Metric
 
@@ -14,11 +15,12 @@ EllipseSource = xr.Dataset | pd.DataFrame | str | Path
 """A dataset or a table of ellipses, stored results, the file of one, or the name of what ships."""
 
 
+@renamed("0.4", frequency="f", damping_ratio="xi")
 def read_ellipses(
     source: EllipseSource,
     *,
-    frequency: float = 1.0,
-    damping_ratio: float = 0.02,
+    f: float = 1.0,
+    xi: float = 0.02,
     threshold: float = 0.05,
     metric: str = Metric.RMS,
 ) -> xr.Dataset:
@@ -30,7 +32,7 @@ def read_ellipses(
         A file that `reliab ellipses` wrote, NetCDF or CSV; any table with the columns a [-] and b [ms²]; a
         Zarr store that `reliab simulate` wrote, in which the boundaries of `threshold` and `metric` are
         traced; or "real_suite", the ellipses of 100 real motions that ship.
-    frequency, damping_ratio, threshold, metric
+    f, xi, threshold, metric
         What the ellipses of a table were traced for [Hz, -, -], where it does not say.
 
     Returns
@@ -62,9 +64,7 @@ def read_ellipses(
             source = open_results(source)
     if isinstance(source, xr.Dataset):
         return _of_dataset(source, threshold, metric)
-    return read_table(
-        source, frequency=frequency, damping_ratio=damping_ratio, threshold=threshold, metric=metric
-    )
+    return read_table(source, frequency=f, damping_ratio=xi, threshold=threshold, metric=metric)
 
 
 def _of_dataset(dataset: xr.Dataset, threshold: float, metric: str) -> xr.Dataset:

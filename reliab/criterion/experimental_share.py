@@ -92,7 +92,7 @@ def growth(experimental_fraction: ArrayLike, damping_ratio: ArrayLike) -> NDArra
         raise InputError(
             f"The law of the experimental fraction holds for α of at least {LEAST_SHARE_OVER_DAMPING:g} ξ",
             value=f"α = {share[weak].flat[0]:g} at ξ = {xi[weak].flat[0]:g}",
-            remedy="Choose less damped structures, or give --motions, whose boundaries are computed for any "
+            remedy="Choose less damped structures, or give `motions`, whose boundaries are computed for any "
             "fraction",
         )
     stiff = 1.0 / (8.0 * xi**2)
@@ -125,7 +125,7 @@ def carry_to_share(ellipses: xr.Dataset, experimental_fraction: float) -> xr.Dat
         raise InputError(
             "Ellipses are carried from structures that stand wholly in the laboratory",
             value=f"α = {stored:g}",
-            remedy="Give --motions, whose boundaries are computed for any fraction",
+            remedy="Give `motions`, whose boundaries are computed for any fraction",
         )
     factor = xr.DataArray(
         growth(experimental_fraction, ellipses["xi"].values), {"xi": ellipses["xi"].values}, "xi"
@@ -136,7 +136,7 @@ def carry_to_share(ellipses: xr.Dataset, experimental_fraction: float) -> xr.Dat
     caution = (
         f"The ellipses of α = 1 were carried to α = {experimental_fraction:g} by the law "
         "(1 + 1/8ξ²)/(1 + α²/8ξ²) of a spring as the specimen; under 20 real motions simulated limits lay "
-        "between 0.88 and 1.18 of carried ones. Give --motions for boundaries of their own."
+        "between 0.88 and 1.18 of carried ones. Give ground motions for boundaries of their own."
     )
     former = str(ellipses.attrs.get("caution", ""))
     return carried.assign_attrs(

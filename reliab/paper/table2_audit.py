@@ -74,7 +74,7 @@ def audit_table2(
         raise InputError(
             "The suite must hold records of the table, under its names",
             value=f"{len(rows)} of {len(printed)}",
-            remedy="Give the folder of the paper's records with --motions",
+            remedy="Give the folder of the paper's records with `motions`",
         )
     values = np.log(rows[["a", "b"]].to_numpy(dtype=np.float64))
     ellipses = [simulated_ellipse(motion.acceleration, motion.time_step, _STRUCTURE) for motion in motions]

@@ -200,8 +200,8 @@ class RecordsStudy(Study):
         except ValueError as error:
             raise InputError(
                 "Only a catalogue of records has sets",
-                value="--sets for a study of stored results",
-                remedy="Give the records with --motions, or leave --sets out",
+                value="`sets` for a study of stored results",
+                remedy="Give the records with `motions`, or leave `sets` out",
             ) from error
         return self.model_copy(update={"motions": motions})
 

@@ -152,6 +152,6 @@ def named(motions: MotionSuite, name: str) -> Motion:
         raise InputError(
             f"This study needs the motion {name}",
             value=f"{len(motions)} motions without it",
-            remedy="Give a folder whose catalogue names it, with --motions",
+            remedy="Give a folder whose catalogue names it, with `motions`",
         )
     return motions[motions.names.index(name)]

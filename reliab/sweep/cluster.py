@@ -67,7 +67,7 @@ def _result(future: "Future[Solved]") -> Solved:
         reason = str(error).partition("\n")[0].rstrip(".")
         raise IncompleteError(
             f"The cluster failed: {reason}. Results that were stored are safe; start it again and run the "
-            "same command with --resume."
+            "same command with `resume`."
         ) from error
     return solution
 

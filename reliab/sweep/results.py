@@ -127,7 +127,7 @@ def _stored(path: Path, group: str | None) -> xr.Dataset:
         raise InputError(
             "A store must be complete before it is used",
             value=f"{missing} motions missing in {path}",
-            remedy="Finish it with --resume",
+            remedy="Finish it with `resume`",
         )
     _check_chunks(folder)
     # Strings of fixed width are what everyone can compare, save and group by.

@@ -66,7 +66,7 @@ def share_of(dataset: xr.Dataset) -> float:
         raise InputError(
             "This is asked of one share of the stiffness in the laboratory",
             value=f"a dataset of α = {_listed(shares)}",
-            remedy="Choose one with reliab.sweep.at_share, or on the command line with --alpha",
+            remedy="Choose one with reliab.sweep.at_share, or as `alpha` of a command",
         )
     return shares[0]
 

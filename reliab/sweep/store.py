@@ -184,7 +184,7 @@ class ResultsStore:
             reason = "the disk is full" if error.errno == errno.ENOSPC else str(error)
             raise IncompleteError(
                 f"Writing {self.path} failed {where}: {reason}. The results of {sum(self.complete())} "
-                "motions are safe; make room and run the same command with --resume."
+                "motions are safe; make room and run the same command with `resume`."
             ) from error
         except Exception as error:  # of a library that reads edited descriptions of arrays
             raise InputError(_RULE, value=str(error), remedy=_REMEDY, where=str(self.path)) from error
@@ -260,7 +260,7 @@ def _check_resumable(path: Path, request: SweepRequest, names: Sequence[str], *,
         raise InputError(
             "A results store is not overwritten",
             value=f"{path} exists",
-            remedy="Continue it with --resume, remove it, or name another",
+            remedy="Continue it with `resume`, remove it, or name another",
         )
     attributes = read_attributes(path)
     if attributes.get("study_hash") != request.digest():

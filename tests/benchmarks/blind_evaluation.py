@@ -44,7 +44,7 @@ def evaluate(seed: int, folder: Path, *, with_rivals: bool, variant: str | None 
             VARIANTS[variant](campaign)
         begin, worked = time.perf_counter(), time.process_time()
         found = diagnose(read_campaign(campaign))
-        result = found.as_dict()
+        result = found.to_dict()
         result["seconds"] = time.perf_counter() - begin
         add(found)
         result["seconds_with_posterior"] = time.perf_counter() - begin

@@ -1,8 +1,11 @@
 """The command and the function of Python give one answer, or refuse for one reason in their own words."""
 
+import ast
 import inspect
 import json
 import random
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -181,3 +184,31 @@ def test_every_option_is_an_argument_and_every_argument_an_option():
 def test_an_argument_that_does_not_exist_is_refused():
     with pytest.raises(TypeError, match="error_window"):
         reliab.assess("sample_test", f=1, xi=0.02, error_window=3)
+
+
+def sentences(path):
+    """Yield the texts of a module that are no docstrings."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    docstrings = {
+        id(node.body[0].value)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef)
+        and node.body
+        and isinstance(node.body[0], ast.Expr)
+    }
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in docstrings:
+            yield node.value
+
+
+def test_rooms_below_the_command_line_name_no_options():
+    """An option stands in a command quoted as a whole; what both doors have is named in backquotes."""
+    package = Path(reliab.__file__).parent
+    stray = [
+        (path.relative_to(package), text)
+        for path in package.rglob("*.py")
+        if "cli" not in path.relative_to(package).parts[:1]
+        for text in sentences(path)
+        if re.search(r"(?<![-\w])--[a-z]", re.sub(r"`reliab [^`]*`|\breliab [a-z]+ .*", "", text))
+    ]
+    assert stray == []

@@ -53,7 +53,7 @@ def test_a_fitted_law_contains_as_many_motions_on_average(ellipses, law):
 
 
 def test_one_structure_can_be_chosen(ellipses, derived):
-    alone = derive_criterion(ellipses, method=Dirichlet(), joint=True, frequency=0.5, damping_ratio=0.05)
+    alone = derive_criterion(ellipses, method=Dirichlet(), joint=True, f=0.5, xi=0.05)
     for one, of_many in zip(alone.limits(0.5, 0.05), derived.limits(0.5, 0.05), strict=True):
         assert float(one) == pytest.approx(float(of_many))
     with pytest.raises(InputError, match="must lie where the law is valid"):

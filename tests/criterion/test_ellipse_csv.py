@@ -23,7 +23,7 @@ def test_the_printed_table_has_100_motions_of_19_earthquakes(printed_table2):
 
 def test_columns_are_found_in_any_order_and_case(tmp_path):
     path = written(tmp_path, "B, Event ,A,Motion\n2,K,1e-4,x\n3,K,2e-4,y\n4,L,3e-4,z\n")
-    table = read_ellipses(path, frequency=2.0, damping_ratio=0.05, threshold=0.1, metric="mte")
+    table = read_ellipses(path, f=2.0, xi=0.05, threshold=0.1, metric="mte")
     sample = sample_of(table, frequency=2.0, damping_ratio=0.05, threshold=0.1, metric="mte")
     np.testing.assert_array_equal(sample.a, [1e-4, 2e-4, 3e-4])
     np.testing.assert_array_equal(sample.events, ["K", "K", "L"])

@@ -7,9 +7,7 @@ from reliab.criterion.methods import Quantile
 
 
 def test_equation_12_follows_from_table_2(printed_table2):
-    criterion = derive_criterion(
-        printed_table2, frequency=1.0, damping_ratio=0.02, method=Quantile(), joint=False
-    )
+    criterion = derive_criterion(printed_table2, f=1.0, xi=0.02, method=Quantile(), joint=False)
     a, b = criterion.limits(1.0, 0.02)
     assert float(a) == pytest.approx(5.29e-5, abs=0.005e-5)
     assert float(b) == pytest.approx(1.048, abs=0.0005)

@@ -67,7 +67,7 @@ def test_demands_above_half_of_the_controllers_rate_do_not_lengthen_its_step(tmp
     their length, with a ratio of the time step of 0.9999 beside them.
     """
     label = generate(seed, tmp_path / "campaign", options=Options(with_rivals=False))
-    effects = diagnose(read_campaign(tmp_path / "campaign")).as_dict()["effects"]
+    effects = diagnose(read_campaign(tmp_path / "campaign")).to_dict()["effects"]
     assert {effect["name"] for effect in effects} == label.names
     stated = next(effect for effect in effects if effect["name"] == "integration_error")["parameters"]
     truth = next(effect for effect in label.effects if effect["name"] == "integration_error")

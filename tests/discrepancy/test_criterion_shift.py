@@ -48,7 +48,7 @@ def test_a_lag_takes_its_time_off_the_delay_that_is_left(shaking):
 
 def test_an_effect_beyond_the_threshold_leaves_no_criterion(shaking):
     shift = criterion_shift(with_effect("first_order_lag", 0.05), shaking)
-    assert shift.as_dict() == {"a": 0.0, "b": 0.0}
+    assert shift.to_dict() == {"a": 0.0, "b": 0.0}
 
 
 def test_a_specimen_that_dissipates_tolerates_more(shaking):

@@ -95,7 +95,7 @@ def test_sample_campaigns_answer_as_their_sealed_labels(sample_campaigns, diagno
 
 
 def test_answer_has_the_keys_of_the_format_and_is_json(diagnosis_of):
-    content = diagnosis_of("rig_a").as_dict()
+    content = diagnosis_of("rig_a").to_dict()
     assert set(content) >= KEYS
     assert set(content["gap"]) >= {
         "held_out", "channel", "nrmse_before", "nrmse_after", "noise_floor", "closed_fraction",

@@ -82,4 +82,4 @@ def test_without_a_floor_nothing_is_said_of_the_closed_fraction():
         tests_after={"a": 0.1},
     )  # fmt: skip
     assert gap.closed_fraction is gap.floor is gap.source is None
-    assert gap.as_dict()["noise_floor"] is None
+    assert gap.to_dict()["noise_floor"] is None

@@ -136,7 +136,7 @@ MISNAMED = pytest.mark.xfail(
 )
 def test_an_effect_hidden_in_a_frame_is_named(tmp_path, effect, block, seed):
     frame_laboratory.write_campaign(tmp_path, seed, effect)
-    result = diagnose(read_campaign(tmp_path)).as_dict()
+    result = diagnose(read_campaign(tmp_path)).to_dict()
     assert result["verdict"] == "named"
     assert [(named["name"], named["block"]) for named in result["effects"]] == [(effect, block)]
 
@@ -145,4 +145,4 @@ def test_an_effect_hidden_in_a_frame_is_named(tmp_path, effect, block, seed):
 @pytest.mark.parametrize("seed", [13, 14])
 def test_a_frame_without_a_hidden_effect_is_told_to_have_none(tmp_path, seed):
     frame_laboratory.write_campaign(tmp_path, seed, "none")
-    assert diagnose(read_campaign(tmp_path)).as_dict()["verdict"] == "no_missing_effect"
+    assert diagnose(read_campaign(tmp_path)).to_dict()["verdict"] == "no_missing_effect"

@@ -46,6 +46,6 @@ def test_an_actuator_at_its_limit_is_named(tmp_path, actuator, name):
         )
         say += f'[[tests]]\nfile = "{k}.csv"\nmotion = "record {k}"\n'
     (tmp_path / "campaign.toml").write_text(say)
-    found = diagnose(read_campaign(tmp_path)).as_dict()
+    found = diagnose(read_campaign(tmp_path)).to_dict()
     assert found["verdict"] == "named"
     assert [effect["name"] for effect in found["effects"]] == [name]

@@ -87,7 +87,7 @@ def campaign(tmp_path, linear):
 
 def test_a_linear_oscillator_is_calibrated(campaign):
     measured, _ = campaign(0.0)
-    found = diagnose(measured).as_dict()
+    found = diagnose(measured).to_dict()
     assert found["verdict"] == "no_missing_effect"
     assert found["gap"]["nrmse_after"] < 0.006
     assert not any("stated wrongly" in remark for remark in found["remarks"])
@@ -95,7 +95,7 @@ def test_a_linear_oscillator_is_calibrated(campaign):
 
 def test_a_hardening_oscillator_is_named(campaign):
     measured, stiffness = campaign(CUBIC)
-    found = diagnose(measured).as_dict()
+    found = diagnose(measured).to_dict()
     assert [effect["name"] for effect in found["effects"]] == ["cubic_stiffness"]
     assert found["effects"][0]["parameters"]["cubic_n_per_m3"]["value"] == pytest.approx(stiffness, rel=0.02)
     assert found["gap"]["nrmse_after"] < 0.006
@@ -105,6 +105,6 @@ def test_a_hardening_oscillator_is_named(campaign):
 def test_a_damper_in_one_channel_may_be_a_damping_ratio_that_is_stated_wrongly(campaign):
     measured, _ = campaign(0.0)
     stated = replace(measured.structure, damping_ratio=0.8 * DAMPING_RATIO)
-    found = diagnose(replace(measured, structure=stated)).as_dict()
+    found = diagnose(replace(measured, structure=stated)).to_dict()
     assert [effect["name"] for effect in found["effects"]] == ["viscous_damping"]
     assert any("stated wrongly" in remark for remark in found["remarks"])

@@ -85,7 +85,7 @@ def closed(gap):
 )
 def test_the_effect_is_named(tmp_path, force, value, name, size, expected):
     campaign = written(tmp_path, f"stiffness_n_per_m = {STIFFNESS}", lambda moved: force(moved, value))
-    found = diagnose(campaign).as_dict()
+    found = diagnose(campaign).to_dict()
     assert [effect["name"] for effect in found["effects"]] == [name]
     assert found["verdict"] == "named"
     assert closed(found["gap"]) > 0.99
@@ -108,7 +108,7 @@ def test_what_is_known_of_a_specimen_without_a_spring_is_kept(tmp_path):
         velocity = np.gradient(moved, 1.0 / RATE)
         return 95.0 * np.gradient(velocity, 1.0 / RATE) + 300.0 * velocity
 
-    found = diagnose(written(tmp_path, "mass_kg = 95.0", dragged)).as_dict()
+    found = diagnose(written(tmp_path, "mass_kg = 95.0", dragged)).to_dict()
     assert [effect["name"] for effect in found["effects"]] == ["viscous_damping"]
 
 
@@ -119,5 +119,5 @@ def test_a_line_counts_when_it_is_not_far_below_the_noise(tmp_path, share, verdi
         size = np.sqrt(2.0 * share) * 0.005 * spring.std()
         return spring + size * np.sin(2.0 * np.pi * 31.0 * np.arange(moved.size) / RATE)
 
-    found = diagnose(written(tmp_path, f"stiffness_n_per_m = {STIFFNESS}", hummed)).as_dict()
+    found = diagnose(written(tmp_path, f"stiffness_n_per_m = {STIFFNESS}", hummed)).to_dict()
     assert found["verdict"] == verdict

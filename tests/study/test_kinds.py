@@ -104,7 +104,7 @@ class Namespace:
 
     diagnosis, posteriors = None, ()
 
-    def as_dict(self):
+    def to_dict(self):
         return {"verdict": "named"}
 
 
@@ -118,7 +118,7 @@ def test_what_blind_campaigns_showed_is_reported(tmp_path, text_of):
 
 @pytest.mark.parametrize("name", ["paper2017", "table2_audit"])
 def test_studies_of_the_paper_need_its_records(name, tmp_path):
-    with pytest.raises(InputError, match="--motions"):
+    with pytest.raises(InputError, match="`motions`"):
         run_study(open_study(name), tmp_path / "run")
 
 

@@ -81,7 +81,7 @@ def test_a_scheduler_that_dies_leaves_what_can_be_resumed(tmp_path, suite, reque
 
     with (
         dask.config.set({"distributed.comm.timeouts.connect": "2s"}),
-        pytest.raises(IncompleteError, match=r"cluster failed.*--resume"),
+        pytest.raises(IncompleteError, match=r"cluster failed.*`resume`"),
     ):
         run_sweep(suite, request_, tmp_path / "remote.zarr", scheduler=address, progress=kill_all)
     run_sweep(suite, request_, tmp_path / "remote.zarr", resume=True)

@@ -126,7 +126,7 @@ def test_interrupted_store_is_not_mistaken_for_a_whole_one(tmp_path, suite, requ
 
     with pytest.raises(StopError):
         run_sweep(suite, request_, tmp_path / "results.zarr", progress=stop, workers=1)
-    with pytest.raises(InputError, match="--resume"):
+    with pytest.raises(InputError, match="`resume`"):
         open_results(tmp_path / "results.zarr")
     run_sweep(suite, request_, tmp_path / "results.zarr", resume=True)
     assert open_results(tmp_path / "results.zarr").sizes["motion"] == 6
@@ -202,7 +202,7 @@ def test_full_disk_ends_with_what_is_safe(tmp_path, suite, request_, monkeypatch
 
     path = tmp_path / "results.zarr"
     monkeypatch.setattr(store, "write_chunk", write_chunk)
-    with pytest.raises(IncompleteError, match=r"disk is full.*results of 2 motions are safe.*--resume"):
+    with pytest.raises(IncompleteError, match=r"disk is full.*results of 2 motions are safe.*`resume`"):
         run_sweep(suite, request_, path, workers=1)
     monkeypatch.setattr(store, "write_chunk", original)
     run_sweep(suite, request_, path, resume=True)

@@ -35,9 +35,9 @@ class Addition:
     posteriors: dict[str, Posterior]
     model: UpdatedModel
 
-    def as_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """Return what `reliab diagnose --json` writes."""
-        return self.diagnosis.as_dict()
+        return self.diagnosis.to_dict()
 
 
 def add(diagnosis: Diagnosis, *, out: Path | None = None, progress: Progress = silent) -> Addition:
@@ -105,6 +105,6 @@ def _shift(diagnosis: Diagnosis, model: UpdatedModel) -> dict[str, float] | None
     if diagnosis.campaign.structure is None or not (diagnosis.effects or diagnosis.doubtful):
         return None
     try:
-        return criterion_shift(model.test, shaking_of(diagnosis.campaign)).as_dict()
+        return criterion_shift(model.test, shaking_of(diagnosis.campaign)).to_dict()
     except InputError:  # no boundary under these motions, hence no criterion
         return None

@@ -39,7 +39,7 @@ class CriterionShift:
     a: float
     b: float
 
-    def as_dict(self) -> dict[str, float]:
+    def to_dict(self) -> dict[str, float]:
         """Return the entry `criterion_shift`."""
         return {"a": self.a, "b": self.b}
 

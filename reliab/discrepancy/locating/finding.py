@@ -32,7 +32,7 @@ class Finding:
     share_of_residual: float
     p_value: float
 
-    def as_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """Return the entry of `where`."""
         return {
             "block": self.block,

@@ -143,18 +143,18 @@ class BlockDiagnosis:
             and abs(item.value - 1.0) > max(STRUCTURE[item.name].tolerance, _CLEAR * item.sd)
         )
 
-    def as_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """Return the entry of `blocks`."""
         return {
             "block": str(self.block.block),
             "verdict": str(self.verdict),
             "effects": [effect.name for effect in (*self.effects, *self.doubtful)],
-            "unknown": None if self.unknown is None else self.unknown.as_dict(),
-            "gap": self.gap.as_dict(),
+            "unknown": None if self.unknown is None else self.unknown.to_dict(),
+            "gap": self.gap.to_dict(),
             "unexplained_share": self.gap.unexplained_share,
             "residual_is_noise": self.leaves_noise,
             "structured_share": self.structured_share,
-            "calibration": {estimate.name: estimate.as_dict() for estimate in self.calibration},
-            "further_test": None if self.further is None else self.further.as_dict(),
+            "calibration": {estimate.name: estimate.to_dict() for estimate in self.calibration},
+            "further_test": None if self.further is None else self.further.to_dict(),
             "posterior_converged": self.converged,
         }

@@ -113,17 +113,17 @@ class Diagnosis:
         effects = (*self.effects, *self.doubtful)
         return table_of_diagnosis(self.campaign.name, self.verdict, effects, self.gap, self.remarks)
 
-    def as_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """Return what `reliab diagnose --json` writes."""
         unknown = self.unknown
         return {
             "campaign": self.campaign.name,
             "verdict": str(self.verdict),
-            "where": [finding.as_dict() for finding in self.where],
-            "effects": [effect.as_dict() for effect in (*self.effects, *self.doubtful)],
-            "unknown": None if unknown is None else unknown.as_dict(),
-            "gap": self.gap.as_dict(),
-            "blocks": [diagnosed.as_dict() for diagnosed in self.blocks],
+            "where": [finding.to_dict() for finding in self.where],
+            "effects": [effect.to_dict() for effect in (*self.effects, *self.doubtful)],
+            "unknown": None if unknown is None else unknown.to_dict(),
+            "gap": self.gap.to_dict(),
+            "blocks": [diagnosed.to_dict() for diagnosed in self.blocks],
             "criterion_shift": self.criterion_shift,
             "remarks": list(self.remarks),
         }

@@ -106,7 +106,7 @@ class Gap:
         closed = max(self.before**2 - self.after**2, 0.0)
         return remaining / (remaining + closed) if remaining > 0.0 else 0.0
 
-    def as_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """Return the entry `gap`."""
         return {
             "held_out": list(self.held_out),
@@ -142,6 +142,6 @@ class FurtherError:
     high: float
     tests: int
 
-    def as_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """Return the entry `further_test`."""
         return {"value": self.value, "low": self.low, "high": self.high, "tests": self.tests}

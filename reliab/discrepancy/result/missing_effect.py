@@ -17,7 +17,7 @@ class Estimate:
     units: str
     interval: tuple[float, float] | None = None
 
-    def as_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """Return the entry of `parameters`."""
         sampled = {} if self.interval is None else {"interval_90": list(self.interval)}
         return {"value": self.value, "sd": self.sd, "units": self.units, **sampled}
@@ -31,7 +31,7 @@ class Rival:
     probability: float
     held_out_nrmse: float
 
-    def as_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """Return the entry of `rivals`."""
         return {
             "name": self.name,
@@ -80,14 +80,14 @@ class MissingEffect:
         rival = self.rivals[0] if self.rivals else None
         return remark(self.name, self.probability, None if rival is None else (rival.name, rival.probability))
 
-    def as_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """Return the entry of `effects`."""
         return {
             "name": self.name,
             "block": str(self.effect.block),
             "probability": self.probability,
-            "parameters": {estimate.name: estimate.as_dict() for estimate in self.estimates},
-            "rivals": [rival.as_dict() for rival in self.rivals],
+            "parameters": {estimate.name: estimate.to_dict() for estimate in self.estimates},
+            "rivals": [rival.to_dict() for rival in self.rivals],
             "held_out_nrmse_with": self.error_with,
             "held_out_nrmse_without": self.error_without,
             "parameters_on_bounds": list(self.on_bounds),
@@ -116,7 +116,7 @@ class Unknown:
     description: str
     held_out_nrmse: float
 
-    def as_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """Return the entry `unknown`."""
         return {
             "block": self.block,

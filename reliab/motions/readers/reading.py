@@ -125,7 +125,7 @@ def _settle_units(
         report.add(
             "The units must be stated",
             value="none in the header",
-            remedy="Give --units g, cm/s2 or m/s2, or a column units in a catalogue",
+            remedy="State them in a line such as # units: g, in a catalogue, or on import by `units`",
         )
     return units
 
@@ -137,7 +137,7 @@ def _settle_time_step(header: Header, declared: Declared, report: Report, *, sou
             report.add(
                 "The time step must be stated",
                 value="none in the header",
-                remedy="Give --time-step in seconds, or a column dt_s in a catalogue",
+                remedy="Give `time_step` in seconds, or a column dt_s in a catalogue",
             )
         return declared.time_step
     if declared.time_step is None:

@@ -40,7 +40,7 @@ def stages(study: DiscrepancyStudy, show: Show) -> Sequence[Stage]:
 
     def work(folder: Path) -> None:
         with show("Diagnosing"):
-            content = _diagnosed(campaign, digest(campaign)).as_dict()
+            content = _diagnosed(campaign, digest(campaign)).to_dict()
         with written_whole(folder / DIAGNOSIS) as file:
             file.write_text(json.dumps(content, indent=2, ensure_ascii=False), encoding="utf-8")
 

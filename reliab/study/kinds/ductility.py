@@ -108,7 +108,7 @@ def _check(study: DuctilityStudy, limits: pd.DataFrame) -> None:
             raise InputError(
                 "Stored results answer for the structures and the error of their own run",
                 value=f"{name} = {sorted(values)}, stored is {sorted(stored)}",
-                remedy="Ask for these, or give ground motions with --motions",
+                remedy="Ask for these, or give ground motions with `motions`",
             )
 
 

@@ -33,7 +33,7 @@ def stages(study: SimulatedStudy, show: Show) -> Sequence[Stage]:
         raise InputError(
             "The paper is reproduced from the records of its Table 2",
             value="no ground motions",
-            remedy="Give the folder of the records with --motions",
+            remedy="Give the folder of the records with `motions`",
         )
     material = Material(study)
     return (

@@ -25,7 +25,7 @@ def stages(study: RecordsStudy, show: Show) -> Sequence[Stage]:
         raise InputError(
             "Table 2 is audited with its records",
             value="no ground motions",
-            remedy="Give the folder of the records with --motions",
+            remedy="Give the folder of the records with `motions`",
         )
     records, table = Records(study), shipped("datasets", "paper/table2.csv")
 

@@ -58,7 +58,7 @@ class Design:
 
     def __post_init__(self) -> None:
         if not self.motions:
-            raise InputError("The study needs ground motions", value="none", remedy="Give --motions")
+            raise InputError("The study needs ground motions", value="none", remedy="Give `motions`")
 
     @classmethod
     def of(

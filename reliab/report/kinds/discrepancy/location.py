@@ -32,7 +32,7 @@ def location_section(diagnosis: Diagnosis) -> Section:
     blocks: list[Block] = [*drawn("the loop", partial(block_figure, diagnosis))]
     if diagnosis.where:
         blocks.append(Points(items=tuple(dict.fromkeys(finding.detail for finding in diagnosis.where))))
-        rows = [{**finding.as_dict(), "block": str(finding.block)} for finding in diagnosis.where]
+        rows = [{**finding.to_dict(), "block": str(finding.block)} for finding in diagnosis.where]
         columns = (
             Column(key="block", heading="Block"),
             Column(key="kind", heading="Varies with"),

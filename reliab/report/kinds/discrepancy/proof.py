@@ -29,7 +29,7 @@ def proof_section(diagnosis: Diagnosis) -> Section:
     """
     rows = [
         {
-            **diagnosed.gap.as_dict(),
+            **diagnosed.gap.to_dict(),
             "closed": np.nan if diagnosed.gap.stated_share is None else diagnosed.gap.stated_share,
             "noise_floor": np.nan if diagnosed.gap.floor is None else diagnosed.gap.floor,
         }
