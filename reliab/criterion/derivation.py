@@ -293,7 +293,7 @@ class Derivation:
 
 
 def _only(ellipses: xr.Dataset, name: str, value: float | None) -> xr.Dataset:
-    """Keep one value of a dimension; all, increasing, for a value between them, and where none is asked for."""
+    """Keep one value of a dimension; all, increasing, for one between them or for none."""
     held = ellipses[name].values
     if value is None or (held.min() < value < held.max() and not np.isclose(held, value, rtol=1e-9).any()):
         return ellipses.sortby(name)
