@@ -55,7 +55,7 @@ def numbers(text):
 
 @given(gaps())
 def test_a_floor_is_never_far_above_what_the_model_leaves(gap):
-    floor, after = gap.as_dict()["noise_floor"], gap.as_dict()["nrmse_after"]
+    floor, after = gap.to_dict()["noise_floor"], gap.to_dict()["nrmse_after"]
     assert floor is None or floor <= UNCERTAINTY * after
     assert (floor is None) == all(size > UNCERTAINTY * after for size in gap.floors.values())
 

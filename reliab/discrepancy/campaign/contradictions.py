@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.errors import InputError
+from reliab.significant import significant
 from reliab.validation.assessment.faults import plain_faults
 from reliab.validation.assessment.plausibility import require_plausible
 from reliab.validation.assessment.recorded_force import require_restoring_force
@@ -192,4 +193,5 @@ def _scaled(test: _Moved, others: list[_Moved], channel: Channel, pairs: list[Pa
         for rival in others
     ]
     against = f"in {others[0].file}" if len(others) == 1 else "in the other tests"
-    return f"{channel} {np.exp(np.median(gains)):.3g} times what it is {against}, beside {', '.join(beside)}"
+    gain = significant(np.exp(np.median(gains)))
+    return f"{channel} {gain} times what it is {against}, beside {', '.join(beside)}"

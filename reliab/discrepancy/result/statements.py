@@ -4,6 +4,7 @@ from collections.abc import Iterable
 
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Verdict
 from reliab.discrepancy.result.gap import Gap, Remainder
+from reliab.significant import significant
 
 _VERDICTS = {
     Verdict.NAMED: "The model lacks what is listed below.",
@@ -61,18 +62,19 @@ def remainder_statement(name: str, gap: Gap, structured_share: float) -> str:
     str
         A sentence, and what it means for probabilities.
     """
-    subject = f"What the model of the {name} leaves of held-out tests, {gap.after:.3g} of the signal's RMS,"
+    after = significant(gap.after)
+    subject = f"What the model of the {name} leaves of held-out tests, {after} of the signal's RMS,"
     match gap.remainder:
         case Remainder.AT_NOISE:
-            size = f"is at the noise floor of {gap.floor:.3g} by the {gap.source}"
+            size = f"is at the noise floor of {significant(gap.floor)} by the {gap.source}"
         case Remainder.ABOVE_NOISE:
             size = (
-                f"is not noise alone: {gap.model_error:.3g} of it is an error of the model above the noise"
-                f" floor of {gap.floor:.3g} by the {gap.source}"
+                f"is not noise alone: {significant(gap.model_error)} of it is an error of the model above the"
+                f" noise floor of {significant(gap.floor)} by the {gap.source}"
             )
         case Remainder.NOT_KNOWN:
             size = "is an error of the model, noise, or both: the noise floor is unknown"
     return (
-        f"{subject} {size}. {structured_share:.0%} of the energy of its residual follows the motion, so that no"
-        " probability above 0.99 is stated."
+        f"{subject} {size}. {structured_share:.0%} of the energy of its residual follows the motion, so that"
+        " no probability above 0.99 is stated."
     )

@@ -145,9 +145,7 @@ def assess(
     return _with_contradictions(assessment, clean, question)
 
 
-def _require_judgeable(
-    recording: Recording, structure: Structure, stated: Mapping[str, StatedValue]
-) -> None:
+def _require_judgeable(recording: Recording, structure: Structure, stated: Mapping[str, StatedValue]) -> None:
     require_length(recording, structure.frequency)
     require_drawable(recording, whole_structure(structure))
     require_plausible(recording, stiffness=_stated_stiffness(structure, stated))

@@ -13,6 +13,7 @@ import numpy as np
 import scipy
 
 from reliab.loop.structure import Structure
+from reliab.significant import significant
 from reliab.stated_value import StatedValue
 from reliab.validation.assessment.error_of_test import ErrorOfTest, Question, error_of_test
 from reliab.validation.assessment.recording import Recording
@@ -62,11 +63,12 @@ class Explanation:
             parts.append(f"a damping ratio of {self.damping_ratio(structure):.4g}")
         if self.skew:
             parts.append(
-                f"a skew of {abs(_MILLISECONDS * self.skew):.2g} ms between command and measured displacement"
+                f"a skew of {significant(abs(_MILLISECONDS * self.skew), 2)} ms between command and measured "
+                "displacement"
             )
         if self.feedback_lag:
             parts.append(
-                f"a force that is fed back {abs(_MILLISECONDS * self.feedback_lag):.2g} ms "
+                f"a force that is fed back {significant(abs(_MILLISECONDS * self.feedback_lag), 2)} ms "
                 f"{'later' if self.feedback_lag > 0.0 else 'earlier'}"
             )
         if self.dashpot:

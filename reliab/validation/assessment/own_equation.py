@@ -211,7 +211,8 @@ def _said(
     if of_force is not None and of_force.matters:
         size, deviation = (_MILLISECONDS * number for number in (abs(of_force.value), of_force.deviation))
         where = "ahead of" if of_force.value > 0.0 else "behind"
-        yield f"The recorded force is {size:.2g} ± {deviation:.1g} ms {where} the measured displacement."
+        shift = f"{significant(size, 2)} ± {significant(deviation, 1)} ms"
+        yield f"The recorded force is {shift} {where} the measured displacement."
     if explanations:
         causes = ", or ".join(explanation.spoken(structure) for explanation in explanations)
         yield f"The cause may be {causes}{': the test cannot tell which' if len(explanations) > 1 else ''}."

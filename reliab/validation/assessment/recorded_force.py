@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from reliab.errors import InputError
 from reliab.rebuilt_error.kernel import Kernel
 from reliab.rebuilt_error.specimen_check import slipped
+from reliab.significant import significant
 
 Array = NDArray[np.float64]
 
@@ -125,7 +126,7 @@ def require_order(command: Array, measured: Array, force: Array, time_step: floa
         raise InputError(
             "The recorded force must follow the measured displacement",
             value="a force that follows the command instead, as if the two columns were exchanged",
-            remedy="Exchange the columns, or name them with --command and --measured",
+            remedy="Exchange the columns, or name them with `command` and `measured`",
             where=where,
         )
 
@@ -148,7 +149,7 @@ def _require_unit(measured: Array, force: Array, kernel: Kernel, stiffness: floa
     alike = f", as {units[0]} would have" if units else ""
     raise InputError(
         "The recorded force must be that of the stated specimen",
-        value=f"a stiffness of {ratio:.3g} times the stated one{alike}",
+        value=f"a stiffness of {significant(ratio)} times the stated one{alike}",
         remedy="State the unit in the column's name (force_kN), or check mass, frequency and share",
         where=where,
     )
