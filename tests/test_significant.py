@@ -2,11 +2,12 @@
 
 import ast
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
-from test_house import modules
 
+import reliab
 from reliab.report.wording import percent
 from reliab.significant import significant
 
@@ -34,7 +35,7 @@ def test_no_sentence_is_written_past_it():
     """A format such as `.2g` writes 99.6 as 1e+02."""
     stray = [
         f"{path}:{node.lineno}"
-        for path in modules()
+        for path in sorted(Path(reliab.__file__).parent.rglob("*.py"))
         if path.name != "significant.py"
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
         if isinstance(node, ast.FormattedValue) and node.format_spec is not None

@@ -63,14 +63,15 @@ def remainder_statement(name: str, gap: Gap, structured_share: float) -> str:
         A sentence, and what it means for probabilities.
     """
     after = significant(gap.after)
+    floor = "unknown" if gap.floor is None else f"{significant(gap.floor)} by the {gap.source}"
     subject = f"What the model of the {name} leaves of held-out tests, {after} of the signal's RMS,"
     match gap.remainder:
         case Remainder.AT_NOISE:
-            size = f"is at the noise floor of {significant(gap.floor)} by the {gap.source}"
+            size = f"is at the noise floor of {floor}"
         case Remainder.ABOVE_NOISE:
             size = (
                 f"is not noise alone: {significant(gap.model_error)} of it is an error of the model above the"
-                f" noise floor of {significant(gap.floor)} by the {gap.source}"
+                f" noise floor of {floor}"
             )
         case Remainder.NOT_KNOWN:
             size = "is an error of the model, noise, or both: the noise floor is unknown"
