@@ -94,10 +94,10 @@ def require_small(path: str | Path, most: int, *, remedy: str) -> None:
 
 
 def refuse_links(folder: Path, *beside: Path) -> None:
-    """Refuse a folder with links among its files before something is written in it.
+    """Refuse a folder with links among its files before it is read or written to.
 
-    A folder may come from someone else: what is written where a link stands would change the file that it
-    names, anywhere on this machine.
+    A folder may come from someone else: what is read or written where a link stands would be the file that
+    it names, anywhere on this machine.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def refuse_links(folder: Path, *beside: Path) -> None:
     for part in (*beside, *folder.rglob("*")):
         if part.is_symlink():
             raise InputError(
-                "A folder that is written to must hold its own files, without links to others",
+                "A folder of results must hold its own files, without links to others",
                 value=f"a link at {part}",
                 remedy="Remove the link, or put the file itself in its place",
                 where=str(folder),

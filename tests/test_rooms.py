@@ -36,6 +36,7 @@ GROUND = {
     "html_table",
     "lazy_exports",
     "progress",
+    "received",
     "registry",
     "renamed",
     "shipped",

@@ -1,8 +1,8 @@
 """The catalogue of a suite: a file ``catalog.csv`` beside its records.
 
-Columns: ``motion`` (unique name) and ``file`` (path from the catalogue); optionally ``event`` (the
-earthquake, so that its components stay together), ``set``, ``dt_s`` (the true step [s], which replaces a
-rounded step in a header), ``units`` (g, cm/s2 or m/s2) and ``channel`` (of a file with several, from 1).
+Columns: ``motion`` (unique name) and ``file`` (path from the catalogue, in its folder); optionally ``event``
+(the earthquake, so that its components stay together), ``set``, ``dt_s`` (the true step [s], which replaces
+a rounded step in a header), ``units`` (g, cm/s2 or m/s2) and ``channel`` (of a file with several, from 1).
 Columns ``header_npts`` and ``header_dt_s`` hold the number of samples and the step that the file's header
 should state; they are compared with the header. Further columns are ignored.
 """
@@ -12,12 +12,14 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TypeVar
 
+from reliab.errors import InputError
 from reliab.motions.faults import Report
 from reliab.motions.readers.header import number
 from reliab.motions.readers.reading import Declared
 from reliab.motions.readers.source import is_file, open_source
 from reliab.motions.record import RecordFile
 from reliab.motions.units import AccelerationUnit, find_unit
+from reliab.received import named_within
 
 T = TypeVar("T")
 
@@ -111,7 +113,11 @@ def _record(
 ) -> Iterator[RecordFile]:
     """Yield the record of a row, unless the row has a fault."""
     faults_before = len(report.faults)
-    file = path.parent / row["file"].replace("\\", "/")
+    try:
+        file = named_within(path.parent, row["file"].replace("\\", "/"), where=path.name)
+    except InputError as error:
+        report.add(error.rule, line=line, value=error.value, remedy=error.remedy)
+        return
     if not is_file(file):
         report.add(
             "Every file of a catalogue must exist",

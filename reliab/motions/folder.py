@@ -19,6 +19,7 @@ from reliab.motions.readers.reading import Declared
 from reliab.motions.readers.registry import TEXT, claims_to_be_record, detect, open_records
 from reliab.motions.readers.source import HEAD, open_source
 from reliab.motions.record import RecordFile
+from reliab.received import named_within
 
 _STRIPPED = frozenset((".at2", ".v2", ".v2c", ".txt", ".csv", ".tsv", ".dat", ".asc", ".acc"))
 UNREAD = {
@@ -125,6 +126,7 @@ def _may_be_record(path: Path, folder: Path) -> bool:
     inner = path.relative_to(folder)
     if any(part.startswith(".") for part in inner.parts) or not path.is_file():
         return False
+    named_within(folder, inner.as_posix(), where=str(folder))
     if path.name.lower() == CATALOGUE or path.stem.lower().lstrip("_").startswith(_NOT_RECORDS):
         return False
     if claims_to_be_record(path):

@@ -5,14 +5,11 @@ the authors of reports write, is evaluated.
 """
 
 import json
-import shutil
 from collections.abc import Iterable, Sequence
-from pathlib import Path
 from typing import Any, Final
 
 import pandas as pd
 
-from reliab.errors import InputError
 from reliab.report.document import (
     Block,
     Column,
@@ -35,53 +32,6 @@ CONTENT_FILE: Final = "document.json"
 """What the template reads."""
 
 _MILLIMETRES_PER_INCH: Final = 25.4
-
-
-def save_content(document: Document, folder: Path) -> None:
-    """Keep what a report says, from which it can be set without what it was made from.
-
-    Parameters
-    ----------
-    document : Document
-        The report.
-    folder : pathlib.Path
-        Folder for its content and figures, replaced if it is there.
-    """
-    unfinished = folder.with_name(f".{folder.name}")
-    shutil.rmtree(unfinished, ignore_errors=True)
-    unfinished.mkdir(parents=True)
-    for name, content in files_of(document).items():
-        (unfinished / name).write_bytes(content)
-    shutil.rmtree(folder, ignore_errors=True)
-    unfinished.rename(folder)
-
-
-def saved_content(folder: Path) -> dict[str, bytes]:
-    """Read what :func:`save_content` kept.
-
-    Parameters
-    ----------
-    folder : pathlib.Path
-        The folder.
-
-    Returns
-    -------
-    dict of str to bytes
-        As :func:`files_of` gives it.
-
-    Raises
-    ------
-    InputError
-        If there is no content.
-    """
-    if not (folder / CONTENT_FILE).is_file():
-        raise InputError(
-            "A report is set from its content",
-            value=f"no {CONTENT_FILE}",
-            remedy="Run the study again with `reliab run`",
-            where=str(folder),
-        )
-    return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
 
 
 def files_of(document: Document) -> dict[str, bytes]:

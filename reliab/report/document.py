@@ -8,6 +8,7 @@ from typing import Literal
 import pandas as pd
 from matplotlib.figure import Figure as Drawing
 
+from reliab.report.formula import require_formula
 from reliab.report.numbers import Number
 from reliab.report.prose import Prose, references
 
@@ -65,6 +66,9 @@ class Equation:
 
     math: str
     label: str = ""
+
+    def __post_init__(self) -> None:
+        require_formula(self.math)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -295,5 +299,3 @@ def _texts(blocks: Iterable[Block]) -> Iterator[Prose]:
                 yield from (column.heading for column in block.columns)
             case Figure():
                 yield block.caption
-            case Equation():
-                pass

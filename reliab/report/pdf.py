@@ -6,7 +6,6 @@ machine.
 
 import datetime as dt
 from collections.abc import Mapping
-from contextlib import AbstractContextManager, nullcontext
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, Final, cast
@@ -17,9 +16,11 @@ from reliab.errors import InputError
 from reliab.files import decoding, written_whole
 from reliab.report.content import files_of
 from reliab.report.document import Document
+from reliab.report.saved import CONTENT_REMEDY, CONTENT_RULE
 from reliab.report.setting import Setting
 from reliab.version import __version__
 
+_TEMPLATES: Final = files("reliab.report") / "templates"
 _NAMES: Final = ("main.typ", "page.typ", "parts.typ", "table.typ")
 
 
@@ -31,7 +32,7 @@ def write_pdf(
     Parameters
     ----------
     document : Document or mapping of str to bytes
-        The report, or its content as :func:`reliab.report.content.saved_content` gives it.
+        The report, or its content as :func:`reliab.report.saved.saved_content` gives it.
     path : pathlib.Path
         The file, replaced if it is there.
     date : datetime.date
@@ -79,30 +80,43 @@ def compiled_report(
     Raises
     ------
     InputError
-        If the logo is damaged.
+        If the logo is damaged, or the content is not what `reliab run` wrote.
     """
     setting = setting or Setting()
     date = setting.date or date
-    content = files_of(document) if isinstance(document, Document) else document
-    with _logo_decoded(setting):
-        pdf = typst.compile(
-            cast("Any", {**templates(), **content, **setting.files()}),  # typst's type hints know of no dict
-            ignore_system_fonts=True,
-            format="pdf",
-            sys_inputs={"date": date.isoformat(), "version": __version__, **setting.inputs()},
-            timestamp=dt.datetime.combine(date, dt.time(), tzinfo=dt.UTC),
-        )
+    _require_sound_logo(setting)
+    if isinstance(document, Document):
+        return _set(files_of(document), setting, date)
+    with decoding(CONTENT_RULE, remedy=CONTENT_REMEDY, where="report"):
+        return _set(document, setting, date)
+
+
+def _set(content: Mapping[str, bytes], setting: Setting, date: dt.date) -> bytes:
+    """Set content with the package's templates, which stand for any of the same name."""
+    pdf = _compiled(
+        {**content, **setting.files(), **templates()},
+        format="pdf",
+        sys_inputs={"date": date.isoformat(), "version": __version__, **setting.inputs()},
+        timestamp=dt.datetime.combine(date, dt.time(), tzinfo=dt.UTC),
+    )
     return bytes(pdf)
 
 
-def _logo_decoded(setting: Setting) -> AbstractContextManager[None]:
-    """Blame the logo, the only part of a report that a user draws, where one is set that cannot be."""
+def _require_sound_logo(setting: Setting) -> None:
+    """Set the logo alone, so that it is blamed for its own faults only."""
     if setting.logo is None:
-        return nullcontext()
-    return decoding("A logo must be a sound picture", remedy="Export it again", where=setting.logo)
+        return
+    with decoding("A logo must be a sound picture", remedy="Export it again", where=setting.logo):
+        page = b"#image(sys.inputs.logo)"
+        _compiled({"main.typ": page, **setting.files()}, format="svg", sys_inputs=setting.inputs())
+
+
+def _compiled(sources: Mapping[str, bytes], **options: Any) -> Any:  # noqa: ANN401 - bytes, or a list of them
+    """Compile files in memory, which can read no other file than the package's templates."""
+    files = cast("Any", dict(sources))  # typst's type hints know of no dict
+    return typst.compile(files, root=str(_TEMPLATES), ignore_system_fonts=True, **options)
 
 
 def templates() -> dict[str, bytes]:
     """Read the template's files, by name; `main.typ` is the first."""
-    folder = files("reliab.report") / "templates"
-    return {name: (folder / name).read_bytes() for name in _NAMES}
+    return {name: (_TEMPLATES / name).read_bytes() for name in _NAMES}

@@ -13,6 +13,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
+from reliab.report.formula import require_formula
+
 _MARKS: Final = re.compile(
     r"\$(?P<math>[^$]+)\$|\*(?P<strong>[^*]+)\*|@(?P<label>[a-z0-9]+(?:[:_-][a-z0-9]+)*)"
 )
@@ -38,10 +40,13 @@ class Math:
     Parameters
     ----------
     source : str
-        For example "(A - 1)^2 / a".
+        For example "(A - 1)^2 / a"; of known words and signs only.
     """
 
     source: str
+
+    def __post_init__(self) -> None:
+        require_formula(self.source)
 
 
 @dataclass(frozen=True, kw_only=True)

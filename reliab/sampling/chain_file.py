@@ -16,6 +16,7 @@ import numpy as np
 
 from reliab.errors import IncompleteError, InputError
 from reliab.files import decoding, ordinary, written_whole
+from reliab.received import objects_of, opened_hdf5
 
 if TYPE_CHECKING:
     import h5py
@@ -135,7 +136,7 @@ class ChainFile:
         content = io.BytesIO()  # HDF5 loses an error of the disk that shows when it closes a file
         with h5py.File(content, "w", libver="latest") as new:  # its descriptions carry checksums
             if self.path.exists():
-                with h5py.File(self.path, "r") as old:
+                with opened_hdf5(self.path) as old:
                     for name in _groups(old):
                         if name not in self._chains:
                             old.copy(name, new, name)
@@ -149,12 +150,11 @@ def _read(
     path: Path, names: Sequence[str], shape: tuple[int, int]
 ) -> "dict[str, tuple[str | None, Backend]]":
     """Signature, where there is one, and chain by name."""
-    import h5py
     from emcee.backends import Backend
 
     chains: dict[str, tuple[str | None, Backend]] = {}
     with contextlib.ExitStack() as files:
-        held = files.enter_context(h5py.File(path, "r")) if ordinary(path).exists() else {}
+        held = files.enter_context(opened_hdf5(path)) if ordinary(path).exists() else {}
         for name in names:
             chain = Backend()
             chain.reset(*shape)
@@ -206,11 +206,8 @@ def _store(group: "h5py.Group", chain: "Backend", signature: str) -> None:
 
 def _groups(file: "h5py.File") -> list[str]:
     """Every group with a chain in it."""
-    names: list[str] = []
-
-    def visit(name: str, item: Any) -> None:  # noqa: ANN401 - a group or a dataset
-        if name.endswith("/chain") and hasattr(item, "shape"):
-            names.append(name.removesuffix("/chain"))
-
-    file.visititems(visit)
-    return names
+    return [
+        name.removesuffix("/chain")
+        for name, item in objects_of(file)
+        if name.endswith("/chain") and hasattr(item, "shape")
+    ]

@@ -80,10 +80,17 @@ class Material(Records):
     def __init__(self, study: SimulatedStudy, *, results: str | None = None) -> None:
         super().__init__(study)
         self._study = study
-        self.stored = None if results is None else self._stored(Path(results))
         self._results = results
-        if self.stored is not None:
-            self._check_stored()
+
+    @cached_property
+    def stored(self) -> Path | None:
+        """Stored results, once they are known to hold the structures; a report never asks for them."""
+        if self._results is None:
+            return None
+        structures = self._study.structures
+        stored = stored_results(Path(self._results), structures.f, structures.xi)
+        self._check(stored)
+        return stored
 
     @cached_property
     def checksums(self) -> list[str]:
@@ -93,7 +100,7 @@ class Material(Records):
     @property
     def population(self) -> str:
         """What the ground motions are, in words."""
-        if self.stored is None:
+        if self._results is None:
             return super().population
         return "real ground motions" if self.is_real_suite else "ground motions"
 
@@ -128,12 +135,8 @@ class Material(Records):
         of_share = at_share(results, structures.experimental_fraction)
         return of_share.sel(f=f, xi=xi, method="nearest", tolerance=1e-9)
 
-    def _stored(self, results: Path) -> Path:
-        structures = self._study.structures
-        return stored_results(results, structures.f, structures.xi)
-
-    def _check_stored(self) -> None:
-        results = open_results(self.stored or "", window=Window.parse(self._study.errors.window).label)
+    def _check(self, stored: Path) -> None:
+        results = open_results(stored, window=Window.parse(self._study.errors.window).label)
         structures = self._study.structures
         try:
             self._chosen(results)

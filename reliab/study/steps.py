@@ -21,7 +21,7 @@ from reliab.study.description import CriterionStudy, CriterionTable, ErrorsTable
 from reliab.study.material import RESULTS, Material, Show, named
 from reliab.study.stages import Stage
 from reliab.sweep import open_ellipses, write_ellipses
-from reliab.sweep.netcdf import write_netcdf
+from reliab.sweep.netcdf import read_netcdf, write_netcdf
 from reliab.validation.cross_validation import (
     Candidate,
     CrossValidation,
@@ -259,6 +259,4 @@ def paper_cases(sources: tuple[str, ...], name: str) -> Stage:
 
 def opened(path: Path) -> xr.Dataset:
     """Read a dataset of a run."""
-    with xr.open_dataset(path, engine="h5netcdf") as file:
-        dataset: xr.Dataset = file.load()
-    return dataset
+    return read_netcdf(path, "A run holds the files that `reliab run` wrote", "Run the study again")

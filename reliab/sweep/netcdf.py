@@ -7,7 +7,8 @@ import h5py
 import xarray as xr
 
 from reliab.errors import InputError
-from reliab.files import decoding, ordinary, written_whole
+from reliab.files import decoding, written_whole
+from reliab.received import objects_of, opened_hdf5
 from reliab.significant import significant
 
 _MOST_EXPANSION = 1032
@@ -37,10 +38,8 @@ def read_netcdf(path: str | Path, rule: str, remedy: str) -> xr.Dataset:
         If it cannot be read.
     """
     with decoding(rule, remedy=remedy, where=path):
-        with h5py.File(ordinary(path), "r") as file:
-            sizes: list[int] = []
-            file.visititems(lambda _name, item: sizes.append(_size(item)))
-            _refuse_empty_promises(sum(sizes), Path(path))
+        with opened_hdf5(path) as file:
+            _refuse_empty_promises(sum(_size(item) for _, item in objects_of(file)), Path(path))
         with xr.open_dataset(path, engine="h5netcdf") as file:
             return file.load()
 

@@ -6,14 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
-import zarr
 
 from reliab.errors import InputError
 from reliab.files import decoding
 from reliab.sweep import results_accessor  # noqa: F401 - gives opened datasets the accessor `reliab`
 from reliab.sweep.compact import open_compact
 from reliab.sweep.real_suite import stored_results
-from reliab.sweep.store_layout import MEND, STORED, array_of, read_attributes
+from reliab.sweep.store_layout import MEND, STORED, ZARR_FORMAT, array_of, open_group, read_attributes
 from reliab.vocabulary import SHARE_ATTRIBUTE, Dimension
 
 _CHUNK = re.compile(r"(c\.)?\d+(\.\d+)*")  # file of one chunk, in either layout
@@ -77,7 +76,7 @@ def _check_arrays(folder: Path) -> None:
     for name in _ARRAYS:
         if not (folder / name / "zarr.json").is_file():
             raise InputError(STORED, value=f"no array {name}", remedy=MEND, where=str(folder))
-    group = zarr.open_group(folder, mode="r")
+    group = open_group(folder)
     for description in sorted(folder.glob("*/zarr.json")):
         _ = array_of(group, description.parent.name)
 
@@ -103,7 +102,7 @@ def _check_dimensions(dataset: xr.Dataset) -> None:
 
 def _check_chunks(folder: Path) -> None:
     """Check that no chunk of a group is missing, in whose place Zarr would put NaN in silence."""
-    group = zarr.open_group(folder, mode="r")
+    group = open_group(folder)
     for name in _ARRAYS:
         chunks = array_of(group, name).nchunks
         files = (file for _, _, files in os.walk(folder / name) for file in files)
@@ -117,7 +116,7 @@ def _stored(path: Path, group: str | None) -> xr.Dataset:
     """Open a group of a store, with the coordinates that every store has."""
     folder = path if group is None else path / group
     _check_arrays(folder)
-    dataset = xr.open_zarr(path, group=group, consolidated=False, chunks=None)
+    dataset = xr.open_zarr(path, group=group, zarr_format=ZARR_FORMAT, consolidated=False, chunks=None)
     _check_dimensions(dataset)
     if Dimension.SHARE not in dataset.dims:
         _ = float(dataset.attrs[SHARE_ATTRIBUTE])

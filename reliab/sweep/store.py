@@ -37,6 +37,7 @@ from reliab.sweep.store_layout import (
     array_of,
     create_store,
     group_names,
+    open_group,
     read_attributes,
     shapes,
 )
@@ -55,7 +56,7 @@ class ResultsStore:
     def __init__(self, path: Path, request: SweepRequest) -> None:
         self.path = path
         self.request = request
-        self._group = zarr.open_group(path, mode="r+")
+        self._group = open_group(path, "r+")
         self._turn = threading.Lock()
         self._unwritten: dict[int, str] = {}
         self._journal_written = time.monotonic()
@@ -198,7 +199,7 @@ class ResultsStore:
 
     @cached_property
     def _windows(self) -> list[zarr.Group]:
-        return [zarr.open_group(self.path / name, mode="r+") for name in group_names(self.request)]
+        return [open_group(self.path / name, "r+") for name in group_names(self.request)]
 
     @cached_property
     def _arrays(self) -> list[dict[str, Any]]:
@@ -270,7 +271,7 @@ def _check_resumable(path: Path, request: SweepRequest, names: Sequence[str], *,
             remedy="Give the options of the first run, or name another store",
         )
     with decoding(_RULE, remedy=_REMEDY, where=path):
-        group = zarr.open_group(path, mode="r")
+        group = open_group(path)
         motions = array_of(group, "motion").shape[0]
         if motions == len(names):
             _check_shapes(group, request, motions)

@@ -5,20 +5,21 @@ import shutil
 from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, Final, Literal
 
 import numpy as np
 import zarr
 from zarr.codecs import Crc32cCodec
 
 from reliab.errors import InputError
-from reliab.files import decoding, ordinary
+from reliab.files import decoding, ordinary, refuse_links
 from reliab.sweep.chunk import codecs
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.solve import VARIABLES
 from reliab.vocabulary import LABELS, SHARE_ATTRIBUTE, Dimension
 
 SCHEMA_VERSION = 1
+ZARR_FORMAT: Final = 3
 JOURNAL = "journal"
 """Array of the entries that show which motions are done."""
 
@@ -37,6 +38,11 @@ MEND = "Mend the store with `reliab simulate --resume`, or simulate again to ano
 _DTYPES = {name: "bool" if name == "stable" else "float32" for name in VARIABLES}
 _MOTIONS_PER_CHUNK = 1024
 _PACKAGES = ("reliab", "numpy", "numba", "scipy", "xarray", "zarr")
+
+
+def open_group(path: Path, mode: Literal["r", "r+"] = "r") -> zarr.Group:
+    """Open a group of a store in the format that we write; format 2 can hold code that is run on reading."""
+    return zarr.open_group(path, mode=mode, zarr_format=ZARR_FORMAT)
 
 
 def array_of(group: zarr.Group, name: str) -> Any:  # noqa: ANN401 - arrays of many types
@@ -72,7 +78,7 @@ def create_store(path: Path, request: SweepRequest, names: Sequence[str], events
         )
     unfinished = path.with_name(path.name + ".unfinished")
     shutil.rmtree(unfinished, ignore_errors=True)
-    root = zarr.create_group(unfinished, zarr_format=3)
+    root = zarr.create_group(unfinished, zarr_format=ZARR_FORMAT)
     chunk = min(len(names), _MOTIONS_PER_CHUNK)
     for group_name, window in zip(group_names(request), request.windows, strict=True):
         group = root.create_group(group_name) if group_name else root
@@ -207,9 +213,10 @@ def read_attributes(path: Path) -> dict[str, object]:
     """
     rule = "Results are read from a Zarr store that 'reliab simulate' wrote"
     with decoding(rule, remedy="Check the path, or simulate first", where=path):
+        refuse_links(path)
         for file in path.rglob("*"):
             ordinary(file)
-        attributes: dict[str, object] = dict(zarr.open_group(path, mode="r").attrs)
+        attributes: dict[str, object] = dict(open_group(path).attrs)
     if attributes.get("schema_version") != SCHEMA_VERSION:
         raise InputError(
             f"This version reads results of schema version {SCHEMA_VERSION}",

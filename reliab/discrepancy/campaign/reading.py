@@ -22,9 +22,10 @@ or a frame, described by the tables of `frame.toml` (:mod:`reliab.loop.partition
 The command is then the displacement of the frame at the interface, the force that of the specimen.
 """
 
+import os
 import re
 import tomllib
-from pathlib import Path, PurePath
+from pathlib import Path
 
 from pydantic import ValidationError
 
@@ -45,6 +46,7 @@ from reliab.loop.hybrid_test import Specimen
 from reliab.loop.partition.frame_file import frame_of_tables
 from reliab.loop.partition.partition import Partition
 from reliab.loop.structure import Structure
+from reliab.received import named_within
 
 MOST_SAMPLES = 3_000_000
 """Largest number of samples of all tests, a thousand tests of 23 s at 128 Hz. By extrapolation from 4 and 16
@@ -72,8 +74,8 @@ def read_campaign(folder: Path | str) -> Campaign:
         what to do.
     """
     folder = campaign_folder(folder)
-    described = _described(folder / CAMPAIGN_FILE)
-    _check_files([test.file for test in described.tests])
+    described = _described(named_within(folder, CAMPAIGN_FILE, where=str(folder)))
+    _check_files(folder, [test.file for test in described.tests])
     held_out = _held_out(described.tests)
     rate = described.sampling.rate_hz
     tests, samples = [], 0
@@ -96,18 +98,13 @@ def _require_few_samples(samples: int, read: int, tests: int) -> None:
         )
 
 
-def _check_files(names: list[str]) -> None:
+def _check_files(folder: Path, names: list[str]) -> None:
     """Refuse files outside the folder, and one file for two tests: data that fit a model cannot verify it."""
+    files: list[str] = []
     for place, name in enumerate(names, start=1):
-        path = PurePath(name)
-        if path.is_absolute() or ".." in path.parts:
-            raise InputError(
-                "The file of a test must lie in the campaign's folder",
-                value=repr(name),
-                remedy="Copy it there, and name it by its path from the folder",
-                where=f"{CAMPAIGN_FILE}, test {place}",
-            )
-        if path in [PurePath(earlier) for earlier in names[: place - 1]]:
+        path = named_within(folder, name, where=f"{CAMPAIGN_FILE}, test {place}")
+        files.append(os.path.realpath(path))
+        if files[-1] in files[:-1]:
             raise InputError(
                 "A file must stand for one test only",
                 value=repr(name),

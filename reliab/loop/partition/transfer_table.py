@@ -9,6 +9,7 @@ from reliab.errors import InputError
 from reliab.loop.partition.described_table import DescribedTable
 from reliab.loop.transfer_systems import ServoHydraulic, TransferFunction, TransferSystem
 from reliab.loop.transfer_systems.reading import read_matlab
+from reliab.received import named_within
 
 Positive = Annotated[float, Field(gt=0.0)]
 
@@ -114,7 +115,7 @@ class TransferTable(DescribedTable):
                     value=self.file,
                     remedy="Save num and den with scipy.io.savemat, or give numerator and denominator here",
                 )
-            return read_matlab(folder / self.file, self.variable, delay)
+            return read_matlab(named_within(folder, self.file, where=""), self.variable, delay)
         if self.poles_per_s is not None:
             zeros, poles = _roots(self.zeros_per_s), _roots(self.poles_per_s)
             return TransferFunction.from_poles(zeros, poles, gain, static=True, delay=delay)

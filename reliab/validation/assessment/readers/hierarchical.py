@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import scipy
 
+from reliab.received import objects_of, opened_hdf5
 from reliab.validation.assessment.readers.arrays import columns_of_arrays
 from reliab.validation.assessment.readers.columns import Columns
 from reliab.validation.assessment.recording import require_few_samples
@@ -27,24 +28,23 @@ def read_hierarchical(path: Path) -> Columns:
     Raises
     ------
     InputError
-        If a dataset has more samples than a test may have; it is not read then.
+        If a part of it lies in another file, or a dataset has more samples than a test may have; it is not
+        read then.
     """
     import h5py
 
     arrays: dict[str, np.ndarray] = {}
     units: dict[str, str] = {}
 
-    def collect(name: str, item: object) -> None:
-        label = name.replace("/", ".")
-        if isinstance(item, h5py.Dataset) and not name.startswith("#"):
-            require_few_samples(max(item.shape, default=0), f"{path.name}, {label}")
-            arrays[label] = np.asarray(item[()])
-            if "units" in item.attrs:
-                units[label] = _text(item.attrs["units"])
-
-    with h5py.File(path, "r") as file:
+    with opened_hdf5(path) as file:
         arrays |= {name: np.asarray(value) for name, value in file.attrs.items() if np.ndim(value) == 0}
-        file.visititems(collect)
+        for name, item in objects_of(file):
+            label = name.replace("/", ".")
+            if isinstance(item, h5py.Dataset) and not name.startswith("#"):
+                require_few_samples(max(item.shape, default=0), f"{path.name}, {label}")
+                arrays[label] = np.asarray(item[()])
+                if "units" in item.attrs:
+                    units[label] = _text(item.attrs["units"])
     return columns_of_arrays(path, arrays, units)
 
 

@@ -1,0 +1,140 @@
+"""What a folder or a file from someone else names: it must lie in that folder, or in that file."""
+
+import contextlib
+import os
+from pathlib import Path, PurePath
+from typing import TYPE_CHECKING
+
+from reliab.errors import InputError
+from reliab.files import decoding, ordinary
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    import h5py
+
+
+def named_within(folder: Path, name: str, *, where: str) -> Path:
+    """Return the path of a file that a folder names, which must lie in that folder.
+
+    A name that leads out of it, by itself or through a link, would read a file of this machine.
+
+    Parameters
+    ----------
+    folder : pathlib.Path
+        The folder, which may be a link itself.
+    name : str
+        What is written in it: a path from the folder.
+    where : str
+        What names the file.
+
+    Returns
+    -------
+    pathlib.Path
+        The file, also where nothing stands there.
+
+    Raises
+    ------
+    InputError
+        If it lies outside.
+
+    Examples
+    --------
+    >>> named_within(Path("campaign"), "../secret.csv", where="campaign.toml")
+    Traceback (most recent call last):
+    ...
+    reliab.errors.InputError: campaign.toml: A file that a folder names must lie in that folder; found
+    '../secret.csv'. Copy it there, without links, and name it by its path from the folder.
+    """
+    path = folder / name
+    with decoding("A file must have a name that the system allows", remedy="Correct it", where=where):
+        inside = Path(os.path.realpath(path)).is_relative_to(os.path.realpath(folder))
+    if ".." in PurePath(name).parts or not inside:
+        raise InputError(
+            "A file that a folder names must lie in that folder",
+            value=repr(name),
+            remedy="Copy it there, without links, and name it by its path from the folder",
+            where=where,
+        )
+    return path
+
+
+@contextlib.contextmanager
+def opened_hdf5(path: str | Path) -> "Iterator[h5py.File]":
+    """Open an HDF5 file that holds its own data.
+
+    Links, raw storage and virtual datasets of HDF5 name other files, which would be read as part of it.
+
+    Parameters
+    ----------
+    path : str or pathlib.Path
+        HDF5, NetCDF 4 or MATLAB 7.3.
+
+    Yields
+    ------
+    h5py.File
+        The file, to be read.
+
+    Raises
+    ------
+    InputError
+        If a part of it lies in another file.
+    OSError
+        If it is no HDF5 file.
+    """
+    import h5py
+
+    with h5py.File(ordinary(path), "r") as file:
+        for name, item in objects_of(file):
+            if isinstance(item, h5py.Dataset) and (item.is_virtual or item.external):
+                raise _elsewhere(name, path)
+        yield file
+
+
+def objects_of(file: "h5py.File") -> "Iterator[tuple[str, h5py.HLObject]]":
+    """Go through the groups and datasets of an HDF5 file, each once, a group before what it holds.
+
+    Parameters
+    ----------
+    file : h5py.File
+        The file.
+
+    Yields
+    ------
+    tuple of (str, h5py.HLObject)
+        Path from the root, and the object. Soft links are not followed: what they name has its own path.
+
+    Raises
+    ------
+    InputError
+        If there is a link to another file.
+    """
+    import h5py
+
+    waiting: list[tuple[str, h5py.HLObject]] = [("", file)]
+    met = set()
+    while waiting:
+        path, item = waiting.pop()
+        if (place := h5py.h5o.get_info(item.id).addr) in met:
+            continue
+        met.add(place)
+        if path:
+            yield path, item
+        if not isinstance(item, h5py.Group):
+            continue
+        for name in sorted(item, reverse=True):
+            inner = f"{path}/{name}".lstrip("/")
+            link = item.get(name, getlink=True)
+            if isinstance(link, h5py.ExternalLink):
+                raise _elsewhere(inner, file.filename)
+            if isinstance(link, h5py.HardLink):
+                waiting.append((inner, item[name]))
+
+
+def _elsewhere(name: str, path: str | Path) -> InputError:
+    return InputError(
+        "An HDF5 file must hold its own data",
+        value=f"{name}, which lies in another file",
+        remedy="Export it again, with all data in one file",
+        where=str(path),
+    )

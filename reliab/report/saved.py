@@ -1,0 +1,100 @@
+"""A report kept in a folder, from which it can be set without what it was made from.
+
+The folder may come from somebody else. What is read of it is data: text, formulas of known words, and the
+figures that the content names. Templates come from the package only.
+"""
+
+import json
+import re
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, Final
+
+from reliab.files import decoding, ordinary, require_small
+from reliab.received import named_within
+from reliab.report.content import CONTENT_FILE, files_of
+from reliab.report.document import Document
+from reliab.report.formula import require_formula
+
+CONTENT_RULE: Final = "A report is set from its content as `reliab run` wrote it"
+CONTENT_REMEDY: Final = "Run the study again with `reliab run`"
+
+_FIGURE: Final = re.compile(r"figure-[0-9]{1,4}\.svg")
+_MOST_BYTES: Final = 50_000_000
+_FORMULAS: Final = {"math": "source", "equation": "math"}
+"""Where parts of a kind hold their formula."""
+
+
+def save_content(document: Document, folder: Path) -> None:
+    """Keep what a report says, from which it can be set without what it was made from.
+
+    Parameters
+    ----------
+    document : Document
+        The report.
+    folder : pathlib.Path
+        Folder for its content and figures, replaced if it is there.
+    """
+    unfinished = folder.with_name(f".{folder.name}")
+    shutil.rmtree(unfinished, ignore_errors=True)
+    unfinished.mkdir(parents=True)
+    for name, content in files_of(document).items():
+        (unfinished / name).write_bytes(content)
+    shutil.rmtree(folder, ignore_errors=True)
+    unfinished.rename(folder)
+
+
+def saved_content(folder: Path) -> dict[str, bytes]:
+    """Read what :func:`save_content` kept: the content, and the figures that it names.
+
+    Parameters
+    ----------
+    folder : pathlib.Path
+        The folder.
+
+    Returns
+    -------
+    dict of str to bytes
+        As :func:`reliab.report.content.files_of` gives it.
+
+    Raises
+    ------
+    InputError
+        If there is no content, or it has a formula or names a file that no report has.
+    """
+    with decoding(CONTENT_RULE, remedy=CONTENT_REMEDY, where=folder):
+        content = json.loads(_bytes_of(folder, CONTENT_FILE))
+        parts = list(_parts(content))
+        for part in parts:
+            if key := _FORMULAS.get(part.get("kind", "")):
+                require_formula(part[key])
+        figures = {part["file"] for part in parts if part.get("kind") == "figure"}
+        # What was checked is what the template reads, not the bytes that it was decoded from.
+        checked = json.dumps(content, ensure_ascii=False, allow_nan=False).encode()
+        return {CONTENT_FILE: checked} | {name: _figure(folder, name) for name in sorted(figures)}
+
+
+def _parts(content: object) -> Iterator[dict[str, Any]]:
+    """Every object in a JSON document."""
+    waiting = [content]
+    while waiting:
+        value = waiting.pop()
+        if isinstance(value, dict):
+            yield value
+            waiting.extend(value.values())
+        elif isinstance(value, list):
+            waiting.extend(value)
+
+
+def _figure(folder: Path, name: str) -> bytes:
+    if not _FIGURE.fullmatch(name):
+        message = f"a figure of the name {name!r}"
+        raise ValueError(message)
+    return _bytes_of(folder, name)
+
+
+def _bytes_of(folder: Path, name: str) -> bytes:
+    path = ordinary(named_within(folder, name, where=str(folder)))
+    require_small(path, _MOST_BYTES, remedy=CONTENT_REMEDY)
+    return path.read_bytes()

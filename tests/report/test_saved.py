@@ -1,0 +1,188 @@
+"""A report that somebody sent is data: nothing in it is executed, and no file of this machine is read."""
+
+import datetime as dt
+import json
+
+import pytest
+from matplotlib.figure import Figure as Drawing
+
+from reliab.cli import run
+from reliab.errors import InputError
+from reliab.report import save_content, saved_content
+from reliab.report.document import Document, Equation, Figure, Paragraph
+from reliab.report.formula import require_formula
+from reliab.report.pdf import compiled_report, templates
+from reliab.report.prose import Math, prose
+from reliab.report.setting import Setting
+
+DATE = dt.date(2026, 1, 1)
+STUDY = {"title": "Sent", "kind": "discrepancy", "date": "2026-01-01", "campaign": {"folder": "elsewhere"}}
+READING = (
+    '#read("secret.txt")',
+    'std.read("secret.txt")',
+    'a #std.read("secret.txt")',
+    'x "a" std.read("secret.txt") "b"',
+    '"\\"" std.read("secret.txt") "\\""',
+    'std . read("secret.txt")',
+    "eval(x)",
+    'image("secret.svg")',
+    '#import "@preview/cetz:0.3.0"',
+    "$ #panic() $",
+    "x2",
+)
+"""Formulas that read files, or would if words were let through."""
+
+SVG = 'svg xmlns="http://www.w3.org/2000/svg" width="9" height="9"'
+LINKED = f'<{SVG}><image href="{{}}" width="9" height="9"/></svg>'
+ENTITY = f'<!DOCTYPE svg [<!ENTITY x SYSTEM "secret.txt">]><{SVG}><text>&x;</text></svg>'
+
+
+@pytest.fixture
+def sent(tmp_path, monkeypatch):
+    """Run folder with a report, beside a file that nobody may read; the working folder holds both."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "secret.txt").write_text("secret")
+    drawing = Drawing(figsize=(2, 1))
+    drawing.subplots().plot([1.0, 2.0])
+    drawing.savefig(tmp_path / "secret.png")
+    blocks = (
+        Paragraph(text=prose("Where $xi = {xi:g}$.", xi=0.02)),
+        Equation(math="a + b", label="eq:one"),
+        Figure(drawing=drawing, caption="A line.", label="fig:one"),
+    )
+    report = Document(kind="Test", title="Sent", verdict="Good.", blocks=blocks)
+    folder = tmp_path / "run"
+    folder.mkdir()
+    (folder / "manifest.json").write_text(json.dumps({"study": STUDY, "stages": {}}))
+    save_content(report, folder / "report")
+    return folder
+
+
+def changed(folder, change):
+    path = folder / "report" / "document.json"
+    content = json.loads(path.read_text())
+    change(content["blocks"])
+    path.write_text(json.dumps(content))
+
+
+def refused(folder, capsys):
+    """Message with which a folder is refused; nothing was written."""
+    assert run(["report", str(folder)]) == 2
+    assert not (folder / "report.pdf").exists()
+    message = capsys.readouterr().err
+    assert "Traceback" not in message
+    return message
+
+
+def test_what_was_saved_is_set_as_the_document_itself(sent):
+    assert run(["report", str(sent)]) == 0
+    content = saved_content(sent / "report")
+    assert (sent / "report.pdf").read_bytes() == compiled_report(content, date=DATE)
+    assert set(content) == {"document.json", "figure-1.svg"}
+
+
+@pytest.mark.parametrize("name", [*templates(), "logo.png", "figure-2.svg"])
+def test_files_that_the_content_does_not_name_are_not_used(sent, name):
+    expected = compiled_report(saved_content(sent / "report"), date=DATE)
+    (sent / "report" / name).write_text('#read("secret.txt")')
+    assert run(["report", str(sent)]) == 0
+    assert (sent / "report.pdf").read_bytes() == expected
+
+
+@pytest.mark.parametrize("name", templates())
+def test_templates_are_those_of_the_package_whatever_the_content_is(sent, name):
+    content = saved_content(sent / "report")
+    hostile = {**content, name: b'#read("secret.txt")'}
+    assert compiled_report(hostile, date=DATE) == compiled_report(content, date=DATE)
+
+
+@pytest.mark.parametrize("formula", READING)
+@pytest.mark.parametrize("place", ["line", "equation", "unused"])
+def test_a_formula_that_is_none_is_refused(sent, capsys, formula, place):
+    def change(blocks):
+        if place == "line":
+            blocks[0]["text"][1]["source"] = formula
+        elif place == "equation":
+            blocks[1]["math"] = formula
+        else:
+            blocks[0]["anything"] = {"kind": "math", "source": formula}
+
+    changed(sent, change)
+    assert "A formula is built of" in refused(sent, capsys)
+
+
+def test_a_formula_that_hides_behind_a_key_of_the_same_name_is_not_set(sent):
+    path = sent / "report" / "document.json"
+    twice = '"source": "std.read(\\"secret.txt\\")", "source": "x"'
+    path.write_text(path.read_text().replace('"source": "xi = 0.02"', twice))
+    assert twice in path.read_text()
+    assert b"std.read" not in saved_content(sent / "report")["document.json"]
+
+
+@pytest.mark.parametrize("formula", READING)
+def test_authors_of_reports_are_held_to_the_same_formulas(formula):
+    for make in (require_formula, lambda text: Math(source=text), lambda text: Equation(math=text)):
+        with pytest.raises(ValueError, match="A formula is built of"):
+            make(formula)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("../../secret.png", "/etc/hostname", "document.json", "main.typ", "figure-1.png", "figure-1.svg\n"),
+        *("figure-7.svg", "", "figure-1.svg\0", None, 1, ["figure-1.svg"]),
+    ],
+)
+def test_a_figure_of_another_name_is_refused(sent, capsys, name):
+    changed(sent, lambda blocks: blocks[2].update(file=name))
+    assert "A report is set from its content" in refused(sent, capsys)
+
+
+@pytest.mark.parametrize(
+    "picture",
+    [
+        *(
+            LINKED.format(place)
+            for place in ("secret.png", "../secret.png", "/etc/x.png", "http://localhost/x")
+        ),
+        *(LINKED.format(place) for place in ("file:///etc/x.png", "main.typ")),
+        ENTITY,
+        '#read("secret.txt")',
+        "",
+    ],
+)
+def test_a_figure_that_names_another_file_is_refused(sent, capsys, picture):
+    (sent / "report" / "figure-1.svg").write_text(picture)
+    assert "A report is set from its content" in refused(sent, capsys)
+
+
+def test_a_picture_beside_the_working_folder_cannot_be_part_of_a_logo(sent, tmp_path):
+    logo = tmp_path / "logo.svg"
+    logo.write_text(LINKED.format("secret.png"))
+    with pytest.raises(InputError, match="A logo must be a sound picture"):
+        compiled_report(saved_content(sent / "report"), date=DATE, setting=Setting(logo=logo))
+
+
+@pytest.mark.parametrize("part", ["report/figure-1.svg", "report/document.json", "report", "manifest.json"])
+def test_a_link_in_the_folder_is_refused(sent, capsys, part):
+    own = sent / part
+    elsewhere = own.rename(sent.parent / "moved")
+    own.symlink_to(elsewhere)
+    assert "without links to others" in refused(sent, capsys)
+
+
+@pytest.mark.parametrize("content", ["", "[]", "1", "null", "{}", "[" * 100_000, '{"blocks": NaN}', "\ud800"])
+def test_content_that_is_none_is_refused(sent, capsys, content):
+    (sent / "report" / "document.json").write_bytes(content.encode(errors="surrogatepass"))
+    assert "A report is set from its content" in refused(sent, capsys)
+
+
+def test_a_report_that_is_too_large_is_refused(sent, capsys):
+    with (sent / "report" / "figure-1.svg").open("r+b") as file:
+        file.truncate(60_000_000)
+    assert "50 MB at most" in refused(sent, capsys)
+
+
+def test_text_is_never_markup(sent):
+    changed(sent, lambda blocks: blocks[0].update(text=[{"kind": "text", "text": '#read("secret.txt")'}]))
+    assert run(["report", str(sent)]) == 0
