@@ -154,7 +154,7 @@ def test_a_kind_of_study_has_one_name_for_its_file_and_its_report():
 
 
 WRITING = frozenset({"write_text", "write_bytes", "to_csv", "to_netcdf", "savefig"})
-WRITTEN_IN_A_FOLDER_THAT_IS_RENAMED = {"report/content.py", "motions/writing.py"}
+WRITTEN_IN_A_FOLDER_THAT_IS_RENAMED = {"report/saved.py", "motions/writing.py"}
 """Whole folders are written under another name first."""
 WRITTEN_IN_MEMORY = {"report/style.py"}
 

@@ -12,14 +12,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TypeVar
 
-from reliab.errors import InputError
 from reliab.motions.faults import Report
 from reliab.motions.readers.header import number
 from reliab.motions.readers.reading import Declared
 from reliab.motions.readers.source import is_file, open_source
 from reliab.motions.record import RecordFile
 from reliab.motions.units import AccelerationUnit, find_unit
-from reliab.received import named_within
 
 T = TypeVar("T")
 
@@ -49,7 +47,7 @@ def read_catalogue(path: Path, report: Report, given: Declared) -> list[RecordFi
     list of RecordFile
         The motions of all rows without a fault, in order.
     """
-    source = open_source(path, report)
+    source = open_source(path, report) if report.within(path.parent, path.name) else None
     if source is None:
         return []
     rows = csv.reader(line.text for line in source.lines())
@@ -113,10 +111,8 @@ def _record(
 ) -> Iterator[RecordFile]:
     """Yield the record of a row, unless the row has a fault."""
     faults_before = len(report.faults)
-    try:
-        file = named_within(path.parent, row["file"].replace("\\", "/"), where=path.name)
-    except InputError as error:
-        report.add(error.rule, line=line, value=error.value, remedy=error.remedy)
+    file = report.within(path.parent, row["file"].replace("\\", "/"), line=line)
+    if file is None:
         return
     if not is_file(file):
         report.add(

@@ -1,9 +1,11 @@
 """Faults found in record files, collected so that one check reports them all."""
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TypeVar
 
 from reliab.errors import InputError
+from reliab.received import named_within
 
 T = TypeVar("T")
 
@@ -54,6 +56,29 @@ class Report:
     def add(self, rule: str, *, line: int | None = None, value: object = "", remedy: str = "") -> None:
         """Record a fault of the file."""
         self.faults.append(Fault(file=self.file, line=line, rule=rule, value=str(value), remedy=remedy))
+
+    def within(self, folder: Path, name: str, *, line: int | None = None) -> Path | None:
+        """Return the path of a file that a folder names, or record that it lies elsewhere.
+
+        Parameters
+        ----------
+        folder : Path
+            The folder.
+        name : str
+            Path from the folder.
+        line : int, optional
+            Line in which it is named.
+
+        Returns
+        -------
+        Path or None
+            The file; None where it lies outside of the folder.
+        """
+        try:
+            return named_within(folder, name, where=self.file)
+        except InputError as error:
+            self.add(error.rule, line=line, value=error.value, remedy=error.remedy)
+            return None
 
     def raise_first(self) -> None:
         """Raise the first fault, if there is one.

@@ -19,7 +19,6 @@ from reliab.motions.readers.reading import Declared
 from reliab.motions.readers.registry import TEXT, claims_to_be_record, detect, open_records
 from reliab.motions.readers.source import HEAD, open_source
 from reliab.motions.record import RecordFile
-from reliab.received import named_within
 
 _STRIPPED = frozenset((".at2", ".v2", ".v2c", ".txt", ".csv", ".tsv", ".dat", ".asc", ".acc"))
 UNREAD = {
@@ -65,7 +64,8 @@ def scan_folder(folder: Path, given: Declared) -> Iterator[tuple[Path, list[Reco
     names = _names(paths, folder)
     for path in paths:
         report = Report(file=str(path))
-        yield path, scan_file(path, names[path], given, report), report
+        inside = report.within(folder, path.relative_to(folder).as_posix())
+        yield path, scan_file(path, names[path], given, report) if inside else [], report
 
 
 class UnreadFileWarning(UserWarning):
@@ -126,7 +126,6 @@ def _may_be_record(path: Path, folder: Path) -> bool:
     inner = path.relative_to(folder)
     if any(part.startswith(".") for part in inner.parts) or not path.is_file():
         return False
-    named_within(folder, inner.as_posix(), where=str(folder))
     if path.name.lower() == CATALOGUE or path.stem.lower().lstrip("_").startswith(_NOT_RECORDS):
         return False
     if claims_to_be_record(path):

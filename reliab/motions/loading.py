@@ -14,7 +14,6 @@ from reliab.motions.readers.source import is_file, is_folder
 from reliab.motions.record import RecordFile
 from reliab.motions.suite import MotionEntry, MotionSuite
 from reliab.motions.units import parse_unit
-from reliab.received import named_within
 
 BUILT_IN = ("synthetic",)
 """Names of the suites that come with the package."""
@@ -173,7 +172,7 @@ def _entries(source: str | Path, given: Declared) -> list[MotionEntry]:
 
 
 def _folder_entries(folder: Path, given: Declared) -> list[RecordFile]:
-    catalogue = named_within(folder, CATALOGUE, where=str(folder))
+    catalogue = folder / CATALOGUE
     if is_file(catalogue):
         report = Report(file=str(catalogue))
         records = read_catalogue(catalogue, report, given)

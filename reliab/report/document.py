@@ -249,8 +249,7 @@ class Document:
     sheet: bool = False
 
     def __post_init__(self) -> None:
-        labels = Counter(_labels(self.blocks))
-        labels.update(source.label for source in self.sources)
+        labels = Counter([*_labels(self.blocks), *(source.label for source in self.sources)])
         twice = sorted(label for label, count in labels.items() if count > 1)
         unknown = sorted(set(self.referred()) - set(labels))
         for rule, faulty in (("be used once", twice), ("name something in the report", unknown)):
