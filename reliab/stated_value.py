@@ -13,6 +13,7 @@ _STATED = re.compile(
     re.IGNORECASE,
 )
 _PERCENT = 100.0
+_SMALLEST, _LARGEST = 1e-30, 1e30  # whose squares are numbers, and their products with those of recordings
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,15 @@ class StatedValue:
 
     value: float
     deviation: float = 0.0
+
+    def __post_init__(self) -> None:
+        for number in (self.value, self.deviation):
+            if number and not _SMALLEST <= abs(number) <= _LARGEST:
+                raise InputError(
+                    f"A stated number must be zero, or between {_SMALLEST:g} and {_LARGEST:g} in size",
+                    value=f"{number:g}",
+                    remedy="Check the number and its unit",
+                )
 
     @classmethod
     def parse(cls, text: str, quantity: str = "quantity") -> "StatedValue":

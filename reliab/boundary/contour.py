@@ -24,6 +24,7 @@ ErrorOfCells = Callable[[NDArray[np.float64], NDArray[np.float64], NDArray[np.in
 
 AMPLITUDE_STEP = 0.001
 _FEWEST_STEPS, _MOST_STEPS = 5, 100
+_THRESHOLDS = (1e-6, 10.0)
 _FIRST_GUESS = 1e-5  # small against any contour; the error grows in proportion from there
 _GROWTH = 1.4
 _TIP = 1e-6
@@ -112,7 +113,7 @@ def trace_contours(
     Raises
     ------
     InputError
-        If a threshold is not positive.
+        If a threshold is smaller than any test can keep, or larger than any error that is simulated.
 
     Examples
     --------
@@ -123,10 +124,10 @@ def trace_contours(
     >>> circle.amplitude.size, float(circle.delay.max().round(6))
     (99, 0.05)
     """
-    wrong = ~(np.isfinite(thresholds) & (thresholds > 0.0))
+    wrong = ~((thresholds >= _THRESHOLDS[0]) & (thresholds <= _THRESHOLDS[1]))
     if wrong.any():
         raise InputError(
-            "The error threshold must be positive",
+            f"The error threshold must lie between {_THRESHOLDS[0]:g} and {_THRESHOLDS[1]:g}",
             value=thresholds[wrong][0],
             remedy="Give a fraction, 0.05 for 5 %",
         )

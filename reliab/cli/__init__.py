@@ -64,6 +64,19 @@ app.command("info", epilog=example_of("info"))(info.info)
 app.command("report", epilog=example_of("report"))(report.report)
 
 
+_ONE_THREAD = dict.fromkeys(
+    (
+        "OMP_NUM_THREADS",
+        "OPENBLAS_NUM_THREADS",
+        "MKL_NUM_THREADS",
+        "BLIS_NUM_THREADS",
+        "VECLIB_MAXIMUM_THREADS",
+    ),
+    "1",
+)
+"""Sums differ in the last digit with the number of threads; matrices as small as ours need only one."""
+
+
 def _show_version(wanted: bool) -> None:  # noqa: FBT001 - Typer's callback
     if wanted:
         typer.echo(__version__)
@@ -83,6 +96,7 @@ def options(
 
 def main() -> None:
     """Run the command line; bad input ends with one sentence and exit code 2."""
+    os.environ.update(_ONE_THREAD)
     sys.stdout, sys.stderr = map(write_what_can_be_written, (sys.stdout, sys.stderr))
     sys.exit(run(sys.argv[1:]))
 

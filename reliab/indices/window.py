@@ -16,6 +16,9 @@ class _Kind(StrEnum):
     ARIAS = "arias"
 
 
+_SHORTEST = 1e-9  # s
+
+
 @dataclass(frozen=True, kw_only=True)
 class Window:
     """The whole record, its first seconds, or the part between 5 and 95 % of the Arias intensity.
@@ -44,9 +47,9 @@ class Window:
             raise InputError(
                 f"The window must be one of {', '.join(_Kind)}", value=self.kind, remedy="Choose one of them"
             )
-        if self.kind == _Kind.SECONDS and not (np.isfinite(self.seconds) and self.seconds > 0.0):
+        if self.kind == _Kind.SECONDS and not (np.isfinite(self.seconds) and self.seconds >= _SHORTEST):
             raise InputError(
-                "The window's length must be positive and finite",
+                f"The window's length must be at least {_SHORTEST:g} s, and finite",
                 value=f"{self.seconds} s",
                 remedy="Give the number of seconds from the record's first sample",
             )

@@ -5,6 +5,10 @@ from dataclasses import dataclass
 
 from reliab.errors import InputError
 
+_FREQUENCIES = (0.01, 1e6)
+_LEAST_RATIO = 1e-12
+"""Limits far beyond any structure, within which powers and ratios of its numbers are numbers too."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Structure:
@@ -49,6 +53,22 @@ class Structure:
                 value=self.experimental_fraction,
                 remedy="Give the specimen's share of the total stiffness, 1 for the whole of it",
             )
+        if not _FREQUENCIES[0] <= self.frequency <= _FREQUENCIES[1]:
+            raise InputError(
+                "The natural frequency must lie between 0.01 and 1e6 Hz",
+                value=f"{self.frequency:g} Hz",
+                remedy="Give the frequency of the whole structure in hertz",
+            )
+        for name, ratio in (
+            ("damping ratio", self.damping_ratio),
+            ("experimental fraction", self.experimental_fraction),
+        ):
+            if ratio < _LEAST_RATIO:
+                raise InputError(
+                    f"The {name} must be at least {_LEAST_RATIO:g}",
+                    value=ratio,
+                    remedy="Give a fraction of 1",
+                )
 
     @property
     def circular_frequency(self) -> float:

@@ -30,7 +30,7 @@ def delayed(values: Array, lag: float, time_step: float) -> Array:
     Raises
     ------
     InputError
-        If the lag is negative or not finite.
+        If the lag is negative, not finite or longer than the history.
 
     Examples
     --------
@@ -46,6 +46,12 @@ def delayed(values: Array, lag: float, time_step: float) -> Array:
         )
     if lag == 0.0:
         return values
+    if lag > values.size * time_step:
+        raise InputError(
+            "The lag of the fed-back force must be shorter than the test",
+            value=f"{lag:g} s",
+            remedy="Give seconds, 0.0005 for half a millisecond",
+        )
     steps = lag / time_step
     whole = int(steps)
     # nodes at −3 … 0 steps before the sample `whole` steps ago; read at −(steps − whole)

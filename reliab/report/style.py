@@ -81,6 +81,13 @@ RC: Final[dict[Any, Any]] = {
 }
 """What differs from matplotlib's defaults."""
 
+_UNDATED: Final[dict[str, dict[str, Any]]] = {
+    ".svg": {"Date": None, "Creator": None},
+    ".pdf": {"CreationDate": None},
+    ".png": {},
+}
+"""By the ending of a picture's file, what matplotlib must leave out for equal bytes."""
+
 _Arguments = ParamSpec("_Arguments")
 
 
@@ -202,25 +209,36 @@ def line(rank: int, *, marker: bool = False) -> dict[str, Any]:
 
 
 def svg(figure: Figure) -> bytes:
-    """Draw a figure as SVG with reproducible bytes.
+    """Draw a figure as SVG with reproducible bytes, as :func:`picture` does."""
+    return picture(figure, ".svg")
+
+
+def picture(figure: Figure, ending: str) -> bytes:
+    """Draw a figure with bytes that depend on nothing but what is drawn.
 
     Parameters
     ----------
     figure : matplotlib.figure.Figure
         The figure.
+    ending : str
+        Ending of its file: ".svg", ".pdf" or ".png".
 
     Returns
     -------
     bytes
-        The SVG.
+        The SVG, PDF or PNG.
+
+    Raises
+    ------
+    ValueError
+        If the ending is another.
     """
-    return _drawn(figure, "svg", metadata={"Date": None, "Creator": None})
-
-
-def _drawn(figure: Figure, kind: str, metadata: dict[str, Any]) -> bytes:
+    if ending not in _UNDATED:
+        message = f"no picture ends in {ending!r}"
+        raise ValueError(message)
     target = io.BytesIO()
     with mpl.rc_context({**mpl.rcParamsDefault, **RC}):
-        figure.savefig(target, format=kind, metadata=metadata)
+        figure.savefig(target, format=ending.removeprefix("."), metadata=_UNDATED[ending])
     return target.getvalue()
 
 

@@ -113,8 +113,8 @@ def test_contour_is_cut_where_the_amplitude_is_out_of_all_proportion():
 
 
 @pytest.mark.parametrize("threshold", [-0.05, 0.0, np.nan, np.inf])
-def test_threshold_must_be_positive(threshold):
-    with pytest.raises(InputError, match="positive"):
+def test_threshold_must_be_one_that_a_test_has(threshold):
+    with pytest.raises(InputError, match="must lie between"):
         trace_contours(lambda a, d, _: np.hypot(a - 1.0, d), np.array([0.05, threshold]), STRUCTURE)
 
 

@@ -134,6 +134,28 @@ SAMPLING = {
 """Commands that sample a posterior."""
 
 
+def _posterior(material: Path, out: Path) -> Sequence[object]:
+    """Figures and the kept draws of a posterior."""
+    return (
+        *("criterion", "--ellipses", material / "ellipses.nc", "--f", 1, "--xi", 0.02, "--confidence", 0.8),
+        *("--method", "hierarchical", "--steps", 400, "--figures", out / "figures"),
+    )
+
+
+DRAWING = {
+    f"design, {ending}": Work(
+        arguments=lambda _, out, ending=ending: (
+            *("assess", "--design", "--figure", out / f"chart.{ending}", "--json", out / "chart.json"),
+        )
+    )
+    for ending in ("svg", "pdf", "png")
+}
+"""Commands that draw a figure without a run."""
+
+WRITING = WORKS | DRAWING | {"posterior": Work(arguments=_posterior)}
+"""Every kind of file that a command writes."""
+
+
 def results(folder: Path) -> dict[str, str]:
     """SHA-256 of every file of results; manifests hold the day, and what was being written is no result."""
     return {

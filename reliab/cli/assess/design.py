@@ -38,11 +38,12 @@ def answer_design(design: "Design", figure: Path | None, json_target: str | None
 
 def _draw(chart: "Sequence[Tolerance]", path: Path) -> None:
     from reliab.report.figures.tolerable_errors import tolerable_errors_over_frequency
+    from reliab.report.style import picture
 
     drawn = tolerable_errors_over_frequency(chart)
     try:
         with written_whole(path) as file:
-            drawn.savefig(file)
+            file.write_bytes(picture(drawn, path.suffix.lower()))
     except (OSError, ValueError) as error:
         raise InputError(
             "The figure's file must be writable and end in .svg, .png or .pdf",
