@@ -3,15 +3,13 @@
 import contextlib
 import errno
 import os
+import shutil
 import stat
-import uuid
 from collections.abc import Iterator
 from pathlib import Path
 
 from reliab.errors import InputError, ReliabError
-
-UNFINISHED = ".unfinished-"
-"""How the name of a file begins that is being written, or that an interrupted process left behind."""
+from reliab.unfinished import UNFINISHED, hold, remove_abandoned, unfinished_name
 
 _LONGEST_REASON = 200
 _MEGABYTE = 1e6
@@ -169,14 +167,16 @@ def _reason(error: Exception) -> str:
 def written_whole(path: str | Path, *, synced: bool = True) -> Iterator[Path]:
     """Write a file beside its place, and put it there when it is complete and on the disk.
 
-    Whoever reads the file sees the one before or the new one, also after a crash or on a full disk.
+    Whoever reads the file sees the one before or the new one, also after a crash or on a full disk. What
+    killed processes left in the folder is removed.
 
     Parameters
     ----------
     path : str or pathlib.Path
         The file, replaced if it is there; through a link, the file that the link names.
     synced : bool, optional
-        Whether to wait until it is on the disk; without that, a crash of the whole machine may lose it.
+        Whether to wait until it is on the disk; without that, a crash of the whole machine may lose it, and
+        what killed processes left is not looked for.
 
     Yields
     ------
@@ -201,9 +201,13 @@ def written_whole(path: str | Path, *, synced: bool = True) -> Iterator[Path]:
     if place.exists() and not place.is_file():
         yield place  # a pipe or a device, such as /dev/null, is written to as it is
         return
-    unfinished = place.with_name(f"{UNFINISHED}{uuid.uuid4().hex}{place.suffix}")
+    if synced:
+        remove_abandoned(place.parent.glob(f"{UNFINISHED}*"))
+    unfinished = unfinished_name(place)
     try:
-        yield unfinished
+        with unfinished.open("xb") as file:
+            hold(file.fileno())
+            yield unfinished
         if synced:
             _sync(unfinished)
         unfinished.replace(place)
@@ -213,6 +217,71 @@ def written_whole(path: str | Path, *, synced: bool = True) -> Iterator[Path]:
         with contextlib.suppress(OSError):
             unfinished.unlink(missing_ok=True)
         raise
+
+
+@contextlib.contextmanager
+def folder_written_whole(place: Path) -> Iterator[Path]:
+    """Write a folder, new or empty, beside its place and put it there when it is complete.
+
+    It is as :func:`written_whole` with a file. Of two processes that write one folder the second has an
+    OSError.
+    """
+    place = Path(os.path.realpath(place))
+    place.parent.mkdir(parents=True, exist_ok=True)
+    remove_abandoned(place.parent.glob(f"{UNFINISHED}*"))
+    unfinished = unfinished_name(place)
+    unfinished.mkdir()
+    descriptor = os.open(unfinished, os.O_RDONLY)
+    try:
+        hold(descriptor)
+        yield unfinished
+        if place.exists():
+            place.rmdir()
+        unfinished.rename(place)
+    finally:
+        os.close(descriptor)
+        shutil.rmtree(unfinished, ignore_errors=True)
+
+
+@contextlib.contextmanager
+def written_by_one_process(path: Path, rule: str) -> Iterator[None]:
+    """Keep every other process from writing to a folder, with a lock that stands beside it.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        The folder; the one that it stands in must exist.
+    rule : str
+        That only one process may do it.
+
+    Raises
+    ------
+    InputError
+        If another process does, there are links among the folder's files, or no lock can be made.
+    """
+    import filelock
+
+    lock = filelock.FileLock(path.with_name(path.name + ".lock"), timeout=0)
+    refuse_links(path, Path(lock.lock_file))
+    try:
+        lock.acquire()
+    except filelock.Timeout:
+        raise InputError(
+            rule,
+            value=f"{path} in use by another process",
+            remedy="Wait until it is done, or name another",
+        ) from None
+    except OSError as error:
+        raise InputError(
+            "The place of a folder must be writable",
+            value=error.strerror,
+            remedy="Name another",
+            where=str(path.parent),
+        ) from None
+    try:
+        yield
+    finally:
+        lock.release()
 
 
 def _sync(path: Path) -> None:

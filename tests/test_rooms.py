@@ -31,6 +31,8 @@ ROOMS = (
 )
 GROUND = {
     "compiled",
+    "described_files",
+    "encodings",
     "errors",
     "files",
     "html_table",
@@ -42,6 +44,7 @@ GROUND = {
     "shipped",
     "significant",
     "stated_value",
+    "unfinished",
     "version",
     "vocabulary",
 }

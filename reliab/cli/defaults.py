@@ -12,10 +12,10 @@ What the command line says comes first, then the file, then what the header of a
 """
 
 import os
-import tomllib
 from pathlib import Path
 from typing import Any
 
+from reliab.described_files import read_toml
 from reliab.errors import InputError
 
 FILE = "reliab.toml"
@@ -48,15 +48,11 @@ def read_defaults(command: Any) -> dict[str, dict[str, Any]]:  # noqa: ANN401 - 
     path = Path(named or FILE)
     if not named and not path.is_file():
         return {}
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise InputError(
-            "The file of defaults must be readable TOML",
-            value=str(error),
-            remedy=f"Mend it, or unset {VARIABLE}" if named else "Mend it, or rename it",
-            where=str(path),
-        ) from error
+    content = read_toml(
+        path,
+        rule="The file of defaults must be readable TOML",
+        remedy=f"Mend it, or unset {VARIABLE}" if named else "Mend it, or rename it",
+    )
     return {name: _of_command(name, table, command, path) for name, table in content.items()}
 
 

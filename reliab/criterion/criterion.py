@@ -1,6 +1,7 @@
 """The criterion: how much amplitude error and delay a test may have."""
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +13,7 @@ from reliab.criterion.methods.method import checked_share
 from reliab.criterion.population import Population
 from reliab.criterion.provenance import Provenance
 from reliab.criterion.showing import draw_region, table_of_criterion
+from reliab.described_files import MOST_BYTES_OF_JSON, described_text
 from reliab.errors import InputError
 from reliab.significant import significant
 from reliab.vocabulary import Metric, Side
@@ -256,6 +258,13 @@ class Criterion:
             number that is not finite or limits that are no table.
         """
         return cls(**from_text(text))
+
+    @classmethod
+    def read(cls, path: str | Path) -> "Criterion":
+        """Read a criterion's file; the errors of `from_json`, and one if it cannot be read."""
+        rule, remedy = "A criterion's file must be readable", "Write one with `reliab criterion --out`"
+        text = described_text(path, rule=rule, remedy=remedy, most=MOST_BYTES_OF_JSON)
+        return cls(**from_text(text, str(path)))
 
 
 def _broadcast(

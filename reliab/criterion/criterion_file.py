@@ -1,22 +1,22 @@
 """A criterion as JSON: written with its provenance, and read with every key and number checked."""
 
 import json
-import math
 from collections.abc import Mapping
-from dataclasses import asdict, fields
-from typing import Any
+from dataclasses import asdict
+from typing import Annotated, Any
 
-from reliab.criterion.file_keys import require_keys
+from pydantic import BaseModel, ConfigDict, Strict, ValidationError
+
 from reliab.criterion.laws import Law, law_from_dict, law_to_dict
 from reliab.criterion.population import Population
 from reliab.criterion.provenance import SCHEMA_VERSION, Provenance
+from reliab.described_files import first_fault, parse_json
 from reliab.errors import InputError
 
-PLAIN = {"threshold": float, "metric": str, "confidence": float, "method": str, "joint": bool}
-"""Keys with plain values, and their types."""
+PLAIN = ("threshold", "metric", "confidence", "method", "joint")
+"""Keys with plain values."""
 
-_DIGITS = 18  # of which NumPy's whole numbers hold any
-_KEYS = (*PLAIN, "law", "lead_law", "population", "lead_population", "provenance")
+_REMEDY = "Derive the criterion again"
 
 
 def to_text(
@@ -51,13 +51,15 @@ def to_text(
     return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
 
 
-def from_text(text: str) -> dict[str, Any]:
+def from_text(text: str, where: str = "") -> dict[str, Any]:
     """Read the parts of a criterion.
 
     Parameters
     ----------
     text : str
         JSON as :func:`to_text` writes it.
+    where : str, optional
+        The file, for messages.
 
     Returns
     -------
@@ -70,82 +72,85 @@ def from_text(text: str) -> dict[str, Any]:
         If the text is no such JSON, of another schema, lacks a key, has an unknown one, or holds a number
         that is not finite or a value of another type.
     """
-    content = dict(require_keys(_checked(text), _KEYS, "A criterion's file"))
-    for key, kind in PLAIN.items():
-        value = content[key]
-        allowed = (float, int) if kind is float else (kind,)
-        if not isinstance(value, allowed) or (kind is float and isinstance(value, bool)):
-            raise _broken(f"The key {key} of a criterion's file must be of type {kind.__name__}", repr(value))
-        content[key] = kind(value)
-    for key in ("law", "lead_law"):
-        if content[key] is not None:
-            content[key] = law_from_dict(_mapping(content[key], key))
-    for key in ("population", "lead_population"):
-        if content[key] is not None:
-            content[key] = Population.from_dict(_mapping(content[key], key))
-    content["provenance"] = _provenance(content["provenance"])
-    return content
-
-
-def _checked(text: str) -> dict[str, Any]:
-    """Take everything but the version of the schema."""
+    rule = "A criterion must be JSON as written by `reliab criterion --out`"
+    content = parse_json(text, rule=rule, remedy=_REMEDY, where=where)
+    _require_schema(content, where)
     try:
-        content = json.loads(text, parse_constant=_refuse_constant, parse_float=_finite, parse_int=_number)
-    except (ValueError, RecursionError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise _broken(
-            "A criterion must be JSON as written by `reliab criterion --out`", str(error)
-        ) from error
-    schema = content.pop("schema_version", None) if isinstance(content, dict) else None
+        checked = _CriterionFile.model_validate(content)
+    except ValidationError as error:
+        rule, value, _ = first_fault(error)
+        raise InputError(
+            f"A criterion must be as `reliab criterion --out` writes it. {rule}",
+            value=value,
+            remedy=_REMEDY,
+            where=where,
+        ) from None
+    laws = {name: getattr(checked, name) for name in ("law", "lead_law")}
+    motions = {name: getattr(checked, name) for name in ("population", "lead_population")}
+    return {
+        **{name: getattr(checked, name) for name in PLAIN},
+        **{name: None if law is None else law_from_dict(law) for name, law in laws.items()},
+        **{name: None if part is None else part.built() for name, part in motions.items()},
+        "provenance": Provenance(**dict(checked.provenance)),
+    }
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
+
+
+class _Motions(_Part):
+    frequencies: list[float]
+    damping_ratios: list[float]
+    events: list[str]
+    log_alpha: list[list[list[float | None]]]
+    log_beta: list[list[list[float | None]]]
+
+    def built(self) -> Population:
+        return Population.from_dict(dict(self))
+
+
+class _ProvenanceTable(_Part):
+    source: str
+    motions: str
+    n_motions: int
+    n_events: int
+    records_checksum: str
+    window: str
+    experimental_fraction: float
+    curve: str
+    packages: dict[str, str]
+    settings: dict[str, Any]
+    warnings: Annotated[tuple[str, ...], Strict(strict=False)]
+
+
+class _CriterionFile(_Part):
+    schema_version: int
+    threshold: float
+    metric: str
+    confidence: float
+    method: str
+    joint: bool
+    law: dict[str, Any]
+    lead_law: dict[str, Any] | None
+    population: _Motions | None
+    lead_population: _Motions | None
+    provenance: _ProvenanceTable
+
+
+def _require_schema(content: object, where: str) -> None:
+    schema = content.get("schema_version") if isinstance(content, dict) else None
     if schema == 1:
         raise InputError(
             "A criterion must be of the present schema, which has limits of its own for leads",
             value="version 1, which had none and rested on fitted ellipses",
             remedy="Derive it again with `reliab criterion --out FILE.json`",
+            where=where,
         )
-    if not isinstance(content, dict) or schema != SCHEMA_VERSION:
+    if schema != SCHEMA_VERSION:
         raise InputError(
             f"A criterion must be JSON of schema version {SCHEMA_VERSION}",
             value="no schema_version" if schema is None else f"version {schema}",
             remedy="Use the version of reliab that wrote it, or derive it again",
+            where=where,
         )
-    return content
-
-
-def _refuse_constant(name: str) -> float:
-    raise _broken("Every number of a criterion's file must be finite", name)
-
-
-def _number(text: str) -> float:
-    """Take a number without a point, whole where NumPy can hold it."""
-    return int(text) if len(text) <= _DIGITS else _finite(text)
-
-
-def _finite(text: str) -> float:
-    number = float(text)
-    return number if math.isfinite(number) else _refuse_constant(text)
-
-
-def _mapping(content: object, key: str) -> Mapping[str, Any]:
-    if not isinstance(content, Mapping):
-        raise _broken(f"The key {key} of a criterion's file must hold keys and values", repr(content))
-    return content
-
-
-def _provenance(content: object) -> Provenance:
-    kept = dict(require_keys(content, [part.name for part in fields(Provenance)], "A criterion's provenance"))
-    sentences = kept["warnings"]
-    if not isinstance(sentences, list) or not all(isinstance(sentence, str) for sentence in sentences):
-        raise _broken("The warnings of a criterion's provenance must be a list of sentences", repr(sentences))
-    kept["warnings"] = tuple(sentences)
-    for key, kind in (("n_motions", int), ("n_events", int), ("settings", dict), ("packages", dict)):
-        if not isinstance(kept[key], kind):
-            raise _broken(
-                f"The key {key} of a criterion's provenance must be of type {kind.__name__}", kept[key]
-            )
-    return Provenance(**kept)
-
-
-def _broken(rule: str, value: object) -> InputError:
-    return InputError(rule, value=value, remedy="Derive the criterion again")

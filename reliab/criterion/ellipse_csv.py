@@ -13,8 +13,9 @@ import pandas as pd
 import xarray as xr
 
 from reliab.criterion.laws.checks import LARGEST
+from reliab.encodings import encoding_of_file
 from reliab.errors import InputError
-from reliab.files import decoding, ordinary
+from reliab.files import decoding
 from reliab.sweep.shares import at_share
 from reliab.vocabulary import LABELS, Dimension, Metric
 
@@ -82,7 +83,12 @@ def _cells(path: Path) -> pd.DataFrame:
     with decoding(rule, remedy=remedy, where=path), warnings.catch_warnings():
         warnings.simplefilter("error", pd.errors.ParserWarning)  # a row of more cells than the first line
         return pd.read_csv(
-            ordinary(path), skipinitialspace=True, dtype=str, keep_default_na=False, index_col=False
+            path,
+            skipinitialspace=True,
+            dtype=str,
+            keep_default_na=False,
+            index_col=False,
+            encoding=encoding_of_file(path),
         )
 
 

@@ -9,7 +9,6 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from reliab.criterion.ellipse_sample import FEWEST_MOTIONS, is_ellipse, of_curve, position, position_of_name
-from reliab.criterion.file_keys import require_keys
 from reliab.criterion.interpolation import tents
 from reliab.criterion.laws.checks import checked_grid
 from reliab.criterion.laws.validity import Validity
@@ -201,15 +200,15 @@ class Population:
         Raises
         ------
         InputError
-            If a key is missing or unknown, or holds something else.
+            If rows are not of one length.
         """
-        needed = ("frequencies", "damping_ratios", "events", "log_alpha", "log_beta")
-        require_keys(content, needed, "The motions behind a criterion")
         try:
             arrays = {
-                name: np.asarray(content[name], dtype=np.float64) for name in needed if name != "events"
+                name: np.asarray(values, dtype=np.float64)
+                for name, values in content.items()
+                if name != "events"
             }
-        except (TypeError, ValueError) as error:
+        except ValueError as error:
             raise InputError(
                 "The motions behind a criterion must be numbers in rows of one length",
                 value=str(error),

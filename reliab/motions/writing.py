@@ -2,14 +2,13 @@
 
 import csv
 import re
-import shutil
 import unicodedata
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
 from reliab.errors import InputError
+from reliab.files import folder_written_whole
 from reliab.motions.catalogue import CATALOGUE, COLUMNS
 from reliab.motions.motion import Motion
 from reliab.motions.suite import MotionSuite
@@ -54,8 +53,16 @@ def write_suite(suite: MotionSuite, folder: str | Path, *, event: str | None = N
             value=str(folder),
             remedy="Name another folder, or empty this one",
         )
-    with _all_or_nothing(target) as unfinished:
-        _write_all(suite, unfinished, event)
+    try:
+        with folder_written_whole(target) as unfinished:
+            _write_all(suite, unfinished, event)
+    except OSError as error:
+        raise InputError(
+            "The folder to write to must be writable, new or empty",
+            value=error.strerror,
+            remedy="Name another folder",
+            where=str(target),
+        ) from error
     return target / CATALOGUE
 
 
@@ -90,28 +97,6 @@ def write_motion(motion: Motion, path: Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     samples = "\n".join(map(repr, motion.acceleration.tolist()))
     path.write_text(f"{header}{samples}\n", encoding="utf-8", newline="\n")
-
-
-@contextmanager
-def _all_or_nothing(target: Path) -> Iterator[Path]:
-    """Yield a temporary folder; at the end it is renamed to the target, or deleted on failure."""
-    unfinished = target.parent / f".{target.name}.unfinished"
-    shutil.rmtree(unfinished, ignore_errors=True)
-    try:
-        unfinished.mkdir(parents=True)
-        yield unfinished
-        if target.exists():
-            target.rmdir()
-        unfinished.rename(target)
-    except OSError as error:
-        raise InputError(
-            "The folder to write to must be writable",
-            value=error.strerror,
-            remedy="Name another folder",
-            where=str(target),
-        ) from error
-    finally:
-        shutil.rmtree(unfinished, ignore_errors=True)
 
 
 def _files(suite: MotionSuite) -> Iterator[str]:

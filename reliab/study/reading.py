@@ -1,14 +1,13 @@
 """Reading studies from their TOML files."""
 
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
 from pydantic import ValidationError
 
+from reliab.described_files import read_toml
 from reliab.errors import InputError
-from reliab.files import ordinary
 from reliab.shipped import shipped
 from reliab.study.description import Study
 from reliab.study.kinds import KINDS
@@ -35,20 +34,11 @@ def read_study(path: str | Path) -> Study:
     InputError
         If the file is missing, no TOML, or a key or value is not allowed; all faults at once.
     """
-    path = Path(path)
-    try:
-        content = tomllib.loads(ordinary(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(
-            "A study is a TOML file",
-            value=error.strerror,
-            remedy="Name one that exists; `reliab run --list` lists those that are shipped",
-            where=str(path),
-        ) from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(
-            "A study must be valid TOML", value=error, remedy="Mend the file", where=str(path)
-        ) from None
+    content = read_toml(
+        path,
+        rule="A study is a TOML file",
+        remedy="Mend it, or name another; `reliab run --list` lists those that are shipped",
+    )
     return study_from(content, where=str(path))
 
 

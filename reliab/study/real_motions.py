@@ -13,7 +13,7 @@ from reliab.shipped import shipped
 from reliab.study.description import CriterionStudy
 from reliab.study.digests import digest
 from reliab.study.material import Material
-from reliab.study.stages import Stage
+from reliab.study.stages import Stage, read_result
 from reliab.study.steps import CRITERIA, ELLIPSES, derivation_of
 from reliab.sweep import open_ellipses, open_results
 from reliab.sweep.real_suite import REAL, real_results
@@ -75,7 +75,7 @@ def real_share(path: Path) -> dict[str, float] | None:
         `rate`, `low`, `high` [-] (95 % interval over earthquakes), `n_motions` and `n_events`; None where it
         was not judged.
     """
-    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
+    return dict(read_result(path)) if path.exists() else None
 
 
 def _results(study: CriterionStudy) -> Path:

@@ -16,13 +16,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import filelock
+from pydantic import BaseModel, ConfigDict, ValidationError
 
 from reliab.criterion.provenance import installed_versions
+from reliab.described_files import read_json
 from reliab.errors import IncompleteError, InputError
-from reliab.files import UNFINISHED, ordinary, refuse_links, written_whole
+from reliab.files import written_by_one_process, written_whole
 from reliab.study.digests import code_digest, digest
 from reliab.study.environment import environment
+from reliab.unfinished import UNFINISHED, remove_abandoned
 
 MANIFEST = "manifest.json"
 
@@ -80,6 +82,7 @@ class RunFolder:
                 value=f"{path} holds other files",
                 remedy="Name another folder",
             )
+        remove_abandoned(path.rglob(f"{UNFINISHED}*"))
         known = _read(path).get("stages", {})
         self._manifest: dict[str, Any] = {"study": dict(study), "stages": known}
         self._write()
@@ -106,21 +109,12 @@ class RunFolder:
         IncompleteError
             If the disk is full or fails; stages that are done are safe.
         """
-        lock = filelock.FileLock(path.with_name(path.name + ".lock"), timeout=0)
-        refuse_links(path, Path(lock.lock_file))
         try:
             path.mkdir(parents=True, exist_ok=True)
-            lock.acquire()
-        except filelock.Timeout:
-            raise InputError(
-                "Only one process may run a study in a folder",
-                value=f"{path} in use by another",
-                remedy="Wait until it is done, or name another folder",
-            ) from None
         except OSError as error:
             rule = "The run folder must be writable"
             raise InputError(rule, value=error.strerror, remedy="Name another", where=str(path)) from None
-        with lock:
+        with written_by_one_process(path, "Only one process may run a study in a folder"):
             try:
                 yield cls(path, study=study)
             except OSError as error:
@@ -259,7 +253,32 @@ def _results(path: Path) -> dict[str, dict[str, Any]]:
 
 
 def _read(path: Path) -> dict[str, Any]:
+    """Read the manifest; empty where there is none, or none that a run has written."""
     try:
-        return dict(json.loads(ordinary(path / MANIFEST).read_text(encoding="utf-8")))
-    except (OSError, ValueError):
+        manifest = _Manifest.model_validate(read_result(path / MANIFEST))
+    except (InputError, ValidationError):
         return {}
+    return manifest.model_dump(exclude_unset=True, mode="json")
+
+
+def read_result(path: Path) -> Any:  # noqa: ANN401 - JSON holds anything
+    """Read a JSON file of a run; an `InputError` if it is none."""
+    rule = "The files of a run must be as `reliab run` wrote them"
+    return read_json(path, rule=rule, remedy="Run the study again")
+
+
+class _Stage(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+
+    inputs: str
+    files: dict[str, str] = {}
+    date: dt.date | None = None
+    packages: dict[str, str] = {}
+    environment: dict[str, Any] = {}
+
+
+class _Manifest(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+
+    study: dict[str, Any]
+    stages: dict[str, _Stage]

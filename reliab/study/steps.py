@@ -19,7 +19,7 @@ from reliab.files import written_whole
 from reliab.motions import load_motions
 from reliab.study.description import CriterionStudy, CriterionTable, ErrorsTable, SimulatedStudy
 from reliab.study.material import RESULTS, Material, Show, named
-from reliab.study.stages import Stage
+from reliab.study.stages import Stage, read_result
 from reliab.sweep import open_ellipses, write_ellipses
 from reliab.sweep.netcdf import read_netcdf, write_netcdf
 from reliab.validation.cross_validation import (
@@ -159,7 +159,7 @@ def _derive(traced: xr.Dataset, threshold: float, metric: str, asked: CriterionT
 
 def derivation_of(folder: Path) -> DerivedCriteria:
     """Read the criteria of a run."""
-    content = json.loads((folder / CRITERIA).read_text(encoding="utf-8"))
+    content = read_result(folder / CRITERIA)
     return DerivedCriteria(
         criteria=tuple(Criterion.from_json(json.dumps(criterion)) for criterion in content["criteria"]),
         refusals=tuple(content["refusals"]),
@@ -238,7 +238,7 @@ def refusals_of(folder: Path) -> list[str]:
 
 
 def _refused(folder: Path) -> dict[str, str]:
-    return dict(json.loads((folder / VALIDATION).read_text(encoding="utf-8")))
+    return dict(read_result(folder / VALIDATION))
 
 
 def _counts_file(scheme: str) -> str:

@@ -20,13 +20,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import filelock
 import numpy as np
 import zarr
 from numpy.typing import NDArray
 
 from reliab.errors import IncompleteError, InputError
-from reliab.files import UNFINISHED, decoding, refuse_links
+from reliab.files import decoding, written_by_one_process
 from reliab.motions import Motion
 from reliab.sweep.chunk import write_chunk
 from reliab.sweep.request import SweepRequest
@@ -41,6 +40,7 @@ from reliab.sweep.store_layout import (
     read_attributes,
     shapes,
 )
+from reliab.unfinished import UNFINISHED, remove_abandoned
 
 _RULE = "A store can be resumed only if it is complete except for results of motions"
 _JOURNAL_EVERY = 0.25  # s; what a kill costs at most, beside motions that are being solved
@@ -91,20 +91,10 @@ class ResultsStore:
             is being written.
         """
         _make_writable(path.parent)
-        lock = filelock.FileLock(path.with_name(path.name + ".lock"), timeout=0)
-        refuse_links(path, Path(lock.lock_file))
-        try:
-            lock.acquire()
-        except filelock.Timeout:
-            raise InputError(
-                "Only one process may write to a results store",
-                value=f"{path} in use by another process",
-                remedy="Wait until it is done, or write to another store",
-            ) from None
-        with lock:
+        with written_by_one_process(path, "Only one process may write to a results store"):
             if path.exists():
                 _check_resumable(path, request, names, resume=resume)
-                _remove_unfinished(path)
+                remove_abandoned([*path.rglob(f"{UNFINISHED}*"), *path.rglob("*.partial")])  # ours and Zarr's
             else:
                 _create(path, request, names, events)
             with contextlib.closing(cls(path, request)) as store:
@@ -247,13 +237,6 @@ def _create(path: Path, request: SweepRequest, names: Sequence[str], events: Seq
             remedy="Make room, or name another folder",
             where=str(path),
         ) from error
-
-
-def _remove_unfinished(path: Path) -> None:
-    """Remove files that a killed process was writing, under our names or Zarr's."""
-    for file in path.rglob("*"):
-        if file.name.startswith(UNFINISHED) or file.suffix == ".partial":
-            file.unlink()
 
 
 def _check_resumable(path: Path, request: SweepRequest, names: Sequence[str], *, resume: bool) -> None:

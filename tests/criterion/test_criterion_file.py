@@ -24,13 +24,15 @@ KEYS = ("threshold", "metric", "confidence", "method", "joint", "law", "lead_law
 
 @pytest.mark.parametrize("key", [*KEYS, "lead_population", "schema_version"])
 def test_a_missing_key_is_named(text, key):
-    with pytest.raises(InputError, match="schema" if key == "schema_version" else f"{key} missing"):
+    with pytest.raises(
+        InputError, match="schema" if key == "schema_version" else f"The key {key} must be given"
+    ):
         Criterion.from_json(broken(text, lambda content: content.pop(key)))
 
 
 @pytest.mark.parametrize("key", ["window", "warnings", "n_events", "curve"])
 def test_a_missing_key_of_the_provenance_is_named(text, key):
-    with pytest.raises(InputError, match=f"{key} missing"):
+    with pytest.raises(InputError, match=f"The key provenance.{key} must be given"):
         Criterion.from_json(broken(text, lambda content: content["provenance"].pop(key)))
 
 
@@ -55,6 +57,13 @@ def set_in(*path, value):
         set_in("law", "name", value="magic"),
         set_in("law", "name", value=["table"]),
         set_in("law", value=7),
+        set_in("law", value=None),
+        set_in("law", "frequencies", 0, value="0.5"),
+        set_in("law", "a", 0, value="12"),
+        set_in("population", "events", 0, value=["K"]),
+        set_in("population", "log_alpha", 0, 0, 0, value="-8"),
+        set_in("provenance", "experimental_fraction", value="1"),
+        set_in("provenance", "packages", value={"numpy": 2}),
         set_in("law", "more", value=1.0),
         set_in("lead_law", "b", 0, 0, value=None),
         set_in("population", "log_alpha", 0, value=[[1.0]]),

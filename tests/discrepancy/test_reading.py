@@ -42,7 +42,7 @@ SPOILT_TOML = [
     ("damping_ratio = 0.05", 'damping_ratio = "two"', "line 4.*number"),
     ("delay_s = 0.005", "dealy_s = 0.005", "line 8.*no key actuator.dealy_s"),
     ("rate_hz = 256\n", "", "sampling.rate_hz must be given"),
-    (r"\[sampling\]", "[sampling", "valid TOML"),
+    (r"\[sampling\]", "[sampling", "that is TOML"),
     ('file = "b.csv"', 'file = "c.csv"', "c.csv.*readable.*No such file"),
     ('file = "a.csv"\n', 'file = "a.csv"\nheld_out = 3\n', "held_out"),
     ("rate_hz = 256", "rate_hz = 512", "equal steps"),

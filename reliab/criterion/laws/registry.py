@@ -2,7 +2,9 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, fields
-from typing import Any, Final, TypeVar, cast
+from typing import Any, Final, TypeVar, cast, get_type_hints
+
+from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from reliab.criterion.laws.dimensionless import Dimensionless
 from reliab.criterion.laws.exponential import Exponential
@@ -11,6 +13,7 @@ from reliab.criterion.laws.law import Law
 from reliab.criterion.laws.log_linear import LogLinearLaw
 from reliab.criterion.laws.power import Power
 from reliab.criterion.laws.table import Table
+from reliab.described_files import first_fault
 from reliab.errors import InputError
 from reliab.registry import Registry
 
@@ -91,7 +94,21 @@ def law_from_dict(content: Mapping[str, Any]) -> Law:
             value=", ".join(sorted(parameters.keys() ^ needed)) + " missing or unknown",
             remedy="Derive the criterion again",
         )
-    return law(**parameters)
+    return law(**{name: _checked(law, name, value) for name, value in parameters.items()})
+
+
+def _checked(law: type[Law], name: str, value: object) -> object:
+    """Return the value of a parameter if it is of the type that the law states."""
+    schema = TypeAdapter(get_type_hints(law)[name], config=ConfigDict(strict=True, allow_inf_nan=False))
+    try:
+        return schema.validate_python(value)
+    except ValidationError as error:
+        rule, found, _ = first_fault(error)
+        raise InputError(
+            f"The parameter {name} of the law {law.name} must be numbers, as the law states them. {rule}",
+            value=found,
+            remedy="Derive the criterion again",
+        ) from None
 
 
 def known(laws: Mapping[str, LawKind], name: object) -> LawKind:

@@ -24,11 +24,11 @@ The command is then the displacement of the frame at the interface, the force th
 
 import os
 import re
-import tomllib
 from pathlib import Path
 
 from pydantic import ValidationError
 
+from reliab.described_files import described_text, first_fault, parse_toml
 from reliab.discrepancy.campaign.campaign import Campaign, MeasuredTest
 from reliab.discrepancy.campaign.description import (
     CampaignDescription,
@@ -40,7 +40,6 @@ from reliab.discrepancy.campaign.description import (
 from reliab.discrepancy.campaign.folder import CAMPAIGN_FILE, campaign_folder
 from reliab.discrepancy.campaign.table import read_table
 from reliab.errors import InputError
-from reliab.files import ordinary
 from reliab.loop.actuator import Actuator
 from reliab.loop.hybrid_test import Specimen
 from reliab.loop.partition.frame_file import frame_of_tables
@@ -169,38 +168,23 @@ def _as_specimen(table: SpecimenTable) -> Specimen:
 
 
 def _described(path: Path) -> CampaignDescription:
+    rule, remedy = (
+        f"A campaign is a folder with a {CAMPAIGN_FILE} that is TOML",
+        "Mend it, or name another folder",
+    )
+    text = described_text(path, rule=rule, remedy=remedy)
     try:
-        text = ordinary(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(
-            f"A campaign is a folder with a readable {CAMPAIGN_FILE}",
-            value=getattr(error, "strerror", None) or "bytes that are no text",
-            remedy="Name the folder that holds it",
-            where=str(path),
-        ) from error
-    try:
-        return CampaignDescription.model_validate(tomllib.loads(text))
-    except tomllib.TOMLDecodeError as error:
-        raise InputError("The file must be valid TOML", value=str(error), where=path.name) from error
+        return CampaignDescription.model_validate(parse_toml(text, rule=rule, remedy=remedy, where=str(path)))
     except ValidationError as error:
         raise _explained(error, text, path) from error
 
 
 def _explained(error: ValidationError, text: str, path: Path) -> InputError:
     """Turn the first validation error into a rule with its line."""
-    first = error.errors()[0]
-    location = [str(part) for part in first["loc"]]
-    key = ".".join(location)
-    line = _line_of(text, location)
-    rule = {
-        "missing": f"The key {key} must be given",
-        "extra_forbidden": f"There is no key {key}",
-        "too_short": "A campaign must have at least one test",
-    }.get(first["type"], f"{key}: {first['msg'][0].lower()}{first['msg'][1:]}")
-    given = first.get("input")
-    value = repr(given) if isinstance(given, str | int | float | bool) else None
+    rule, value, place = first_fault(error)
+    line = _line_of(text, place)
     return InputError(
-        rule,
+        "A campaign must have at least one test" if error.errors()[0]["type"] == "too_short" else rule,
         value=value,
         remedy="Compare with datasets/campaigns/README.md, which `reliab samples` writes",
         where=f"{path.name}, line {line}" if line else path.name,

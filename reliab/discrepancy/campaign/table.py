@@ -8,6 +8,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from reliab.discrepancy.campaign.campaign import Channel
+from reliab.encodings import encoding_of_file
 from reliab.errors import InputError
 from reliab.files import ordinary, require_small
 from reliab.rebuilt_error.size import LARGEST_READING
@@ -60,7 +61,8 @@ def _read_columns(path: Path) -> dict[str, NDArray[np.float64]]:
     if not _is_rectangular(path, len(header)):
         raise _first_fault(path, header)
     try:
-        frame = pd.read_csv(path, usecols=kept, dtype=np.float64, skipinitialspace=True, encoding="utf-8-sig")
+        encoding = encoding_of_file(path)
+        frame = pd.read_csv(path, usecols=kept, dtype=np.float64, skipinitialspace=True, encoding=encoding)
     except (ValueError, pd.errors.ParserError) as error:
         raise _first_fault(path, header) from error
     if not (np.abs(frame.to_numpy()) < LARGEST_READING).all():
@@ -70,15 +72,15 @@ def _read_columns(path: Path) -> dict[str, NDArray[np.float64]]:
 
 def _is_rectangular(path: Path, columns: int) -> bool:
     """Check that every line has the right number of cells; pandas would drop surplus cells silently."""
-    with path.open("rb") as file:
-        return all(line.count(b",") == columns - 1 for line in file if line.strip())
+    with path.open(encoding=encoding_of_file(path), errors="replace") as file:
+        return all(line.count(",") == columns - 1 for line in file if line.strip())
 
 
 def _read_header(path: Path) -> list[str]:
     try:
-        with ordinary(path).open(encoding="utf-8-sig") as file:
+        with ordinary(path).open(encoding=encoding_of_file(path)) as file:
             line = file.readline()
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, UnicodeError) as error:
         raise InputError(
             "A test's file must be a readable text file",
             value=getattr(error, "strerror", None) or "bytes that are no text",
@@ -116,7 +118,7 @@ def _check_header(header: list[str], path: Path) -> None:
 
 def _first_fault(path: Path, header: list[str]) -> InputError:
     """Find the first cell that is no finite number."""
-    with path.open(encoding="utf-8-sig", errors="replace") as file:
+    with path.open(encoding=encoding_of_file(path), errors="replace") as file:
         for number, line in enumerate(file, start=1):
             cells = line.rstrip("\r\n").split(",")
             if number == 1 or cells == [""]:

@@ -5,7 +5,6 @@ The file is TOML with the tables of campaign.toml, so that people can read, copy
 
 import json
 import math
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,8 +12,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from reliab.described_files import first_fault, read_toml
 from reliab.errors import InputError
-from reliab.files import ordinary, written_whole
+from reliab.files import written_whole
 from reliab.loop.actuator import Actuator
 from reliab.loop.effects import Effect, Parameter, find_effect
 from reliab.loop.hybrid_test import HybridTest, Specimen
@@ -179,35 +179,13 @@ class _ModelFile(_Table):
 
 
 def _described(path: Path) -> _ModelFile:
-    try:
-        text = ordinary(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(
-            "A model must be a readable file",
-            value=getattr(error, "strerror", None) or "bytes that are no text",
-            remedy=f"Name the {MODEL_FILE} that `reliab diagnose --out` wrote",
-            where=str(path),
-        ) from error
-    try:
-        return _ModelFile.model_validate(tomllib.loads(text))
-    except tomllib.TOMLDecodeError as error:
-        raise InputError("The model must be valid TOML", value=str(error), where=path.name) from error
-    except ValidationError as error:
-        raise _explained(error, path) from error
-
-
-def _explained(error: ValidationError, path: Path) -> InputError:
-    """Turn the first complaint of pydantic into a rule."""
-    first = error.errors()[0]
-    key = ".".join(str(part) for part in first["loc"])
-    rule = {
-        "missing": f"The key {key} must be given",
-        "extra_forbidden": f"There is no key {key}",
-    }.get(first["type"], f"{key}: {first['msg'][0].lower()}{first['msg'][1:]}")
-    given = first.get("input")
-    value = repr(given) if isinstance(given, str | int | float | bool) else None
     remedy = f"Compare with a {MODEL_FILE} that `reliab diagnose --out` writes"
-    return InputError(rule, value=value, remedy=remedy, where=path.name)
+    content = read_toml(path, rule="A model must be a readable TOML file", remedy=remedy)
+    try:
+        return _ModelFile.model_validate(content)
+    except ValidationError as error:
+        rule, value, _ = first_fault(error)
+        raise InputError(rule, value=value, remedy=remedy, where=path.name) from error
 
 
 def _effect(entry: _Effect, where: str) -> Effect:

@@ -47,7 +47,6 @@ One set of tables describes every structure::
     #   piston_coupling_n_per_m, leakage_per_s, valve_damping_per_s, valve_stiffness_per_s2, each optional
 """
 
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -56,8 +55,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
+from reliab.described_files import read_toml
 from reliab.errors import InputError
-from reliab.files import ordinary
 from reliab.loop.partition.frame_tables import FrameDescription
 from reliab.loop.partition.partition import Partition, with_specimen
 from reliab.loop.structures import Frame
@@ -154,17 +153,11 @@ def read_frame(path: str | Path) -> FrameUnderTest:
         If the file is missing or no TOML, a key is unknown or the structure is not sound; the message says
         where.
     """
-    try:
-        content = tomllib.loads(ordinary(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(
-            "A frame is described in a TOML file", value=error.strerror, where=str(path)
-        ) from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(
-            "A description of a frame must be valid TOML", value=error, where=str(path)
-        ) from None
-    return frame_of_tables(content, str(path))
+    rule, remedy = (
+        "A frame is described in a TOML file",
+        "Compare with the frames that ship in datasets/frames",
+    )
+    return frame_of_tables(read_toml(path, rule=rule, remedy=remedy), str(path))
 
 
 def _built(description: FrameDescription, folder: Path) -> FrameUnderTest:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from reliab.encodings import as_utf8, decoded
 from reliab.files import ordinary
 from reliab.motions.faults import Report
 
@@ -19,7 +20,6 @@ LONGEST_LINE = 1000
 """Largest length of a line of a header."""
 
 _MEGABYTE = 1e6
-_BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 _END_OF_FILE = b"\x1a"  # what old DOS programs put after the text
 _CONTROL = bytes(set(range(32)) - set(b"\t\n\v\f\r\x1a")) + b"\x7f"
 
@@ -116,11 +116,7 @@ def is_folder(path: Path) -> bool:
 
 def decode(raw: bytes) -> str:
     """Decode a piece of a header: UTF-8 where it is, Latin-1 otherwise, without the line's end."""
-    try:
-        text = raw.decode("utf-8")
-    except UnicodeDecodeError:
-        text = raw.decode("latin-1")
-    return text.rstrip("\r\n")
+    return decoded(raw).rstrip("\r\n")
 
 
 def open_source(
@@ -147,7 +143,7 @@ def open_source(
     content = _read(path, report, limit, most)
     if content is None:
         return None
-    content = content.removeprefix(_BYTE_ORDER_MARK).rstrip(_END_OF_FILE)
+    content = as_utf8(content).rstrip(_END_OF_FILE)
     if b"\r" in content:
         content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     if not content.strip():

@@ -1,6 +1,5 @@
 """The study that reports how often diagnoses of blind campaigns were right."""
 
-import json
 import shutil
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,7 +11,7 @@ from reliab.study.description import Study
 from reliab.study.digests import digest
 from reliab.study.kinds.kind import Kind
 from reliab.study.material import Show
-from reliab.study.stages import Stage, made_with
+from reliab.study.stages import Stage, made_with, read_result
 
 EVALUATION: Final = "evaluation.json"
 
@@ -35,7 +34,7 @@ def report(study: Study, folder: Path) -> Document:
 
     return blind_evaluation_report(
         title=study.title,
-        runs=json.loads((folder / EVALUATION).read_text(encoding="utf-8"))["runs"],
+        runs=read_result(folder / EVALUATION)["runs"],
         provenance={
             **study.provenance,
             "figures, SHA-256": digest(folder / EVALUATION),

@@ -17,7 +17,7 @@ from reliab.study.description import Names, RecordsStudy, Table
 from reliab.study.digests import digest
 from reliab.study.kinds.kind import Kind
 from reliab.study.material import Records, Show
-from reliab.study.stages import Stage, made_with
+from reliab.study.stages import Stage, made_with, read_result
 from reliab.validation.rths_benchmark import STANDARD
 
 TESTS: Final = "benchmark.json"
@@ -114,7 +114,7 @@ def report(study: BenchmarkStudy, folder: Path) -> Document:
     published = pd.read_csv(folder / PUBLISHED)
     return rths_benchmark_report(
         title=study.title,
-        tests=json.loads((folder / TESTS).read_text(encoding="utf-8"))["tests"],
+        tests=read_result(folder / TESTS)["tests"],
         published=published if len(published) else None,
         threshold=study.benchmark.threshold,
         provenance={**study.provenance, **made_with(folder)},

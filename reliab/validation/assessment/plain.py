@@ -110,7 +110,7 @@ def assess(
     """
     shared = {
         "motion": read_motion(motion) if isinstance(motion, str | Path) else motion,
-        "criterion": _read_criterion(criterion) if isinstance(criterion, str | Path) else criterion,
+        "criterion": Criterion.read(criterion) if isinstance(criterion, str | Path) else criterion,
         "model": read_model(model) if isinstance(model, str | Path) else model,
         **options,
     }
@@ -170,18 +170,6 @@ def _read(test: str | Path | pd.DataFrame) -> Recording:
     if isinstance(test, pd.DataFrame):
         return read_recording(test)
     return read_recording(or_shipped(Path(test), "datasets", "test.csv"))
-
-
-def _read_criterion(path: str | Path) -> Criterion:
-    try:
-        return Criterion.from_json(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(
-            "A criterion's file must be readable",
-            value=error.strerror,
-            remedy="Check the path",
-            where=str(path),
-        ) from error
 
 
 def _stated(

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from reliab.encodings import encoding_of
 from reliab.errors import InputError
 from reliab.files import decoding, ordinary, require_small
 from reliab.validation.assessment.readers.columns import Columns
@@ -55,7 +56,7 @@ def read_columns(path: str | Path, *, delimiter: str | None = None) -> Columns:
             return read_matlab(path)
         if head.startswith(_CLASSIC_NETCDF):
             return read_classic_netcdf(path)
-        if b"\x00" not in head:
+        if b"\x00" not in head or encoding_of(head) == "utf-16":
             require_small(path, _MOST_TEXT, remedy=f"{_TOO_LARGE}, or export it as HDF5")
             return read_text(path, delimiter=delimiter)
     raise InputError(

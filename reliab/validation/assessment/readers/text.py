@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.encodings import decoded
 from reliab.errors import InputError
 from reliab.validation.assessment.readers.columns import Columns
 
@@ -54,7 +55,7 @@ def read_text(path: Path, *, delimiter: str | None = None) -> Columns:
         If there are no rows of numbers, a row has another number of cells, or a cell is no number;
         the message names the line.
     """
-    text = _decoded(path)
+    text = decoded(path.read_bytes())
     separator = delimiter if delimiter is not None else _delimiter(text)
     lines = _lines(text, separator)
     before, first = _until_numbers(lines)
@@ -105,14 +106,6 @@ def _statements(text: str, first: int) -> Iterator[tuple[str, str]]:
         match = _STATEMENT.match(line) if line.strip().startswith(_COMMENTS) else None
         if match is not None:
             yield match[1].lower(), match[2]
-
-
-def _decoded(path: Path) -> str:
-    content = path.read_bytes()
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return content.decode("latin-1")
 
 
 def _delimiter(text: str) -> str:

@@ -1,0 +1,179 @@
+"""TOML and JSON in which users describe something, read within bounds and checked at once by a schema.
+
+The parsers themselves have no bounds: nesting ends in a `RecursionError`, a name of 100,000 parts takes
+minutes, and a whole number of 5,000 digits ends in an error of another kind.
+"""
+
+import json
+import math
+import re
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from reliab.encodings import encoding_of_file
+from reliab.errors import InputError
+from reliab.files import require_small
+
+if TYPE_CHECKING:
+    from pydantic import ValidationError
+
+MOST_BYTES_OF_JSON: Final = 200_000_000
+"""Largest size of a JSON file, a criterion of some ten thousand motions."""
+
+DEEPEST: Final = 32
+"""Largest number of tables and lists within each other; what is described here needs seven."""
+
+_MOST_BYTES = 5_000_000  # of TOML, which take two to six seconds
+_LARGEST_WHOLE = 2**63  # as TOML has it
+_DIGITS = 18  # of which NumPy's whole numbers hold any
+_PART = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')"""
+_LONG_NAME = re.compile(rf"""(?<![\w"'.-])(?:{_PART}[ \t]*+\.[ \t]*+){{{DEEPEST}}}""")
+
+
+def read_toml(path: str | Path, *, rule: str, remedy: str) -> dict[str, Any]:
+    """Read a TOML file.
+
+    Parameters
+    ----------
+    path : str or pathlib.Path
+        The file.
+    rule, remedy : str
+        What must hold of it, and what to do where it does not.
+
+    Returns
+    -------
+    dict
+        Its tables; every number is finite, whole ones have 64 bits.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, is no TOML, or is larger or deeper than any description.
+    """
+    return parse_toml(
+        described_text(path, rule=rule, remedy=remedy), rule=rule, remedy=remedy, where=str(path)
+    )
+
+
+def described_text(path: str | Path, *, rule: str, remedy: str, most: int = _MOST_BYTES) -> str:
+    """Read the text of a description; arguments and errors as for :func:`read_toml`."""
+    try:
+        encoding = encoding_of_file(path)
+        require_small(path, most, remedy=remedy)
+        return Path(path).read_text(encoding=encoding)
+    except (OSError, UnicodeError) as error:
+        reason = getattr(error, "strerror", None) or "bytes that are no text"
+        raise InputError(rule, value=reason, remedy=remedy, where=str(path)) from None
+
+
+def parse_toml(text: str, *, rule: str, remedy: str, where: str) -> dict[str, Any]:
+    """Parse the text of a TOML file; `where` names it, the rest as for :func:`read_toml`."""
+    if _LONG_NAME.search(text):
+        raise _too_deep(where)
+    try:
+        content = tomllib.loads(text, parse_float=lambda number: _finite(number, where))
+    except RecursionError:
+        raise _too_deep(where) from None
+    except InputError:
+        raise
+    except ValueError as error:  # of TOML, and of a number of too many digits
+        raise InputError(rule, value=str(error), remedy=remedy, where=where) from None
+    _require_bounded(content, where)
+    return content
+
+
+def read_json(path: str | Path, *, rule: str, remedy: str) -> Any:  # noqa: ANN401 - JSON holds anything
+    """Read a JSON file; as :func:`read_toml`, but whole numbers of many digits become floating-point ones."""
+    text = described_text(path, rule=rule, remedy=remedy, most=MOST_BYTES_OF_JSON)
+    return parse_json(text, rule=rule, remedy=remedy, where=str(path))
+
+
+def parse_json(text: str, *, rule: str, remedy: str, where: str = "") -> Any:  # noqa: ANN401
+    """Parse the text of a JSON file; `where` names it, the rest as for :func:`read_json`."""
+
+    def finite(number: str) -> float:
+        return _finite(number, where)
+
+    def number(digits: str) -> float:
+        return int(digits) if len(digits) <= _DIGITS else finite(digits)
+
+    try:
+        content = json.loads(text, parse_constant=finite, parse_float=finite, parse_int=number)
+    except RecursionError:
+        raise _too_deep(where) from None
+    except InputError:
+        raise
+    except ValueError as error:
+        raise InputError(rule, value=str(error), remedy=remedy, where=where) from None
+    _require_bounded(content, where)
+    return content
+
+
+def _finite(number: str, where: str) -> float:
+    value = float(number)
+    if not math.isfinite(value):
+        raise InputError("Every number must be finite", value=number, remedy="Correct it", where=where)
+    return value
+
+
+def _require_bounded(content: object, where: str) -> None:
+    """Refuse what lies too deep, or is a whole number of more than 64 bits."""
+    level, depth = [content], 0
+    while level:
+        depth += 1
+        if depth > DEEPEST:
+            raise _too_deep(where)
+        for value in level:
+            if isinstance(value, int) and abs(value) >= _LARGEST_WHOLE:
+                raise InputError(
+                    "A whole number must be below 2⁶³",
+                    value=f"one of {value.bit_length()} bits",
+                    remedy="Write it with a decimal point",
+                    where=where,
+                )
+        level = [part for value in level for part in _parts(value)]
+
+
+def _parts(value: object) -> list[Any]:
+    if isinstance(value, Mapping):
+        return list(value.values())
+    return value if isinstance(value, list) else []
+
+
+def _too_deep(where: str) -> InputError:
+    return InputError(
+        f"Tables and lists must not be nested more than {DEEPEST} deep",
+        value="more",
+        remedy="Write the description as its examples are written",
+        where=where,
+    )
+
+
+def first_fault(error: "ValidationError") -> tuple[str, str | None, list[str]]:
+    """Say in words what a schema first found wrong.
+
+    Parameters
+    ----------
+    error : pydantic.ValidationError
+        All that it found.
+
+    Returns
+    -------
+    rule : str
+        What must hold of the key.
+    value : str or None
+        What was found instead, where it can be shown.
+    place : list of str
+        Names and numbers that lead to the key.
+    """
+    first = error.errors()[0]
+    place = [str(part) for part in first["loc"]]
+    key = ".".join(place)
+    rule = {
+        "missing": f"The key {key} must be given",
+        "extra_forbidden": f"There is no key {key}",
+    }.get(first["type"], f"{key}: {first['msg'][0].lower()}{first['msg'][1:]}")
+    given = first.get("input")
+    return rule, repr(given) if isinstance(given, str | int | float | bool) else None, place

@@ -1,0 +1,60 @@
+"""Text as any program writes it: UTF-8, UTF-16 with its mark as on Windows, or Latin-1."""
+
+import codecs
+from pathlib import Path
+
+from reliab.files import ordinary
+
+
+def encoding_of(head: bytes) -> str:
+    """Name the encoding of a text by its byte order mark: UTF-16, as from Windows, or else UTF-8.
+
+    Parameters
+    ----------
+    head : bytes
+        How the text begins.
+
+    Returns
+    -------
+    str
+        A name for `open`, which takes the mark away.
+    """
+    return "utf-16" if head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)) else "utf-8-sig"
+
+
+def encoding_of_file(path: str | Path) -> str:
+    """Name the encoding of a text file, an ordinary one, as :func:`encoding_of` does."""
+    with ordinary(path).open("rb") as file:
+        return encoding_of(file.read(2))
+
+
+def as_utf8(content: bytes) -> bytes:
+    r"""Take the byte order mark from a text, and write UTF-16 as UTF-8.
+
+    Parameters
+    ----------
+    content : bytes
+        The text, in any encoding; what has no mark is returned as it is.
+
+    Returns
+    -------
+    bytes
+        The text without a mark; what is no character of UTF-16 is U+FFFD.
+
+    Examples
+    --------
+    >>> as_utf8("f = 1 Hz".encode("utf-16")), as_utf8(b"\xef\xbb\xbff = 1 Hz"), as_utf8(b"\xb0")
+    (b'f = 1 Hz', b'f = 1 Hz', b'\xb0')
+    """
+    if encoding_of(content) == "utf-16":
+        return content.decode("utf-16", errors="replace").encode()
+    return content.removeprefix(codecs.BOM_UTF8)
+
+
+def decoded(content: bytes) -> str:
+    """Decode a text that any program may have written: by its mark, UTF-8 where it is, Latin-1 otherwise."""
+    plain = as_utf8(content)
+    try:
+        return plain.decode("utf-8")
+    except UnicodeDecodeError:
+        return plain.decode("latin-1")
