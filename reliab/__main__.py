@@ -1,12 +1,15 @@
 """The program `reliab`, also as `python -m reliab`."""
 
+import contextlib
 import sys
+import tempfile
+import traceback
 
-from reliab.errors import INTERRUPTED
+from reliab.errors import INTERRUPTED, UNEXPECTED
 
 
 def main() -> None:
-    """Run the command line; Ctrl-C ends it with one sentence, also while modules are still imported."""
+    """Run the command line; Ctrl-C and a fault of the program end it with a sentence, also during imports."""
     try:
         from reliab.cli import main as command_line
 
@@ -14,6 +17,32 @@ def main() -> None:
     except KeyboardInterrupt:
         sys.stderr.write("Interrupted.\n")
         sys.exit(INTERRUPTED)
+    except Exception as error:  # noqa: BLE001 - whatever it is, its exit code must be no answer
+        sys.stderr.write(_report(error))
+        sys.exit(UNEXPECTED)
+
+
+def _report(error: Exception) -> str:
+    """Say how to report a fault, with its traceback in a file, or above where none can be written."""
+    told = "".join(traceback.format_exception(error))
+    place = "the traceback above"
+    with (
+        contextlib.suppress(OSError),
+        tempfile.NamedTemporaryFile(
+            "w",
+            prefix="reliab-fault-",
+            suffix=".txt",
+            encoding="utf-8",
+            errors="backslashreplace",
+            delete=False,
+        ) as file,
+    ):
+        file.write(f"{' '.join(sys.argv)}\n\n{told}")
+        place, told = f"the traceback in {file.name}", ""
+    return (
+        f"{told}Error: reliab itself has failed ({type(error).__name__}); this is no answer about the test. "
+        f"Please report it with the command, what `reliab info` prints, and {place}.\n"
+    )
 
 
 if __name__ == "__main__":

@@ -1,9 +1,14 @@
-"""Text as any program writes it: UTF-8, UTF-16 with its mark as on Windows, or Latin-1."""
+"""Text between programs: UTF-8, UTF-16 as on Windows or Latin-1, and cells that are no formulas."""
 
 import codecs
+import re
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from reliab.files import ordinary
+
+_FORMULA = re.compile(r"'*[=+\-@]")
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 
 
 def encoding_of(head: bytes) -> str:
@@ -51,6 +56,20 @@ def as_utf8(content: bytes) -> bytes:
     return content.removeprefix(codecs.BOM_UTF8)
 
 
+def pieces_as_utf8(pieces: Iterable[bytes]) -> Iterator[bytes]:
+    """Write a text that comes in pieces as UTF-8; after an empty piece begins another, with its own mark."""
+    decoder, begins = None, True
+    for piece in pieces:
+        if begins and piece:
+            encoding = encoding_of(piece)
+            decoder = codecs.getincrementaldecoder(encoding)("replace") if encoding == "utf-16" else None
+        begins = not piece
+        if decoder is None or not piece:
+            yield piece
+        elif text := decoder.decode(piece):
+            yield text.encode()
+
+
 def decoded(content: bytes) -> str:
     """Decode a text that any program may have written: by its mark, UTF-8 where it is, Latin-1 otherwise."""
     plain = as_utf8(content)
@@ -58,3 +77,29 @@ def decoded(content: bytes) -> str:
         return plain.decode("utf-8")
     except UnicodeDecodeError:
         return plain.decode("latin-1")
+
+
+def as_cell(text: str) -> str:
+    """Write a text for a cell of a table so that a spreadsheet shows it, and computes nothing.
+
+    Parameters
+    ----------
+    text : str
+        Any text, such as the name of a motion.
+
+    Returns
+    -------
+    str
+        The text; behind an apostrophe where it would be a formula and is no number.
+
+    Examples
+    --------
+    >>> as_cell("=1+1"), as_cell("-0.5"), as_cell("KOBE"), of_cell(as_cell("=1+1"))
+    ("'=1+1", '-0.5', 'KOBE', '=1+1')
+    """
+    return f"'{text}" if _FORMULA.match(text) and not _NUMBER.fullmatch(text) else text
+
+
+def of_cell(cell: str) -> str:
+    """Read what :func:`as_cell` wrote."""
+    return cell[1:] if cell.startswith("'") and _FORMULA.match(cell) else cell

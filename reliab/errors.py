@@ -8,6 +8,9 @@ INTERRUPTED: Final = 130
 CLOSED_PIPE: Final = 141
 """Exit code where nobody reads the output to its end, as shells give it."""
 
+UNEXPECTED: Final = 70
+"""Exit code after a fault of the program itself, as `sysexits.h` has it; 1 is the answer no alone."""
+
 _LONGEST_VALUE = 1000
 
 

@@ -3,11 +3,20 @@
 import os
 import resource
 import signal
+import subprocess
+import sys
 
 import pytest
 
 from reliab.errors import InputError
-from reliab.files import UNFINISHED, decoding, ordinary, written_whole
+from reliab.files import (
+    UNFINISHED,
+    decoding,
+    folder_written_whole,
+    ordinary,
+    written_by_one_process,
+    written_whole,
+)
 
 
 def test_a_pipe_and_a_device_are_no_ordinary_files(tmp_path):
@@ -103,3 +112,67 @@ def test_the_ending_of_a_name_is_kept_for_those_who_choose_a_format_by_it(tmp_pa
         assert unfinished.suffix == ".svg"
         assert unfinished.name.startswith(UNFINISHED)
         unfinished.write_text("")
+
+
+def test_the_next_writer_removes_what_a_killed_process_left(tmp_path):
+    script = (
+        "import os, signal, sys\n"
+        "from reliab.files import folder_written_whole, written_whole\n"
+        "from pathlib import Path\n"
+        "with folder_written_whole(Path(sys.argv[1])) as folder, written_whole(sys.argv[2]) as file:\n"
+        "    (folder / 'a').write_text('half')\n"
+        "    file.write_text('half')\n"
+        "    os.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    command = [sys.executable, "-c", script, tmp_path / "suite", tmp_path / "a.txt"]
+    killed = subprocess.run(command, check=False)  # noqa: S603 - our own interpreter
+    assert killed.returncode == -signal.SIGKILL
+    assert len([path for path in tmp_path.iterdir() if path.name.startswith(UNFINISHED)]) == 2
+    with written_whole(tmp_path / "b.txt") as unfinished:
+        unfinished.write_text("whole")
+    assert [path.name for path in tmp_path.iterdir()] == ["b.txt"]
+
+
+def test_what_another_writer_still_writes_is_left(tmp_path):
+    with written_whole(tmp_path / "a.txt") as first, folder_written_whole(tmp_path / "suite") as folder:
+        (folder / "one").write_text("1")
+        with written_whole(tmp_path / "b.txt") as second:
+            second.write_text("b")
+        first.write_text("a")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.txt", "b.txt", "suite"]
+    assert (tmp_path / "suite" / "one").read_text() == "1"
+
+
+def test_links_and_pipes_of_such_a_name_are_not_touched(tmp_path):
+    (tmp_path / "precious").write_text("data")
+    (tmp_path / f"{UNFINISHED}link").symlink_to("precious")
+    os.mkfifo(tmp_path / f"{UNFINISHED}pipe")
+    with written_whole(tmp_path / "a.txt") as unfinished:
+        unfinished.write_text("a")
+    assert len(list(tmp_path.iterdir())) == 4
+    assert (tmp_path / "precious").read_text() == "data"
+
+
+def test_of_two_writers_of_a_folder_the_second_is_refused_and_the_first_stays(tmp_path):
+    place = tmp_path / "suite"
+    with pytest.raises(OSError, match="not empty"), folder_written_whole(place) as second:
+        overtaken(second, place)
+    assert (place / "a").read_text() == "first"
+    assert [path.name for path in tmp_path.iterdir()] == ["suite"]
+
+
+def overtaken(second, place):
+    (second / "a").write_text("second")
+    with folder_written_whole(place) as first:
+        (first / "a").write_text("first")
+
+
+def test_one_process_writes_to_a_folder(tmp_path):
+    with (
+        written_by_one_process(tmp_path / "run", "Only one may"),
+        pytest.raises(InputError, match=r"Only one may; found .* in use by another process"),
+        written_by_one_process(tmp_path / "run", "Only one may"),
+    ):
+        pass
+    with written_by_one_process(tmp_path / "run", "Only one may"):
+        pass

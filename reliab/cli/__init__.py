@@ -113,7 +113,7 @@ def run(arguments: Sequence[str]) -> int:
     -------
     int
         Exit code: 0 done, 1 the answer is "not reliable", 2 bad input, 3 unfinished but safe, 130 interrupted
-        by Ctrl-C, 141 nobody reads the output to its end.
+        by Ctrl-C, 141 nobody reads the output to its end. Every other error passes; the program ends with 70.
     """
     for library in ("asyncio", "matplotlib"):  # errors are told once, as below; fonts are listed elsewhere
         logging.getLogger(library).addHandler(logging.NullHandler())

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TypeVar
 
+from reliab.encodings import of_cell
 from reliab.motions.faults import Report
 from reliab.motions.readers.header import number
 from reliab.motions.readers.reading import Declared
@@ -66,7 +67,7 @@ def read_catalogue(path: Path, report: Report, given: Declared) -> list[RecordFi
     seen: dict[str, int] = {}
     for cells in filled:
         line = rows.line_num
-        row = dict(zip(columns, (cell.strip() for cell in cells), strict=False))
+        row = dict(zip(columns, (of_cell(cell.strip()) for cell in cells), strict=False))
         if _has_name(row, seen, line, report):
             records.extend(_record(path, row, line, given, report))
     if not seen and not report.faults:
@@ -81,7 +82,7 @@ def read_catalogue(path: Path, report: Report, given: Declared) -> list[RecordFi
 
 def _filled(rows: Iterator[list[str]], report: Report) -> Iterator[list[str]]:
     try:
-        yield from (cells for cells in rows if any(cell.strip() for cell in cells))
+        yield from (cells for cells in rows if any(of_cell(cell.strip()) for cell in cells))
     except csv.Error as error:
         report.add("A catalogue must be comma-separated text", value=error, remedy="Save it as CSV")
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
+from reliab.encodings import as_cell
 from reliab.errors import InputError
 from reliab.files import folder_written_whole
 from reliab.motions.catalogue import CATALOGUE, COLUMNS
@@ -73,7 +74,7 @@ def _write_all(suite: MotionSuite, folder: Path, event: str | None) -> None:
         for original, file in zip(suite, _files(suite), strict=True):
             motion = original if event is None else replace(original, event=event)
             write_motion(motion, folder / file)
-            labels = (_one_line(text) for text in (motion.name, motion.event, motion.set_name))
+            labels = (as_cell(_one_line(text)) for text in (motion.name, motion.event, motion.set_name))
             rows.writerow([*labels, file, repr(motion.time_step), AccelerationUnit.METRE.value])
 
 
@@ -113,7 +114,7 @@ def _files(suite: MotionSuite) -> Iterator[str]:
 
 
 def _as_file(name: str) -> str:
-    return _UNSAFE.sub("_", name)[:_LONGEST_NAME].strip(".")
+    return _UNSAFE.sub("_", name)[:_LONGEST_NAME].strip(".").lstrip("+-")
 
 
 def _one_line(text: str) -> str:

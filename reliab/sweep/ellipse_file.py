@@ -1,14 +1,18 @@
 """Ellipses of many ground motions in a NetCDF file."""
 
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
+import numpy as np
+import pandas as pd
 import xarray as xr
 
 from reliab.errors import InputError
 from reliab.indices.window import Window
 from reliab.sweep.labels import with_labels
 from reliab.sweep.netcdf import read_netcdf, write_netcdf
-from reliab.vocabulary import ELLIPSE_DIMENSIONS, CurveName, Dimension, Side
+from reliab.vocabulary import ELLIPSE_DIMENSIONS, SHARE_ATTRIBUTE, CurveName, Dimension, Side
 
 _RULE = "Ellipses in NetCDF are a and b over motion, f, xi, threshold and metric"
 _REMEDY = "Check the path, or write the file with `reliab ellipses --out FILE.nc`"
@@ -97,7 +101,41 @@ def _read(path: str | Path) -> xr.Dataset:
         raise InputError(
             _RULE, value=", ".join(map(str, dataset.dims)) or "none", remedy=_REMEDY, where=str(path)
         )
-    return with_sides(dataset)
+    sound = with_sides(dataset)
+    _check_schema(sound, path)
+    return sound
+
+
+def _check_schema(dataset: xr.Dataset, path: str | Path) -> None:
+    """Check dimensions, coordinates and attributes once, so that nothing that uses ellipses needs to."""
+    beside = {Dimension.WINDOW, Dimension.SHARE} & set(dataset.dims)
+    texts = {Dimension.MOTION, Dimension.METRIC, Dimension.CURVE, Dimension.SIDE, Dimension.WINDOW}
+    faults = [
+        f"{name} over {', '.join(map(str, dataset[name].dims))}"
+        for name in ("a", "b")
+        if set(dataset[name].dims) != {*ELLIPSE_DIMENSIONS, *beside} or dataset[name].dtype.kind != "f"
+    ]
+    for name in (*ELLIPSE_DIMENSIONS, *beside):
+        index = dataset.indexes.get(name, pd.Index([]))
+        sound = _are_texts(index) if name in texts else _are_positive(index)
+        if index.empty or not index.is_unique or not sound:
+            faults.append(f"no sound values along {name}")
+    event = dataset.variables.get("event")
+    if event is None or event.dims != (Dimension.MOTION,) or not _are_texts(event.values):
+        faults.append("no event, the earthquake of each motion")
+    share = dataset.attrs.get(SHARE_ATTRIBUTE, 1.0)
+    if not (isinstance(share, int | float | np.number) and 0.0 < share <= 1.0):
+        faults.append(f"{SHARE_ATTRIBUTE} = {share!r}")
+    if faults:
+        raise InputError(_RULE, value="; ".join(faults), remedy=_REMEDY, where=str(path))
+
+
+def _are_texts(values: Iterable[object]) -> bool:
+    return all(isinstance(value, str) for value in values)
+
+
+def _are_positive(index: "pd.Index[Any]") -> bool:
+    return index.dtype.kind in "if" and bool((np.isfinite(index) & (index > 0)).all())
 
 
 def _windows(dataset: xr.Dataset) -> tuple[str, ...]:

@@ -18,6 +18,7 @@ from reliab.vocabulary import SHARE_ATTRIBUTE, Dimension
 _CHUNK = re.compile(r"(c\.)?\d+(\.\d+)*")  # file of one chunk, in either layout
 _OF_MOTIONS = ("motion", "event", "duration", "dt", "pga", "checksum")
 _COORDINATES = ("f", "xi", "kp", "tau", *_OF_MOTIONS)
+_AT_REST = "rms_at_rest"
 _ARRAYS = (*_COORDINATES, "rms", "mte", "A", "d", "stable")
 
 
@@ -86,14 +87,14 @@ def _check_dimensions(dataset: xr.Dataset) -> None:
     share = (Dimension.SHARE,) if Dimension.SHARE in dataset.dims else ()
     structures = (Dimension.FREQUENCY, Dimension.DAMPING_RATIO, *share)
     actuators = (Dimension.GAIN, Dimension.DELAY)
-    for name in _ARRAYS:
+    for name in (*_ARRAYS, *({_AT_REST} & set(dataset))):
         dims = dataset[name].dims
         if name in actuators:
             sound = dims[-1:] == (name,) and set(dims[:-1]) <= set(structures)
         elif name in (*structures, *_OF_MOTIONS):
             sound = dims == (name if name in structures else Dimension.MOTION,)
         else:
-            sound = dims == (Dimension.MOTION, *structures, *actuators)
+            sound = dims == (Dimension.MOTION, *structures, *(() if name == _AT_REST else actuators))
         if not sound:
             raise InputError(
                 STORED, value=f"{name} over {', '.join(map(str, dims)) or 'nothing'}", remedy=MEND

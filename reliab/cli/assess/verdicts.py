@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from reliab.cli.assess.shown_frame import show_frame
 from reliab.cli.assess.shown_test import show_assessment
 from reliab.cli.output import console, progress_bar, table, write_json
+from reliab.encodings import as_cell
 from reliab.errors import InputError
 from reliab.files import written_whole
 from reliab.significant import significant
@@ -122,7 +123,8 @@ def _write_table(out: Path | None, contents: list[dict[str, Any]]) -> None:
 
     try:
         with written_whole(out) as file:
-            verdict_table(contents).to_csv(file, index=False)
+            rows = verdict_table(contents)
+            rows.assign(file=rows["file"].map(as_cell)).to_csv(file, index=False)
     except OSError as error:
         raise InputError(
             "The table's file must be writable",

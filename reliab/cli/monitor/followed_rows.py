@@ -15,6 +15,7 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.encodings import pieces_as_utf8
 from reliab.errors import InputError
 from reliab.files import ordinary
 from reliab.validation.assessment.readers import Columns
@@ -148,7 +149,7 @@ def rows_of(
     """
     remainder, number = b"", 0
     layout: _Layout | None = None
-    for piece in pieces:
+    for piece in pieces_as_utf8(pieces):
         if not piece:
             remainder = b""
             continue

@@ -1,11 +1,13 @@
 """Identified models from other software: objects of SciPy and python-control, and MATLAB files."""
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from reliab.errors import InputError
 from reliab.files import decoding, ordinary
@@ -113,25 +115,81 @@ def read_matlab(path: str | Path, variable: str | None = None, delay: float = 0.
         If the file cannot be read or holds none of these; the message lists what it holds.
     """
     held = _variables(path, variable)
+    try:
+        with np.errstate(over="raise", invalid="raise", divide="raise"):
+            return _built(_Held(held, str(path)), delay)
+    except (FloatingPointError, OverflowError, np.linalg.LinAlgError) as error:
+        raise InputError(
+            "The numbers of a transfer system must not be so large that its poles are none",
+            value=str(error),
+            remedy="Check the units: 1/s",
+            where=str(path),
+        ) from None
+
+
+def _built(held: "_Held", delay: float) -> TransferFunction:
     for numerator, denominator in _FORMS:
-        if numerator in held and denominator in held:
+        if held.has(numerator, denominator):
             return TransferFunction(
-                numerator=coefficients_of(held[numerator]),
-                denominator=coefficients_of(held[denominator]),
+                numerator=coefficients_of(held.vector(numerator)),
+                denominator=coefficients_of(held.vector(denominator)),
                 delay=delay,
             )
-    if {"z", "p", "k"} <= set(held):
-        return TransferFunction.from_poles(
-            np.atleast_1d(held["z"]), np.atleast_1d(held["p"]), float(held["k"]), delay=delay
-        )
-    if {"A", "B", "C", "D"} <= set(held):
-        return transfer_function_of(_state_space(held), delay)
+    if held.has("z", "p", "k"):
+        zeros, poles = held.vector("z", real=False), held.vector("p", real=False)
+        return TransferFunction.from_poles(zeros, poles, float(held.matrix("k", 1, 1)[0, 0]), delay=delay)
+    if held.has("A", "B", "C", "D"):
+        order = math.isqrt(held.vector("A").size)
+        sizes = {"A": (order, order), "B": (order, 1), "C": (1, order), "D": (1, 1)}
+        matrices = [held.matrix(name, *size) for name, size in sizes.items()]
+        return transfer_function_of(scipy.signal.StateSpace(*matrices), delay)
     raise InputError(
         "A MATLAB file must hold num and den, or z, p and k, or A, B, C and D",
-        value=", ".join(name for name in held if not name.startswith("_")) or "none of them",
+        value=", ".join(held.names) or "none of them",
         remedy="Objects of toolboxes cannot be read: save [num, den] = tfdata(model, 'v') instead",
-        where=str(path),
+        where=held.where,
     )
+
+
+class _Held:
+    """Variables of a MATLAB file, each checked when it is taken: numbers of the size that the form needs."""
+
+    def __init__(self, variables: Mapping[str, Any], where: str) -> None:
+        self._variables, self.where = variables, where
+
+    @property
+    def names(self) -> list[str]:
+        return [name for name in self._variables if not name.startswith("_")]
+
+    def has(self, *names: str) -> bool:
+        return set(names) <= set(self._variables)
+
+    def vector(self, name: str, *, real: bool = True) -> NDArray[Any]:
+        """Numbers in a row, whatever their shape was; real ones only, unless complex ones are meant."""
+        values = np.asarray(self._variables[name])
+        if not np.issubdtype(values.dtype, np.number):
+            raise self._refused(name, "a full matrix of numbers", "something else")
+        if not np.isfinite(values).all():
+            raise self._refused(name, "finite", "numbers that are not")
+        if real and np.imag(values).any():
+            raise self._refused(name, "real numbers", "complex ones")
+        return np.asarray(np.real(values) if real else values).ravel()
+
+    def matrix(self, name: str, rows: int, columns: int) -> NDArray[Any]:
+        """Real numbers in a shape that MATLAB has squeezed."""
+        values = self.vector(name)
+        if values.size != rows * columns:
+            size = f"{rows} × {columns}, for one input and one output"
+            raise self._refused(name, f"a matrix of {size}", f"{values.size} numbers")
+        return values.reshape(rows, columns)
+
+    def _refused(self, name: str, needed: str, value: str) -> InputError:
+        return InputError(
+            f"The variable {name} of a transfer system must be {needed}",
+            value=value,
+            remedy="Save the model of one actuator again",
+            where=self.where,
+        )
 
 
 def _variables(path: str | Path, variable: str | None) -> Mapping[str, Any]:
@@ -152,14 +210,3 @@ def _variables(path: str | Path, variable: str | None) -> Mapping[str, Any]:
         )
     structure = content[variable]
     return vars(structure) if hasattr(structure, "_fieldnames") else {}
-
-
-def _state_space(held: Mapping[str, Any]) -> scipy.signal.StateSpace:
-    """State-space model of matrices that MATLAB has squeezed."""
-    order = np.atleast_2d(held["A"]).shape[0]
-    a = np.asarray(held["A"], dtype=float).reshape(order, order)
-    b = np.asarray(held["B"], dtype=float).reshape(order, -1)
-    c = np.asarray(held["C"], dtype=float).reshape(-1, order)
-    return scipy.signal.StateSpace(
-        a, b, c, np.asarray(held["D"], dtype=float).reshape(c.shape[0], b.shape[1])
-    )
