@@ -24,7 +24,7 @@ def main() -> None:
 
 def _report(error: Exception) -> str:
     """Say how to report a fault, with its traceback in a file, or above where none can be written."""
-    told = "".join(traceback.format_exception(error))
+    shown = "".join(traceback.format_exception(error))
     place = "the traceback above"
     with (
         contextlib.suppress(OSError),
@@ -37,10 +37,10 @@ def _report(error: Exception) -> str:
             delete=False,
         ) as file,
     ):
-        file.write(f"{' '.join(sys.argv)}\n\n{told}")
-        place, told = f"the traceback in {file.name}", ""
+        file.write(f"{' '.join(sys.argv)}\n\n{shown}")
+        place, shown = f"the traceback in {file.name}", ""
     return (
-        f"{told}Error: reliab itself has failed ({type(error).__name__}); this is no answer about the test. "
+        f"{shown}Error: reliab itself has failed ({type(error).__name__}); this is no answer about the test. "
         f"Please report it with the command, what `reliab info` prints, and {place}.\n"
     )
 

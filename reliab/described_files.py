@@ -76,10 +76,12 @@ def parse_toml(text: str, *, rule: str, remedy: str, where: str) -> dict[str, An
         content = tomllib.loads(text, parse_float=lambda number: _finite(number, where))
     except RecursionError:
         raise _too_deep(where) from None
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(rule, value=str(error), remedy=remedy, where=where) from None
     except InputError:
         raise
-    except ValueError as error:  # of TOML, and of a number of too many digits
-        raise InputError(rule, value=str(error), remedy=remedy, where=where) from None
+    except ValueError:  # Python takes 4,300 digits
+        raise _too_large("one of more than 4,300 digits", where) from None
     _require_bounded(content, where)
     return content
 
@@ -127,13 +129,13 @@ def _require_bounded(content: object, where: str) -> None:
             raise _too_deep(where)
         for value in level:
             if isinstance(value, int) and abs(value) >= _LARGEST_WHOLE:
-                raise InputError(
-                    "A whole number must be below 2⁶³",
-                    value=f"one of {value.bit_length()} bits",
-                    remedy="Write it with a decimal point",
-                    where=where,
-                )
+                raise _too_large(f"one of {value.bit_length()} bits", where)
         level = [part for value in level for part in _parts(value)]
+
+
+def _too_large(value: str, where: str) -> InputError:
+    rule, remedy = "A whole number must be below 2⁶³", "Write it with a decimal point"
+    return InputError(rule, value=value, remedy=remedy, where=where)
 
 
 def _parts(value: object) -> list[Any]:

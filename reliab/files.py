@@ -227,13 +227,12 @@ def folder_written_whole(place: Path) -> Iterator[Path]:
     OSError.
     """
     place = Path(os.path.realpath(place))
-    place.parent.mkdir(parents=True, exist_ok=True)
-    remove_abandoned(place.parent.glob(f"{UNFINISHED}*"))
     unfinished = unfinished_name(place)
-    unfinished.mkdir()
+    unfinished.mkdir(parents=True)
     descriptor = os.open(unfinished, os.O_RDONLY)
     try:
         hold(descriptor)
+        remove_abandoned(place.parent.glob(f"{UNFINISHED}*"))
         yield unfinished
         if place.exists():
             place.rmdir()

@@ -201,7 +201,7 @@ def study_of(path: Path) -> dict[str, Any]:
     if study is None:
         raise InputError(
             "A report is made of the folder of a run",
-            value=f"no {MANIFEST} in it",
+            value=f"no {MANIFEST} in it that a run wrote",
             remedy="Name the folder that `reliab run --out` wrote",
             where=str(path),
         )

@@ -5,6 +5,7 @@ record is among them.
 """
 
 import io
+import json
 import pickle
 import tempfile
 from functools import cache
@@ -47,7 +48,9 @@ def read_back(folder: Path) -> Case:
 
 @cache
 def motions() -> list[Case]:
-    return [{name: text.encode()} for name, text in RECORDS.items()]
+    return [
+        {name: text.encode(encoding)} for name, text in RECORDS.items() for encoding in ("utf-8", "utf-16")
+    ]
 
 
 @cache
@@ -80,6 +83,7 @@ def tests() -> list[Case]:
     return [
         {"test.csv": text.encode()},
         {"test.csv": f"# rate = {RATE}\n{german}".encode()},
+        {"test.csv": text.encode("utf-16")},
         {"test.csv": matlab.getvalue()},
         {"test.csv": _hdf5(columns)},
         {"test.csv": _classic_netcdf(columns)},
@@ -259,6 +263,28 @@ def stores() -> list[Case]:
 
 @cache
 def plants() -> list[Case]:
+    coefficients = {"num": [1.0, 2.0], "den": [1.0, 3.0, 4.0]}
+    roots = {"z": [], "p": [-2 + 1j, -2 - 1j], "k": 5.0}
+    state_space = {"A": [[-1.0, 0.0], [0.0, -2.0]], "B": [[1.0], [1.0]], "C": [[1.0, 1.0]], "D": 0.0}
+    forms: list[dict[str, object]] = [coefficients, roots, state_space]
+    return [{"plant.mat": _matlab(form)} for form in forms]
+
+
+def _matlab(variables: dict[str, object]) -> bytes:
     content = io.BytesIO()
-    savemat(content, {"num": [1.0, 2.0], "den": [1.0, 3.0, 4.0]})
-    return [{"plant.mat": content.getvalue()}]
+    savemat(content, variables)
+    return content.getvalue()
+
+
+@cache
+def manifests() -> list[Case]:
+    done = {"inputs": "0" * 64, "files": {"a.json": "1" * 64}, "date": "2026-11-22"}
+    stages = {"one": {**done, "packages": {"numpy": "2.0"}}, "report": {"inputs": ""}}
+    content = {"study": {"kind": "criterion", "title": "small"}, "stages": stages}
+    return [{"manifest.json": json.dumps(content).encode()}]
+
+
+@cache
+def defaults() -> list[Case]:
+    text = '[assess]\nf = "1±0.01"\nxi = 0.02\nthreshold = 0.03\n[explore]\nf = 1.0\n'
+    return [{"reliab.toml": text.encode()}]

@@ -11,12 +11,15 @@ import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
+import typer
 
 from fuzz import corpus
 from fuzz.damage import SECRET, Damaged, secret_of, write
-from reliab.cli import run
+from reliab.cli import app, run
+from reliab.cli.defaults import read_defaults
 from reliab.criterion import Criterion
 from reliab.discrepancy import read_campaign
 from reliab.errors import IncompleteError, InputError
@@ -27,6 +30,7 @@ from reliab.loop.transfer_systems.reading import read_matlab
 from reliab.motions import check_folder, load_motions
 from reliab.sampling.ensembles import draw
 from reliab.study import read_study
+from reliab.study.stages import date_of, made_with, study_of
 from reliab.sweep import open_results, run_sweep
 
 _LONGEST_MESSAGE = 4000
@@ -203,6 +207,17 @@ def _assess_with_criterion(folder: Path) -> None:
     )
 
 
+def _manifest(folder: Path) -> None:
+    assert isinstance(study_of(folder), dict)
+    assert date_of(folder).year
+    json.dumps(made_with(folder))
+
+
+def _defaults(folder: Path) -> None:
+    with mock.patch.dict("os.environ", {"RELIAB_CONFIG": str(folder / "reliab.toml")}):
+        read_defaults(typer.main.get_command(app))
+
+
 def _chains(folder: Path) -> None:
     posterior = draw(corpus.CHAIN_MODEL, corpus.CHAIN_SETTINGS, file=folder / "chains.h5", group="run")
     assert np.isfinite(posterior.draws).all()
@@ -223,7 +238,7 @@ TARGETS = {
     "motions": Target(seeds=corpus.motions, read=_motions),
     "catalogue": Target(seeds=corpus.catalogue, read=_catalogue),
     "assess": Target(seeds=corpus.tests, read=_assess),
-    "monitor": Target(seeds=lambda: corpus.tests()[:2], read=_monitor),
+    "monitor": Target(seeds=lambda: corpus.tests()[:3], read=_monitor),
     "campaign": Target(seeds=corpus.campaign, read=_campaign),
     "study": Target(seeds=corpus.studies, read=lambda folder: read_study(folder / "study.toml")),
     "ellipse_table": Target(seeds=corpus.ellipse_tables, read=_criterion_of("ellipses.csv")),
@@ -233,6 +248,8 @@ TARGETS = {
     "model": Target(seeds=corpus.models, read=lambda folder: read_model(folder / "model.toml")),
     "frame": Target(seeds=corpus.frames, read=lambda folder: read_frame(folder / "frame.toml")),
     "plant": Target(seeds=corpus.plants, read=lambda folder: read_matlab(folder / "plant.mat")),
+    "manifest": Target(seeds=corpus.manifests, read=_manifest),
+    "defaults": Target(seeds=corpus.defaults, read=_defaults),
     "chains": Target(seeds=corpus.chains, read=_chains),
     "results": Target(seeds=corpus.stores, read=_results),
     "resume": Target(seeds=corpus.stores, read=_resume),

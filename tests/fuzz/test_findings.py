@@ -52,7 +52,7 @@ def test_a_matlab_file_whose_compressed_part_is_damaged_is_explained(tmp_path):
 
 
 def test_an_hdf5_file_with_a_damaged_tree_is_explained(tmp_path):
-    content = corpus.tests()[3]["test.csv"].replace(b"SNOD", b"SNAD")
+    content = corpus.tests()[4]["test.csv"].replace(b"SNOD", b"SNAD")
     (tmp_path / "test.h5").write_bytes(content)
     with pytest.raises(InputError, match="A test's file must be readable"):
         read_columns(tmp_path / "test.h5")

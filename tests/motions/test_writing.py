@@ -80,7 +80,7 @@ def test_nothing_is_left_of_a_suite_that_cannot_be_written(tmp_path: Path) -> No
 
 def test_a_folder_that_cannot_be_made_is_explained(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("x")
-    with pytest.raises(InputError, match="must be writable; found Not a directory"):
+    with pytest.raises(InputError, match="must be writable, new or empty; found Not a directory"):
         write_suite(MotionSuite.from_motions([motion()]), tmp_path / "file" / "out")
     with pytest.raises(InputError, match="at least one motion"):
         write_suite(MotionSuite([]), tmp_path / "out")
@@ -98,3 +98,13 @@ def test_names_of_any_length_or_script_become_files_and_stay_names(tmp_path: Pat
     write_suite(MotionSuite.from_motions([motion(name, set_name=name) for name in names]), tmp_path / "out")
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
     assert list(load_motions(tmp_path / "out").names) == [*names[:-1], r"[red] \x1b[31m#$<b>"]
+
+
+@pytest.mark.parametrize("name", ["=HYPERLINK(A1)", "+cmd|x", "-2+3+cmd", "@SUM(1)", "'=1", "-5"])
+def test_names_are_no_formulas_in_a_spreadsheet_and_stay_names(tmp_path: Path, name: str) -> None:
+    motion = Motion(name=name, event=name, set_name=name, acceleration=np.arange(1.0, 5.0), time_step=0.01)
+    catalogue = write_suite(MotionSuite.from_motions([motion]), tmp_path / "suite")
+    cells = catalogue.read_text(encoding="utf-8").splitlines()[1].split(",")
+    assert not [cell for cell in cells if cell.startswith(("=", "+", "-", "@")) and cell != "-5"]
+    (back,) = load_motions(tmp_path / "suite")
+    assert (back.name, back.event, back.set_name) == (name, name, name)

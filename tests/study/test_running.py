@@ -15,6 +15,7 @@ from reliab.study import run_study, stages, study_from, write_report
 from reliab.study.kinds import KINDS
 from reliab.study.stages import RunFolder, Stage
 from reliab.study.steps import candidates
+from reliab.unfinished import UNFINISHED
 
 pytestmark = pytest.mark.usefixtures("blank_figures")
 
@@ -225,3 +226,15 @@ def plain(document):
     sections = [block for block in document.blocks if isinstance(block, Section)]
     points = [block for section in sections for block in section.blocks if isinstance(block, Points)]
     return " ".join(plain_text(item) for each in points for item in each.items)
+
+
+def test_what_a_killed_run_was_writing_is_removed_when_it_is_resumed(tmp_path):
+    run = tmp_path / "run"
+    with RunFolder.opened(run, study={"kind": "criterion"}):
+        pass
+    (run / "folder").mkdir()
+    for place in (run, run / "folder"):
+        (place / f"{UNFINISHED}0").write_text("half")
+    with RunFolder.opened(run, study={"kind": "criterion"}):
+        pass
+    assert not [path for path in run.rglob("*") if path.name.startswith(UNFINISHED)]
