@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from reliab.api.arguments import Quantity, stated_values, unused
-from reliab.criterion import Criterion, read_criterion
+from reliab.criterion import Criterion
 from reliab.errors import InputError
 from reliab.sweep.plain import Numbers, several
 from reliab.validation.assessment.design import (
@@ -96,7 +96,7 @@ def design_test(
         given = {"threshold": threshold, "confidence": confidence, "metric": metric}
         for name in (name for name, value in given.items() if value is not None):
             raise unused(name, "beside `criterion`, which brings its own")
-    read = read_criterion(criterion) if isinstance(criterion, str | Path) else criterion
+    read = Criterion.read(criterion) if isinstance(criterion, str | Path) else criterion
     ratio = _exact(xi, "xi")
 
     def tolerances(frequencies: list[float]) -> tuple[Tolerance, ...]:

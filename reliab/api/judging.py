@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from reliab.api.arguments import require_positive, unused
-from reliab.criterion import Criterion, read_criterion
+from reliab.criterion import Criterion
 from reliab.errors import InputError
 from reliab.loop.hybrid_test.model_file import UpdatedModel, read_model
 from reliab.loop.partition.frame_file import FrameUnderTest, read_frame
@@ -85,7 +85,7 @@ class Terms:
         return 0.05 if self.threshold is None else float(self.threshold)
 
     def _own_criterion(self) -> Criterion | None:
-        return read_criterion(self.criterion) if isinstance(self.criterion, str | Path) else self.criterion
+        return Criterion.read(self.criterion) if isinstance(self.criterion, str | Path) else self.criterion
 
     def _judge_of_structures(self, structure: Structure | None) -> Judge:
         model = read_model(self.model) if isinstance(self.model, str | Path) else self.model

@@ -1,7 +1,6 @@
 """Distributions, Bayesian fits, laws and the criterion."""
 
 from reliab.criterion.criterion import Criterion
-from reliab.criterion.criterion_reading import read_criterion
 from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.criterion.ellipse_sample import EllipseSample, sample_of
@@ -12,7 +11,6 @@ __all__ = [
     "EllipseSample",
     "derive_criterion",
     "published_criterion",
-    "read_criterion",
     "read_ellipses",
     "sample_of",
 ]

@@ -15,7 +15,7 @@ import reliab
 from reliab import cli
 from reliab.api import assessment, judging
 from reliab.cli.option_names import as_options
-from reliab.criterion import read_criterion
+from reliab.criterion import Criterion
 from reliab.loop.hybrid_test.model_file import read_model
 from reliab.loop.partition.frame_file import read_frame
 from reliab.motions import read_motion
@@ -159,7 +159,7 @@ def test_objects_say_what_their_files_say(folder, monkeypatch):
     monkeypatch.setattr(judging, "assess_structure", Answer)
     monkeypatch.setattr(judging, "assess_frame", Answer)
     readers = {
-        "criterion": ("criterion.json", read_criterion),
+        "criterion": ("criterion.json", Criterion.read),
         "model": ("model.toml", read_model),
         "motion": ("ground.txt", read_motion),
         "structure": ("frame.toml", read_frame),
