@@ -1,6 +1,5 @@
 """What is too large is refused before it takes memory, with the limit, the value and the remedy."""
 
-import json
 import tracemalloc
 
 import h5py
@@ -8,7 +7,6 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from reliab.cli import run
 from reliab.discrepancy import read_campaign
 from reliab.discrepancy.campaign import reading
 from reliab.errors import InputError
@@ -20,9 +18,7 @@ from reliab.motions.faults import Report
 from reliab.motions.readers.source import open_source
 from reliab.rebuilt_error import rebuild
 from reliab.rebuilt_error.monitor import Monitor
-from reliab.rebuilt_error.running_error import RunningError
 from reliab.rebuilt_error.size import MOST_DRAWN
-from reliab.rebuilt_error.whole_structure import whole_structure
 from reliab.validation.assessment import Recording, assess
 from reliab.validation.assessment.readers import hierarchical, matlab, read_columns
 
@@ -140,42 +136,17 @@ def test_a_record_in_a_large_file_is_refused_after_reading_no_more_than_allowed(
     assert open_source(path, report, limit=100, most=399).content == b"0.1\n" * 25  # a head of any file
 
 
-def test_a_running_test_that_is_too_long_is_refused():
-    running = RunningError(whole_structure(FOUR_HERTZ), STEP, 0.0, 0.99, 0.0, most=100)
-    running.feed(np.ones(100), np.ones(100))
-    with pytest.raises(InputError, match="may have 100 samples at most; found 101"):
-        running.feed(np.ones(1), np.ones(1))
-
-
-def test_a_long_running_test_is_followed_without_new_intervals():
-    time = np.arange(3000) * STEP
-    command = np.sin(6.0 * time)
-    monitor = Monitor(FOUR_HERTZ, STEP, most_drawn=2000)
-    monitor.feed(command[:2000], 0.99 * command[:2000])
-    assert monitor.due
-    asked = monitor.ask(draws=16)
-    monitor.feed(command[2000:], 0.99 * command[2000:])
-    assert not monitor.due
-    assert monitor.result is asked
-    assert monitor.now.samples == 3000
-    whole = rebuild(command, 0.99 * command, STEP, FOUR_HERTZ, draws=16)
-    assert np.abs(monitor.error - whole.error).max() < 1e-3 * np.abs(whole.error).max()
-
-
-def test_the_end_of_a_long_running_test_says_until_when_its_intervals_hold(tmp_path, monkeypatch, capsys):
-    time = np.arange(3000) * STEP
-    command = np.sin(6.0 * time)
-    rows = np.column_stack([time, command, 0.99 * command])
-    np.savetxt(tmp_path / "t.csv", rows, delimiter=",", header="time_s,command_m,measured_m", comments="")
-    defaults = {**Monitor.__init__.__kwdefaults__, "most_drawn": 2000}
-    monkeypatch.setattr(Monitor.__init__, "__kwdefaults__", defaults)
-    arguments = ["monitor", str(tmp_path / "t.csv"), "--f", "4", "--xi", "0.02", "--wait", "0.1"]
-    assert run([*arguments, "--threshold", "0.9", "--json", str(tmp_path / "said")]) == 0
-    end = json.loads((tmp_path / "said").read_text().splitlines()[-1])
-    assert end["kind"] == "end"
-    assert end["time_s"] == pytest.approx(time[-1])
-    assert end["error"]["until_s"] < 2000 * STEP
-    assert "The test became too long for intervals" in " ".join(capsys.readouterr().out.split())
+@pytest.mark.parametrize("rest", [0, 10_000])
+def test_a_running_test_of_any_length_takes_the_memory_of_two_stretches(rest):
+    stretch, seconds = 2048, 80
+    time = np.arange(seconds * 256) * STEP
+    command = np.concatenate([np.zeros(rest), np.sin(6.0 * time)])
+    monitor = Monitor(FOUR_HERTZ, STEP, stretch=stretch)
+    for first in range(0, command.size, 3000):
+        monitor.feed(command[first : first + 3000], 0.99 * command[first : first + 3000])
+        assert monitor._running.kept <= 2 * stretch  # noqa: SLF001
+        assert monitor._running._table.shape[1] <= 4 * stretch  # noqa: SLF001
+    assert monitor.now.samples == command.size
 
 
 def test_a_campaign_of_too_many_samples_is_refused_before_the_rest_is_read(tmp_path, monkeypatch):

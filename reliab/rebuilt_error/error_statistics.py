@@ -44,7 +44,7 @@ def sweep_draws(
     decay, early, late, output, feed_through : numpy.ndarray
         Recursion of each draw, shapes (draws, 2n, 2n), (draws, 2n), (draws, 2n), (draws, 2n), (draws,).
     state : numpy.ndarray
-        State at the first sample, shape (draws, 2n).
+        State at the first sample, shape (draws, 2n); changed in place to that at the last one.
     command : numpy.ndarray
         x_c [m], shape (n,).
     differences : numpy.ndarray
@@ -74,7 +74,7 @@ def sweep_draws(
         row = draw % differences.shape[0]
         total, peak, ideal = 0.0, 0.0, 0.0
         before = 0.0
-        held = state[draw].copy()
+        held = state[draw]
         for i in range(size):
             difference = differences[row, i]
             for k in range(3):

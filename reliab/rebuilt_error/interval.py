@@ -5,7 +5,7 @@ histories of x_c − x_m from those that the noise allows, and the error is rebu
 linearised, and no noise is subtracted from a mean square or a peak.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
@@ -23,7 +23,9 @@ Array = NDArray[np.float64]
 
 _LEAST = 0.05  # of a stated value: a draw goes no lower
 _IN_PERIOD_OF_BAND = 0.25  # of the period of the highest frequency of the motion that a step may be
-_MOST_SAMPLES = 4096  # that are swept for the sake of the motion's band
+
+FEWEST_SWEPT = 4096
+"""Number of samples up to which the motion's band, too, is resolved while draws are swept."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,6 +51,68 @@ class Unknown:
         stated = dict(self.tolerances.items())
         stated["sensor_offset"] = float(np.hypot(stated["sensor_offset"], self.offset))
         return {**stated, "initial_state": self.error_at_start}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Swept:
+    """Errors of the draws over a test so far, from which a later stretch of it can go on.
+
+    Attributes
+    ----------
+    steps : int
+        Number of steps between its samples.
+    square, peak, ideal : numpy.ndarray
+        Mean square of x_m − x_I [m²], its peak and that of x_I [m] of each draw, shape (draws,).
+    mean, deviation : numpy.ndarray
+        Of x_m − x_I over the draws at the samples of the last stretch [m], shape (n,).
+    states : numpy.ndarray
+        State of the structure at the last sample: of the draws, and as stated by swept samples and by all,
+        shape (draws + 2, 2n).
+    """
+
+    steps: int
+    square: Array
+    peak: Array
+    ideal: Array
+    mean: Array
+    deviation: Array
+    states: Array
+
+    @property
+    def spread(self) -> Spread:
+        """RMS^R and MTE^R of the draws."""
+        return Spread(
+            rms=np.sqrt(self.square) / self.ideal,
+            mte=self.peak / self.ideal,
+            mean=self.mean,
+            deviation=self.deviation,
+        )
+
+    def first(self, draws: int) -> "Swept":
+        """Only the first draws."""
+        return replace(
+            self,
+            square=self.square[:draws],
+            peak=self.peak[:draws],
+            ideal=self.ideal[:draws],
+            states=np.concatenate([self.states[:draws], self.states[-2:]]),
+        )
+
+    def after_rest(self, steps: int) -> "Swept":
+        """Errors of the same test with so many further steps of rest before it."""
+        whole = self.steps + steps
+        return replace(self, steps=whole, square=(self.steps / whole) * self.square)
+
+    def joined(self, later: "Swept") -> "Swept":
+        """Errors over this stretch and a later one, which begins at its last sample."""
+        steps = self.steps + later.steps
+        return replace(
+            later,
+            steps=steps,
+            square=(self.steps / steps) * self.square + (later.steps / steps) * later.square,
+            peak=np.maximum(self.peak, later.peak),
+            ideal=np.maximum(self.ideal, later.ideal),
+        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -99,7 +163,8 @@ def sweep(
     *,
     draws: int,
     seed: int,
-) -> Spread:
+    before: Swept | None = None,
+) -> Swept:
     """Rebuild the error for draws of everything that is not known.
 
     Parameters
@@ -118,34 +183,44 @@ def sweep(
         Number of draws, a power of two.
     seed : int
         Seed of the draws; the same seed draws the same numbers for other standard deviations.
+    before : Swept, optional
+        The same draws up to the first of these samples, where they begin a later stretch of the test.
 
     Returns
     -------
-    Spread
-        Statistics of the error, as fine as the given histories.
+    Swept
+        Errors of the draws from the beginning of the test.
     """
     thin = histories.thinned(every)
     deviations = unknown.deviations()
     points = _normal(len(deviations) + 1, draws, seed)
     drawn = dict(zip(deviations, points * np.array([*deviations.values(), 0.0])[:, np.newaxis], strict=False))
     band = np.zeros((2, thin.command.size))
-    velocity = points[-1] * unknown.error_at_start
-    swept = _swept(thin, structure, drawn, velocity, differences, band)
+    if before is None:
+        states = _at_first_sample(structure, drawn, points[-1] * unknown.error_at_start, thin.standing)
+    else:
+        states = before.first(draws).states
+    swept = _swept(thin, structure, drawn, states[:-2], differences, band)
     mean = band[0] / draws
     deviation = np.sqrt(np.maximum(band[1] / draws - mean**2, 0.0))
     exact = {name: np.zeros(1) for name in deviations}
-    coarse = _swept(thin, structure, exact, np.zeros(1), thin.difference[np.newaxis], np.zeros_like(band))[0]
-    fine = _fine_statistics(histories, structure)
+    stated = thin.difference[np.newaxis]
+    coarse = _swept(thin, structure, exact, states[-2:-1], stated, np.zeros_like(band))[0]
+    fine = _fine_statistics(histories, structure, states[-1])
     # what lies between the swept samples
     scale = np.divide(fine, coarse, out=np.ones(3), where=coarse > 0.0)
     square, peak, ideal = (swept * scale).T
     places, known = np.arange(histories.command.size) / every, np.arange(thin.command.size)
-    return Spread(
-        rms=np.sqrt(square) / ideal,
-        mte=peak / ideal,
+    stretch = Swept(
+        steps=histories.command.size - 1,
+        square=square,
+        peak=peak,
+        ideal=ideal,
         mean=np.interp(places, known, mean),
         deviation=np.interp(places, known, deviation),
+        states=states,
     )
+    return stretch if before is None else before.first(draws).joined(stretch)
 
 
 def samples_in_step(structure: WholeStructure, noise: SensorNoise, samples: int) -> int:
@@ -167,7 +242,7 @@ def samples_in_step(structure: WholeStructure, noise: SensorNoise, samples: int)
     """
     of_structure = samples_in_step_of_structure(structure, noise.time_step)
     of_band = max(int(_IN_PERIOD_OF_BAND / (noise.band * noise.time_step)), 1)
-    return min(of_structure, max(of_band, -(-samples // _MOST_SAMPLES)))
+    return min(of_structure, max(of_band, -(-samples // FEWEST_SWEPT)))
 
 
 def _normal(dimensions: int, draws: int, seed: int) -> Array:
@@ -175,30 +250,38 @@ def _normal(dimensions: int, draws: int, seed: int) -> Array:
     return np.asarray(scipy.special.ndtri(points.T))
 
 
-def _fine_statistics(histories: Histories, structure: WholeStructure) -> Array:
+def _fine_statistics(histories: Histories, structure: WholeStructure, state: Array) -> Array:
     recursion = Recursion.of_displacement(structure, histories.time_step)
-    response = respond(recursion, histories.fed_back, equilibrium(structure, histories.standing))[0]
+    response = respond(recursion, histories.fed_back, state)[0]
     error = response - histories.difference
     return np.array([mean_square(error), np.abs(error).max(), np.abs(histories.command - response).max()])
+
+
+def _at_first_sample(
+    structure: WholeStructure, drawn: dict[str, Array], velocity: Array, standing: float
+) -> Array:
+    """States of the draws, and twice the one as stated."""
+    shape = first_mode(structure) / structure.specimen_stiffness
+    w0 = 2.0 * np.pi * float(structure.natural_frequencies[0])
+    still = equilibrium(structure, standing)
+    states = np.zeros((velocity.size + 2, still.size))
+    states[:-2, : shape.size] = drawn["initial_state"][:, np.newaxis] * shape
+    states[:-2, shape.size :] = w0 * velocity[:, np.newaxis] * shape
+    softer = np.maximum(1.0 + drawn["frequency"], _LEAST) ** -2
+    states[:-2] += softer[:, np.newaxis] * still
+    states[-2:] = still
+    return states
 
 
 def _swept(
     thin: Histories,
     structure: WholeStructure,
     drawn: dict[str, Array],
-    velocity: Array,
+    state: Array,
     differences: Array,
     band: Array,
 ) -> Array:
     kinds = _recursions(structure, drawn, thin.time_step)
-    draws = drawn["frequency"].size
-    state = np.zeros((draws, kinds[0].order))
-    shape = first_mode(structure) / structure.specimen_stiffness
-    w0 = 2.0 * np.pi * float(structure.natural_frequencies[0])
-    state[:, : shape.size] = drawn["initial_state"][:, np.newaxis] * shape
-    state[:, shape.size :] = w0 * velocity[:, np.newaxis] * shape
-    softer = np.maximum(1.0 + drawn["frequency"], _LEAST) ** -2
-    state += softer[:, np.newaxis] * equilibrium(structure, thin.standing)
     rate = np.gradient(thin.measured, thin.time_step)
     inputs = np.stack([thin.measured, rate, np.ones(rate.size)])
     shifts = np.stack([drawn["sensor_scale"], drawn["time_shift"], drawn["sensor_offset"]], axis=1)

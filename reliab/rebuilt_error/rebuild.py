@@ -19,16 +19,13 @@ from reliab.errors import InputError
 from reliab.loop.partition.partition import Partition
 from reliab.loop.structure import Structure
 from reliab.rebuilt_error.channels import checked_histories, stated_start
-from reliab.rebuilt_error.difference_draws import draw_differences
-from reliab.rebuilt_error.error_statistics import mean_square
 from reliab.rebuilt_error.feedback import delayed
 from reliab.rebuilt_error.force_form import Form, combined_reading, felt_displacement
-from reliab.rebuilt_error.initial import Start
-from reliab.rebuilt_error.interval import Histories, Unknown, samples_in_step, sweep
 from reliab.rebuilt_error.noise import estimate_noise
 from reliab.rebuilt_error.rebuilt import RebuiltError, conclude
 from reliab.rebuilt_error.recursion import Recursion, equilibrium, respond
 from reliab.rebuilt_error.size import require_fitting, samples_in_step_of_structure
+from reliab.rebuilt_error.stretches import StatedTest, draw_error, what_is_unknown
 from reliab.rebuilt_error.tolerances import Tolerances
 from reliab.rebuilt_error.whole_structure import WholeStructure, whole_structure
 
@@ -100,7 +97,15 @@ def rebuild(
     >>> round(error.rms.value, 3)
     0.06
     """
-    whole = whole_structure(structure)
+    test = StatedTest(
+        structure=whole_structure(structure),
+        time_step=time_step,
+        feedback_lag=feedback_lag,
+        sensor_offset=sensor_offset,
+        tolerances=tolerances or Tolerances(),
+        seed=seed,
+    )
+    whole = test.structure
     command, measured = checked_histories(command, measured, time_step, whole)
     require_fitting(command.size, samples_in_step_of_structure(whole, time_step), time_step)
     noise = estimate_noise(command, measured, time_step)
@@ -112,42 +117,29 @@ def rebuild(
     fed_back = command - delayed(felt, feedback_lag, time_step)
     recursion = Recursion.of_displacement(whole, time_step)
     response = respond(recursion, fed_back, equilibrium(whole, -start.standing))[0]
-    difference = noise.smooth(command - read)
-    histories = Histories(
-        command=command,
-        measured=command - difference,
-        fed_back=noise.smooth(fed_back),
-        time_step=time_step,
-        standing=-start.standing,
+    error, drawn = draw_error(
+        command,
+        read,
+        fed_back,
+        test,
+        noise=noise,
+        start=start,
+        unknown=what_is_unknown(start, test.tolerances, response, command),
+        draws=draws,
     )
-    unknown = _unknown(start, tolerances or Tolerances(), response, command)
-    every = samples_in_step(whole, noise, command.size)
-    lowest = float(whole.natural_frequencies[0])
-    differences = draw_differences(command, read, noise, lowest, every, draws, seed)
-    exact = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
     return conclude(
-        histories,
+        drawn.histories,
         read,
         command - response,
         structure=whole,
         noise=noise,
-        as_stated=sweep(histories, whole, exact, differences[::2], every, draws=draws // 2, seed=seed),
-        spread=sweep(histories, whole, unknown, differences, every, draws=draws, seed=seed),
-        differences=differences,
-        every=every,
-        unknown=unknown,
+        as_stated=error.stated.spread,
+        spread=error.swept.spread,
+        differences=drawn.differences,
+        every=drawn.every,
+        unknown=error.unknown,
         start=start,
         seed=seed,
-    )
-
-
-def _unknown(start: Start, tolerances: Tolerances, response: Array, command: Array) -> Unknown:
-    """Return the standard deviations of everything that is uncertain."""
-    relative = float(np.sqrt(mean_square(response) / mean_square(command)))
-    return Unknown(
-        tolerances=tolerances,
-        offset=start.offset_deviation,
-        error_at_start=0.0 if start.at_rest else relative * start.amplitude,
     )
 
 

@@ -1,8 +1,9 @@
 """The error history of a running test, sample by sample.
 
-The recursion of `rebuild` continues from chunk to chunk. Two more responses are computed with it: the
-response to a constant, with which a sensor offset that is found later is subtracted from all samples so far,
-and the decay from the static state under a constant x_c − x_m, for tests that began in equilibrium under an
+The recursion of `rebuild` continues from chunk to chunk, and so do sums over the error. Only the latest
+samples are kept: what is forgotten stays in the sums. Two more responses are computed with it: the response
+to a constant, with which a sensor offset that is found later is subtracted from all samples so far, and the
+decay from the static state under a constant x_c − x_m, for tests that began in equilibrium under an
 offset.
 """
 
@@ -10,24 +11,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.compiled import compiled
-from reliab.errors import InputError
 from reliab.rebuilt_error.feedback import delayed
 from reliab.rebuilt_error.recursion import Recursion, advance, equilibrium
-from reliab.rebuilt_error.size import LARGEST_READING
 from reliab.rebuilt_error.whole_structure import WholeStructure
 
 Array = NDArray[np.float64]
 
 _ROWS = 5  # command, measured, error, response to a constant, decay from equilibrium
-_SUMS = 5  # see `_follow`
 _CAPACITY = 4096
-
-MOST_FOLLOWED = 50_000_000
-"""Largest number of samples of a running test, 54 h at 256 Hz; its histories then take 2 to 3 GB."""
 
 
 class RunningError:
-    """Histories of a running test and sums over them.
+    """Latest histories of a running test, and sums over all of it.
 
     Parameters
     ----------
@@ -41,8 +36,6 @@ class RunningError:
         Weight that is left of the past of the energies after a step [-].
     offset : float
         Offset of the displacement sensor [m].
-    most : int, optional
-        Largest number of samples.
 
     Attributes
     ----------
@@ -51,10 +44,11 @@ class RunningError:
     offset, standing : float
         Sensor offset that is taken away, and x_c − x_m under which the test began in equilibrium [m].
     sums : numpy.ndarray
-        Σr², half the squares of its first and last value, max|r|, max|x_I|, and r of the last sample, of the
-        error r = x_m − x_I, shape (5,).
+        Σr², half the square of its first value, max|r|, max|x_I|, r of the last sample, max|x_I| when it last
+        doubled, and the number of the sample at which it did, of the error r = x_m − x_I, shape (7,).
     moments : numpy.ndarray
-        Forgetting sums of the products of x_c, x_c', one and x_m − x_c between samples, shape (4, 4).
+        Forgetting sums of the products of x_c, x_c', one and x_m − x_c between samples,
+        and of their steps from one to the next, shape (2, 4, 4).
     motion : numpy.ndarray
         Number of samples that moved, and the largest forgetting sum of x_c'² so far [m²/s²], shape (2,).
     """
@@ -66,33 +60,48 @@ class RunningError:
         feedback_lag: float,
         forgetting: float,
         offset: float,
-        most: int = MOST_FOLLOWED,
     ) -> None:
-        self.size, self._most = 0, most
+        self.size = self._forgotten = 0
         self.offset, self.standing = offset, 0.0
-        self.sums, self.moments, self.motion = np.zeros(_SUMS), np.zeros((4, 4)), np.zeros(2)
+        self.sums, self.moments, self.motion = np.zeros(7), np.zeros((2, 4, 4)), np.zeros(2)
         self._recursion = Recursion.of_displacement(structure, time_step)
         self._step, self._lag, self._forgetting = time_step, feedback_lag, forgetting
         self._table = np.zeros((_ROWS, _CAPACITY))
         self._states = np.zeros((3, self._recursion.order))
         self._states[2] = equilibrium(structure, 1.0)
-        self._before = np.zeros(3)
+        self._before, self._between = np.zeros(3), np.array([0.0, 0.0, 1.0, 0.0])
+
+    @property
+    def kept(self) -> int:
+        """Number of samples that are kept, the latest ones."""
+        return self.size - self._forgotten
 
     @property
     def command(self) -> Array:
-        """x_c so far [m], shape (size,)."""
-        return self._table[0, : self.size]
+        """x_c of the samples that are kept [m], shape (kept,)."""
+        return self._table[0, : self.kept]
 
     @property
     def measured(self) -> Array:
-        """x_m so far as read [m], shape (size,)."""
-        return self._table[1, : self.size]
+        """x_m as read of the samples that are kept [m], shape (kept,)."""
+        return self._table[1, : self.kept]
 
     @property
     def error(self) -> Array:
-        """x_m − x_I so far, the sensor's offset taken away [m], shape (size,)."""
-        rows = self._table[2:, : self.size]
+        """x_m − x_I of the samples that are kept, the sensor's offset taken away [m], shape (kept,)."""
+        rows = self._table[2:, : self.kept]
         return np.asarray(rows[0] + self.offset * rows[1] + self.standing * rows[2])
+
+    @property
+    def mean_square(self) -> float:
+        """Mean square of x_m − x_I over the whole test so far [m²], by the trapezoidal rule."""
+        inner = self.sums[0] - self.sums[1] - 0.5 * self.sums[4] ** 2
+        return max(float(inner), 0.0) / max(self.size - 1, 1)
+
+    @property
+    def calm(self) -> float:
+        """Time since the peak of x_I last doubled [s]."""
+        return (self.size - 1 - float(self.sums[6])) * self._step
 
     def feed(self, command: Array, measured: Array) -> None:
         """Add the next samples.
@@ -101,26 +110,11 @@ class RunningError:
         ----------
         command, measured : numpy.ndarray
             x_c and x_m [m], shape (k,), k ≥ 1.
-
-        Raises
-        ------
-        InputError
-            If the two differ in length, a value is beyond what a sensor reads or not finite, or the test
-            becomes too long.
         """
-        if command.shape != measured.shape or command.ndim != 1:
-            raise InputError(
-                "Command and measured displacement must have one length",
-                value=f"{command.shape} and {measured.shape}",
-            )
-        if not (np.abs([command, measured]) < LARGEST_READING).all():
-            raise InputError(
-                f"Every value must be a finite number below {LARGEST_READING:g}", remedy="Repair the row"
-            )
-        first, last = self.size, self.size + command.size
+        first, last = self.kept, self.kept + command.size
         self._reserve(last)
         self._table[0, first:last], self._table[1, first:last] = command, measured
-        self.size = last
+        self.size += command.size
         _follow(
             self._recursion.decay,
             self._recursion.early,
@@ -131,8 +125,10 @@ class RunningError:
             self._fed_back(first, last),
             first,
             last,
+            self._forgotten,
             self._states,
             self._before,
+            self._between,
             self.sums,
             self.moments,
             self.motion,
@@ -144,6 +140,8 @@ class RunningError:
     def begin_anew(self, offset: float, standing: float) -> None:
         """Change the offset and the initial equilibrium for all samples so far.
 
+        Samples of the motion must not be forgotten yet, only a rest before it.
+
         Parameters
         ----------
         offset, standing : float
@@ -153,14 +151,19 @@ class RunningError:
             return
         self.offset, self.standing = offset, standing
         error = self.error
-        ideal = self.measured - offset - error
-        self.sums[:] = (
-            error @ error,
-            0.5 * (error[0] ** 2 + error[-1] ** 2),
-            np.abs(error).max(),
-            np.abs(ideal).max(),
-            error[-1],
-        )
+        self.sums[:] = 0.0
+        _add_all(self.sums, error, self.measured - offset - error, self._forgotten)
+
+    def forget(self, count: int) -> None:
+        """Forget the earliest of the samples that are kept; the sums go on over all of them.
+
+        Parameters
+        ----------
+        count : int
+            Their number, less than `kept`.
+        """
+        self._table[:, : self.kept - count] = self._table[:, count : self.kept].copy()
+        self._forgotten += count
 
     def _fed_back(self, first: int, last: int) -> Array:
         """x_c minus the displacement whose force was fed back, for the new samples."""
@@ -169,15 +172,9 @@ class RunningError:
         return np.asarray(self._table[0, first:last] - felt)
 
     def _reserve(self, size: int) -> None:
-        if size > self._most:
-            raise InputError(
-                f"A running test may have {self._most:,} samples at most",
-                value=f"{size:,}",
-                remedy="Follow it anew from when everything stands still, or write fewer samples",
-            )
         if size > self._table.shape[1]:
             larger = np.zeros((_ROWS, max(2 * self._table.shape[1], size)))
-            larger[:, : self.size] = self._table[:, : self.size]
+            larger[:, : self._table.shape[1]] = self._table
             self._table = larger
 
 
@@ -192,8 +189,10 @@ def _follow(
     fed_back: Array,
     first: int,
     last: int,
+    forgotten: int,
     states: Array,
     before: Array,
+    between: Array,
     sums: Array,
     moments: Array,
     motion: Array,
@@ -207,23 +206,26 @@ def _follow(
     """
     offset, standing = beginning
     scratch = np.empty(states.shape[1])
-    inputs, between = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0, 0.0])
-    begun = 0.0
-    if first > 0:
-        held = table[2, 0] + offset * table[3, 0] + standing * table[4, 0]
-        begun = 0.5 * held * held
+    inputs, stepped = np.array([0.0, 1.0, 0.0]), np.empty(4)
     for i in range(first, last):
         inputs[0] = fed_back[i - first]
         difference = table[0, i] - table[1, i]
         if i > 0:
+            for row in range(4):
+                stepped[row] = -between[row]
             between[0] = 0.5 * (table[0, i] + table[0, i - 1])
             between[1] = (table[0, i] - table[0, i - 1]) / time_step
             between[3] = -0.5 * (difference + table[0, i - 1] - table[1, i - 1])
             for row in range(4):
+                stepped[row] += between[row]
+            for row in range(4):
                 for column in range(4):
-                    moments[row, column] = forgetting * moments[row, column] + between[row] * between[column]
+                    product = between[row] * between[column]
+                    moments[0, row, column] = forgetting * moments[0, row, column] + product
+                    product = stepped[row] * stepped[column]
+                    moments[1, row, column] = forgetting * moments[1, row, column] + product
             motion[0] += 1.0 if between[1] != 0.0 else 0.0
-            motion[1] = max(motion[1], moments[1, 1])
+            motion[1] = max(motion[1], moments[0, 1, 1])
         for row in range(3):
             if i > 0:
                 advance(decay, early, late, before[row], inputs[row], states[row], scratch)
@@ -235,10 +237,24 @@ def _follow(
         table[2, i] -= difference
         table[3, i] -= 1.0
         error = table[2, i] + offset * table[3, i] + standing * table[4, i]
-        if i == 0:
-            begun = 0.5 * error * error
-        sums[0] += error * error
-        sums[1] = begun + 0.5 * error * error
-        sums[2] = max(sums[2], abs(error))
-        sums[3] = max(sums[3], abs(table[1, i] - offset - error))
-        sums[4] = error
+        _add(sums, error, table[1, i] - offset - error, forgotten + i)
+
+
+@compiled
+def _add_all(sums: Array, error: Array, ideal: Array, forgotten: int) -> None:
+    """Add all samples that are kept to the sums, in place."""
+    for i in range(error.size):
+        _add(sums, error[i], ideal[i], forgotten + i)
+
+
+@compiled
+def _add(sums: Array, error: float, ideal: float, number: int) -> None:
+    """Add a sample to the sums, in place."""
+    if number == 0:
+        sums[1] = 0.5 * error * error
+    sums[0] += error * error
+    sums[2] = max(sums[2], abs(error))
+    sums[3] = max(sums[3], abs(ideal))
+    sums[4] = error
+    if sums[3] > 2.0 * sums[5]:
+        sums[5], sums[6] = sums[3], number

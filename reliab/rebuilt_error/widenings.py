@@ -69,8 +69,8 @@ def widenings(
     """
 
     def width(changed: Unknown, drawn: Array = differences) -> float:
-        spread = sweep(histories, structure, changed, drawn, every, draws=draws, seed=seed)
-        low, high = spread.interval(metric)
+        swept = sweep(histories, structure, changed, drawn, every, draws=draws, seed=seed)
+        low, high = swept.spread.interval(metric)
         return high - low
 
     whole = width(unknown)

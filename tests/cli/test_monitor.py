@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -24,8 +25,10 @@ RATE = 256
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.05)
 
 
-def written(path: Path, delay: float, seconds: float = 12.0) -> list[str]:
+def written(path: Path, delay: float, seconds: float = 12.0, quiet: float = 0.0) -> list[str]:
+    """A test under noise, which becomes twenty times weaker in its last, quiet seconds."""
     shaken = np.random.default_rng(1).normal(size=int(seconds * RATE))
+    shaken[shaken.size - int(quiet * RATE) :] /= 20.0
     test = HybridTest(structure=STRUCTURE, actuator=Actuator(gain=0.998, delay=delay))
     histories = run_closed_loop(test, shaken, 1.0 / RATE)
     rows = zip(np.arange(shaken.size) / RATE, histories.command.values[0], histories.measured, strict=True)
@@ -64,23 +67,63 @@ def test_the_end_is_what_is_rebuilt_afterwards(good, capsys):
     assert [one["samples"] for one in said[:3]] == [128, 256, 384]
 
 
-def test_a_threshold_that_is_crossed_raises_the_alarm(good, capsys):
-    assert run(follow(good, "--threshold", "0.002")) == 1
-    assert messages(capsys.readouterr().out)[-1]["alarms"] == ["error"]
+def test_the_end_decides_and_an_alarm_is_told(tmp_path, capsys):
+    path = tmp_path / "long.csv"
+    written(path, 0.004, seconds=30.0, quiet=16.0)
+    assert run(follow(path, "--threshold", "0.002")) == 1
+    said = messages(capsys.readouterr().out)
+    first = next(one for one in said if one["alarms"])
+    assert (first["kind"], first["alarms"], said[-1]["alarms"]) == ("alarm", ["error"], ["error"])
+    assert 12.0 < first["time_s"] < 28.0
+    assert said[-1]["above_threshold"]
     assert (
-        run(["monitor", str(good), "--f", "1", "--xi", "0.05", "--wait", "0.1", "--threshold", "0.002"]) == 1
+        run(["monitor", str(path), "--f", "1", "--xi", "0.05", "--wait", "0.1", "--threshold", "0.002"]) == 1
     )
-    printed = capsys.readouterr().out
-    assert "Alarm: the error has been above 0.20%" in printed
-    assert "No new row came for 0.1 s: the test counts as finished." in " ".join(printed.split())
+    printed = " ".join(capsys.readouterr().out.split())
+    assert printed.count("Alarm at") == 1
+    assert "s: the error is above twice 0.20%" in printed
+    assert printed.index("Alarm at") < printed.index("The error of the whole test is above 0.20%.")
+    assert "No new row came for 0.1 s: the test counts as finished." in printed
+
+
+def test_an_error_that_crossed_the_threshold_early_is_no_answer(tmp_path, capsys):
+    """A threshold between the largest error so far and the one of the whole test."""
+    path = tmp_path / "early.csv"
+    written(path, 0.004, seconds=30.0, quiet=20.0)
+    run(follow(path, "--threshold", "1"))
+    said = messages(capsys.readouterr().out)
+    final = said[-1]["error"]["rms"]["value"]
+    early = max(one["rms"] for one in said)
+    assert early > 1.2 * final
+    assert run(follow(path, "--threshold", str(1.1 * final))) == 0
+    said = messages(capsys.readouterr().out)
+    assert (said[-1]["alarms"], said[-1]["above_threshold"]) == ([], False)
 
 
 def test_a_loop_that_gains_energy_raises_the_alarm(tmp_path, capsys):
     written(tmp_path / "unstable.csv", 0.03)
-    assert run(follow(tmp_path / "unstable.csv", "--threshold", "1e6")) == 1
+    assert run(follow(tmp_path / "unstable.csv", "--threshold", "0.5")) == 1
     said = messages(capsys.readouterr().out)
-    assert said[-1]["alarms"] == ["unstable"]
+    first = next(one for one in said if one["alarms"])
+    assert (first["kind"], first["alarms"]) == ("alarm", ["unstable"])
+    assert first["time_s"] < 10.5  # when the command is twice the exact peak
     assert said[-1]["net_damping_ratio"] < 0.0
+
+
+def test_an_alarm_reaches_a_pipe_while_the_test_still_runs(tmp_path):
+    lines = written(tmp_path / "unstable.csv", 0.03)
+    arguments = ["monitor", "-", "--f", "1", "--xi", "0.05", "--threshold", "0.5"]
+    with subprocess.Popen(  # noqa: S603 - our own program
+        [*PROGRAM, *arguments], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as following:
+        following.stdin.write("\n".join(lines[:-1]) + "\n")
+        following.stdin.flush()
+        alarm = next(line for line in following.stdout if line.startswith("Alarm at"))
+        assert "the loop gains energy and may diverge" in alarm
+        following.stdin.close()
+        rest = following.stdout.read()
+    assert following.returncode == 1
+    assert "Alarm" not in rest
 
 
 PROGRAM = [sys.executable, "-c", "import sys; from reliab.cli import run; sys.exit(run(sys.argv[1:]))"]
@@ -107,12 +150,35 @@ def test_standard_input_is_followed_to_its_end(good, capsys):
     assert done.stdout.decode() == capsys.readouterr().out
 
 
+def test_a_file_that_comes_later_is_waited_for(tmp_path, good, capsys):
+    path = tmp_path / "later.csv"
+
+    def write() -> None:
+        time.sleep(0.3)
+        with path.open("w", encoding="utf-8") as file:
+            whole = good.read_text(encoding="utf-8")
+            header = whole.index("\n") + 1
+            file.write(whole[:header])
+            file.flush()
+            time.sleep(0.4)  # a logger that begins later: longer than --wait
+            file.write(whole[header:])
+
+    logger = threading.Thread(target=write)
+    logger.start()
+    assert run(follow(path, "--threshold", "0.5", "--start-within", "20")) == 0
+    logger.join()
+    said = capsys.readouterr()
+    assert "Waiting up to 20 s for later.csv, which is not there yet" in said.err
+    run(follow(good, "--threshold", "0.5"))
+    assert capsys.readouterr().out == said.out
+
+
 def rows_while(path: Path, change) -> np.ndarray:
     """Times of the rows that are read while `change` writes, in turns with the reader."""
 
     def pieces():
         steps = change()
-        for piece in chunks_of_text(str(path), 0.2):
+        for piece in chunks_of_text(str(path), 0.2, 1.0):
             yield piece
             next(steps, None)
 
@@ -180,6 +246,7 @@ def test_columns_may_have_units_and_names_of_their_own(tmp_path, good, capsys):
         ("time,command,measured\n" + "0,0,0\n", ("--threshold", "0"), "--threshold must be positive"),
         ("time,command,measured\n" + "0,0,0\n", ("--metric", "max"), "rms or mte"),
         ("time,command,measured\n" + "0,0,0\n", ("--rate", "-1"), "--rate must be positive"),
+        ("time,command,measured\n" + "0,0,0\n", ("--start-within", "0"), "--start-within must be positive"),
         ("time,command,measured\n" + "0,0,0\n", ("--scale", "0"), "scale must be positive"),
     ],
 )
@@ -198,8 +265,9 @@ def test_a_missing_sample_is_refused(tmp_path, good, capsys):
 
 
 def test_a_missing_file_and_frequency_are_refused(tmp_path, capsys):
-    assert run(["monitor", str(tmp_path / "none.csv"), "--f", "1", "--xi", "0.02"]) == 2
-    assert "readable" in capsys.readouterr().err
+    for path, limit in ((tmp_path / "none.csv", "0.1"), (tmp_path / "no_folder" / "none.csv", "600")):
+        assert run(["monitor", str(path), "--f", "1", "--xi", "0.02", "--start-within", limit]) == 2
+        assert "readable" in capsys.readouterr().err
     assert run(["monitor", os.devnull]) == 2
     assert "--f" in capsys.readouterr().err
     assert run(["monitor", os.devnull, "--f", "1"]) == 2

@@ -33,7 +33,7 @@ def histories():
 def swept(histories, every=1, structure=STRUCTURE, offset=0.0, at_start=0.0, draws=DRAWS, **tolerances):
     unknown = Unknown(tolerances=Tolerances(**tolerances), offset=offset, error_at_start=at_start)
     differences = histories.difference[::every][np.newaxis]
-    return sweep(histories, structure, unknown, differences, every, draws=draws, seed=1)
+    return sweep(histories, structure, unknown, differences, every, draws=draws, seed=1).spread
 
 
 def response(difference, structure=STRUCTURE):
@@ -170,13 +170,19 @@ def test_tolerances_of_equal_effect_widen_equally_and_half_of_one_halves(histori
     options = {"metric": Metric.RMS, "draws": DRAWS, "seed": 3}
     first, *others = widenings(histories, STRUCTURE, unknown, differences, 1, **options)
     assert (first.name, first.deviation) == ("sensor_scale", 0.02)
-    whole = sweep(histories, STRUCTURE, unknown, differences, 1, draws=DRAWS, seed=3).interval(Metric.RMS)
+
+    def interval(unknown):
+        return sweep(histories, STRUCTURE, unknown, differences, 1, draws=DRAWS, seed=3).spread.interval(
+            Metric.RMS
+        )
+
+    whole = interval(unknown)
     assert first.width == pytest.approx(whole[1] - whole[0])
     exact = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
-    rest = sweep(histories, STRUCTURE, exact, differences, 1, draws=DRAWS, seed=3).interval(Metric.RMS)
+    rest = interval(exact)
     assert first.width_without == pytest.approx(rest[1] - rest[0])
     halved = replace(unknown, tolerances=Tolerances(sensor_scale=first.deviation_for_half))
-    half = sweep(histories, STRUCTURE, halved, differences, 1, draws=DRAWS, seed=3).interval(Metric.RMS)
+    half = interval(halved)
     assert (half[1] - half[0]) / first.width == pytest.approx(0.5, abs=0.02)
     for other in others:
         assert other.name == "sensor_noise"

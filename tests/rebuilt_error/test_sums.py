@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reliab.errors import InputError
 from reliab.loop.structure import Structure
 from reliab.rebuilt_error.error_statistics import mean_square
 from reliab.rebuilt_error.initial import _amplitude, _constant
@@ -32,8 +31,12 @@ def running(offset=OFFSET):
 def by_definition(test):
     error = test.error
     ideal = test.measured - test.offset - error
-    ends = 0.5 * (error[0] ** 2 + error[-1] ** 2)
-    return [np.sum(error**2), ends, np.abs(error).max(), np.abs(ideal).max(), error[-1]]
+    level, doubled = 0.0, 0
+    for number, size in enumerate(np.maximum.accumulate(np.abs(ideal))):
+        if size > 2.0 * level:
+            level, doubled = size, number
+    extremes = np.abs(error).max(), np.abs(ideal).max()
+    return [np.sum(error**2), 0.5 * error[0] ** 2, *extremes, error[-1], level, doubled]
 
 
 @pytest.mark.parametrize("cuts", [(), (1,), (700, 701), (5, 1499)])
@@ -71,18 +74,27 @@ def test_energies_forget_the_past_by_one_weight_a_step(histories):
         ]
     )
     weight = 0.99 ** np.arange(command.size - 2, -1, -1)
-    assert test.moments == pytest.approx((weight * between) @ between.T, rel=1e-9, abs=1e-12)
+    assert test.moments[0] == pytest.approx((weight * between) @ between.T, rel=1e-9, abs=1e-12)
+    steps = np.diff(between)
+    expected = (weight[1:] * steps) @ steps.T
+    expected += weight[0] * np.outer(between[:, 0], between[:, 0]) * (np.arange(4) != 2)  # from rest
+    assert test.moments[1] == pytest.approx(expected, rel=1e-9, abs=1e-12)
 
 
-def test_samples_without_a_partner_or_a_value_are_refused():
-    for command, measured in (
-        (np.zeros(3), np.zeros(4)),
-        (np.zeros((2, 2)), np.zeros((2, 2))),
-        (np.zeros(2), np.array([0.0, np.nan])),
-        (np.array([np.inf, 0.0]), np.zeros(2)),
-    ):
-        with pytest.raises(InputError, match=r"one length|finite"):
-            running().feed(command, measured)
+@pytest.mark.parametrize("count", [1, 700, 999])
+def test_what_is_forgotten_stays_in_the_sums(histories, count):
+    whole, test = running(), running()
+    for each in (whole, test):
+        each.feed(*(history[:1000] for history in histories))
+    test.forget(count)
+    assert (test.kept, test.size) == (1000 - count, 1000)
+    assert np.array_equal(test.command, histories[0][count:1000])
+    for each in (whole, test):
+        each.feed(*(history[1000:] for history in histories))
+    assert np.array_equal(test.sums, whole.sums)
+    assert np.array_equal(test.moments, whole.moments)
+    assert np.array_equal(test.error, whole.error[count:])
+    assert (test.mean_square, test.calm) == (whole.mean_square, whole.calm)
 
 
 def test_mean_square_is_that_of_straight_lines_between_squares():

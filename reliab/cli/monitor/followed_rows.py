@@ -13,8 +13,10 @@ from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
+import typer
 from numpy.typing import NDArray
 
+from reliab.cli.printable import printable
 from reliab.encodings import pieces_as_utf8
 from reliab.errors import InputError
 from reliab.files import ordinary
@@ -56,7 +58,7 @@ class _Layout:
     scales: dict[Part, float]
 
 
-def chunks_of_text(source: str, wait: float) -> Iterator[bytes]:
+def chunks_of_text(source: str, wait: float, start_within: float) -> Iterator[bytes]:
     """Bytes of a growing file, or of standard input, as they come.
 
     Parameters
@@ -65,6 +67,8 @@ def chunks_of_text(source: str, wait: float) -> Iterator[bytes]:
         Path of the file, or "-".
     wait : float
         Seconds without a new byte after which a file counts as finished.
+    start_within : float
+        Seconds within which a file must appear and have its first row.
 
     Yields
     ------
@@ -74,19 +78,19 @@ def chunks_of_text(source: str, wait: float) -> Iterator[bytes]:
     Raises
     ------
     InputError
-        If the file cannot be opened.
+        If the file does not appear in time or cannot be opened.
     """
     if source == "-":
         while piece := os.read(sys.stdin.fileno(), _BYTES):
             yield piece
         return
     path = Path(source)
-    stream = _opened(path)
-    idle = 0.0
+    stream = _awaited(path, start_within)
+    idle, lines = 0.0, 0
     try:
-        while idle <= wait:
+        while idle <= (wait if lines > 1 else start_within):
             if piece := stream.read(_BYTES):
-                idle = 0.0
+                idle, lines = 0.0, lines + piece.count(b"\n")
                 yield piece
             elif _rotated(path, stream):
                 stream.close()
@@ -99,6 +103,19 @@ def chunks_of_text(source: str, wait: float) -> Iterator[bytes]:
         stream.close()
 
 
+def _awaited(path: Path, limit: float) -> BinaryIO:
+    """Open a file that a logger may still have to create in its folder."""
+    if not path.exists() and path.absolute().parent.is_dir():
+        typer.echo(
+            f"Waiting up to {limit:g} s for {printable(path.name)}, which is not there yet; Ctrl-C ends it.",
+            err=True,
+        )
+        until = time.monotonic() + limit
+        while not path.exists() and time.monotonic() < until:
+            time.sleep(_POLL)
+    return _opened(path)
+
+
 def _opened(path: Path) -> BinaryIO:
     try:
         return ordinary(path).open("rb")
@@ -106,7 +123,8 @@ def _opened(path: Path) -> BinaryIO:
         raise InputError(
             "The file must be readable",
             value=error.strerror,
-            remedy="Name the file that the test is written to, or - for standard input",
+            remedy="Name the file that the test is or will be written to, or - for standard input; "
+            "--start-within gives its logger more time",
             where=str(path),
         ) from error
 

@@ -11,7 +11,7 @@ Source = Annotated[
     typer.Argument(
         metavar="FILE|-",
         autocompletion=samples,
-        help="CSV file that is still being written, or - to read rows from standard input; or sample_test, "
+        help="CSV file that is or will be written to, or - to read rows from standard input; or sample_test, "
         "which ships.",
     ),
 ]
@@ -38,7 +38,7 @@ FeedbackLag = Annotated[
     typer.Option("--feedback-lag", metavar="MS", help="Time by which the force is fed back late [ms]."),
 ]
 Threshold = Annotated[
-    float, typer.Option("--threshold", metavar="ERROR", help="Error that raises the alarm, 0.05 for 5 %.")
+    float, typer.Option("--threshold", metavar="ERROR", help="Largest error of a good test, 0.05 for 5 %.")
 ]
 Column = Annotated[str | None, typer.Option(metavar="NAME", help="Name of the column, if not recognised.")]
 Rate = Annotated[
@@ -57,6 +57,14 @@ Wait = Annotated[
         metavar="SECONDS",
         help="Time without new rows after which the test counts as finished; longer than any pause of "
         "the test.",
+    ),
+]
+StartWithin = Annotated[
+    float,
+    typer.Option(
+        "--start-within",
+        metavar="SECONDS",
+        help="Time within which the file must appear and have its first row; Ctrl-C ends the waiting.",
     ),
 ]
 JsonTarget = Annotated[

@@ -11,13 +11,14 @@ from reliab.cli.monitor.followed_rows import Rows
 from reliab.cli.monitor.sample_times import at_equal_steps, time_step
 from reliab.cli.monitor.stated_test import StatedTest
 from reliab.cli.output import console, table
-from reliab.rebuilt_error import RebuiltError
 from reliab.rebuilt_error.monitor import Monitor
 from reliab.rebuilt_error.rebuild import DRAWS
+from reliab.rebuilt_error.stretches import ErrorSoFar
 from reliab.significant import significant
 from reliab.vocabulary import Metric
 
 _PERCENT = 100.0
+_GLANCE = 0.1  # s of the test between two looks at the alarms
 _CRITICAL = 0.25  # share of the structure's damping ratio below which a warning is given
 
 
@@ -38,6 +39,13 @@ class Watch:
         Where JSON lines go.
     quiet : bool
         Whether nothing else may be printed.
+
+    Attributes
+    ----------
+    alarms : dict of str to str
+        Sentences of the alarms that were raised, by name.
+    above_threshold : bool
+        Whether the error of the whole test is above the threshold, once the test has ended.
     """
 
     def __init__(
@@ -52,8 +60,8 @@ class Watch:
     ) -> None:
         self.stated, self.threshold, self.metric, self.every = stated, threshold, metric, every
         self.lines, self.quiet = lines, quiet
-        self.alarms: list[str] = []
-        self._raised: list[str] = []
+        self.alarms: dict[str, str] = {}
+        self.above_threshold = False
         self._terminal = console()
 
     def follow(self, rows: Iterator[Rows], rate: float | None) -> None:
@@ -73,13 +81,16 @@ class Watch:
         """
         step, rows = time_step(rows, rate)
         monitor = self.stated.monitor(step)
-        between = max(round(self.every / step), 1)
+        between, glance = (max(round(seconds / step), 1) for seconds in (self.every, _GLANCE))
         with self._view() as live:
             for part in at_equal_steps(rows, step):
                 begin = 0
                 while begin < part.command.size:
-                    end = min(begin + between - monitor.samples % between, part.command.size)
+                    to_next = min(count - monitor.samples % count for count in (between, glance))
+                    end = min(begin + to_next, part.command.size)
                     monitor.feed(part.command[begin:end], part.measured[begin:end] / self.stated.scale.value)
+                    if monitor.samples % glance == 0 or monitor.samples % between == 0:
+                        self._look(monitor)
                     if monitor.samples % between == 0:
                         self._say(monitor, live)
                     begin = end
@@ -94,36 +105,50 @@ class Watch:
         asked = monitor.ask() if monitor.due else None
         message = self._message(monitor, "update")
         if asked is not None:
-            message["error"] = self._intervals(asked)
+            message["error"] = self._intervals(asked, monitor)
         self._write(message)
         if live is not None:
             live.update(self._table(monitor))
         elif asked is not None and not self.quiet:
-            self._terminal.print(self._line(message), highlight=False)
+            self._print(self._line(message))
+
+    def _look(self, monitor: Monitor) -> None:
+        """Raise the alarms that are due, at once."""
+        if monitor.gains_energy_since is not None:
+            self._alarm("unstable", monitor, "the loop gains energy and may diverge")
+        if monitor.exceeds(self.threshold, self.metric):
+            self._alarm(
+                "error",
+                monitor,
+                f"the error is above twice {self.threshold:.2%}; few tests end below that threshold then",
+            )
+
+    def _alarm(self, name: str, monitor: Monitor, sentence: str) -> None:
+        if name in self.alarms:
+            return
+        self.alarms[name] = f"Alarm at {monitor.now.time:.2f} s: {sentence}"
+        self._write(self._message(monitor, "alarm"))
+        if not self.quiet:
+            self._print(self.alarms[name], style="red")
+
+    def _print(self, text: str, style: str | None = None) -> None:
+        """Print a line at once, in a pipe too."""
+        self._terminal.print(text, style=style, highlight=False)
+        self._terminal.file.flush()
 
     def _end(self, monitor: Monitor) -> None:
-        kept = None if monitor.answerable else monitor.result
-        asked = monitor.ask(draws=DRAWS) if kept is None else kept
-        message = self._message(monitor, "end") | {"error": self._intervals(asked)}
-        self._write(message)
+        asked = monitor.ask(draws=DRAWS)
+        self.above_threshold = asked.estimate(self.metric).value > self.threshold
+        message = self._message(monitor, "end") | {"error": self._intervals(asked, monitor)}
+        self._write(message | {"above_threshold": self.above_threshold})
         if not self.quiet:
-            self._terminal.print(self._line(message), highlight=False)
-            if kept is not None:
-                self._terminal.print(
-                    f"The test became too long for intervals: those shown are of its first "
-                    f"{message['error']['until_s']:,.0f} s. The error itself was followed to the end.",
-                    highlight=False,
-                )
-            for alarm in self.alarms:
-                self._terminal.print(f"Alarm: {alarm}", style="red", highlight=False)
+            self._print(self._line(message))
+            side = "above" if self.above_threshold else "not above"
+            self._print(f"The error of the whole test is {side} {self.threshold:.2%}.")
 
     def _message(self, monitor: Monitor, kind: str) -> dict[str, Any]:
         now = monitor.now
         damping = None if now.damping is None else now.damping.ratio
-        if now.damping is not None and now.damping.unstable:
-            self._alarm("unstable", f"the loop has gained energy since {now.time:.2f} s and may diverge")
-        if monitor.exceeds(self.threshold, self.metric):
-            self._alarm("error", f"the error has been above {self.threshold:.2%} since {now.time:.2f} s")
         return {
             "kind": kind,
             "samples": now.samples,
@@ -133,19 +158,14 @@ class Watch:
             "mte": now.mte,
             "net_damping_ratio": damping,
             "near_instability": damping is not None and damping < _CRITICAL * self.stated.xi.value,
-            "alarms": list(self._raised),
+            "alarms": list(self.alarms),
         }
 
-    def _alarm(self, name: str, sentence: str) -> None:
-        if name not in self._raised:
-            self._raised.append(name)
-            self.alarms.append(sentence)
-
-    def _intervals(self, asked: RebuiltError) -> dict[str, Any]:
+    def _intervals(self, asked: ErrorSoFar, monitor: Monitor) -> dict[str, Any]:
         return {
             "rms": {"value": asked.rms.value, "low": asked.rms.low, "high": asked.rms.high},
             "mte": {"value": asked.mte.value, "low": asked.mte.low, "high": asked.mte.high},
-            "until_s": (asked.error.size - 1) * asked.time_step,
+            "until_s": monitor.now.time,
             "metric": str(self.metric),
             "threshold": self.threshold,
             "probability": asked.probability(self.threshold, self.metric),
@@ -187,6 +207,6 @@ class Watch:
             )
         damping = None if now.damping is None else now.damping.ratio
         shown.add_row("net damping ratio", "not settled" if damping is None else f"{damping:.2%}")
-        for alarm in self.alarms:
+        for alarm in self.alarms.values():
             shown.add_row("ALARM", alarm)
         return shown

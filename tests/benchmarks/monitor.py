@@ -1,0 +1,183 @@
+"""Alarms of a running test: how often they are false, and how early a loop that diverges is caught.
+
+python tests/benchmarks/monitor.py [stable tests of a kind] [seed] [--motions FOLDER]
+
+The package's own loop runs tests of every kind under synthetic ground motions (or those of a folder), with
+white noise on the sensor; `Monitor` follows them in steps of half a second, as `reliab monitor` does. A false
+alarm of the energy is one in a loop that is stable in large motions; a false alarm of the error one in a test
+whose error at the end, by the exact response, is below the threshold.
+"""
+
+import argparse
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from reliab.loop.actuator import Actuator
+from reliab.loop.effects import Effect, find_effect
+from reliab.loop.hybrid_test import HybridTest, run_closed_loop
+from reliab.loop.structure import Structure
+from reliab.motions import MotionSuite, load_motions, resample
+from reliab.motions.synthetic import synthetic_suite
+from reliab.rebuilt_error import Monitor
+
+RATE = 256.0
+LOOK = 128  # samples between two looks
+THRESHOLD = 0.05
+LARGE = 2.0  # times the exact peak before which a diverging loop should be caught
+STOPPED = 3.0  # times the exact peak at which a rig switches off
+STABLE = ("gain and delay", "backlash", "backlash and delay", "series play", "lag", "second order", "offset")
+DIVERGING = ("delay", "delay and backlash", "lag")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """One simulated test."""
+
+    kind: str
+    diverges: bool
+    structure: Structure
+    command: np.ndarray
+    measured: np.ndarray
+    ideal: np.ndarray
+    facts: dict[str, float] = field(default_factory=dict)
+
+
+def effect(name: str, **parameters: float) -> Effect:
+    return find_effect(name)(**parameters)
+
+
+def rig(kind: str, structure: Structure, peak: float, share: float, rng: np.random.Generator) -> dict:
+    """Actuator and effects; `share` of the delay that uses the damping up."""
+    w0 = 2.0 * np.pi * structure.frequency
+    late = share * 2.0 * structure.damping_ratio / (structure.experimental_fraction * w0)
+    gain = 1.0 + structure.damping_ratio * rng.uniform(-0.3, 0.3)
+    width = peak * np.exp(rng.uniform(np.log(0.002), np.log(0.05)))
+    plain = {"actuator": Actuator(gain=gain, delay=late)}
+    if kind in ("gain and delay", "delay", "offset"):
+        return plain
+    if kind == "backlash":
+        return {"actuator": Actuator(gain=gain), "effects": (effect("backlash", width_m=width),)}
+    if kind in ("backlash and delay", "delay and backlash"):
+        return plain | {"effects": (effect("backlash", width_m=width),)}
+    if kind == "series play":
+        return plain | {"effects": (effect("series_play", width_m=width),)}
+    if kind == "lag":
+        return {
+            "actuator": Actuator(gain=gain),
+            "effects": (effect("first_order_lag", time_constant_s=late),),
+        }
+    natural = 2.0 / max(late * 2.0 * np.pi, 1e-4)  # a second-order system with ζ = 1 is late by 2/ω
+    return {
+        "actuator": Actuator(gain=gain),
+        "effects": (effect("second_order_dynamics", natural_frequency_hz=natural, damping_ratio=1.0),),
+    }
+
+
+def cases(suite: MotionSuite, count: int, seed: int) -> Iterator[Case]:
+    motions = list(suite)
+    kinds = [(kind, False) for kind in STABLE] + [(kind, True) for kind in DIVERGING]
+    for k, (kind, diverges) in enumerate(kinds):
+        made = 0
+        for number in range(3 * count):
+            rng = np.random.default_rng((seed, k, number))
+            motion = resample(motions[int(rng.integers(len(motions)))], RATE)
+            structure = Structure(
+                frequency=float(np.exp(rng.uniform(np.log(0.4), np.log(4.0)))),
+                damping_ratio=float(rng.uniform(0.01, 0.06)),
+                experimental_fraction=float(rng.choice([1.0, rng.uniform(0.3, 1.0)])),
+            )
+            ideal = run_closed_loop(HybridTest(structure=structure), motion.acceleration, 1.0 / RATE).command
+            ideal = ideal.values[0]
+            peak = float(np.abs(ideal).max())
+            share = rng.uniform(1.1, 3.0) if diverges else np.exp(rng.uniform(np.log(0.005), np.log(0.9)))
+            test = HybridTest(structure=structure, **rig(kind, structure, peak, share, rng))
+            with np.errstate(over="ignore", invalid="ignore"):
+                histories = run_closed_loop(test, motion.acceleration, 1.0 / RATE)
+            command, measured = histories.command.values[0], histories.measured.copy()
+            if kind == "offset":
+                measured += rng.uniform(-0.1, 0.1) * peak
+            level = peak * np.exp(rng.uniform(np.log(1e-4), np.log(3e-3)))
+            large = ~(np.abs(command) < STOPPED * peak)
+            if diverges and not large.any():
+                continue
+            end = int(np.argmax(large)) if diverges else command.size
+            noise = level * rng.standard_normal(end)
+            made += 1
+            yield Case(
+                kind=kind,
+                diverges=diverges,
+                structure=structure,
+                command=command[:end],
+                measured=measured[:end] + noise,
+                ideal=ideal[:end],
+                facts={"share": share, "peak": peak, "offset": kind == "offset"},
+            )
+            if made == count:
+                break
+
+
+def judged(case: Case) -> dict[str, object]:
+    """Alarms of one test with their times [s]."""
+    monitor = Monitor(case.structure, 1.0 / RATE)
+    energy = error = None
+    for begin in range(0, case.command.size, LOOK):
+        stretch = slice(begin, begin + LOOK)
+        monitor.feed(case.command[stretch], case.measured[stretch])
+        if monitor.due:
+            monitor.ask()
+        energy = monitor.gains_energy_since
+        if error is None and monitor.exceeds(THRESHOLD):
+            error = monitor.now.time
+    peak = case.facts["peak"]
+    strayed = case.measured - case.ideal
+    strayed = strayed - (np.mean(strayed[:20]) if case.facts["offset"] else 0.0)
+    large = np.abs(case.command) > LARGE * peak
+    return {
+        "kind": case.kind,
+        "diverges": case.diverges,
+        "share": case.facts["share"],
+        "f": case.structure.frequency,
+        "seconds": case.command.size / RATE,
+        "rms": float(np.sqrt(np.mean(strayed**2)) / peak),
+        "final": monitor.ask().rms.value,
+        "energy": energy,
+        "error": error,
+        "doubled": float(np.argmax(large)) / RATE if large.any() else None,
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("count", nargs="?", type=int, default=12)
+    parser.add_argument("seed", nargs="?", type=int, default=1)
+    parser.add_argument("--motions", type=Path)
+    parser.add_argument("--out", type=Path)
+    given = parser.parse_args()
+    suite = load_motions(given.motions) if given.motions else synthetic_suite(count=40, seed=given.seed)
+    table = pd.DataFrame([judged(case) for case in cases(suite, given.count, given.seed)])
+    if given.out:
+        table.to_csv(given.out, index=False)
+    stable, diverging = table[~table.diverges], table[table.diverges]
+    good = stable[stable.rms < THRESHOLD]
+    bad = table[table.rms > THRESHOLD]
+    for name, part in stable.groupby("kind"):
+        print(f"{name:20} {len(part):4} stable, {part.energy.notna().sum():3} false alarms of the energy")
+    for name, part in diverging.groupby("kind"):
+        in_time = part.energy.notna() & (part.energy <= part.doubled.fillna(np.inf))
+        margin = (part.doubled - part.energy).median()
+        print(
+            f"{name:20} {len(part):4} diverge, {part.energy.isna().sum():3} missed, {in_time.sum():3} caught "
+            f"before twice the exact peak, half of them {margin:.1f} s or more"
+        )
+    print(f"error, good tests: {len(good)}, false alarms {good.error.notna().sum()}")
+    print(f"error, bad tests: {len(bad)}, with an alarm {bad.error.notna().sum()}")
+    refused, accepted = (good.final > THRESHOLD).sum(), (bad.final < THRESHOLD).sum()
+    print(f"at the end: {refused} good ones refused, {accepted} bad ones accepted")
+
+
+if __name__ == "__main__":
+    main()
