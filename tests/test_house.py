@@ -178,3 +178,18 @@ def _unguarded(node: ast.AST) -> Iterator[ast.Call]:
         yield node
     for child in ast.iter_child_nodes(node):
         yield from _unguarded(child)
+
+
+PARSING = frozenset({"tomllib.load", "tomllib.loads", "json.load", "json.loads"})
+PARSED_AS_WE_WROTE_IT = {"sweep/store.py", "study/steps.py"}
+"""The journal of a store, whose entries are digests, and JSON from memory."""
+
+
+def test_what_users_describe_is_parsed_within_bounds():
+    parsed = {
+        str(path.relative_to(PACKAGE))
+        for path in PACKAGE.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Call) and ast.unparse(node.func) in PARSING
+    }
+    assert parsed == {"described_files.py"} | PARSED_AS_WE_WROTE_IT
