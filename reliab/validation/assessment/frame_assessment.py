@@ -12,7 +12,7 @@ from reliab.loop.partition.frame_file import FrameUnderTest
 from reliab.loop.structure import Structure
 from reliab.rebuilt_error import Part
 from reliab.rebuilt_error.spread import LEVEL as ERROR_LEVEL
-from reliab.validation.assessment.contradictions import Contradiction
+from reliab.validation.assessment.contradictions import Contradiction, of_stability
 from reliab.validation.assessment.error_of_test import ErrorOfTest
 from reliab.validation.assessment.findings import FaultEffect, capped
 from reliab.validation.assessment.placement import Placement
@@ -129,7 +129,8 @@ class FrameAssessment:
     def warnings(self) -> tuple[str, ...]:
         """Warnings about the recording and the loop, in sentences."""
         sentences = [effect.fault.finding for effect in self.faults]
-        sentences += [contradiction.finding for contradiction in self.contradictions]
+        contradictions = [*self.contradictions, *of_stability(self.stability_margin)]
+        sentences += dict.fromkeys(contradiction.finding for contradiction in contradictions)
         if self.over_frequency is None:
             sentences.append("A and d over frequency are unknown: the displacements are hardly coherent.")
         return tuple(sentences)
