@@ -9,8 +9,8 @@ Two alarms are raised while the test runs. That of the energy is stated in `stab
 error compares an error so far with the threshold, though its peak, by which it is divided, may still grow and
 a quiet end may dilute it. It waits until the peak of the response has not doubled for 12 s, and is raised
 when the low end of the interval is above twice the threshold: of the responses of 450 structures (0.4 to 4
-Hz, damping ratios of 1 to 6 %) to synthetic earthquakes, with errors that grow with the motion and such that do
-not, one in a hundred fell to less than half of its error after that.
+Hz, damping ratios of 1 to 6 %) to synthetic earthquakes, with errors that grow with the motion and such that
+do not, one in a hundred fell to less than half of its error after that.
 """
 
 from dataclasses import dataclass
