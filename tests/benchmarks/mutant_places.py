@@ -1,9 +1,14 @@
-"""Places of the package where an operator or a number can be changed, and what uses the changed code."""
+"""Places of the package where something small can be changed, and what uses the changed code.
+
+Two kinds of changes: `operators` (an operator, a comparison or a number is another), and `statements` (a call
+whose result nobody takes is left out, a guard never or always fires, branches or arguments are exchanged, a
+term or a factor is dropped).
+"""
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -24,13 +29,18 @@ _OPERATORS = {
 }
 
 Line = tuple[str, int]
+Change = tuple[ast.expr | ast.stmt, str, Callable[[], None]]
+"""A node, the change in words, and what makes it."""
+
+KINDS = ("operators", "statements")
 
 
 @dataclass(frozen=True)
 class Mutant:
-    """A file, the number of a place in it, and the change in words."""
+    """A file, a kind of change, the number of a place of this kind in it, and the change in words."""
 
     file: str
+    kind: str
     place: int
     line: int
     change: str
@@ -50,12 +60,14 @@ class Home:
     in_body: bool
 
 
-def mutants(room: str) -> list[Mutant]:
-    """Every change of a room: operators, comparisons and numbers, but none within an error that is raised."""
+def mutants(room: str, kind: str = "operators") -> list[Mutant]:
+    """Every change of a kind in a room, but none within an error that is raised."""
     return [
-        Mutant(file, place, node.lineno, change)
+        Mutant(file, kind, place, node.lineno, change)
         for file in files(room)
-        for place, (node, change) in enumerate(_places(ast.parse((ROOT / file).read_text(encoding="utf-8"))))
+        for place, (node, change, _) in enumerate(
+            _places(ast.parse((ROOT / file).read_text(encoding="utf-8")), kind)
+        )
     ]
 
 
@@ -68,33 +80,59 @@ def files(room: str = "") -> list[str]:
 def mutated(mutant: Mutant) -> ast.Module:
     """The module with the change; every line keeps its number."""
     tree = ast.parse((ROOT / mutant.file).read_text(encoding="utf-8"))
-    node, _ = list(_places(tree))[mutant.place]
-    if isinstance(node, ast.Constant):
-        node.value = _another(node.value)
-    elif isinstance(node, ast.Compare):
-        node.ops = [_OPERATORS[type(node.ops[0])]()]
-    else:
-        node.op = _OPERATORS[type(node.op)]()
-    return tree
+    list(_places(tree, mutant.kind))[mutant.place][2]()
+    return ast.fix_missing_locations(tree)
 
 
-def _places(tree: ast.AST) -> Iterator[tuple[ast.expr, str]]:
+def _places(tree: ast.AST, kind: str) -> Iterator[Change]:
     """Nodes that can be changed, in an order that is the same every time."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Raise):
             for part in ast.walk(node):
                 part.skipped = True  # type: ignore[attr-defined]
     for node in ast.walk(tree):
-        if getattr(node, "skipped", False):
-            continue
-        match node:
-            case ast.BinOp(op=operator) | ast.UnaryOp(op=operator) | ast.BoolOp(op=operator):
-                if type(operator) in _OPERATORS:
-                    yield node, f"{type(operator).__name__} to {_OPERATORS[type(operator)].__name__}"
-            case ast.Compare(ops=[operator]) if type(operator) in _OPERATORS:
-                yield node, f"{type(operator).__name__} to {_OPERATORS[type(operator)].__name__}"
-            case ast.Constant(value=float() | int() as value) if not isinstance(value, bool):
-                yield node, f"{value} to {_another(value)}"
+        if not getattr(node, "skipped", False):
+            yield from {"operators": _operators, "statements": _statements}[kind](node)
+
+
+def _operators(node: ast.AST) -> Iterator[Change]:
+    match node:
+        case ast.BinOp(op=operator) | ast.UnaryOp(op=operator) | ast.BoolOp(op=operator):
+            if (other := _OPERATORS.get(type(operator))) is not None:
+                yield node, _words(operator, other), partial(setattr, node, "op", other())
+        case ast.Compare(ops=[operator]) if type(operator) in _OPERATORS:
+            other = _OPERATORS[type(operator)]
+            yield node, _words(operator, other), partial(setattr, node, "ops", [other()])
+        case ast.Constant(value=float() | int() as value) if not isinstance(value, bool):
+            another = _another(value)
+            yield node, f"{value} to {another}", partial(setattr, node, "value", another)
+
+
+def _statements(node: ast.AST) -> Iterator[Change]:
+    match node:
+        case ast.Expr(value=ast.Call()):
+            yield node, "left out", partial(setattr, node, "value", ast.Constant(None))
+        case ast.If(body=[ast.Raise(), *_]):
+            yield node, "never refused", partial(setattr, node, "test", ast.Constant(value=False))
+        case ast.If() | ast.IfExp():
+            negated = ast.UnaryOp(ast.Not(), node.test)
+            yield node, "branches exchanged", partial(setattr, node, "test", negated)
+        case ast.Call(args=[first, second, *rest]) if not _starred(node):
+            yield node, "arguments exchanged", partial(setattr, node, "args", [second, first, *rest])
+        case ast.BinOp(op=ast.Mult() | ast.Div()):
+            yield node, "factor dropped", partial(setattr, node, "right", ast.Constant(1))
+        case ast.BinOp(op=ast.Add() | ast.Sub()) if not isinstance(
+            node.left, ast.JoinedStr | ast.Tuple | ast.List
+        ):
+            yield node, "term dropped", partial(setattr, node, "right", ast.Constant(0))
+
+
+def _starred(call: ast.Call) -> bool:
+    return any(isinstance(part, ast.Starred) for part in call.args)
+
+
+def _words(operator: ast.AST, other: type[ast.AST]) -> str:
+    return f"{type(operator).__name__} to {other.__name__}"
 
 
 def _another(value: float) -> float:
@@ -104,7 +142,7 @@ def _another(value: float) -> float:
 def home(mutant: Mutant) -> Home:
     """Innermost statement and function around a place."""
     tree = parsed(mutant.file)
-    node, _ = list(_places(tree))[mutant.place]
+    node = list(_places(tree, mutant.kind))[mutant.place][0]
     statement, function, in_body = tree.body[0], None, False
     inside: ast.AST = tree
     while inside is not node:

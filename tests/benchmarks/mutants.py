@@ -1,6 +1,6 @@
-"""Change one operator or number of a room at a time, and see whether the room's own tests notice.
+"""Change one small thing of a room at a time, and see whether the room's own tests notice.
 
-    python tests/benchmarks/mutants.py indices --count 40 --out mutants.jsonl
+    python tests/benchmarks/mutants.py indices --count 40 --kind statements --out mutants.jsonl
 
 The tests of the room run once to see which lines each reaches (`pip install coverage`); a change is then
 tried by those tests only that reach it, quick ones first, until the first fails, in a copy of a process that
@@ -26,7 +26,7 @@ from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).resolve().parents[2])]
 
-from benchmarks.mutant_places import ROOT, Mutant, mutants  # noqa: E402
+from benchmarks.mutant_places import KINDS, ROOT, Mutant, mutants  # noqa: E402
 from benchmarks.mutant_session import judge_together  # noqa: E402
 from benchmarks.mutant_tests import Reach, judge, measured_reach  # noqa: E402
 
@@ -35,7 +35,7 @@ _KILLED = ("killed", "endless")
 
 def main() -> None:
     options = _options()
-    everything = mutants(options.room)
+    everything = mutants(options.room, options.kind)
     shuffled = random.Random(options.seed).sample(everything, len(everything))  # noqa: S311 - no secret
     chosen = shuffled[: options.count]
     tests = options.tests or [f"tests/{options.room.partition('/')[0]}", f"reliab/{options.room}"]
@@ -73,6 +73,7 @@ def _options() -> argparse.Namespace:
     )
     parser.add_argument("room", help="a room or a folder of it, as discrepancy/fitting")
     parser.add_argument("--tests", nargs="*", help="files and folders of tests, if not the room's")
+    parser.add_argument("--kind", choices=KINDS, default=KINDS[0], help="what is changed")
     parser.add_argument("--count", type=int, default=20)
     parser.add_argument("--seed", type=int, default=17)
     parser.add_argument("--out", type=Path, default=Path("mutants.jsonl"))
@@ -89,16 +90,16 @@ def _record(room: str, tests: list[str], file: Path | None) -> dict:
     return record
 
 
-def _key(mutant: Mutant) -> tuple[str, int]:
-    return mutant.file, mutant.place
+def _key(mutant: Mutant) -> tuple[str, str, int]:
+    return mutant.file, mutant.kind, mutant.place
 
 
-def _judged(out: Path) -> dict[tuple[str, int], str]:
+def _judged(out: Path) -> dict[tuple[str, str, int], str]:
     rows = map(json.loads, out.read_text().splitlines() if out.exists() else [])
-    return {(row["file"], row["place"]): row["outcome"] for row in rows}
+    return {(row["file"], row["kind"], row["place"]): row["outcome"] for row in rows}
 
 
-def _score(chosen: list[Mutant], judged: dict[tuple[str, int], str]) -> str:
+def _score(chosen: list[Mutant], judged: dict[tuple[str, str, int], str]) -> str:
     """Share of mutants that a test notices, with and without those that none can notice."""
     listed = tomllib.loads((ROOT / "tests/benchmarks/equivalent_mutants.toml").read_text(encoding="utf-8"))
     equivalent = {(row["file"], row["line"], row["change"]) for row in listed.get("equivalent", [])}
