@@ -74,14 +74,15 @@ def partitioned_structures_report(
 def _verdict(table: pd.DataFrame) -> Prose:
     """Name the prediction that scatters least, with its ratios, and the one that is furthest off."""
     best, worst = str(table["scatter"].idxmin()), str((table["median"] - 1.0).abs().idxmax())
+    low, high, median = table["low"][best], table["high"][best], table["median"][worst]
     return prose(
         "Rely on the error {best}: it lies between {low} and {high} times the simulated error in 90 % of the "
         "tests. {worst} states {median} times the simulated error in the median.",
         best=_NAMES[best],
-        low=f"{table['low'][best]:.2f}",
-        high=f"{table['high'][best]:.2f}",
+        low=f"{low:.2f}",
+        high=f"{high:.2f}",
         worst=_NAMES[worst].replace("equation", "Equation"),
-        median=f"{table['median'][worst]:.1f}",
+        median=f"{median:.1f}",
     )
 
 

@@ -146,7 +146,7 @@ def _published(published: pd.DataFrame) -> Section:
     both = emulated.merge(exact, on=["case", "criterion"], suffixes=("", "_exact"))
     shown = {"published": "printed", "mean": "ours", "mean_exact": "exact"}
     frame = both.pivot_table(index="criterion", columns="case", values=list(shown), sort=False)
-    frame.columns = frame.columns.map("{0[0]} {0[1]}".format)
+    frame.columns = pd.Index([" ".join(map(str, name)) for name in frame.columns.to_flat_index()])
     reached = int(emulated["reached"].sum())
     furthest = {
         variant: float((chosen["mean"] / chosen["published"] - 1.0).abs().max())
