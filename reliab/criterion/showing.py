@@ -66,5 +66,5 @@ def draw_region(limits: Mapping[Side, tuple[float, float]], axes: "Axes | None" 
         shown.plot(across, up, label=f"{name}: up to {width:.2f} % or {height:.2f} ms")
     shown.axhline(0.0, color="0.5", linewidth=0.6)
     shown.set(xlabel="A − 1 [%]", ylabel="delay d [ms], negative for a lead")
-    shown.legend(frameon=False, loc="center")
+    shown.legend(frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
     return shown

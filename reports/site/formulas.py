@@ -15,7 +15,7 @@ def visit_inline(writer: HTML5Translator, node: nodes.math) -> None:
 def visit_block(writer: HTML5Translator, node: nodes.math_block) -> None:
     """Write a formula on lines of its own, which scrolls where it is wider than the page."""
     formula = convert(node.astext(), display="block")
-    writer.body.append(f'<div class="formula" style="overflow-x: auto">{formula}</div>')
+    writer.body.append(f'<div style="overflow-x: auto; padding: 0.5em 0">{formula}</div>')
     raise nodes.SkipNode
 
 

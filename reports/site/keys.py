@@ -145,7 +145,10 @@ class Keys(SphinxDirective):
     def run(self) -> list[nodes.Node]:
         """Put the reference into the page."""
         module, _, name = self.arguments[0].rpartition(".")
-        text = reference(getattr(import_module(module), name))
+        home = import_module(module)
+        self.env.note_dependency(str(home.__file__))
+        self.env.note_dependency(__file__)
+        text = reference(getattr(home, name))
         return self.parse_text_to_nodes(text, allow_section_headings=True)
 
 

@@ -59,6 +59,7 @@ def draw_gap(name: str, blocks: Sequence[BlockDiagnosis], axes: "Axes | None" = 
         Two bars for each observed block, in per cent of the RMS of its channel.
     """
     from matplotlib import pyplot as plt
+    from matplotlib.ticker import LogLocator
 
     shown = plt.subplots(figsize=(6.0, 3.0))[1] if axes is None else axes
     names = [f"{block.block.block}: {block.gap.channel}" for block in blocks]
@@ -67,6 +68,7 @@ def draw_gap(name: str, blocks: Sequence[BlockDiagnosis], axes: "Axes | None" = 
         shown.bar([place + shift for place in range(len(names))], shares, width=0.4, label=label)
     shown.set_xticks(range(len(names)), names)
     shown.set(ylabel="error [% of RMS]", yscale="log", title=name)
+    shown.yaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
     shown.yaxis.set_major_formatter("{x:g}")
     shown.yaxis.set_minor_formatter("{x:g}")
     shown.legend(frameon=False)

@@ -117,8 +117,8 @@ def _verdict(judged: pd.DataFrame, threshold: float) -> Prose:
     off = float((judged["rebuilt"] / judged["rms"] - 1.0).abs().max())
     agree = int(((judged["rebuilt"] <= threshold) == good).sum())
     return prose(
-        "Tests of the nominal plant stay below {threshold}: {kept}. The error rebuilt from a test alone is "
-        "at most {off} of the true one away from it, and on the same side of {threshold} in {agree} of "
+        "Tests of the nominal plant stay below {threshold}: {kept}. The error rebuilt from a test alone "
+        "differs from the true one by at most {off}, and is on the same side of {threshold} in {agree} of "
         "{tests} tests.",
         threshold=percent(threshold),
         kept=", ".join(kept),
