@@ -17,14 +17,14 @@ if TYPE_CHECKING:
     from reliab.api.boundaries import ellipses
     from reliab.api.design import design_test
     from reliab.api.simulation import simulate
+    from reliab.assessment import read_recording
     from reliab.criterion import derive_criterion, published_criterion, read_ellipses
     from reliab.discrepancy import diagnose, read_campaign
     from reliab.errors import InputError
-    from reliab.loop.structure import Structure
     from reliab.motions import load_motions
+    from reliab.structures.structure import Structure
     from reliab.study import open_study, run_study, write_report
     from reliab.sweep import open_results
-    from reliab.validation.assessment import read_recording
     from reliab.validation.cross_validation import cross_validate
 
 _HOMES = {
@@ -36,7 +36,7 @@ _HOMES = {
     "derive_criterion": "reliab.criterion",
     "published_criterion": "reliab.criterion",
     "cross_validate": "reliab.validation.cross_validation",
-    "read_recording": "reliab.validation.assessment",
+    "read_recording": "reliab.assessment",
     "assess": "reliab.api.assessment",
     "design_test": "reliab.api.design",
     "read_campaign": "reliab.discrepancy",
@@ -44,7 +44,7 @@ _HOMES = {
     "open_study": "reliab.study",
     "run_study": "reliab.study",
     "write_report": "reliab.study",
-    "Structure": "reliab.loop.structure",
+    "Structure": "reliab.structures.structure",
     "InputError": "reliab.errors",
 }
 

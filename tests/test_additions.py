@@ -7,12 +7,12 @@ import pytest
 
 from reliab.criterion.laws import FITTED, law_from_dict, law_to_dict
 from reliab.criterion.methods import METHODS, method_of
+from reliab.effects import find_effect, library
 from reliab.errors import InputError
-from reliab.loop.effects import find_effect, library
-from reliab.loop.hybrid_test.compensators import compensators
 from reliab.motions import load_motions
 from reliab.motions.readers.registry import FORMATS
 from reliab.report.wording import meaning_of_confidence
+from reliab.simulation.compensators import compensators
 from reliab.study.kinds import KINDS
 from reliab.study.reading import read_study
 
@@ -61,7 +61,7 @@ ADDITIONS = {
         "reliab.effects",
         "Thermal",
         """
-        from reliab.loop.effects.sensor_bias import SensorBias
+        from reliab.effects.sensor_bias import SensorBias
 
         class Thermal(SensorBias):
             name = "thermal_bias"
@@ -71,7 +71,7 @@ ADDITIONS = {
         "reliab.compensators",
         "Twin",
         """
-        from reliab.loop.hybrid_test.compensators.inverse import InverseCompensation
+        from reliab.simulation.compensators.inverse import InverseCompensation
 
         class Twin(InverseCompensation):
             name = "twin"

@@ -27,8 +27,8 @@ FILES = {
         """,
     },
     "effect": {
-        "loop/effects/thermal.py": """
-            from reliab.loop.effects.sensor_bias import SensorBias
+        "effects/thermal.py": """
+            from reliab.effects.sensor_bias import SensorBias
 
 
             class Thermal(SensorBias):
@@ -37,8 +37,8 @@ FILES = {
         """,
     },
     "compensator": {
-        "loop/hybrid_test/compensators/twin.py": """
-            from reliab.loop.hybrid_test.compensators.inverse import InverseCompensation
+        "simulation/compensators/twin.py": """
+            from reliab.simulation.compensators.inverse import InverseCompensation
 
 
             class Twin(InverseCompensation):
@@ -125,16 +125,16 @@ REGISTRIES = {
         'Format(name="pairs", endings=(".pairs",), recognises=pairs.recognises, headers=pairs.headers),',
     ),
     "effect": (
-        "loop/effects/registry.py",
+        "effects/registry.py",
         "",
-        "from reliab.loop.effects.thermal import Thermal\n",
+        "from reliab.effects.thermal import Thermal\n",
         "_SHIPPED: tuple[type[Effect], ...] = (",
         "Thermal,",
     ),
     "compensator": (
-        "loop/hybrid_test/compensators/registry.py",
+        "simulation/compensators/registry.py",
         "",
-        "from reliab.loop.hybrid_test.compensators.twin import Twin\n",
+        "from reliab.simulation.compensators.twin import Twin\n",
         "_SHIPPED: tuple[type[Compensator], ...] = (",
         "Twin,",
     ),
@@ -166,8 +166,8 @@ USE = """
 
     from reliab.criterion.laws import FITTED, law_from_dict, law_to_dict
     from reliab.criterion.methods import method_of
-    from reliab.loop.effects import find_effect
-    from reliab.loop.hybrid_test.compensators import compensators
+    from reliab.effects import find_effect
+    from reliab.simulation.compensators import compensators
     from reliab.motions import load_motions
     from reliab.report.wording import meaning_of_confidence
     from reliab.study.kinds import KINDS

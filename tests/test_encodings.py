@@ -8,7 +8,7 @@ from reliab.criterion import read_ellipses
 from reliab.discrepancy.campaign.table import read_table
 from reliab.encodings import as_cell, of_cell, pieces_as_utf8
 from reliab.motions import load_motions
-from reliab.validation.assessment.readers import read_columns
+from reliab.recordings.readers import read_columns
 
 ENCODINGS = ("utf-8", "utf-8-sig", "utf-16", "utf-16-le with a mark", "utf-16-be with a mark")
 HEADER = "# units: m/s2\r\n# time_step: 0.01\r\n# event: Köln\r\n"

@@ -16,21 +16,21 @@ VAGUE = frozenset({"found", "each", "one", "made", "told", "apart", "left", "the
 """Words that name no thing of the field."""
 
 LONG_FUNCTIONS = {
-    "loop/hybrid_test/marching.py:march": "one compiled loop",
-    "loop/hybrid_test/compensators/adaptive_time_series.py:_compensate": "one compiled loop",
-    "loop/laboratory/march.py:march": "one compiled loop",
-    "loop/drive_kernel.py:_track_lanes": "one compiled loop",
-    "loop/pole_stepping.py:_track_lanes": "one compiled loop",
-    "loop/short_delay.py:_track_lanes": "one compiled loop",
+    "simulation/hybrid_test/marching.py:march": "one compiled loop",
+    "simulation/compensators/adaptive_time_series.py:_compensate": "one compiled loop",
+    "simulation/laboratory/march.py:march": "one compiled loop",
+    "simulation/linear_loop/drive_kernel.py:_track_lanes": "one compiled loop",
+    "simulation/linear_loop/pole_stepping.py:_track_lanes": "one compiled loop",
+    "simulation/linear_loop/short_delay.py:_track_lanes": "one compiled loop",
 }
 """Functions longer than the rule allows, and why."""
 
 WITHOUT_USER_INSIDE = {
-    "loop/partition/critical_delay.py:predictive_stability_indicator": "a published indicator",
-    "loop/partition/partition.py:storey_drifts": "a frame's interfaces",
-    "loop/partition/root_locus.py:discrete_critical_delay": "a published locus",
-    "loop/partition/root_locus.py:root_locus": "a published locus",
-    "rebuilt_error/spectral.py:respond_spectrally": "the recursion's oracle",
+    "structures/critical_delay.py:predictive_stability_indicator": "a published indicator",
+    "structures/partition.py:storey_drifts": "a frame's interfaces",
+    "structures/root_locus.py:discrete_critical_delay": "a published locus",
+    "structures/root_locus.py:root_locus": "a published locus",
+    "assessment/rebuilt_error/spectral.py:respond_spectrally": "the recursion's oracle",
     "sampling/calibration.py:calibration_ranks": "puts a model of one's own to the test",
     "sampling/calibration.py:uniformity": "puts a model of one's own to the test",
     "sampling/model.py:prior_predictive": "puts a model of one's own to the test",

@@ -7,20 +7,20 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
+from reliab.assessment import Recording, assess
+from reliab.assessment.rebuilt_error import rebuild
+from reliab.assessment.rebuilt_error.monitor import Monitor
+from reliab.assessment.rebuilt_error.size import MOST_DRAWN
 from reliab.discrepancy import read_campaign
 from reliab.discrepancy.campaign import reading
 from reliab.errors import InputError
 from reliab.files import require_small
-from reliab.loop.structure import Structure
 from reliab.motions import Motion
 from reliab.motions import motion as motion_module
 from reliab.motions.faults import Report
 from reliab.motions.readers.source import open_source
-from reliab.rebuilt_error import rebuild
-from reliab.rebuilt_error.monitor import Monitor
-from reliab.rebuilt_error.size import MOST_DRAWN
-from reliab.validation.assessment import Recording, assess
-from reliab.validation.assessment.readers import hierarchical, matlab, read_columns
+from reliab.recordings.readers import hierarchical, matlab, read_columns
+from reliab.structures.structure import Structure
 
 FOUR_HERTZ = Structure(frequency=4.0, damping_ratio=0.02)
 STEP = 1.0 / 256.0

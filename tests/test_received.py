@@ -17,16 +17,16 @@ import pytest
 import reliab
 from reliab.discrepancy import read_campaign
 from reliab.errors import InputError
-from reliab.loop.partition.frame_file import read_frame
 from reliab.motions import load_motions
 from reliab.motions.checking import check_folder
 from reliab.received import named_within, objects_of, opened_hdf5
+from reliab.recordings.readers import read_columns
 from reliab.report import saved_content
 from reliab.sampling.ensembles import draw
+from reliab.simulation.frames.frame_file import read_frame
 from reliab.study.stages import RunFolder
 from reliab.study.steps import opened
 from reliab.sweep import open_ellipses, open_results, run_sweep
-from reliab.validation.assessment.readers import read_columns
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))  # however pytest was started
 from fuzz import corpus

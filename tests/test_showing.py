@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import reliab
+from reliab.assessment import default_criterion, read_recording
 from reliab.shipped import shipped
 from reliab.sweep import open_ellipses
-from reliab.validation.assessment import default_criterion, read_recording
 
 mpl.use("Agg")
 

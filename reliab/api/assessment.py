@@ -7,17 +7,17 @@ from typing import TypedDict, Unpack, overload
 from reliab.api.arguments import Quantity, stated_values
 from reliab.api.channels import Channels, Test
 from reliab.api.judging import Judge, Terms
+from reliab.assessment.assessment import Assessment
+from reliab.assessment.frame_assessment import FrameAssessment
+from reliab.assessment.several import Assessments
 from reliab.criterion import Criterion
 from reliab.errors import InputError
-from reliab.loop.hybrid_test.model_file import UpdatedModel
-from reliab.loop.partition.frame_file import FrameUnderTest
-from reliab.loop.structure import Structure
 from reliab.motions import Motion
 from reliab.progress import Progress, silent
-from reliab.validation.assessment.assessment import Assessment
-from reliab.validation.assessment.frame_assessment import FrameAssessment
-from reliab.validation.assessment.recording import Recording
-from reliab.validation.assessment.several import Assessments
+from reliab.recordings.recording import Recording
+from reliab.simulation.frames.frame_file import FrameUnderTest
+from reliab.simulation.hybrid_test.model_file import UpdatedModel
+from reliab.structures.structure import Structure
 
 
 class Stated(TypedDict, total=False):

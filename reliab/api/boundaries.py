@@ -8,8 +8,8 @@ import xarray as xr
 from reliab.boundary import Curve
 from reliab.errors import InputError
 from reliab.indices.window import Window
-from reliab.loop.hybrid_test import HybridTest
 from reliab.progress import Progress, silent
+from reliab.simulation.hybrid_test import HybridTest
 from reliab.sweep import CURVES, EllipseRequest, predict_ellipses, trace_ellipses
 from reliab.sweep.plain import (
     WHOLLY_EXPERIMENTAL,

@@ -7,9 +7,9 @@ import pandas as pd
 
 from reliab.api.arguments import unused
 from reliab.errors import InputError
+from reliab.recordings.reading import read_recording
+from reliab.recordings.recording import Recording
 from reliab.shipped import or_shipped
-from reliab.validation.assessment.reading import read_recording
-from reliab.validation.assessment.recording import Recording
 
 Test = str | Path | pd.DataFrame | Recording
 """A test, its file, its data frame, or the name of one that ships."""

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import xarray as xr
 
-from reliab.loop.hybrid_test import HybridTest
 from reliab.progress import Progress, silent
+from reliab.simulation.hybrid_test import HybridTest
 from reliab.sweep.plain import WHOLLY_EXPERIMENTAL, Motions, Names, Numbers, suite_of, sweep_request
 
 

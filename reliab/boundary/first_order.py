@@ -14,10 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.loop.deviation import peak_of_history
-from reliab.loop.excitation import Excitation
-from reliab.loop.spectral import respond
-from reliab.loop.structure import Structure
+from reliab.simulation.deviation import peak_of_history
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.linear_loop.spectral import respond
+from reliab.structures.structure import Structure
 
 _MILLISECONDS_SQUARED = 1e6
 

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from reliab.boundary.contour import AMPLITUDE_STEP, Contour, trace_contours
 from reliab.indices.response_error import relative_error
-from reliab.loop.cells import Cells
-from reliab.loop.deviation import Deviation
-from reliab.loop.structure import Structure
+from reliab.simulation.deviation import Deviation
+from reliab.simulation.linear_loop.cells import Cells
+from reliab.structures.structure import Structure
 from reliab.vocabulary import Metric, Side
 
 

@@ -1,9 +1,10 @@
 """Boundaries of RMS^R of one structure under many ground motions, traced together.
 
 What depends on the actuator alone is computed for the actuators of all motions at once; the error under each
-motion is then a quadratic form (`loop/pole_plane`). An actuator and motion for which that is not precise
-enough are simulated. The reduction to the dominant pole is checked at the points of the resulting contours;
-a motion for which it is not accurate enough there is traced separately (`motion_boundary`).
+motion is then a quadratic form (`simulation/linear_loop/pole_plane`). An actuator and motion for which that
+is not precise enough are simulated. The reduction to the dominant pole is checked at the points of the
+resulting contours; a motion for which it is not accurate enough there is traced separately
+(`motion_boundary`).
 """
 
 from collections.abc import Sequence
@@ -14,10 +15,10 @@ from numpy.typing import NDArray
 
 from reliab.boundary.contour import Contour, trace_contours
 from reliab.boundary.motion_boundary import motion_contours
-from reliab.loop.blocks import block_length
-from reliab.loop.cells import Cells
-from reliab.loop.engine import Engine, Loop
-from reliab.loop.pole_plane.plane import mean_squares
+from reliab.simulation.engine import Engine, Loop
+from reliab.simulation.linear_loop.blocks import block_length
+from reliab.simulation.linear_loop.cells import Cells
+from reliab.simulation.linear_loop.pole_plane.plane import mean_squares
 from reliab.vocabulary import Metric, Side
 
 

@@ -226,8 +226,8 @@ class EllipseSource:
     def _of_frame(self, path: Path) -> "xr.Dataset":
         """Trace the boundaries of a frame under records."""
         from reliab.indices.window import Window
-        from reliab.loop.partition.frame_file import read_frame
         from reliab.motions import load_motions
+        from reliab.simulation.frames.frame_file import read_frame
         from reliab.sweep.frame_table import FrameRequest, trace_frame_ellipses
 
         excluded = {"--f": self.f, "--xi": self.xi, "--alpha": self.alpha, "--model": self.model}

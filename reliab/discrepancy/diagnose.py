@@ -27,10 +27,10 @@ from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.discrepancy.spectra.scales import motions_of, scales_of
 from reliab.discrepancy.spectra.segment import cut_segments
 from reliab.discrepancy.spectra.starting import answered, settled
+from reliab.effects import Role, Scales
 from reliab.errors import InputError
-from reliab.loop.effects import Role, Scales
-from reliab.loop.hybrid_test import Motion3
 from reliab.progress import Progress, silent
+from reliab.simulation.hybrid_test import Motion3
 
 _ACTUATOR = frozenset({Channel.COMMAND, Channel.MEASURED})
 _SPECIMEN = frozenset({Channel.MEASURED, Channel.FORCE})

@@ -10,7 +10,7 @@ from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.result.gap import Gap
 from reliab.discrepancy.spectra.floor import floors
 from reliab.discrepancy.spectra.segment import Segment
-from reliab.loop.effects import Effect
+from reliab.effects import Effect
 
 Array = NDArray[np.float64]
 

@@ -21,7 +21,7 @@ import xarray as xr
 from reliab.errors import InputError
 from reliab.explore.packing import pack
 from reliab.files import written_whole
-from reliab.validation.assessment.recognition import (
+from reliab.recordings.recognition import (
     ACCELERATIONS,
     EXTRAS,
     FORCES,

@@ -250,7 +250,7 @@ def paper_cases(sources: tuple[str, ...], name: str) -> Stage:
     motion = named(load_motions(*sources, sets=[_HELD_OUT]), name)
 
     def work(folder: Path) -> None:
-        from reliab.paper.cases import cases_dataset, run_paper_cases
+        from reliab_studies.paper2017.cases import cases_dataset, run_paper_cases
 
         write_netcdf(cases_dataset(run_paper_cases(motion), motion), folder / CASES)
 

@@ -11,12 +11,12 @@ from reliab.boundary import Curve, motion_contours, suite_contours
 from reliab.errors import InputError
 from reliab.indices.response_error import relative_error
 from reliab.indices.window import Window
-from reliab.loop.effect_loop import EffectLoop
-from reliab.loop.engine import Engine, Loop
-from reliab.loop.hybrid_test import HybridTest
-from reliab.loop.structure import Structure
 from reliab.motions import Motion
 from reliab.progress import Progress, silent
+from reliab.simulation.effect_loop import EffectLoop
+from reliab.simulation.engine import Engine, Loop
+from reliab.simulation.hybrid_test import HybridTest
+from reliab.structures.structure import Structure
 from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_dataset
 from reliab.sweep.excitation import excitation_of
 from reliab.sweep.records import joined_coordinates, motion_coordinates

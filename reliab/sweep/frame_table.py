@@ -12,12 +12,12 @@ from reliab.boundary import Curve, motion_contours
 from reliab.errors import InputError
 from reliab.indices.response_error import relative_error
 from reliab.indices.window import Window
-from reliab.loop.partition.critical_delay import critical_delay
-from reliab.loop.partition.frame_file import FrameUnderTest
-from reliab.loop.partition.frame_loop import FrameLoop
-from reliab.loop.structure import Structure
 from reliab.motions import Motion
 from reliab.progress import Progress, silent
+from reliab.simulation.frames.frame_file import FrameUnderTest
+from reliab.simulation.frames.frame_loop import FrameLoop
+from reliab.structures.critical_delay import critical_delay
+from reliab.structures.structure import Structure
 from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_dataset
 from reliab.sweep.excitation import excitation_of
 from reliab.sweep.records import joined_coordinates, motion_coordinates

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from reliab.boundary.contour import REACH, furthest_lead
 from reliab.boundary.surface import DELAY_SCALE, GAIN_SCALE, stretched
 from reliab.errors import InputError
-from reliab.loop.cells import Cells
-from reliab.loop.structure import Structure
+from reliab.simulation.linear_loop.cells import Cells
+from reliab.structures.structure import Structure
 from reliab.vocabulary import Dimension
 
 _FEWEST_GAINS, _FEWEST_DELAYS = 5, 4

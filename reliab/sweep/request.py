@@ -9,12 +9,12 @@ import numpy as np
 
 from reliab.errors import InputError
 from reliab.indices.window import Window
-from reliab.loop.effect_loop import EffectLoop
-from reliab.loop.engine import LEAD_TOLERANCE, REDUCTION_TOLERANCE, Engine, Loop
-from reliab.loop.excitation import Excitation
-from reliab.loop.hybrid_test import HybridTest
-from reliab.loop.structure import Structure
-from reliab.loop.structure_batch import Prepared
+from reliab.simulation.effect_loop import EffectLoop
+from reliab.simulation.engine import LEAD_TOLERANCE, REDUCTION_TOLERANCE, Engine, Loop
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.hybrid_test import HybridTest
+from reliab.simulation.linear_loop.structure_batch import Prepared
+from reliab.structures.structure import Structure
 from reliab.sweep.grid import Grid, ScaledGrid
 from reliab.vocabulary import Dimension
 

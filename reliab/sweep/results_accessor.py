@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from reliab.boundary import Contour, Curve
 from reliab.errors import InputError
 from reliab.files import decoding
-from reliab.loop.structure import Structure
 from reliab.progress import Progress, silent
+from reliab.structures.structure import Structure
 from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_dataset
 from reliab.sweep.labels import with_labels
 from reliab.sweep.shares import at_share, for_each_share, share_of, shares_of

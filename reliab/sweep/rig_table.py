@@ -9,10 +9,10 @@ from reliab.errors import InputError
 from reliab.indices.frequency_evaluation import frequency_evaluation
 from reliab.indices.response_error import response_error
 from reliab.indices.window import Window
-from reliab.loop.partition.frame_file import FrameUnderTest
-from reliab.loop.partition.rig_loop import rig_response, stable_with
 from reliab.motions import Motion
 from reliab.progress import Progress, silent
+from reliab.simulation.frames.frame_file import FrameUnderTest
+from reliab.simulation.frames.rig_loop import rig_response, stable_with
 from reliab.sweep.excitation import excitation_of
 from reliab.vocabulary import Metric
 

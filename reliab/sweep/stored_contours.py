@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from reliab.boundary import Contour, trace_contours
 from reliab.boundary.contour import REACH, furthest_lead
 from reliab.boundary.surface import ErrorSurfaces
-from reliab.loop.structure import Structure
+from reliab.structures.structure import Structure
 from reliab.vocabulary import Metric, Side
 
 _TOGETHER = 32  # motions

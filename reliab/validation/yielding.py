@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 
 from reliab.boundary import motion_contours
 from reliab.compiled import compiled
-from reliab.loop.engine import Loop
-from reliab.loop.excitation import Excitation
-from reliab.loop.structure import Structure
 from reliab.motions import Motion
 from reliab.progress import Progress, silent
 from reliab.shipped import shipped
+from reliab.simulation.engine import Loop
+from reliab.simulation.excitation import Excitation
+from reliab.structures.structure import Structure
 from reliab.validation.cross_validation.intervals import event_bootstrap
 
 HARDENING: Final = 0.02

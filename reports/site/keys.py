@@ -18,7 +18,7 @@ from pydantic import BaseModel
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
-from reliab.loop.effects import Role, library
+from reliab.effects import Role, library
 
 Schema = dict[str, Any]
 

@@ -21,14 +21,14 @@ import numpy as np
 import threadpoolctl
 from numpy.typing import NDArray
 
-from reliab.loop import delay_stepper
-from reliab.loop.blocks import block_length, cut
-from reliab.loop.engine import Engine, Loop
-from reliab.loop.excitation import Excitation
-from reliab.loop.pole_plane.plane import mean_squares
-from reliab.loop.structure import Structure
-from reliab.loop.structure_batch import StructureBatch
 from reliab.motions import Motion, load_motions, resample
+from reliab.simulation.engine import Engine, Loop
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.linear_loop import delay_stepper
+from reliab.simulation.linear_loop.blocks import block_length, cut
+from reliab.simulation.linear_loop.pole_plane.plane import mean_squares
+from reliab.simulation.linear_loop.structure_batch import StructureBatch
+from reliab.structures.structure import Structure
 from reliab.sweep import ExplicitGrid
 
 RATE_HZ = 1024.0

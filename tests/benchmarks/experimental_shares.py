@@ -16,10 +16,10 @@ import xarray as xr
 from reliab.boundary import Ellipse
 from reliab.indices.response_error import relative_error
 from reliab.indices.window import Window
-from reliab.loop.cells import Cells
-from reliab.loop.engine import Loop
-from reliab.loop.structure import Structure
 from reliab.motions import MotionSuite, load_motions
+from reliab.simulation.engine import Loop
+from reliab.simulation.linear_loop.cells import Cells
+from reliab.structures.structure import Structure
 from reliab.sweep import EllipseRequest, predict_ellipses, trace_ellipses
 from reliab.sweep.excitation import excitation_of
 from reliab.vocabulary import Metric, Side

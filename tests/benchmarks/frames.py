@@ -9,11 +9,11 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from reliab.loop.excitation import Excitation
-from reliab.loop.partition.frame_file import FrameUnderTest, read_frame
-from reliab.loop.partition.frame_loop import FrameLoop
 from reliab.motions import Motion, load_motions
 from reliab.shipped import shipped
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.frames.frame_file import FrameUnderTest, read_frame
+from reliab.simulation.frames.frame_loop import FrameLoop
 from reliab.sweep import ExplicitGrid
 
 FRAMES = ("three_storeys", "benchmark_case_1")

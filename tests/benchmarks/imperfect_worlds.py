@@ -28,6 +28,7 @@ sys.path.insert(0, str(ROOT / "tests"))
 
 from blind_campaigns.scoring import wilson_interval  # noqa: E402
 from imperfect_worlds.world import FURTHER, RATE, write_world  # noqa: E402
+from reliab_studies.blind_evaluation.pages.confusions import discrepancy_reliability  # noqa: E402
 
 from reliab.discrepancy import BlockDiagnosis, Diagnosis, MeasuredTest, diagnose, read_campaign  # noqa: E402
 from reliab.discrepancy.blocks.actuator import ActuatorBlock  # noqa: E402
@@ -36,7 +37,6 @@ from reliab.discrepancy.campaign.campaign import Campaign, Stretch  # noqa: E402
 from reliab.discrepancy.campaign.table import read_table  # noqa: E402
 from reliab.discrepancy.spectra.scales import motions_of  # noqa: E402
 from reliab.discrepancy.spectra.segment import cut_segments  # noqa: E402
-from reliab.report.figures.discrepancy_evaluation import discrepancy_reliability  # noqa: E402
 
 OFFSETS = {"sensor_bias", "force_bias"}
 BINS = (0.0, 0.05, 0.2, 0.5, 0.8, 0.95, 1.001)

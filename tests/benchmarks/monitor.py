@@ -16,13 +16,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from reliab.loop.actuator import Actuator
-from reliab.loop.effects import Effect, find_effect
-from reliab.loop.hybrid_test import HybridTest, run_closed_loop
-from reliab.loop.structure import Structure
+from reliab.assessment.rebuilt_error import Monitor
+from reliab.effects import Effect, find_effect
 from reliab.motions import MotionSuite, load_motions, resample
 from reliab.motions.synthetic import synthetic_suite
-from reliab.rebuilt_error import Monitor
+from reliab.simulation.actuator import Actuator
+from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
+from reliab.structures.structure import Structure
 
 RATE = 256.0
 LOOK = 128  # samples between two looks

@@ -122,11 +122,12 @@ QUESTIONS = {
 
 def ours(question, motion, values):
     """Our answer to a question, and its time."""
+    from reliab_studies.synthetic_vs_real.comparison import response_spectra
+
     from reliab.criterion.distributions.lognormal import Lognormal
     from reliab.criterion.methods.tolerance import tolerance_factor
-    from reliab.loop.structures.response import exact_step, follow_load
     from reliab.sampling.normal_inverse_chi_squared import NormalInverseChiSquared
-    from reliab.validation.suite_comparison import response_spectra
+    from reliab.structures.frames.response import exact_step, follow_load
 
     def predictive():
         posterior = NormalInverseChiSquared.posterior(np.log(values))

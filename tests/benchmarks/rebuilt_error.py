@@ -14,8 +14,8 @@ nonlinear      cubic, Coulomb, hysteresis: the model off by 1 % in each paramete
 monitor        time for a sample, distance from offline
 time           offline, 40 s at 1024 Hz
 
-Tests are simulated by `tests/rebuilt_error/laboratory.py` under the real records of FOLDER (a folder with a
-catalog.csv, `../shared/motions` by default), each cut at random to 15 to 40 s.
+Tests are simulated by `tests/assessment/rebuilt_error/laboratory.py` under the real records of FOLDER (a
+folder with a catalog.csv, `../shared/motions` by default), each cut at random to 15 to 40 s.
 """
 
 import argparse
@@ -37,14 +37,14 @@ sys.path.insert(0, str(ROOT / "tests"))
 
 from rebuilt_error import laboratory as lab  # noqa: E402
 
-from reliab.loop.effects import find_effect  # noqa: E402
-from reliab.loop.hybrid_test import HybridTest, Specimen  # noqa: E402
-from reliab.loop.structure import Structure  # noqa: E402
-from reliab.rebuilt_error import RebuiltError, Tolerances, rebuild  # noqa: E402
-from reliab.rebuilt_error.identification import identify  # noqa: E402
-from reliab.rebuilt_error.monitor import Monitor  # noqa: E402
-from reliab.rebuilt_error.nonlinear_reference import rebuild_with_specimen  # noqa: E402
-from reliab.rebuilt_error.specimen_check import examine_specimen  # noqa: E402
+from reliab.assessment.rebuilt_error import RebuiltError, Tolerances, rebuild  # noqa: E402
+from reliab.assessment.rebuilt_error.identification import identify  # noqa: E402
+from reliab.assessment.rebuilt_error.monitor import Monitor  # noqa: E402
+from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen  # noqa: E402
+from reliab.assessment.rebuilt_error.specimen_check import examine_specimen  # noqa: E402
+from reliab.effects import find_effect  # noqa: E402
+from reliab.simulation.hybrid_test import HybridTest, Specimen  # noqa: E402
+from reliab.structures.structure import Structure  # noqa: E402
 
 STEP = 1.0 / lab.RATE
 EDGES = (0.0, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0)

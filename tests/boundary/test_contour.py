@@ -16,10 +16,10 @@ from reliab.boundary import (
 )
 from reliab.errors import InputError
 from reliab.indices.response_error import relative_error
-from reliab.loop.engine import Loop
-from reliab.loop.excitation import Excitation
-from reliab.loop.structure import Structure
 from reliab.motions import load_motions
+from reliab.simulation.engine import Loop
+from reliab.simulation.excitation import Excitation
+from reliab.structures.structure import Structure
 from reliab.vocabulary import Metric
 
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.1)

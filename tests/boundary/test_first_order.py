@@ -6,9 +6,9 @@ from scipy.optimize import brentq
 
 from reliab.boundary.first_order import first_order_ellipse
 from reliab.indices.response_error import relative_error
-from reliab.loop.engine import Loop
-from reliab.loop.excitation import Excitation
-from reliab.loop.structure import Structure
+from reliab.simulation.engine import Loop
+from reliab.simulation.excitation import Excitation
+from reliab.structures.structure import Structure
 from reliab.vocabulary import Metric
 
 

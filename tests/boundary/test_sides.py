@@ -8,11 +8,11 @@ import pytest
 from reliab.boundary import Contour, Ellipse, InscribedEllipse, motion_contours, trace_contours
 from reliab.boundary.contour import furthest_lead
 from reliab.indices.response_error import relative_error
-from reliab.loop.engine import Loop
-from reliab.loop.excitation import Excitation
-from reliab.loop.stability import longest_lead
-from reliab.loop.structure import Structure
 from reliab.motions import load_motions
+from reliab.simulation.engine import Loop
+from reliab.simulation.excitation import Excitation
+from reliab.structures.stability import longest_lead
+from reliab.structures.structure import Structure
 from reliab.vocabulary import Metric, Side
 
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.1)

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from reliab.boundary import motion_contours, suite_contours
-from reliab.loop.engine import Engine, Loop
-from reliab.loop.excitation import Excitation
-from reliab.loop.structure import Structure
 from reliab.motions import load_motions
+from reliab.simulation.engine import Engine, Loop
+from reliab.simulation.excitation import Excitation
+from reliab.structures.structure import Structure
 from reliab.vocabulary import Side
 
 LEVELS, SIDES = (0.05, 0.05, 0.15), (Side.LAG, Side.LEAD, Side.LAG)

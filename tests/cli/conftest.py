@@ -8,11 +8,11 @@ import pandas as pd
 import pytest
 
 from reliab.criterion import published_criterion
-from reliab.loop.actuator import Actuator
-from reliab.loop.effects import find_effect
-from reliab.loop.hybrid_test import HybridTest, run_closed_loop
-from reliab.loop.hybrid_test.model_file import UpdatedModel, write_model
-from reliab.loop.structure import Structure
+from reliab.effects import find_effect
+from reliab.simulation.actuator import Actuator
+from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
+from reliab.simulation.hybrid_test.model_file import UpdatedModel, write_model
+from reliab.structures.structure import Structure
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 

@@ -8,8 +8,8 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
+from reliab.assessment import assess as assess_recording
 from reliab.cli.assess import assess
-from reliab.validation.assessment import assess as assess_recording
 
 app = typer.Typer()
 app.command()(assess)

@@ -10,9 +10,9 @@ from typer.testing import CliRunner
 from reliab.cli.criterion import criterion
 from reliab.errors import InputError
 from reliab.indices.window import Window
-from reliab.loop.partition.frame_file import read_frame
 from reliab.motions import Motion, MotionSuite, load_motions
 from reliab.motions.writing import write_suite
+from reliab.simulation.frames.frame_file import read_frame
 from reliab.sweep.rig_table import errors_of_rig
 
 app = typer.Typer()

@@ -13,13 +13,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from reliab.assessment import read_recording
+from reliab.assessment.rebuilt_error import rebuild
 from reliab.cli import run
 from reliab.cli.monitor.followed_rows import chunks_of_text, rows_of
-from reliab.loop.actuator import Actuator
-from reliab.loop.hybrid_test import HybridTest, run_closed_loop
-from reliab.loop.structure import Structure
-from reliab.rebuilt_error import rebuild
-from reliab.validation.assessment import read_recording
+from reliab.simulation.actuator import Actuator
+from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
+from reliab.structures.structure import Structure
 
 RATE = 256
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.05)

@@ -7,11 +7,11 @@ import pandas as pd
 import pytest
 from rich.console import Console
 
+from reliab.assessment.rebuilt_error import Monitor
 from reliab.cli.diagnose import _show_effects
 from reliab.cli.monitor.watch import Watch
 from reliab.cli.validate import paper_cases, probabilities
-from reliab.loop.structure import Structure
-from reliab.rebuilt_error import Monitor
+from reliab.structures.structure import Structure
 from reliab.vocabulary import Metric
 
 

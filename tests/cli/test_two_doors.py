@@ -16,9 +16,9 @@ from reliab import cli
 from reliab.api import assessment, judging
 from reliab.cli.option_names import as_options
 from reliab.criterion import Criterion
-from reliab.loop.hybrid_test.model_file import read_model
-from reliab.loop.partition.frame_file import read_frame
 from reliab.motions import read_motion
+from reliab.simulation.frames.frame_file import read_frame
+from reliab.simulation.hybrid_test.model_file import read_model
 
 DRAWS = 200
 COMMAND = typer.main.get_command(cli.app)

@@ -7,9 +7,9 @@ import xarray as xr
 from reliab.boundary.first_order import first_order_ellipse
 from reliab.criterion.experimental_share import carry_to_share, growth
 from reliab.errors import InputError
-from reliab.loop.excitation import Excitation
-from reliab.loop.structure import Structure
 from reliab.motions.synthetic import synthetic_suite
+from reliab.simulation.excitation import Excitation
+from reliab.structures.structure import Structure
 from reliab.sweep import EllipseRequest, trace_ellipses
 
 

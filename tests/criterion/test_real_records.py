@@ -2,16 +2,16 @@
 
 import numpy as np
 import pytest
+from reliab_studies.paper2017 import audit
 
 from reliab.boundary.first_order import first_order_ellipse
 from reliab.criterion.methods.hierarchical import hierarchical_model
 from reliab.criterion.population import Population
-from reliab.loop.excitation import Excitation
-from reliab.loop.structure import Structure
 from reliab.motions import load_motions
-from reliab.paper import audit
 from reliab.sampling import Ensembles, sample
 from reliab.shipped import shipped
+from reliab.simulation.excitation import Excitation
+from reliab.structures.structure import Structure
 from reliab.sweep import EllipseRequest, trace_ellipses
 from reliab.validation.law_comparison import compare_laws
 from reliab.validation.motion_terms import gain_of_terms

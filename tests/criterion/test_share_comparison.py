@@ -9,11 +9,11 @@ from reliab.criterion.experimental_share import growth
 from reliab.criterion.share_comparison import compare_shares
 from reliab.errors import InputError
 from reliab.indices.response_error import relative_error
-from reliab.loop.cells import Cells
-from reliab.loop.engine import Loop
-from reliab.loop.excitation import Excitation
-from reliab.loop.structure import Structure
 from reliab.motions.synthetic import synthetic_suite
+from reliab.simulation.engine import Loop
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.linear_loop.cells import Cells
+from reliab.structures.structure import Structure
 from reliab.sweep import EllipseRequest, at_share, trace_ellipses
 from reliab.sweep.excitation import excitation_of
 from reliab.vocabulary import Metric

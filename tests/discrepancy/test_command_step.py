@@ -7,8 +7,8 @@ from reliab.discrepancy.blocks import actuator
 from reliab.discrepancy.blocks.actuator import ActuatorBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.spectra.scales import motions_of, scales_of
-from reliab.loop.effects import find_effect
-from reliab.loop.hybrid_test import HybridTest
+from reliab.effects import find_effect
+from reliab.simulation.hybrid_test import HybridTest
 
 RATE = 200.0
 TIME = np.arange(0.0, 10.0, 1.0 / RATE)

@@ -6,12 +6,12 @@ import pytest
 from reliab.boundary import Ellipse, motion_contours
 from reliab.discrepancy.adding.criterion_shift import criterion_shift, shaking_of
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
+from reliab.effects import find_effect
 from reliab.errors import InputError
-from reliab.loop.effects import find_effect
-from reliab.loop.engine import Loop
-from reliab.loop.excitation import Excitation
-from reliab.loop.hybrid_test import HybridTest, run_closed_loop
-from reliab.loop.structure import Structure
+from reliab.simulation.engine import Loop
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
+from reliab.structures.structure import Structure
 
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.03)
 

@@ -3,7 +3,7 @@
 import pytest
 
 from reliab.discrepancy.degeneracy import _TELLS, remark, telling_test
-from reliab.loop.effects import library
+from reliab.effects import library
 
 
 @pytest.mark.parametrize("pair", list(_TELLS), ids=sorted)

@@ -16,9 +16,9 @@ from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.spectra.noise import NoiseModel
 from reliab.discrepancy.spectra.scales import motions_of, scales_of
 from reliab.discrepancy.spectra.segment import cut_segments
-from reliab.loop.actuator import Actuator
-from reliab.loop.effects import find_effect
-from reliab.loop.hybrid_test import HybridTest, Motion3, Specimen, load, read_force
+from reliab.effects import find_effect
+from reliab.simulation.actuator import Actuator
+from reliab.simulation.hybrid_test import HybridTest, Motion3, Specimen, load, read_force
 
 RATE, NOISE = 1024.0, 2.0
 SPECIMEN = Specimen(stiffness=2000.0)

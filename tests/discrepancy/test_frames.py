@@ -12,9 +12,9 @@ from reliab.discrepancy.blocks.balance import motion_of_command
 from reliab.discrepancy.blocks.frame_balance import InnerMotion
 from reliab.discrepancy.campaign.campaign import Channel
 from reliab.errors import InputError
-from reliab.loop.hybrid_test.model_file import read_model, write_model
-from reliab.loop.partition.partition import Partition
-from reliab.loop.structure import Structure
+from reliab.simulation.hybrid_test.model_file import read_model, write_model
+from reliab.structures.partition import Partition
+from reliab.structures.structure import Structure
 
 sys.path.insert(0, str(Path(__file__).parent))
 

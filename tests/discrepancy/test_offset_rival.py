@@ -3,7 +3,7 @@
 from blind_campaigns.campaign import Options, generate
 
 from reliab.discrepancy import diagnose, read_campaign
-from reliab.loop.effects import library
+from reliab.effects import library
 
 ROUNDED_LOAD_CELL_WITH_AN_OFFSET = 9_500_031
 

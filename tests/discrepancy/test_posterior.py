@@ -16,11 +16,11 @@ from reliab.discrepancy.fitting.space import MODEL_ERROR, ModelSpace
 from reliab.discrepancy.spectra.noise import NoiseModel
 from reliab.discrepancy.spectra.scales import motions_of, scales_of
 from reliab.discrepancy.spectra.segment import cut_segments
+from reliab.effects import find_effect
 from reliab.errors import InputError
-from reliab.loop.effects import find_effect
-from reliab.loop.hybrid_test import HybridTest, Motion3, Specimen, load
 from reliab.sampling import Ensembles
 from reliab.sampling.ensembles import draw
+from reliab.simulation.hybrid_test import HybridTest, Motion3, Specimen, load
 
 RATE, NOISE = 256.0, 2.0
 SPECIMEN = Specimen(stiffness=2000.0)

@@ -7,7 +7,7 @@ import pytest
 
 from reliab.discrepancy.fitting.left_out import LeftOut
 from reliab.discrepancy.naming.ranking import ranking
-from reliab.loop.effects import find_effect
+from reliab.effects import find_effect
 
 AFTER, BEFORE = find_effect("stroke_saturation"), find_effect("command_saturation")
 BACKLASH = find_effect("backlash")

@@ -10,7 +10,7 @@ from reliab.discrepancy.blocks.actuator import ActuatorBlock
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.spectra.scales import motions_of, scales_of
-from reliab.loop.effects import find_effect
+from reliab.effects import find_effect
 
 
 @pytest.fixture

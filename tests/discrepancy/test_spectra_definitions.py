@@ -28,8 +28,8 @@ from reliab.discrepancy.spectra.smoothing import (
     reliable_frequency,
 )
 from reliab.discrepancy.spectra.starting import answered, settled
-from reliab.loop.hybrid_test import Motion3
-from reliab.loop.structure import Structure
+from reliab.simulation.hybrid_test import Motion3
+from reliab.structures.structure import Structure
 
 RATE = 256.0
 VALUES = np.random.default_rng(1).standard_normal(1200)

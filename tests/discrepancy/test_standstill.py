@@ -8,7 +8,7 @@ import pytest
 from reliab.discrepancy import diagnose
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.locating.standstill import standstill
-from reliab.loop.actuator import Actuator
+from reliab.simulation.actuator import Actuator
 
 RATE = 512.0
 TIME = np.arange(0.0, 20.0, 1.0 / RATE)

@@ -5,7 +5,7 @@ import pytest
 
 from reliab.discrepancy.campaign.campaign import Stretch
 from reliab.discrepancy.spectra.starting import answered, settled
-from reliab.loop.hybrid_test import Motion3
+from reliab.simulation.hybrid_test import Motion3
 
 STEP = 0.005
 TIME = np.arange(0.0, 20.0, STEP)

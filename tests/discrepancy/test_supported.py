@@ -8,7 +8,7 @@ import pytest
 from reliab.discrepancy.fitting.fitted_models import FittedModels
 from reliab.discrepancy.fitting.left_out import LeftOut
 from reliab.discrepancy.terms import outside_terms
-from reliab.loop.effects import find_effect
+from reliab.effects import find_effect
 from reliab.vocabulary import Block
 
 CUBIC, VISCOUS = find_effect("cubic_stiffness"), find_effect("viscous_damping")

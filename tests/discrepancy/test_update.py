@@ -7,11 +7,11 @@ import pytest
 
 from reliab.discrepancy import Campaign, Channel, MeasuredTest, diagnose, read_campaign
 from reliab.discrepancy.adding.update import updated_model
-from reliab.loop.actuator import Actuator
-from reliab.loop.effects import find_effect
-from reliab.loop.hybrid_test import HybridTest, Motion3, Specimen, drive, load
-from reliab.loop.hybrid_test.model_file import read_model, write_model
-from reliab.loop.structure import Structure
+from reliab.effects import find_effect
+from reliab.simulation.actuator import Actuator
+from reliab.simulation.hybrid_test import HybridTest, Motion3, Specimen, drive, load
+from reliab.simulation.hybrid_test.model_file import read_model, write_model
+from reliab.structures.structure import Structure
 
 RATE = 256.0
 NOMINAL = HybridTest(

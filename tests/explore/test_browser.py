@@ -8,10 +8,10 @@ import time
 import pandas as pd
 import pytest
 
+from reliab.assessment import assess, read_recording
 from reliab.explore import write_page
-from reliab.loop.structure import Structure
 from reliab.shipped import shipped
-from reliab.validation.assessment import assess, read_recording
+from reliab.structures.structure import Structure
 
 selenium = pytest.importorskip("selenium", reason="the browser is driven by selenium, and there is none here")
 SAMPLE = shipped("datasets", "sample_test/test.csv")

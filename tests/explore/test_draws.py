@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from reliab.rebuilt_error.difference_draws import draw_differences
-from reliab.rebuilt_error.lapped_transform import analyse
-from reliab.rebuilt_error.noise import estimate_noise
-from reliab.rebuilt_error.rounding import rounding_step
-from reliab.rebuilt_error.spread import Spread
+from reliab.assessment.rebuilt_error.difference_draws import draw_differences
+from reliab.assessment.rebuilt_error.lapped_transform import analyse
+from reliab.assessment.rebuilt_error.noise import estimate_noise
+from reliab.assessment.rebuilt_error.rounding import rounding_step
+from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.vocabulary import Metric
 
 STEP = 0.01

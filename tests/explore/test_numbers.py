@@ -6,14 +6,14 @@ from scipy.interpolate import CubicSpline
 from scipy.special import ndtr, ndtri, owens_t
 from scipy.stats import t as student
 
+from reliab.assessment import assess, read_recording
+from reliab.assessment.default_criterion import default_criterion
+from reliab.assessment.placement import carried_limits
 from reliab.criterion import published_criterion
 from reliab.errors import InputError
-from reliab.loop.structure import Structure
 from reliab.shipped import shipped
 from reliab.stated_value import StatedValue
-from reliab.validation.assessment import assess, read_recording
-from reliab.validation.assessment.default_criterion import default_criterion
-from reliab.validation.assessment.placement import carried_limits
+from reliab.structures.structure import Structure
 from reliab.vocabulary import Side
 
 QUESTIONS = [

@@ -19,14 +19,14 @@ from motions.conftest import AT2, RECORDS
 from scipy.io import netcdf_file, savemat
 
 from reliab.criterion import derive_criterion, published_criterion
-from reliab.loop.actuator import Actuator
-from reliab.loop.effects import find_effect
-from reliab.loop.hybrid_test import HybridTest, Specimen
-from reliab.loop.hybrid_test.model_file import UpdatedModel, write_model
-from reliab.loop.structure import Structure
+from reliab.effects import find_effect
 from reliab.motions import Motion, MotionSuite
 from reliab.sampling import Ensembles, NormalValues
 from reliab.sampling.ensembles import draw
+from reliab.simulation.actuator import Actuator
+from reliab.simulation.hybrid_test import HybridTest, Specimen
+from reliab.simulation.hybrid_test.model_file import UpdatedModel, write_model
+from reliab.structures.structure import Structure
 from reliab.sweep import ScaledGrid, SweepRequest, run_sweep, write_ellipses
 from reliab.sweep.ellipse_file import with_sides
 

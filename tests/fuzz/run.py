@@ -29,10 +29,14 @@ _READERS = (
         "reliab.motions.folder",
         "reliab.motions.checking",
     ),
-    *("reliab.validation.assessment.readers", "reliab.validation.assessment.reading"),
+    *("reliab.recordings.readers", "reliab.recordings.reading"),
     *("reliab.discrepancy.campaign", "reliab.study.reading", "reliab.study.description", "reliab.files"),
-    *("reliab.criterion.ellipse_csv", "reliab.criterion.criterion_file", "reliab.loop.partition.frame_file"),
-    *("reliab.loop.partition.frame_tables", "reliab.loop.hybrid_test.model_file"),
+    *(
+        "reliab.criterion.ellipse_csv",
+        "reliab.criterion.criterion_file",
+        "reliab.simulation.frames.frame_file",
+    ),
+    *("reliab.simulation.frames.frame_tables", "reliab.simulation.hybrid_test.model_file"),
 )
 _SECONDS = 10  # of processor time
 _SECONDS_BLOCKED = 60

@@ -24,11 +24,11 @@ from reliab.criterion import Criterion
 from reliab.discrepancy import read_campaign
 from reliab.errors import IncompleteError, InputError
 from reliab.files import ordinary
-from reliab.loop.hybrid_test.model_file import read_model
-from reliab.loop.partition.frame_file import read_frame
-from reliab.loop.transfer_systems.reading import read_matlab
 from reliab.motions import check_folder, load_motions
 from reliab.sampling.ensembles import draw
+from reliab.simulation.frames.frame_file import read_frame
+from reliab.simulation.hybrid_test.model_file import read_model
+from reliab.simulation.transfer_systems.reading import read_matlab
 from reliab.study import read_study
 from reliab.study.stages import date_of, made_with, study_of
 from reliab.sweep import open_results, run_sweep

@@ -16,12 +16,12 @@ from fuzz.targets import TARGETS, examine
 from reliab.criterion import Criterion, read_ellipses
 from reliab.discrepancy import read_campaign
 from reliab.errors import InputError
-from reliab.loop.hybrid_test.model_file import read_model
-from reliab.loop.partition.frame_file import read_frame
-from reliab.loop.transfer_systems.reading import read_matlab
+from reliab.recordings.readers import read_columns
+from reliab.recordings.recording import Recording
+from reliab.simulation.frames.frame_file import read_frame
+from reliab.simulation.hybrid_test.model_file import read_model
+from reliab.simulation.transfer_systems.reading import read_matlab
 from reliab.sweep import open_ellipses, open_results, run_sweep
-from reliab.validation.assessment.readers import read_columns
-from reliab.validation.assessment.recording import Recording
 
 
 @pytest.mark.parametrize("name", TARGETS)

@@ -13,7 +13,7 @@ from fuzz.damage import write
 from fuzz.test_described_files import VALUES, places, with_value
 from reliab.criterion import derive_criterion
 from reliab.errors import InputError
-from reliab.loop.transfer_systems import TransferFunction, read_matlab
+from reliab.simulation.transfer_systems import TransferFunction, read_matlab
 from reliab.sweep import open_ellipses, open_results
 from reliab.sweep.netcdf import write_netcdf
 

@@ -5,12 +5,12 @@ import pytest
 
 from reliab.errors import InputError
 from reliab.indices.frequency_evaluation import evaluate_sums, frequency_evaluation
-from reliab.loop import delay_stepper
-from reliab.loop.blocks import cut
-from reliab.loop.excitation import Excitation
-from reliab.loop.structure import Structure
-from reliab.loop.tracking_sums import TrackingSums
 from reliab.motions import load_motions
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.linear_loop import delay_stepper
+from reliab.simulation.linear_loop.blocks import cut
+from reliab.simulation.linear_loop.tracking_sums import TrackingSums
+from reliab.structures.structure import Structure
 
 
 def evaluated(acceleration, time_step, structure, gain, delay, window="hann"):

@@ -6,11 +6,11 @@ import pytest
 from reliab.errors import InputError
 from reliab.indices.response_error import relative_error, response_error
 from reliab.indices.window import Window
-from reliab.loop import spectral
-from reliab.loop.engine import Loop
-from reliab.loop.excitation import Excitation
-from reliab.loop.structure import Structure
 from reliab.motions import load_motions
+from reliab.simulation.engine import Loop
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.linear_loop import spectral
+from reliab.structures.structure import Structure
 from reliab.vocabulary import Metric
 
 

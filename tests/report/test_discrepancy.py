@@ -8,18 +8,18 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
+from reliab_studies.blind_evaluation.pages.confusions import discrepancy_confusion, discrepancy_reliability
 
 from reliab.discrepancy import Campaign, Channel, MeasuredTest, diagnose
 from reliab.discrepancy.adding.posterior import sample_posterior
-from reliab.loop.effects import find_effect
-from reliab.loop.hybrid_test import HybridTest, Motion3, Specimen, load
+from reliab.effects import find_effect
 from reliab.report.content import CONTENT_FILE, files_of
 from reliab.report.figures.discrepancy_blocks import discrepancy_blocks
-from reliab.report.figures.discrepancy_evaluation import discrepancy_confusion, discrepancy_reliability
 from reliab.report.kinds.discrepancy import discrepancy_report
 from reliab.report.kinds.discrepancy.figures import posterior_figure
 from reliab.report.pdf import compiled_report
 from reliab.report.style import svg
+from reliab.simulation.hybrid_test import HybridTest, Motion3, Specimen, load
 from reliab.vocabulary import Block
 
 pytestmark = pytest.mark.usefixtures("blank_figures")

@@ -11,7 +11,7 @@ from pages import PAGES, SITE, name_of
 import reliab
 from reliab.cli import app
 from reliab.discrepancy.campaign.description import CampaignDescription
-from reliab.loop.partition.frame_tables import FrameDescription
+from reliab.simulation.frames.frame_tables import FrameDescription
 
 API = (SITE / "api.md").read_text(encoding="utf-8")
 DOCUMENTED = re.findall(r"^\.\. auto\w+:: ([\w.]+)$", API, re.MULTILINE)

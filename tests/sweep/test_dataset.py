@@ -11,12 +11,12 @@ from reliab.errors import InputError
 from reliab.indices.frequency_evaluation import frequency_evaluation
 from reliab.indices.response_error import relative_error
 from reliab.indices.window import Window
-from reliab.loop import delay_stepper, spectral
-from reliab.loop.blocks import cut
-from reliab.loop.dominant_pole import transfer
-from reliab.loop.engine import Engine, Loop
-from reliab.loop.excitation import Excitation
-from reliab.loop.stability import critical_delay
+from reliab.simulation.engine import Engine, Loop
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.linear_loop import delay_stepper, spectral
+from reliab.simulation.linear_loop.blocks import cut
+from reliab.simulation.linear_loop.dominant_pole import transfer
+from reliab.structures.stability import critical_delay
 from reliab.sweep import (
     EllipseRequest,
     ExplicitGrid,

@@ -7,11 +7,11 @@ import pytest
 
 from reliab import load_motions
 from reliab.errors import InputError
-from reliab.loop.hybrid_test.specimen import Specimen
-from reliab.loop.partition.frame_file import FrameUnderTest
-from reliab.loop.partition.partition import Partition, floor_interface
-from reliab.loop.structure import Structure
-from reliab.loop.structures import Frame
+from reliab.simulation.frames.frame_file import FrameUnderTest
+from reliab.structures.frames import Frame
+from reliab.structures.partition import Partition, floor_interface
+from reliab.structures.specimen import Specimen
+from reliab.structures.structure import Structure
 from reliab.sweep import EllipseRequest, trace_ellipses
 from reliab.sweep.frame_table import FrameRequest, governing_mode, trace_frame_ellipses
 

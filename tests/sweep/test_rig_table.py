@@ -4,8 +4,8 @@ import pytest
 
 from reliab.errors import InputError
 from reliab.indices.window import Window
-from reliab.loop.partition.frame_file import frame_of_tables
 from reliab.motions.synthetic import synthetic_suite
+from reliab.simulation.frames.frame_file import frame_of_tables
 from reliab.sweep.frame_table import FrameRequest, trace_frame_ellipses
 from reliab.sweep.rig_table import errors_of_rig, summary_of_rig
 

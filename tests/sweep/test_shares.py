@@ -9,8 +9,8 @@ import xarray as xr
 from reliab.boundary import Ellipse
 from reliab.errors import InputError
 from reliab.indices.response_error import relative_error
-from reliab.loop.engine import Engine, Loop
-from reliab.loop.excitation import Excitation
+from reliab.simulation.engine import Engine, Loop
+from reliab.simulation.excitation import Excitation
 from reliab.sweep import (
     EllipseRequest,
     ScaledGrid,

@@ -6,10 +6,10 @@ import xarray as xr
 
 import reliab
 from reliab.boundary import Contour, Cosine, Ellipse, InscribedEllipse
+from reliab.effects import find_effect
 from reliab.errors import InputError
-from reliab.loop.effects import find_effect
-from reliab.loop.hybrid_test import HybridTest
-from reliab.loop.structure import Structure
+from reliab.simulation.hybrid_test import HybridTest
+from reliab.structures.structure import Structure
 from reliab.sweep import (
     EllipseRequest,
     ScaledGrid,

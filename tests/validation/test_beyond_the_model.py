@@ -6,8 +6,8 @@ import pytest
 from reliab.criterion import Criterion
 from reliab.criterion.laws import Table
 from reliab.criterion.provenance import Provenance
-from reliab.loop.structure import Structure
 from reliab.motions import load_motions
+from reliab.structures.structure import Structure
 from reliab.validation.beyond_the_model import rigs_of_delay, try_rigs
 
 

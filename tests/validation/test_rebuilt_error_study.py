@@ -14,8 +14,8 @@ from typer.testing import CliRunner
 from reliab.cli.validate import validate
 from reliab.errors import InputError
 from reliab.indices.response_error import response_error
-from reliab.loop.structure import Structure
 from reliab.motions import Motion
+from reliab.structures.structure import Structure
 from reliab.validation.beyond_the_model import Rig
 from reliab.validation.rebuilt_error_study import (
     CERTAIN,
@@ -171,7 +171,8 @@ def test_the_report_shows_the_study(short, text_of_section):
 @pytest.fixture
 def text_of_section():
     def told(tests):
-        from reliab.report.kinds.validation.rebuilt_error import rebuilt_error_section
+        from reliab_studies.validation.pages.rebuilt_error import rebuilt_error_section
+
         from reliab.report.prose import plain_text
 
         section = rebuilt_error_section(tests, 0.05)

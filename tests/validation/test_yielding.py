@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from reliab.loop.structure import Structure
 from reliab.motions.synthetic import synthetic_suite
 from reliab.report.sections.limits import limits_section
+from reliab.structures.structure import Structure
 from reliab.validation.yielding import (
     HARDENING,
     _fine,

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from reliab.api.design import Design
-    from reliab.validation.assessment import Tolerance
+    from reliab.assessment import Tolerance
 
 _NINETY_FIVE = 0.95
 _BAR = 40

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 from reliab.shipped import or_shipped
 
 if TYPE_CHECKING:
+    from reliab.assessment import Assessment
+    from reliab.assessment.frame_assessment import FrameAssessment
     from reliab.report import Setting
-    from reliab.validation.assessment import Assessment
-    from reliab.validation.assessment.frame_assessment import FrameAssessment
 
 
 @dataclass(frozen=True)
@@ -41,9 +41,9 @@ class Report:
         test, structure : pathlib.Path
             Files of the test and of the frame, if it is one.
         """
+        from reliab.assessment import Assessment
         from reliab.report import write_pdf
         from reliab.report.kinds.assessment import assessment_report, frame_assessment_report
-        from reliab.validation.assessment import Assessment
 
         files = {"file": or_shipped(test, "datasets", "test.csv")}
         if structure is not None:

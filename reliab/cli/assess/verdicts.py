@@ -13,10 +13,10 @@ from reliab.files import written_whole
 from reliab.significant import significant
 
 if TYPE_CHECKING:
+    from reliab.assessment import Assessment
+    from reliab.assessment.frame_assessment import FrameAssessment
+    from reliab.assessment.several import Assessments
     from reliab.cli.assess.filed_report import Report
-    from reliab.validation.assessment import Assessment
-    from reliab.validation.assessment.frame_assessment import FrameAssessment
-    from reliab.validation.assessment.several import Assessments
 
 _PERCENT = 100.0
 _COLUMNS = {
@@ -86,7 +86,7 @@ def answer(
 def _answer_one(
     assessment: "Assessment | FrameAssessment", test: Path, out: Path | None, json_target: str | None
 ) -> None:
-    from reliab.validation.assessment import Assessment
+    from reliab.assessment import Assessment
 
     content = assessment.to_dict()
     _write_table(out, [{"file": str(test), **content}])
@@ -119,7 +119,7 @@ def _answer_several(
 def _write_table(out: Path | None, contents: list[dict[str, Any]]) -> None:
     if out is None:
         return
-    from reliab.validation.assessment.verdict_table import verdict_table
+    from reliab.assessment.verdict_table import verdict_table
 
     try:
         with written_whole(out) as file:
@@ -154,7 +154,7 @@ def _show(contents: list[dict[str, Any]]) -> None:
 def _row(content: dict[str, Any]) -> list[str]:
     if "fault" in content:
         return [content["file"], "not judged", *[""] * (len(_COLUMNS) - 2)]
-    from reliab.validation.assessment.doubts import probability_text
+    from reliab.assessment.doubts import probability_text
 
     error = content["error"][content["metric"]]
     return [

@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 
+from reliab.assessment.rebuilt_error import Tolerances
+from reliab.assessment.rebuilt_error.monitor import Monitor
 from reliab.errors import InputError
-from reliab.loop.structure import Structure
-from reliab.rebuilt_error import Tolerances
-from reliab.rebuilt_error.monitor import Monitor
 from reliab.stated_value import StatedValue
+from reliab.structures.structure import Structure
 
 _MILLISECONDS = 1e-3
 

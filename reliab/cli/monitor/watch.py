@@ -7,13 +7,13 @@ from typing import Any, TextIO
 
 from rich.live import Live
 
+from reliab.assessment.rebuilt_error.monitor import Monitor
+from reliab.assessment.rebuilt_error.rebuild import DRAWS
+from reliab.assessment.rebuilt_error.stretches import ErrorSoFar
 from reliab.cli.monitor.followed_rows import Rows
 from reliab.cli.monitor.sample_times import at_equal_steps, time_step
 from reliab.cli.monitor.stated_test import StatedTest
 from reliab.cli.output import console, table
-from reliab.rebuilt_error.monitor import Monitor
-from reliab.rebuilt_error.rebuild import DRAWS
-from reliab.rebuilt_error.stretches import ErrorSoFar
 from reliab.significant import significant
 from reliab.vocabulary import Metric
 

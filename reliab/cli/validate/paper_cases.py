@@ -51,7 +51,7 @@ class PaperCases:
         InputError
             If there is no such motion, integrator or compensator.
         """
-        from reliab.paper.cases import RECORD_SECONDS
+        from reliab_studies.paper2017.cases import RECORD_SECONDS
 
         integrator, compensator = self.integrator or "chen_ricles", self.compensator or "inverse"
         motion = _motion(self.motions, self.sets, self.case)
@@ -70,11 +70,12 @@ class PaperCases:
 
 def _verdicts(motion: "Motion", integrator: str, compensator: str) -> "tuple[str | None, pd.DataFrame]":
     """Judge the cases by the printed and the recommended criterion; name the held-out earthquake."""
+    from reliab_studies.paper2017.case_verdicts import case_verdicts
+
+    from reliab.assessment import default_criterion
     from reliab.criterion import published_criterion
-    from reliab.paper.case_verdicts import case_verdicts
     from reliab.shipped import shipped
     from reliab.sweep import open_ellipses
-    from reliab.validation.assessment import default_criterion
     from reliab.validation.earthquakes import earthquakes_among
 
     printed = published_criterion("guo_2017_18")

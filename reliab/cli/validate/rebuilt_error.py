@@ -84,8 +84,8 @@ class RebuiltErrors:
 
     def _design(self) -> "Design":
         """Choose the motions and structures of the tests."""
-        from reliab.loop.structure import Structure
         from reliab.motions import load_motions
+        from reliab.structures.structure import Structure
         from reliab.validation.rebuilt_error_study import Design
 
         metric, trials = Metric.parse(self.metric), self.trials or _TRIALS

@@ -10,10 +10,10 @@ from scipy.stats import norm
 from reliab.boundary import Ellipse, motion_contours
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.errors import InputError
-from reliab.loop.effect_loop import EffectLoop
-from reliab.loop.excitation import Excitation
-from reliab.loop.hybrid_test import HybridTest, run_closed_loop
 from reliab.motions import load_motions
+from reliab.simulation.effect_loop import EffectLoop
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
 
 Array = NDArray[np.float64]
 
@@ -51,9 +51,9 @@ def criterion_shift(
 
     The criterion is the paper's, the 5 % quantile of a lognormal distribution of a and of b over the ground
     motions. Both criteria are those of an actuator's gain and delay, see
-    :class:`reliab.loop.effect_loop.EffectLoop`: an effect of the specimen or of the shaking belongs to the
-    behaviour under test and may make a test more tolerant; any other effect uses part of the tolerable error,
-    so that less is left for the actuator.
+    :class:`reliab.simulation.effect_loop.EffectLoop`: an effect of the specimen or of the shaking belongs to
+    the behaviour under test and may make a test more tolerant; any other effect uses part of the tolerable
+    error, so that less is left for the actuator.
 
     Parameters
     ----------
@@ -76,8 +76,8 @@ def criterion_shift(
 
     Examples
     --------
-    >>> from reliab.loop.effects import find_effect
-    >>> from reliab.loop.structure import Structure
+    >>> from reliab.effects import find_effect
+    >>> from reliab.structures.structure import Structure
     >>> lag = find_effect("first_order_lag")(time_constant_s=0.0005)
     >>> test = HybridTest(structure=Structure(frequency=1.0, damping_ratio=0.02), effects=(lag,))
     >>> record = np.sin(2.0 * np.pi * np.arange(0.0, 10.0, 0.01))

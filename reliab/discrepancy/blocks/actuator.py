@@ -11,9 +11,9 @@ from reliab.discrepancy.blocks.calibration import delay, gain
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.discrepancy.terms import outside_terms
-from reliab.loop.effects import Role, Scales, library
-from reliab.loop.effects.sensor_bias import SensorBias
-from reliab.loop.hybrid_test import HybridTest, Motion3, drive, read_displacement
+from reliab.effects import Role, Scales, library
+from reliab.effects.sensor_bias import SensorBias
+from reliab.simulation.hybrid_test import HybridTest, Motion3, drive, read_displacement
 from reliab.vocabulary import Block
 
 Array = NDArray[np.float64]

@@ -3,10 +3,10 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from reliab.loop.actuator import Actuator
-from reliab.loop.effects import Parameter
-from reliab.loop.effects.excitation_scale import ExcitationScale
-from reliab.loop.hybrid_test import HybridTest
+from reliab.effects import Parameter
+from reliab.effects.excitation_scale import ExcitationScale
+from reliab.simulation.actuator import Actuator
+from reliab.simulation.hybrid_test import HybridTest
 
 
 @dataclass(frozen=True, kw_only=True)

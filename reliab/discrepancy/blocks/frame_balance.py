@@ -21,11 +21,11 @@ from reliab.discrepancy.blocks.balance import motion_of_command
 from reliab.discrepancy.blocks.curved_ground import curvature_between_samples
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
+from reliab.effects import RecordEffect, Role, Scales, library
 from reliab.errors import InputError
-from reliab.loop.effects import RecordEffect, Role, Scales, library
-from reliab.loop.hybrid_test import HybridTest
-from reliab.loop.partition.partition import Partition
-from reliab.loop.structures.response import exact_step
+from reliab.simulation.hybrid_test import HybridTest
+from reliab.structures.frames.response import exact_step
+from reliab.structures.partition import Partition
 from reliab.vocabulary import Block
 
 Array = NDArray[np.float64]

@@ -13,11 +13,19 @@ from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.discrepancy.spectra.smoothing import harmonics_up_to, reliable_frequency, velocity_spread
 from reliab.discrepancy.terms import outside_terms
-from reliab.loop.effects import Effect, Kernel, Role, Scales, SteppedEffect, library
-from reliab.loop.effects.force_bias import ForceBias
-from reliab.loop.effects.quadratic_damping import QuadraticDamping
-from reliab.loop.effects.sensor_drift import SensorDrift
-from reliab.loop.hybrid_test import HybridTest, Motion3, Specimen, follow, load, read_displacement, read_force
+from reliab.effects import Effect, Kernel, Role, Scales, SteppedEffect, library
+from reliab.effects.force_bias import ForceBias
+from reliab.effects.quadratic_damping import QuadraticDamping
+from reliab.effects.sensor_drift import SensorDrift
+from reliab.simulation.hybrid_test import (
+    HybridTest,
+    Motion3,
+    Specimen,
+    follow,
+    load,
+    read_displacement,
+    read_force,
+)
 from reliab.vocabulary import Block
 
 Array = NDArray[np.float64]

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.errors import InputError
-from reliab.loop.actuator import Actuator
-from reliab.loop.hybrid_test import HybridTest, Specimen
-from reliab.loop.partition.partition import Partition
-from reliab.loop.structure import Structure
+from reliab.simulation.actuator import Actuator
+from reliab.simulation.hybrid_test import HybridTest, Specimen
+from reliab.structures.partition import Partition
+from reliab.structures.structure import Structure
 
 
 class Channel(StrEnum):

@@ -12,13 +12,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.assessment.faults import plain_faults
+from reliab.assessment.plausibility import require_plausible
+from reliab.assessment.recorded_force import require_restoring_force
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.errors import InputError
+from reliab.recordings.recording import Recording
 from reliab.significant import significant
-from reliab.validation.assessment.faults import plain_faults
-from reliab.validation.assessment.plausibility import require_plausible
-from reliab.validation.assessment.recorded_force import require_restoring_force
-from reliab.validation.assessment.recording import Recording
 
 Spectrum = NDArray[np.complex128]
 Pair = tuple[Channel, Channel]

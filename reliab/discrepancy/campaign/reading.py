@@ -8,7 +8,7 @@ The numerical substructure is a structure of one degree of freedom::
     mass_kg = 1000.0                         # scales force; absent: force per unit mass
     experimental_fraction = 1.0
 
-or a frame, described by the tables of `frame.toml` (:mod:`reliab.loop.partition.frame_file`)::
+or a frame, described by the tables of `frame.toml` (:mod:`reliab.simulation.frames.frame_file`)::
 
     [structure.frame]
     mass_matrix_kg = [[1000.0, 0.0], [0.0, 1000.0]]
@@ -40,12 +40,12 @@ from reliab.discrepancy.campaign.description import (
 from reliab.discrepancy.campaign.folder import CAMPAIGN_FILE, campaign_folder
 from reliab.discrepancy.campaign.table import read_table
 from reliab.errors import InputError
-from reliab.loop.actuator import Actuator
-from reliab.loop.hybrid_test import Specimen
-from reliab.loop.partition.frame_file import frame_of_tables
-from reliab.loop.partition.partition import Partition
-from reliab.loop.structure import Structure
 from reliab.received import named_within
+from reliab.simulation.actuator import Actuator
+from reliab.simulation.frames.frame_file import frame_of_tables
+from reliab.simulation.hybrid_test import Specimen
+from reliab.structures.partition import Partition
+from reliab.structures.structure import Structure
 
 MOST_SAMPLES = 3_000_000
 """Largest number of samples of all tests, a thousand tests of 23 s at 128 Hz. By extrapolation from 4 and 16

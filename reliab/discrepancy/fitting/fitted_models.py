@@ -12,7 +12,7 @@ from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.spectra.noise import NoiseModel
 from reliab.discrepancy.terms import is_outside
-from reliab.loop.effects import Effect
+from reliab.effects import Effect
 
 Array = NDArray[np.float64]
 

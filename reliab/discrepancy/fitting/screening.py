@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.loop.effects import Effect
+from reliab.effects import Effect
 
 Array = NDArray[np.float64]
 

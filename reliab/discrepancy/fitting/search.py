@@ -12,7 +12,7 @@ from reliab.discrepancy.fitting.observations import observations
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.screening import Screened, screened
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.loop.effects import Effect, library
+from reliab.effects import Effect, library
 
 MOST_EFFECTS = 3
 _WORKERS = 2

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.discrepancy.blocks.observed import ObservedBlock
-from reliab.loop.effects import Effect, LinearEffect, Parameter
-from reliab.loop.hybrid_test import HybridTest
+from reliab.effects import Effect, LinearEffect, Parameter
+from reliab.simulation.hybrid_test import HybridTest
 
 Array = NDArray[np.float64]
 

@@ -17,7 +17,7 @@ from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem, real_parts
 from reliab.discrepancy.locating.finding import Finding
 from reliab.discrepancy.spectra.noise import NoiseModel
-from reliab.loop.hybrid_test import Motion3
+from reliab.simulation.hybrid_test import Motion3
 
 Array = NDArray[np.float64]
 

@@ -2,7 +2,7 @@
 
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.result.missing_effect import Estimate
-from reliab.loop.effects import Effect
+from reliab.effects import Effect
 
 _NOTHING = 1e-8  # SI value of a parameter whose lower bound stands a hair below zero
 

@@ -22,7 +22,7 @@ from reliab.discrepancy.proof import gap, held_out_nrmse, residuals
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Ranked
 from reliab.discrepancy.result.missing_effect import MissingEffect, Rival
 from reliab.discrepancy.terms import is_outside
-from reliab.loop.effects import Effect
+from reliab.effects import Effect
 
 Array = NDArray[np.float64]
 

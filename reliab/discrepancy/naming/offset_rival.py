@@ -8,7 +8,7 @@ from reliab.discrepancy.fitting.fitted_models import MATERIAL, FittedModels
 from reliab.discrepancy.fitting.left_out import left_out
 from reliab.discrepancy.fitting.screening import screened
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.loop.effects import Effect
+from reliab.effects import Effect
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -6,7 +6,7 @@ from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.fitted_models import COST, MATERIAL
 from reliab.discrepancy.fitting.left_out import left_out
 from reliab.discrepancy.fitting.search import Search
-from reliab.loop.effects import Effect
+from reliab.effects import Effect
 
 _SMALLEST_OFFSET = 2e-3  # of the channel's RMS
 

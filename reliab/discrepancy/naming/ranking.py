@@ -9,7 +9,7 @@ from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.fitted_models import cost
 from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.result.block_diagnosis import Ranked
-from reliab.loop.effects import Effect
+from reliab.effects import Effect
 
 Array = NDArray[np.float64]
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from reliab.discrepancy.degeneracy import remark
-from reliab.loop.effects import Effect
+from reliab.effects import Effect
 
 
 @dataclass(frozen=True, kw_only=True)

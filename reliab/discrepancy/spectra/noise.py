@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.assessment.rebuilt_error.logarithmic_bins import binned
 from reliab.compiled import compiled
-from reliab.rebuilt_error.logarithmic_bins import binned
 
 Array = NDArray[np.float64]
 

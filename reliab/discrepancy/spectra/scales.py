@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.spectra.smoothing import highest_frequency, smoothed_motion
+from reliab.effects import Scales
 from reliab.errors import InputError
-from reliab.loop.effects import Scales
-from reliab.loop.hybrid_test import Motion3
+from reliab.simulation.hybrid_test import Motion3
 
 Array = NDArray[np.float64]
 

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from scipy import fft, signal
 
 from reliab.discrepancy.spectra.noise import NoiseModel, Periodogram, fit_noise
-from reliab.loop.hybrid_test import Motion3
-from reliab.loop.structure import Structure
+from reliab.simulation.hybrid_test import Motion3
+from reliab.structures.structure import Structure
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from reliab.discrepancy.campaign.campaign import Stretch
-from reliab.loop.hybrid_test import Motion3
+from reliab.simulation.hybrid_test import Motion3
 
 _AT_REST = 0.1  # of the RMS of the velocity
 _FIRST = 5  # samples

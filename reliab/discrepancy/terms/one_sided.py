@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from reliab.discrepancy.terms.outside_term import OutsideTerm
-from reliab.loop.effects import Kernel, Parameter, Role
-from reliab.loop.effects.kernel import Numbers
+from reliab.effects import Kernel, Parameter, Role
+from reliab.effects.kernel import Numbers
 from reliab.vocabulary import Block
 
 

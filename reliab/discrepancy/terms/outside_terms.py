@@ -7,7 +7,7 @@ from reliab.discrepancy.terms.monomial import monomial
 from reliab.discrepancy.terms.one_sided import OneSidedSpring
 from reliab.discrepancy.terms.relaxation import Relaxation
 from reliab.discrepancy.terms.worn import GrowingSlack, WornSpring
-from reliab.loop.effects import Effect, Role
+from reliab.effects import Effect, Role
 from reliab.vocabulary import Block
 
 _FORCES = (

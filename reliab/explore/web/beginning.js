@@ -1,5 +1,5 @@
 // What is known before the first sample: the sensor's offset, and whether the test begins at rest.
-// As reliab/rebuilt_error/initial.py.
+// As reliab/assessment/rebuilt_error/initial.py.
 
 import { hann, realTransform } from "./fourier.js";
 import { fitRows, gradient } from "./least_squares.js";

@@ -1,4 +1,4 @@
-// Histories of x_c - x_m that are compatible with the noisy sensor reading, as reliab/rebuilt_error/difference_draws.py,
+// Histories of x_c - x_m that are compatible with the noisy sensor reading, as reliab/assessment/rebuilt_error/difference_draws.py,
 // which explains and derives them. The functions are generators: each `yield` is a place where the page may pause.
 
 import { gainOfFilter } from "./filters.js";

@@ -1,5 +1,5 @@
 // Faults of a recording: spikes, a copied channel, a channel that stands still, an offset, a drift.
-// As reliab/validation/assessment/spikes.py and faults.py.
+// As reliab/recordings/spikes.py and faults.py.
 
 import { largest, mean, quantileOf } from "./fourier.js";
 import { fitRows, spline } from "./least_squares.js";

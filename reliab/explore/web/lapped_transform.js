@@ -1,4 +1,4 @@
-// A history as orthonormal coefficients over time and frequency, and back, as reliab/rebuilt_error/lapped_transform.py.
+// A history as orthonormal coefficients over time and frequency, and back, as reliab/assessment/rebuilt_error/lapped_transform.py.
 
 import { transform } from "./fourier.js";
 

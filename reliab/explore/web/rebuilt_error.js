@@ -1,4 +1,4 @@
-// The error of one test, rebuilt from its command and measured displacement, with its interval: as reliab/rebuilt_error/.
+// The error of one test, rebuilt from its command and measured displacement, with its interval: as reliab/assessment/rebuilt_error/.
 //
 //     e'' + 2 xi w0 e' + w0^2 e = alpha w0^2 (x_c - x_m),      x_m - x_I = e - (x_c - x_m)
 

@@ -1,4 +1,4 @@
-// A sensor that reads in steps: how large they are, and what noise they make, as reliab/rebuilt_error/rounding.py.
+// A sensor that reads in steps: how large they are, and what noise they make, as reliab/assessment/rebuilt_error/rounding.py.
 
 const LAYINGS = 8;
 

@@ -1,4 +1,4 @@
-// The noise of the displacement sensor and the band of the motion, as reliab/rebuilt_error/noise.py.
+// The noise of the displacement sensor and the band of the motion, as reliab/assessment/rebuilt_error/noise.py.
 
 import { kaiserLowPass, smooth } from "./filters.js";
 import { hann, mean, median, periodogram } from "./fourier.js";

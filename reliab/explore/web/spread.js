@@ -1,4 +1,4 @@
-// Errors of many draws, their intervals and probabilities, as reliab/rebuilt_error/spread.py: each draw has a weight
+// Errors of many draws, their intervals and probabilities, as reliab/assessment/rebuilt_error/spread.py: each draw has a weight
 // inverse to its RMS error, so that before a test no size of its error is likelier than another.
 
 import { median } from "./fourier.js";

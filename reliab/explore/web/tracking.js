@@ -1,6 +1,6 @@
 // Amplitude A and equivalent delay d of a test: Guo and others (2017), equations (1) to (5).
 //
-// As reliab/validation/assessment/tracking_index.py: histories in the band of the motion, the noise of the
+// As reliab/assessment/tracking_index.py: histories in the band of the motion, the noise of the
 // command taken off, and A and d refined so that a pure gain and delay gives exactly itself.
 
 import { butterworth, filterBothWays, gainOf } from "./filters.js";

@@ -6,9 +6,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
+from reliab.assessment import Tolerance
 from reliab.report.axes import AMPLITUDE_LIMIT, DELAY_LIMIT, FREQUENCY, MILLI, legend_below, name_axes
 from reliab.report.style import letters, line, panels, styled
-from reliab.validation.assessment import Tolerance
 
 _HEIGHT = 76.0
 

@@ -20,9 +20,9 @@ from reliab.boundary.surface import ErrorSurfaces
 from reliab.criterion.ellipse_sample import names_along
 from reliab.indices.response_error import relative_error
 from reliab.indices.window import Window
-from reliab.loop.engine import Loop
-from reliab.loop.structure import Structure
 from reliab.motions import Motion
+from reliab.simulation.engine import Loop
+from reliab.structures.structure import Structure
 from reliab.sweep.excitation import excitation_of
 from reliab.validation.cross_validation.cell import Cell
 from reliab.vocabulary import Metric, Side

@@ -8,8 +8,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.loop.structure import Structure
-from reliab.rebuilt_error import Tolerances
+from reliab.assessment.rebuilt_error import Tolerances
+from reliab.structures.structure import Structure
 
 Array = NDArray[np.float64]
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from importlib.metadata import version
 
 from reliab.errors import InputError
-from reliab.loop.structure import Structure
 from reliab.motions import Motion
 from reliab.shipped import shipped
+from reliab.structures.structure import Structure
 from reliab.sweep import open_ellipses
 from reliab.validation.earthquakes import earthquakes_among
 from reliab.validation.rebuilt_error_study.judges import (

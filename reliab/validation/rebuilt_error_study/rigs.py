@@ -7,20 +7,20 @@ from typing import Final
 
 import numpy as np
 
-from reliab.loop.actuator import Actuator
-from reliab.loop.effects import Effect
-from reliab.loop.effects.backlash import Backlash
-from reliab.loop.effects.coulomb_friction import CoulombFriction
-from reliab.loop.effects.cubic_stiffness import CubicStiffness
-from reliab.loop.effects.delay_drift import DelayDrift
-from reliab.loop.effects.first_order_lag import FirstOrderLag
-from reliab.loop.effects.hysteresis import Hysteresis
-from reliab.loop.effects.rate_limit import RateLimit
-from reliab.loop.effects.second_order_dynamics import SecondOrderDynamics
-from reliab.loop.effects.stroke_saturation import StrokeSaturation
-from reliab.loop.hybrid_test import Specimen
-from reliab.loop.hybrid_test.compensators import InverseCompensation
-from reliab.loop.structure import Structure
+from reliab.effects import Effect
+from reliab.effects.backlash import Backlash
+from reliab.effects.coulomb_friction import CoulombFriction
+from reliab.effects.cubic_stiffness import CubicStiffness
+from reliab.effects.delay_drift import DelayDrift
+from reliab.effects.first_order_lag import FirstOrderLag
+from reliab.effects.hysteresis import Hysteresis
+from reliab.effects.rate_limit import RateLimit
+from reliab.effects.second_order_dynamics import SecondOrderDynamics
+from reliab.effects.stroke_saturation import StrokeSaturation
+from reliab.simulation.actuator import Actuator
+from reliab.simulation.compensators import InverseCompensation
+from reliab.simulation.hybrid_test import Specimen
+from reliab.structures.structure import Structure
 from reliab.validation.beyond_the_model import Rig
 
 _SERVO_DAMPING = 0.7

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from reliab_studies.paper2017.pages.displacement_histories import HistoryPanel, as_printed
 
-from reliab.loop import spectral
-from reliab.loop.excitation import Excitation
-from reliab.loop.structure import Structure
-from reliab.report.figures.displacement_histories import HistoryPanel, as_printed
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.linear_loop import spectral
+from reliab.structures.structure import Structure
 
 STEP = 0.01
 

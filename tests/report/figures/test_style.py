@@ -6,17 +6,17 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
+from reliab_studies.paper2017.cases import cases_dataset, run_paper_cases
+from reliab_studies.paper2017.example import run_paper_example
+from reliab_studies.paper2017.pages import paper_report
+from reliab_studies.paper2017.printed import EXAMPLE, PrintedTables
 
 from reliab.criterion import derive_criterion
 from reliab.criterion.methods import method_of
 from reliab.errors import InputError
 from reliab.motions import Motion
-from reliab.paper.cases import cases_dataset, run_paper_cases
-from reliab.paper.example import run_paper_example
-from reliab.paper.printed import EXAMPLE, PrintedTables
 from reliab.report.document import Figure, Section
 from reliab.report.kinds.criterion import criterion_report
-from reliab.report.kinds.paper import paper_report
 from reliab.report.style import FigureWarning, line, panels, styled, svg
 
 UNIT = re.compile(r"\[[^\]]+\]$")

@@ -4,19 +4,19 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from reliab_studies.paper2017.cases import cases_dataset, run_paper_cases
+from reliab_studies.synthetic_vs_real.pages import suites_report
+from reliab_studies.validation.pages import validation_report
 
+from reliab.assessment import Recording, assess
 from reliab.criterion import derive_criterion
 from reliab.criterion.methods import method_of
-from reliab.loop.structure import Structure
 from reliab.motions import Motion
-from reliab.paper.cases import cases_dataset, run_paper_cases
 from reliab.report.document import Table
 from reliab.report.kinds.assessment import assessment_report
-from reliab.report.kinds.suites import suites_report
-from reliab.report.kinds.validation import validation_report
 from reliab.report.sections.rates import rates_section
 from reliab.stated_value import StatedValue
-from reliab.validation.assessment import Recording, assess
+from reliab.structures.structure import Structure
 
 
 def pages(pdf):

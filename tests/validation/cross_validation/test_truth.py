@@ -7,10 +7,10 @@ from reliab import api
 from reliab.criterion.laws import OF_MANY_MOTIONS, Table
 from reliab.errors import InputError
 from reliab.indices.window import Window
-from reliab.loop import spectral
-from reliab.loop.excitation import Excitation
-from reliab.loop.structure import Structure
 from reliab.motions.synthetic import synthetic_suite
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.linear_loop import spectral
+from reliab.structures.structure import Structure
 from reliab.validation.cross_validation import (
     Cell,
     EllipseTruth,

@@ -5,17 +5,17 @@ from typing import Final, Literal
 
 import numpy as np
 
-from reliab.rebuilt_error import Estimate
+from reliab.assessment.assessment import Assessment
+from reliab.assessment.doubts import probability_text
+from reliab.assessment.error_of_test import PART_NAMES, ErrorOfTest
+from reliab.assessment.rebuilt_error import Estimate
+from reliab.assessment.verdict import Word
+from reliab.recordings.recording import Recording
 from reliab.report.document import Figure, Table
 from reliab.report.figures.measured_test import error_over_time
 from reliab.report.kinds.assessment.quantities import quantities_table
 from reliab.report.prose import Prose, prose
 from reliab.report.wording import ERRORS, PERCENT, percent, spelled_out
-from reliab.validation.assessment.assessment import Assessment
-from reliab.validation.assessment.doubts import probability_text
-from reliab.validation.assessment.error_of_test import PART_NAMES, ErrorOfTest
-from reliab.validation.assessment.recording import Recording
-from reliab.validation.assessment.verdict import Word
 from reliab.vocabulary import Metric
 
 TONES: Final[Mapping[Word, Literal["plain", "good", "bad"]]] = {

@@ -4,6 +4,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from reliab.assessment.frame_assessment import FrameAssessment, ModeOfTest
+from reliab.assessment.tracking_index import LEVEL
+from reliab.assessment.verdict import Word
 from reliab.report.document import Block, Document, Figure, Paragraph, Points, Section, Table
 from reliab.report.figures.tracking_over_frequency import amplitude_and_delay_over_frequency
 from reliab.report.kinds.assessment.error import (
@@ -20,9 +23,6 @@ from reliab.report.provenance import provenance_of
 from reliab.report.sources import SOURCES
 from reliab.report.wording import PERCENT, percent
 from reliab.significant import significant
-from reliab.validation.assessment.frame_assessment import FrameAssessment, ModeOfTest
-from reliab.validation.assessment.tracking_index import LEVEL
-from reliab.validation.assessment.verdict import Word
 
 _MILLISECONDS = 1e3
 _KILO = 1e3
@@ -34,7 +34,7 @@ def frame_assessment_report(assessment: FrameAssessment, *, provenance: Mapping[
     Parameters
     ----------
     assessment : FrameAssessment
-        What was found, from :func:`reliab.validation.assessment.frame_test.assess_frame`.
+        What was found, from :func:`reliab.assessment.frame_test.assess_frame`.
     provenance : mapping
         What the report can be made again from, by name: files and their checksums, …
 

@@ -4,6 +4,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from reliab.assessment.assessment import Assessment
+from reliab.assessment.tracking_index import LEVEL
+from reliab.assessment.verdict import Word
 from reliab.report.document import Document, Figure, Paragraph, Points, Section, Table
 from reliab.report.figures.measured_test import tracking_overview
 from reliab.report.kinds.assessment.error import TONES, advice, error_sentence, errors_table, histories_figure
@@ -14,9 +17,6 @@ from reliab.report.provenance import provenance_of
 from reliab.report.sources import SOURCES
 from reliab.report.wording import PERCENT, meaning_of_confidence, percent, spelled_out
 from reliab.significant import significant
-from reliab.validation.assessment.assessment import Assessment
-from reliab.validation.assessment.tracking_index import LEVEL
-from reliab.validation.assessment.verdict import Word
 
 _MILLISECONDS = 1e3
 _FAR = 10.0
@@ -34,7 +34,7 @@ def assessment_report(
     Parameters
     ----------
     assessment : Assessment
-        What was found, from :func:`reliab.validation.assessment.assess`.
+        What was found, from :func:`reliab.assessment.assess`.
     title : str, optional
         Title; the name of the test by default.
     provenance : mapping

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from reliab.discrepancy import BlockDiagnosis, Channel, Diagnosis
 from reliab.discrepancy.adding.posterior import Posterior
-from reliab.loop.effects import find_effect
+from reliab.effects import find_effect
 from reliab.report.document import Block as DocumentBlock
 from reliab.report.document import Figure, Paragraph
 from reliab.report.figures.discrepancy_blocks import discrepancy_blocks

@@ -1,0 +1,259 @@
+"""Judge a test by its command and measured displacement."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from reliab.assessment.alignment import align
+from reliab.assessment.assessment import Assessment
+from reliab.assessment.contradictions import (
+    limited,
+    of_columns,
+    of_frequency,
+    of_motion,
+    of_stability,
+)
+from reliab.assessment.default_criterion import default_criterion
+from reliab.assessment.doubts import verdict_of_error
+from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
+from reliab.assessment.explanations import Explanation, error_under
+from reliab.assessment.fault_effects import error_with_faults
+from reliab.assessment.faults import Fault, find_faults, repaired
+from reliab.assessment.findings import FaultEffect
+from reliab.assessment.moving_windows import track_windows
+from reliab.assessment.own_equation import OwnEquation, examine_equation
+from reliab.assessment.own_motion import OwnPlacement, place_on_own
+from reliab.assessment.placement import place
+from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
+from reliab.assessment.rebuilt_error.whole_structure import whole_structure
+from reliab.assessment.tracking_index import TrackingIndex, track
+from reliab.assessment.tracking_measures import measure_tracking
+from reliab.assessment.verdict import Verdict, word_of_probability
+from reliab.criterion import Criterion
+from reliab.motions import Motion
+from reliab.recordings.recording import Recording
+from reliab.recordings.spikes import without_spikes
+from reliab.simulation.hybrid_test.model_file import UpdatedModel
+from reliab.stated_value import StatedValue
+from reliab.structures.structure import Structure
+from reliab.vocabulary import Metric
+
+_FEW_DRAWS = 2
+_DAMPING_RATIOS = tuple(np.geomspace(0.005, 0.1, 7).tolist())  # of structures in laboratories
+
+
+def assess(
+    recording: Recording,
+    structure: Structure,
+    *,
+    stated: Mapping[str, StatedValue] | None = None,
+    motion: Motion | None = None,
+    criterion: Criterion | None = None,
+    threshold: float = 0.05,
+    confidence: float = 0.95,
+    metric: str = "rms",
+    model: UpdatedModel | None = None,
+    assumed: tuple[str, ...] = (),
+    taper: str = "hann",
+    seed: int = 0,
+) -> Assessment:
+    """Judge a test by its command and measured displacement.
+
+    Parameters
+    ----------
+    recording : Recording
+        The test.
+    structure : Structure
+        The structure under test.
+    stated : mapping of str to StatedValue, optional
+        Tolerances of its frequency "f" [Hz], damping ratio "xi" and share "alpha", and the "scale" of the
+        sensor of the measured displacement over that of the command; exact by default.
+    motion : Motion, optional
+        Its ground motion; the index is then that of this motion's own boundary, exact by simulation, over
+        the part of the record that the test saw, as the error of the test is.
+    criterion : Criterion, optional
+        The criterion; by default the one that ships with the package, for the threshold, metric and
+        confidence given and for tests of this length. A given criterion has its own threshold, metric and
+        confidence.
+    threshold : float, optional
+        Error of the whole test [-].
+    confidence : float, optional
+        Share of ground motions.
+    metric : str, optional
+        Which error, "rms" or "mte".
+    model : UpdatedModel, optional
+        Calibrated model of a nonlinear specimen, as `reliab diagnose` writes it.
+    assumed : tuple of str, optional
+        Sentences saying that no damping ratio was stated and which one is assumed; repeated among the
+        warnings. The verdict then stands only if it is the same with each of seven ratios from 0.5 to 10 %.
+    taper : str, optional
+        Window of the evaluation index.
+    seed : int, optional
+        Seed of the draws.
+
+    Returns
+    -------
+    Assessment
+        Error of the test with its interval, verdict, index, stability margin and what to improve first.
+
+    Raises
+    ------
+    InputError
+        If the test is too short or too long, sampled too coarsely, has two units or signs, or the measured
+        displacement does not follow the command.
+    """
+    _require_judgeable(recording, structure, stated or {})
+    chosen = criterion or default_criterion(
+        structure.frequency,
+        structure.damping_ratio,
+        threshold,
+        confidence,
+        metric=metric,
+        duration=recording.duration,
+    )
+    question = Question(
+        structure=structure,
+        stated=dict(stated or {}),
+        metric=Metric(chosen.metric),
+        threshold=chosen.threshold,
+        model=model,
+        seed=seed,
+    )
+    faults = _faults(recording, question, taper)
+    clean = repaired(recording, faults)
+    tracking = track(clean, window=taper, seed=seed)
+    judged = _judged(recording, clean, faults, question)
+    assessment = Assessment(
+        recording=recording,
+        structure=structure,
+        stated=question.stated,
+        criterion=chosen,
+        tracking=tracking,
+        measures=measure_tracking(clean),
+        windows=track_windows(clean, tracking, window=taper),
+        population=place(chosen, structure, tracking.amplitude, tracking.delay, tracking.draws),
+        placement=None if motion is None else _placed(motion, clean, tracking, judged.error, question),
+        error=judged.error,
+        faults=judged.effects,
+        equation=judged.equation,
+        otherwise_stated=judged.otherwise,
+        verdict=judged.verdict(_with_any_damping(clean, question) if assumed else ()),
+        assumed=assumed,
+        column_doubts=tuple(of_columns(recording, tracking)),
+    )
+    return _with_contradictions(assessment, clean, question)
+
+
+def _require_judgeable(recording: Recording, structure: Structure, stated: Mapping[str, StatedValue]) -> None:
+    require_length(recording, structure.frequency)
+    require_drawable(recording, whole_structure(structure))
+    require_plausible(recording, stiffness=_stated_stiffness(structure, stated))
+
+
+def _with_contradictions(assessment: Assessment, clean: Recording, question: Question) -> Assessment:
+    """Add where the recording contradicts what is stated, which limits the verdict."""
+    contradictions = (
+        *(
+            of_frequency(clean, assessment.tracking, [question.structure.frequency])
+            if not question.model
+            else ()
+        ),
+        *of_stability(assessment.stability_margin),
+        *of_motion(assessment.placement),
+        *(assessment.column_doubts if _depends_on_columns(assessment, clean, question) else ()),
+    )
+    return replace(
+        assessment, contradictions=contradictions, verdict=limited(assessment.verdict, contradictions)
+    )
+
+
+def _depends_on_columns(assessment: Assessment, clean: Recording, question: Question) -> bool:
+    """Tell whether the columns may be swapped, and the verdict would then be another one."""
+    if not assessment.column_doubts:
+        return False
+    shown = replace(question, structure=assessment.equation.structure(question.structure))
+    swapped = error_of_test(replace(clean, command=clean.measured, measured=clean.command), shown)
+    return word_of_probability(swapped.probability) is not word_of_probability(assessment.error.probability)
+
+
+def _stated_stiffness(structure: Structure, stated: Mapping[str, StatedValue]) -> float | None:
+    """Stiffness of the specimen [N/m]; None where no mass is stated."""
+    if "mass" not in stated:
+        return None
+    return stated["mass"].value * structure.experimental_fraction * structure.circular_frequency**2
+
+
+def _placed(
+    motion: Motion, clean: Recording, tracking: TrackingIndex, error: ErrorOfTest, question: Question
+) -> OwnPlacement:
+    """Place the test against the boundary of its own ground motion."""
+    alignment = align(clean, error.reference, question.structure, motion)
+    return place_on_own(motion, tracking, alignment, question)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Judged:
+    """The error, and the circumstances that could change it."""
+
+    error: ErrorOfTest
+    effects: tuple[FaultEffect, ...]
+    equation: OwnEquation
+    otherwise: tuple[ErrorOfTest, ...]
+
+    def verdict(self, with_any_damping: tuple[ErrorOfTest, ...]) -> Verdict:
+        """Judge the test; `with_any_damping` holds its errors where no damping ratio was stated."""
+        return verdict_of_error(self.error, self.effects, self.equation, self.otherwise, with_any_damping)
+
+
+def _judged(recording: Recording, clean: Recording, faults: tuple[Fault, ...], question: Question) -> _Judged:
+    """Error of the test; where the test contradicts the stated structure, with the identified one."""
+    error, effects = _errors(recording, faults, question)
+    if question.model is not None:
+        return _Judged(error=error, effects=effects, equation=OwnEquation(), otherwise=())
+    smoothed = error.rebuilt.histories.measured
+    equation = examine_equation(clean, question.structure, question.stated, smoothed)
+    shown = replace(question, structure=equation.structure(question.structure))
+    otherwise: tuple[ErrorOfTest, ...] = ()
+    if shown.structure != question.structure:
+        otherwise = (replace(error, under="the structure as stated"),)
+        error, effects = _errors(recording, faults, shown)
+    explained = tuple(
+        error_under(explanation, clean, shown)
+        for explanation in equation.explanations
+        if explanation != Explanation()
+    )
+    return _Judged(
+        error=replace(error, alternatives=explained),
+        effects=effects,
+        equation=equation,
+        otherwise=(*otherwise, *explained),
+    )
+
+
+def _faults(recording: Recording, question: Question, taper: str) -> tuple[Fault, ...]:
+    bridged, *_ = without_spikes(recording)
+    return find_faults(
+        recording,
+        track(bridged, window=taper, draws=_FEW_DRAWS),
+        threshold=question.threshold,
+        experimental_fraction=question.structure.experimental_fraction,
+    )
+
+
+def _errors(
+    recording: Recording, faults: tuple[Fault, ...], question: Question
+) -> tuple[ErrorOfTest, tuple[FaultEffect, ...]]:
+    return error_with_faults(
+        recording, faults, lambda test, offset: error_of_test(test, question, sensor_offset=offset)
+    )
+
+
+def _with_any_damping(recording: Recording, question: Question) -> tuple[ErrorOfTest, ...]:
+    """Errors with damping ratios of structures, from the lowest to the highest."""
+    return tuple(
+        error_of_test(
+            recording, replace(question, structure=replace(question.structure, damping_ratio=ratio))
+        )
+        for ratio in _DAMPING_RATIOS
+    )

@@ -1,0 +1,74 @@
+"""The band of the motion: where the command rises above the noise that was recorded with it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from reliab.recordings.recording import Recording
+
+Array = NDArray[np.float64]
+
+_ABOVE_FLOOR = 10.0
+_SMOOTHED = 16  # bins over which a periodogram is averaged
+_ROOM = 0.9  # share of the Nyquist frequency up to which a filter is worth while
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Band:
+    """Histories in the band of the motion, and the noise of the command.
+
+    Attributes
+    ----------
+    command, measured : numpy.ndarray
+        Filtered histories [m], shape (n,).
+    bins : int
+        Bins of a periodogram in which the command rises above its noise.
+    noise : numpy.ndarray
+        Noise in the filtered command by bin, over the command's power [-], shape (n // 2,).
+    """
+
+    command: Array
+    measured: Array
+    bins: int
+    noise: Array
+
+
+def in_band(recording: Recording) -> Band:
+    """Filter both histories alike at twice the highest frequency where the command rises above its noise."""
+    power = periodogram(recording.command)
+    floor, _ = noise_floor(recording.command)
+    smooth = np.convolve(power, np.full(_SMOOTHED, 1.0 / _SMOOTHED), mode="same")
+    bins = int(np.flatnonzero(smooth >= np.minimum(_ABOVE_FLOOR * floor, smooth.max()))[-1]) + 1
+    histories, passed = [recording.command, recording.measured], np.ones(power.size)
+    if 2 * bins < _ROOM * power.size:
+        sections = scipy.signal.butter(4, 2.0 * bins / power.size, output="sos")
+        histories = [np.asarray(scipy.signal.sosfiltfilt(sections, history)) for history in histories]
+        passed = np.abs(scipy.signal.sosfreqz(sections, power.size)[1]) ** 4  # forwards and backwards
+    total = float(periodogram(histories[0]).sum())
+    return Band(command=histories[0], measured=histories[1], bins=bins, noise=floor * passed / total)
+
+
+def noise_floor(values: Array) -> tuple[float, float]:
+    """Level of the upper half of a periodogram, per bin, and its total.
+
+    Parameters
+    ----------
+    values : numpy.ndarray
+        A history, shape (n,).
+
+    Returns
+    -------
+    floor, total : float
+        In squared units of the history.
+    """
+    power = periodogram(values)
+    floor = float(np.median(power[power.size // 2 :])) / np.log(2.0)  # of an exponential distribution
+    return floor, float(power.sum())
+
+
+def periodogram(values: Array) -> Array:
+    """Squared magnitudes of a tapered history without its mean, by frequency above zero."""
+    taper = scipy.signal.get_window("hann", values.size)
+    return np.asarray(np.abs(np.fft.rfft((values - values.mean()) * taper))[1:] ** 2)

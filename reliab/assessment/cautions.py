@@ -1,0 +1,187 @@
+"""Warnings to read before relying on the verdict on a test, in plain sentences."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from reliab.assessment.doubts import ERROR_NAMES, sizes_otherwise
+from reliab.assessment.findings import FaultEffect, Findings
+from reliab.assessment.verdict import Word
+from reliab.criterion.experimental_share import whole_is_worst
+from reliab.significant import significant
+from reliab.vocabulary import Metric
+
+_BY_SHAPE = "shape of the response"
+_FEW_PERIODS = 10.0
+_FEW_SAMPLES = 20.0  # of a period
+_NOISY = 0.05
+_FAR_FROM_ONE = 0.2
+_VARYING = 0.1  # share of a limit
+_UNEXPLAINED = 0.3  # share of the amplitude limit
+_MILLISECONDS = 1e3
+
+
+def cautions(findings: Findings) -> tuple[str, ...]:
+    """List what limits a verdict.
+
+    Parameters
+    ----------
+    findings : Findings
+        The assessed test.
+
+    Returns
+    -------
+    tuple of str
+        Sentences; none for a sound test inside the criterion's validity.
+    """
+    sentences = (
+        sentence
+        for group in (
+            _of_faults,
+            _of_error,
+            _of_columns,
+            _of_signal,
+            _of_constancy,
+            _of_validity,
+            _of_motion,
+            _of_contradictions,
+        )
+        for sentence in group(findings)
+    )
+    return tuple(dict.fromkeys([*findings.assumed, *sentences]))
+
+
+def _of_faults(findings: Findings) -> Iterator[str]:
+    for effect in findings.faults:
+        yield " ".join([effect.fault.finding, *_consequence(effect, findings)])
+
+
+def _consequence(effect: FaultEffect, findings: Findings) -> Iterator[str]:
+    if effect.otherwise is None:
+        return
+    metric = Metric(findings.criterion.metric)
+    counted, otherwise = findings.error.of(metric).value, effect.otherwise.of(metric).value
+    name = ERROR_NAMES[metric]
+    fault = effect.fault
+    if fault.in_loop is True:
+        yield (
+            f"The command responds to it, so that the structure felt it: {name} is {counted:.2%} with it and "
+            f"would be {otherwise:.2%} without."
+        )
+    elif fault.in_loop is False:
+        why = (
+            ""
+            if fault.kind == "spike"
+            else "The command does not respond to it, so that only the sensor reading is wrong: "
+        )
+        yield f"{why}{name} is {counted:.2%} without it; had the structure felt it, {otherwise:.2%}."
+    else:
+        yield f"{name} is {counted:.2%} as recorded and {otherwise:.2%} without it."
+
+
+def _of_error(findings: Findings) -> Iterator[str]:
+    yield from findings.equation.contradictions
+    yield from findings.equation.notes
+    if findings.otherwise_stated:
+        yield sizes_otherwise(findings.error, findings.otherwise_stated)
+    by_error, by_index = findings.verdict.word, findings.verdict_by_index.word
+    if Word.UNDECIDED in (by_error, by_index) or by_error is by_index or findings.index is None:
+        return
+    size = findings.error.of(Metric(findings.criterion.metric)).value
+    basis = (
+        f"{findings.criterion.confidence:.0%} of ground motions"
+        if findings.placement is None
+        else "a gain and a delay alone"
+    )
+    why = (
+        f"gain and delay leave {findings.tracking.unexplained_share:.2%} of the rig's motion unexplained"
+        if findings.tracking.unexplained_share > _UNEXPLAINED * float(np.sqrt(findings.limits[0]))
+        else "this test's ground motion and length are more or less demanding than those"
+    )
+    yield (
+        f"The error of this very test ({size:.2%}) and the index ({significant(findings.index)} against 1) "
+        f"disagree: the index describes {basis}, the error this test; {why}. The verdict follows the error."
+    )
+
+
+def _of_columns(findings: Findings) -> Iterator[str]:
+    tracking = findings.tracking
+    yield from (doubt.finding for doubt in findings.column_doubts)
+    if abs(tracking.amplitude - 1.0) > _FAR_FROM_ONE:
+        yield (
+            f"A = {tracking.amplitude:.4g} is far from 1: command and measured displacement may be in "
+            "different units."
+        )
+
+
+def _of_signal(findings: Findings) -> Iterator[str]:
+    recording, tracking = findings.recording, findings.tracking
+    periods = recording.duration * findings.structure.frequency
+    if periods < _FEW_PERIODS:
+        yield f"The test is short: {significant(periods, 2)} periods of the structure."
+    samples = 1.0 / (recording.time_step * tracking.plain.equivalent_frequency)
+    if samples < _FEW_SAMPLES:
+        yield f"The test is sampled coarsely: {significant(samples)} samples in a period."
+    noise = float(np.sqrt(max(tracking.noise_share**2 - tracking.unexplained_share**2, 0.0)))
+    if noise > _NOISY:
+        yield (f"The test is noisy: {noise:.1%} of the measured displacement is unrelated to the command.")
+    limit = float(np.sqrt(findings.limits[0]))
+    if tracking.unexplained_share > _UNEXPLAINED * limit:
+        yield (
+            f"A gain and a delay leave {tracking.unexplained_share:.2%} of the measured motion unexplained, "
+            f"where an amplitude error of {limit:.2%} is tolerable: the rig has another fault (friction, "
+            "backlash, saturation) or slow noise, and its error may differ by a quarter from that of A and d."
+        )
+
+
+def _of_constancy(findings: Findings) -> Iterator[str]:
+    a, b = findings.limits
+    windows = findings.windows
+    late = _MILLISECONDS * windows.delay_range
+    if late > _VARYING * np.sqrt(b):
+        first, last = (_MILLISECONDS * delay for delay in (windows.delay.min(), windows.delay.max()))
+        yield (
+            f"The delay varies over the test, from {significant(first)} to {significant(last)} ms. A and "
+            "d are averages; the "
+            "error of a test whose delay drifts by half either way was within 12 % of that of its average."
+        )
+    if windows.amplitude_range > _VARYING * np.sqrt(a):
+        yield (
+            f"The amplitude varies over the test, from A = {windows.amplitude.min():.4f} to "
+            f"{windows.amplitude.max():.4f}; A is an average."
+        )
+
+
+def _of_validity(findings: Findings) -> Iterator[str]:
+    structure, carried = findings.structure, findings.population.carried_from
+    if carried is not None and findings.placement is None:
+        yield (
+            f"The structure ({structure.frequency:g} Hz, ξ = {structure.damping_ratio:g}) lies outside of "
+            f"the criterion's validity; the limits are scaled from those at {carried[0]:g} Hz, "
+            f"ξ = {carried[1]:g} by dimensionless errors. Give the test's ground motion for exact "
+            "ones."
+        )
+    if structure.experimental_fraction < 1.0 and findings.placement is None:
+        measured = whole_is_worst(structure.frequency, structure.damping_ratio)
+        judgement = (
+            "it is conservative"
+            if measured
+            else "that it is conservative was measured from 0.5 to 3 Hz and 1 to 10 % of damping only"
+        )
+        yield (
+            "The criterion is for a structure that stands wholly in the laboratory (α = 1); for "
+            f"α = {structure.experimental_fraction:g} {judgement}."
+        )
+
+
+def _of_motion(findings: Findings) -> Iterator[str]:
+    placement = findings.placement
+    if placement is not None and placement.alignment.matched and placement.alignment.by == _BY_SHAPE:
+        yield (
+            f"The test was found in the record of {placement.motion} by the shape of its response; its size "
+            "differs, as where the record was scaled or the unit of the displacements is not metres."
+        )
+
+
+def _of_contradictions(findings: Findings) -> Iterator[str]:
+    yield from (contradiction.finding for contradiction in findings.contradictions)

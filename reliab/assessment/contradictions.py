@@ -1,0 +1,129 @@
+"""Where a recording contradicts what is stated of the test: its verdict is then undecided at best."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.assessment.band import noise_floor, periodogram
+from reliab.assessment.own_motion import OwnPlacement
+from reliab.assessment.tracking_index import TrackingIndex
+from reliab.assessment.verdict import Verdict, Word
+from reliab.recordings.recording import Recording
+from reliab.significant import significant
+
+_OFF_RESONANCE = (0.5, 1.7)
+_PEAK = 8.0
+"""Power at a natural frequency over that beside it, from which on a command shows its resonance: under real
+records it was 5 to 350 for structures of 0.5 to 8 Hz, and 0.1 to 10 at frequencies that were not theirs."""
+
+_AT, _BELOW, _ABOVE = (0.9, 1.1), (0.55, 0.8), (1.25, 1.8)  # of the natural frequency
+_LEAD = 1e-5  # s
+_NOISIER, _ROUNDING = 10.0, 1e-8  # in power
+_MILLISECONDS = 1e3
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contradiction:
+    """A stated quantity that the recording contradicts.
+
+    Attributes
+    ----------
+    finding : str
+        What contradicts it, a sentence.
+    remedy : str
+        What would resolve it, a sentence.
+    """
+
+    finding: str
+    remedy: str
+
+
+def limited(verdict: Verdict, contradictions: Sequence[Contradiction]) -> Verdict:
+    """Return a verdict that is not "reliable" where the recording contradicts what is stated."""
+    if verdict.word is Word.NOT_RELIABLE:
+        return verdict
+    return verdict.doubted(
+        [contradiction.finding for contradiction in contradictions],
+        [contradiction.remedy for contradiction in contradictions],
+    )
+
+
+def of_frequency(
+    recording: Recording, tracking: TrackingIndex, frequencies: Sequence[float]
+) -> Iterator[Contradiction]:
+    """Say where the command neither moves near the natural frequencies [Hz] nor shows their resonance."""
+    moves = tracking.plain.equivalent_frequency
+    low, high = _OFF_RESONANCE
+    if low * min(frequencies) <= moves <= high * max(frequencies):
+        return
+    if any(_resonance(recording, frequency) >= _PEAK for frequency in frequencies):
+        return
+    stated = " and ".join(f"{frequency:.4g}" for frequency in sorted({min(frequencies), max(frequencies)}))
+    yield Contradiction(
+        finding=f"The command moves at {significant(moves)} Hz, the structure at {stated} Hz, where the "
+        "command shows no resonance: check the frequency and the units of time.",
+        remedy="State the natural frequency of the structure that was tested, or the file's unit of time.",
+    )
+
+
+def _resonance(recording: Recording, frequency: float) -> float:
+    """Power of the command at a frequency over that below and above it."""
+    power = periodogram(recording.command)
+    ratio = (np.arange(power.size) + 1.0) / (recording.command.size * recording.time_step * frequency)
+    at, below, above = (_mean(power[(low <= ratio) & (ratio <= high)]) for low, high in (_AT, _BELOW, _ABOVE))
+    beside = float(np.sqrt(below * above))
+    return at / beside if beside > 0.0 else 0.0
+
+
+def _mean(values: NDArray[np.float64]) -> float:
+    return float(values.mean()) if values.size else 0.0
+
+
+def of_stability(stability_margin: float | None) -> Iterator[Contradiction]:
+    """Say where the loop would be unstable with the measured delay."""
+    if stability_margin is None or stability_margin <= 0.0:
+        yield Contradiction(
+            finding="The delay exceeds the critical one: the loop is unstable.",
+            remedy="Reduce the delay, or find out why the loop was stable: the structure may be another one.",
+        )
+
+
+def of_motion(placement: OwnPlacement | None) -> Iterator[Contradiction]:
+    """Say where the stated ground motion and structure do not give this test."""
+    if placement is not None and not placement.alignment.matched:
+        yield Contradiction(
+            finding=f"The test was not found in the record of {placement.motion} (best similarity "
+            f"{placement.alignment.match:.2f} of 1): it may be another motion, or another structure. "
+            "Where in it the test began is unknown; the index is that of the part, as long as the test, in "
+            "which the structure moves most.",
+            remedy="Give the ground motion of this test, or none if the structure is surely as stated.",
+        )
+
+
+def of_columns(recording: Recording, tracking: TrackingIndex) -> Iterator[Contradiction]:
+    """Say where command and measured displacement may be swapped."""
+    remedy = "Find out which column is the command: the verdict depends on it."
+    _, (_, latest) = tracking.interval(0.99)
+    if tracking.delay < -_LEAD and latest < 0.0:
+        lead = -_MILLISECONDS * tracking.delay
+        yield Contradiction(
+            finding=f"The measured displacement leads the command by {significant(lead)} ms: the columns "
+            "may be swapped, or a compensator overcorrects.",
+            remedy=remedy,
+        )
+    noise_of_command, noise_of_measured = (
+        _noise(history) for history in (recording.command, recording.measured)
+    )
+    if noise_of_command > _NOISIER * noise_of_measured and noise_of_command > _ROUNDING:
+        yield Contradiction(
+            finding="The command is noisier than the measured displacement, though a command is computed "
+            "and the other is measured: the columns may be swapped.",
+            remedy=remedy,
+        )
+
+
+def _noise(values: NDArray[np.float64]) -> float:
+    floor, total = noise_floor(values)
+    return floor * values.size / total

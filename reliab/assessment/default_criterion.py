@@ -1,0 +1,135 @@
+"""The criterion that ships with the package: real ground motions, the recommended method."""
+
+from functools import lru_cache
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from reliab.assessment.criterion_window import RECORD, window_for
+from reliab.criterion import Criterion, derive_criterion
+from reliab.criterion.methods import RECOMMENDED, method_of
+from reliab.errors import InputError
+from reliab.shipped import shipped
+from reliab.sweep import open_windows
+
+_TABLE = "real_suite/ellipses.nc"
+_SOURCE = "the ellipses that ship with the package, of the motions of FEMA P-695"
+
+
+def default_criterion(
+    frequency: float,
+    damping_ratio: float,
+    threshold: float = 0.05,
+    confidence: float = 0.95,
+    *,
+    metric: str = "rms",
+    without: str | None = None,
+    duration: float | None = None,
+) -> Criterion:
+    """Derive the recommended criterion of one structure from the ellipses that ship with the package.
+
+    Parameters
+    ----------
+    frequency, damping_ratio : float
+        The structure [Hz, -]; beyond the shipped ones the criterion is that of the nearest.
+    threshold : float, optional
+        Error of the whole test [-]; between shipped thresholds, ellipses are interpolated.
+    confidence : float, optional
+        Share of ground motions, in (0, 1).
+    metric : str, optional
+        Which error, "rms" or "mte".
+    without : str, optional
+        Earthquake to leave out of the derivation, because its motions are to be judged.
+    duration : float, optional
+        Length of the tests that are to be judged [s]; by default errors are those over whole records.
+
+    Returns
+    -------
+    Criterion
+        Valid at the structure and between its neighbours among the shipped ones.
+
+    Raises
+    ------
+    InputError
+        If the threshold lies outside of the shipped ones, or the metric is unknown.
+    """
+    window = window_for(duration, shipped_windows())
+    ellipses = _shipped_ellipses(window.below)
+    if metric not in ellipses["metric"].values.tolist():
+        raise InputError("The metric is rms or mte", value=metric, remedy="Choose one of these")
+    if without is not None:
+        ellipses = ellipses.isel(motion=ellipses["event"].values != without)
+    if window.weight > 0.0:
+        ellipses = _between(ellipses, _shipped_ellipses(window.above), window.weight)
+    near = ellipses.assign_attrs(window=window.label).sel(
+        f=_neighbours(ellipses["f"].values, frequency),
+        xi=_neighbours(ellipses["xi"].values, damping_ratio),
+        metric=[metric],
+    )
+    return derive_criterion(
+        _at_threshold(near, threshold),
+        method=method_of(RECOMMENDED),
+        joint=True,
+        threshold=threshold,
+        metric=metric,
+        confidence=confidence,
+        source=_SOURCE,
+    )
+
+
+def shipped_frequencies() -> list[float]:
+    """Natural frequencies [Hz] of the shipped ellipses, increasing."""
+    return [float(frequency) for frequency in np.sort(_shipped_ellipses()["f"].values)]
+
+
+def shipped_windows() -> tuple[str, ...]:
+    """Windows for which ellipses ship with the package."""
+    return tuple(_by_window())
+
+
+def _shipped_ellipses(window: str = RECORD) -> xr.Dataset:
+    return _by_window()[window]
+
+
+@lru_cache(maxsize=1)
+def _by_window() -> dict[str, xr.Dataset]:
+    return open_windows(shipped("datasets", _TABLE))
+
+
+def _between(below: xr.Dataset, above: xr.Dataset, weight: float) -> xr.Dataset:
+    """Ellipses of a window between two, ln a and ln b being linear in the logarithm of its length."""
+    low, high = (
+        np.log(table[["a", "b"]].where((table["a"] > 0.0) & (table["b"] > 0.0))) for table in (below, above)
+    )
+    interpolated = np.exp((1.0 - weight) * low + weight * high)
+    return above.assign({name: interpolated[name] for name in ("a", "b")})
+
+
+def _neighbours(values: NDArray[np.float64], wanted: float) -> list[float]:
+    """One stored value, or the two on either side."""
+    ordered = np.sort(values.astype(np.float64))
+    place = int(np.clip(np.searchsorted(ordered, wanted * (1.0 - 1e-9)), 0, ordered.size - 1))
+    if np.isclose(ordered[place], wanted, rtol=1e-9) or wanted < ordered[0] or wanted > ordered[-1]:
+        return [float(ordered[place])]
+    return [float(value) for value in ordered[place - 1 : place + 1]]
+
+
+def _at_threshold(ellipses: xr.Dataset, threshold: float) -> xr.Dataset:
+    """Ellipses at any threshold, ln a and ln b being linear in its logarithm between stored ones."""
+    stored = ellipses["threshold"].values
+    if not stored.min() * (1.0 - 1e-9) <= threshold <= stored.max() * (1.0 + 1e-9):
+        raise InputError(
+            f"The shipped ellipses are for errors from {stored.min():g} to {stored.max():g}",
+            value=threshold,
+            remedy="Derive a criterion with `reliab criterion --out`, and give it as `criterion`",
+        )
+    pair = ellipses[["a", "b"]].sel(threshold=_neighbours(stored, threshold))
+    if pair.sizes["threshold"] > 1:
+        low, high = np.log(pair["threshold"].values)
+        weight = (np.log(threshold) - low) / (high - low)
+        sound = pair.where((pair["a"] > 0.0) & (pair["b"] > 0.0))
+        below, above = (np.log(sound.isel(threshold=place)) for place in (0, 1))
+        pair = np.exp((1.0 - weight) * below + weight * above).expand_dims("threshold")
+    rest = {name: ellipses[name] for name in ("error_at_rest",) if name in ellipses}
+    return pair.assign_coords(threshold=[threshold]).assign(rest).assign_attrs(ellipses.attrs)

@@ -1,0 +1,163 @@
+"""Before the test: how much delay and amplitude error a rig may have."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from reliab.assessment.default_criterion import default_criterion, shipped_frequencies
+from reliab.assessment.placement import carried_limits
+from reliab.criterion import Criterion
+from reliab.structures.stability import critical_delay
+from reliab.structures.structure import Structure
+
+CONFIDENCES = (0.80, 0.90, 0.95, 0.99)
+"""Shares of ground motions for which tolerable errors are stated."""
+
+_MILLISECONDS = 1e3
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tolerance:
+    """What is tolerable for one structure at one confidence.
+
+    Attributes
+    ----------
+    frequency, damping_ratio : float
+        The structure [Hz, -].
+    threshold : float
+        Error of the whole test [-].
+    confidence : float
+        Share of ground motions.
+    a, b : float
+        Ellipse parameters [-] and [ms²].
+    critical_delay : float
+        Delay [s] at which the loop loses stability.
+    outside_validity : bool
+        Whether the criterion was carried over from another structure.
+    """
+
+    frequency: float
+    damping_ratio: float
+    threshold: float
+    confidence: float
+    a: float
+    b: float
+    critical_delay: float
+    outside_validity: bool
+
+    @property
+    def amplitude_error(self) -> float:
+        """Tolerable |A − 1| [-] of a rig without delay."""
+        return float(np.sqrt(self.a))
+
+    @property
+    def delay(self) -> float:
+        """Tolerable delay [s] of a rig without amplitude error."""
+        return float(np.sqrt(self.b)) / _MILLISECONDS
+
+    @property
+    def both(self) -> tuple[float, float]:
+        """Tolerable |A − 1| [-] and delay [s] of a rig with both errors in equal parts."""
+        return self.amplitude_error / np.sqrt(2.0), self.delay / np.sqrt(2.0)
+
+    def to_dict(self) -> dict[str, float | None]:
+        """Plain numbers with stable keys; delays in milliseconds."""
+        amplitude, delay = self.both
+        critical = _MILLISECONDS * self.critical_delay
+        return {
+            "f": self.frequency,
+            "xi": self.damping_ratio,
+            "threshold": self.threshold,
+            "confidence": self.confidence,
+            "a": self.a,
+            "b": self.b,
+            "amplitude_limit": self.amplitude_error,
+            "delay_limit_ms": _MILLISECONDS * self.delay,
+            "amplitude_limit_of_both": amplitude,
+            "delay_limit_of_both_ms": _MILLISECONDS * delay,
+            "critical_delay_ms": critical if np.isfinite(critical) else None,
+            "outside_validity": self.outside_validity,
+        }
+
+
+def chart_frequencies(criterion: Criterion | None = None, *, count: int = 8) -> list[float]:
+    """Frequencies [Hz] for a chart.
+
+    Parameters
+    ----------
+    criterion : Criterion, optional
+        The criterion; by default the one that ships with the package, at the shipped frequencies.
+    count : int, optional
+        How many for a criterion of one's own, evenly from end to end of its validity.
+
+    Returns
+    -------
+    list of float
+        Increasing frequencies.
+    """
+    if criterion is None:
+        return shipped_frequencies()
+    low, high = criterion.law.validity.frequency
+    return [float(frequency) for frequency in np.unique(np.linspace(low, high, count))]
+
+
+def tolerable_errors(
+    frequencies: Sequence[float],
+    damping_ratio: float,
+    *,
+    threshold: float = 0.05,
+    confidences: Sequence[float] = CONFIDENCES,
+    metric: str = "rms",
+    criterion: Criterion | None = None,
+) -> list[Tolerance]:
+    """State tolerable errors before a test.
+
+    Parameters
+    ----------
+    frequencies : sequence of float
+        Natural frequencies [Hz].
+    damping_ratio : float
+        Damping ratio [-].
+    threshold : float, optional
+        Error of the whole test [-].
+    confidences : sequence of float, optional
+        Shares of ground motions.
+    metric : str, optional
+        Which error.
+    criterion : Criterion, optional
+        A criterion that brings its own threshold, metric and confidence; by default the one that ships
+        with the package, at each of the confidences.
+
+    Returns
+    -------
+    list of Tolerance
+        By frequency, then by confidence. Outside of the criterion's validity the nearest structure
+        stands for the one asked for, by dimensionless errors.
+    """
+    tolerances = []
+    for frequency in frequencies:
+        structure = Structure(frequency=frequency, damping_ratio=damping_ratio)
+        criteria = (
+            [criterion]
+            if criterion is not None
+            else [
+                default_criterion(frequency, damping_ratio, threshold, confidence, metric=metric)
+                for confidence in confidences
+            ]
+        )
+        for candidate in criteria:
+            a, b, carried_from = carried_limits(candidate, structure)
+            tolerances.append(
+                Tolerance(
+                    frequency=frequency,
+                    damping_ratio=damping_ratio,
+                    threshold=candidate.threshold,
+                    confidence=candidate.confidence,
+                    a=a,
+                    b=b,
+                    critical_delay=float(critical_delay(structure)),
+                    outside_validity=carried_from is not None,
+                )
+            )
+    return tolerances

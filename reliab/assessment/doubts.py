@@ -1,0 +1,116 @@
+"""The verdict by the error of the test, and what makes it undecided."""
+
+from reliab.assessment.error_of_test import ErrorOfTest
+from reliab.assessment.findings import FaultEffect
+from reliab.assessment.own_equation import OwnEquation
+from reliab.assessment.verdict import Verdict, Word, word_of_probability
+from reliab.significant import significant
+from reliab.vocabulary import Metric
+
+ERROR_NAMES = {Metric.RMS: "RMS^R", Metric.MTE: "MTE^R"}
+_PERCENT = 100.0
+_STRUCTURE = "Find out why the structure differs from the stated one: the verdict depends on it."
+_SKEW = (
+    "Measure the skew of the channels, by one signal on all of them, and the damping ratio, by a free "
+    "vibration: the verdict depends on which of them it is."
+)
+
+
+def verdict_of_error(
+    error: ErrorOfTest,
+    effects: tuple[FaultEffect, ...],
+    equation: OwnEquation,
+    otherwise: tuple[ErrorOfTest, ...],
+    assumed: tuple[ErrorOfTest, ...] = (),
+) -> Verdict:
+    """Judge a test by its own error.
+
+    Parameters
+    ----------
+    error : ErrorOfTest
+        The error with its interval.
+    effects : tuple of FaultEffect
+        Faults of the recording.
+    equation : OwnEquation
+        What the test's equation of motion shows about the structure.
+    otherwise : tuple of ErrorOfTest
+        Errors of the test with other values of the structure that were stated or are possible.
+    assumed : tuple of ErrorOfTest, optional
+        Errors of the test with damping ratios of structures, where none was stated.
+
+    Returns
+    -------
+    Verdict
+        Undecided where the interval contains the threshold, where a fault of the recording would change the
+        verdict, where the test contradicts its stated structure, and where another damping ratio than the
+        assumed one would change the verdict.
+    """
+    size = error.of(error.metric)
+    word = word_of_probability(error.probability)
+    name = ERROR_NAMES[error.metric]
+    reason = (
+        f"{name} is {size.value:.2%}, 90 % interval {size.low:.2%} to {size.high:.2%}, against a threshold "
+        f"of {significant(_PERCENT * error.threshold)}%: "
+        f"probability {probability_text(error.probability)} of staying below it."
+    )
+    verdict = Verdict(
+        word=word,
+        reasons=(reason,),
+        would_decide=error.would_decide if word is Word.UNDECIDED else (),
+    )
+    reasons, remedies = _doubts(effects, word)
+    if equation.nonlinear:
+        reasons.append(equation.nonlinear)
+        remedies.append("Calibrate a model of the specimen with `reliab diagnose`, and give that model.")
+    if error.contested or any(word_of_probability(rebuilt.probability) is not word for rebuilt in otherwise):
+        reasons.extend([*equation.contradictions, sizes_otherwise(error, otherwise)])
+        remedies.append(_SKEW if error.contested else _STRUCTURE)
+    if any(word_of_probability(restated.probability) is not word for restated in assumed):
+        by_size = sorted(assumed, key=lambda restated: restated.of(error.metric).value)
+        sizes = " to ".join(
+            f"{100 * restated.of(error.metric).value:.2f} % (ξ = {significant(restated.damping_ratio, 2)})"
+            for restated in (by_size[0], by_size[-1])
+        )
+        reasons.append(f"No damping ratio was stated, and the verdict depends on it: {name} is {sizes}.")
+        remedies.append("State the damping ratio of the structure.")
+    return verdict.doubted(reasons, remedies)
+
+
+def sizes_otherwise(error: ErrorOfTest, otherwise: tuple[ErrorOfTest, ...]) -> str:
+    """Say how large the error is, and how large with other values that are stated or possible."""
+    sizes = ", ".join(
+        f"{restated.of(error.metric).value:.2%} with {restated.under}" for restated in otherwise
+    )
+    return f"{ERROR_NAMES[error.metric]} is {error.of(error.metric).value:.2%}, but {sizes}."
+
+
+def probability_text(probability: float, *, bound: float = 0.99) -> str:
+    """Write a probability, without claiming more than 0.99.
+
+    Examples
+    --------
+    >>> probability_text(0.784), probability_text(0.9995), probability_text(0.0001)
+    ('0.78', '> 0.99', '< 0.01')
+    """
+    if probability > bound:
+        return f"> {bound:g}"
+    if probability < 1.0 - bound:
+        return f"< {significant(1.0 - bound, 2)}"
+    return f"{probability:.2f}"
+
+
+def _doubts(effects: tuple[FaultEffect, ...], word: Word) -> tuple[list[str], list[str]]:
+    reasons, remedies = [], []
+    for effect in effects:
+        if effect.otherwise is None:
+            if word is Word.RELIABLE:
+                reasons.append(effect.fault.finding)
+                remedies.append("Export the test again, each channel from its own sensor.")
+            continue
+        if effect.fault.in_loop is None and word_of_probability(effect.otherwise.probability) is not word:
+            reasons.append(
+                f"{effect.fault.finding} The verdict depends on it, and whether the structure felt it is not "
+                "known."
+            )
+            remedies.append("Mend the recording, or find out whether the loop felt it, and assess it again.")
+    return reasons, remedies

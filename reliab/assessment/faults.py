@@ -1,0 +1,291 @@
+"""Faults of a recording that A and d do not show: offset, drift, spikes, standstill, a copied channel.
+
+Each fault is stated with the recording as it would be without it, so that its effect on the error of the test
+can be computed. Whether the loop felt an offset shows in the command: a constant error of the restoring force
+shifts the structure's mean position.
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from reliab.assessment.tracking_index import TrackingIndex
+from reliab.recordings.recording import Recording
+from reliab.recordings.spikes import without_spikes
+from reliab.significant import significant
+
+Array = NDArray[np.float64]
+
+COPY_TOLERANCE: Final = 1e-6
+"""Largest difference of a copied channel, over the command's peak [-]; sensors are noisier."""
+
+_FEWEST_BLOCKS, _MOST_BLOCKS = 6, 40
+_PERIODS_OF_A_BLOCK = 2.0
+_SIGNIFICANT = 4.0  # standard errors
+_STANDSTILL_SHARE = 0.05  # of the command's peak
+_SAME = 1e-9  # of the peak: a smaller step between samples counts as standstill
+_FELT, _NOT_FELT = (0.7, 1.3), (-0.3, 0.3)
+_LEAST_SHARE = 0.1  # of the threshold: an offset or drift below which nothing is said
+_PERCENT, _MILLI = 100.0, 1e3
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Fault:
+    """A fault of a recording.
+
+    Attributes
+    ----------
+    kind : {"offset", "drift", "spike", "standstill", "copy"}
+        What it is.
+    finding : str
+        What was found, a sentence.
+    in_measured, in_command : numpy.ndarray or None
+        What it added to the measured displacement and to the command [m], shape (n,); None where it left
+        a channel as it was, or where nothing can be known of it.
+    in_loop : bool or None
+        Whether the loop felt it: False for spikes, which no actuator follows; otherwise decided from the
+        command; None where the command does not show it.
+    """
+
+    kind: str
+    finding: str
+    in_measured: Array | None = None
+    in_command: Array | None = None
+    in_loop: bool | None = None
+
+    @property
+    def repairable(self) -> bool:
+        """Whether the recording without it is known."""
+        return self.in_measured is not None or self.in_command is not None
+
+
+def repaired(recording: Recording, faults: Iterable[Fault]) -> Recording:
+    """Remove faults from a recording.
+
+    Parameters
+    ----------
+    recording : Recording
+        The test as it was recorded.
+    faults : iterable of Fault
+        Faults of it.
+
+    Returns
+    -------
+    Recording
+        The test without them.
+    """
+    command, measured = recording.command, recording.measured
+    for fault in faults:
+        command = command if fault.in_command is None else command - fault.in_command
+        measured = measured if fault.in_measured is None else measured - fault.in_measured
+    return replace(recording, command=command, measured=measured)
+
+
+def find_faults(
+    recording: Recording, tracking: TrackingIndex, *, threshold: float, experimental_fraction: float
+) -> tuple[Fault, ...]:
+    """Look for faults of a recording.
+
+    Parameters
+    ----------
+    recording : Recording
+        The test as it was recorded.
+    tracking : TrackingIndex
+        Amplitude and delay of the test without its spikes.
+    threshold : float
+        Error of the whole test [-]; offsets and drifts below a tenth of it are not reported.
+    experimental_fraction : float
+        Share α of the stiffness in the laboratory [-].
+
+    Returns
+    -------
+    tuple of Fault
+        None for a sound recording.
+    """
+    clean, *_ = without_spikes(recording)
+    expected = _expected(clean, tracking)
+    return (
+        *plain_faults(recording),
+        *_standstill(clean, expected),
+        *_slow(clean, expected, threshold, experimental_fraction, tracking),
+    )
+
+
+def plain_faults(recording: Recording) -> tuple[Fault, ...]:
+    """Look for faults that show without any model of the rig: spikes, and one channel exported twice.
+
+    Parameters
+    ----------
+    recording : Recording
+        The test as it was recorded.
+
+    Returns
+    -------
+    tuple of Fault
+        None for a sound recording.
+    """
+    clean, in_command, in_measured = without_spikes(recording)
+    return (*_spikes(recording, clean, in_command, in_measured), *_copy(clean))
+
+
+def _expected(recording: Recording, tracking: TrackingIndex) -> Array:
+    """Command with the gain and delay of the test."""
+    times = np.arange(recording.command.size) * recording.time_step
+    path = scipy.interpolate.CubicSpline(times, recording.command)
+    late = np.clip(times - tracking.delay, times[0], times[-1])
+    return np.asarray(tracking.amplitude * path(late), dtype=np.float64)
+
+
+def _spikes(
+    recording: Recording, clean: Recording, in_command: NDArray[np.bool_], in_measured: NDArray[np.bool_]
+) -> Iterator[Fault]:
+    peak = float(np.abs(clean.command).max())
+    channels = (
+        ("command", in_command, recording.command - clean.command),
+        ("measured displacement", in_measured, recording.measured - clean.measured),
+    )
+    for name, marked, added in channels:
+        if marked.any():
+            first = int(np.flatnonzero(marked)[0]) * recording.time_step
+            lasting = _MILLI * int(marked.sum()) * recording.time_step
+            size = float(np.abs(added).max()) / peak
+            yield Fault(
+                kind="spike",
+                finding=(
+                    f"The {name} jumps and returns within {significant(lasting)} ms in all, first at "
+                    f"{first:.4g} s, "
+                    f"by up to {size:.1%} of the command's peak: no actuator moves like that."
+                ),
+                in_command=added if name == "command" else None,
+                in_measured=None if name == "command" else added,
+                in_loop=False,
+            )
+
+
+def _copy(recording: Recording) -> Iterator[Fault]:
+    peak = float(np.abs(recording.command).max())
+    if float(np.abs(recording.measured - recording.command).max()) <= COPY_TOLERANCE * peak:
+        yield Fault(
+            kind="copy",
+            finding=(
+                "Command and measured displacement are identical, which no sensor reading is: was one "
+                "channel exported twice?"
+            ),
+        )
+
+
+def _standstill(recording: Recording, expected: Array) -> Iterator[Fault]:
+    peak = float(np.abs(recording.command).max())
+    for name, history, counterpart in (
+        ("measured displacement", recording.measured, recording.command),
+        ("command", recording.command, recording.measured),
+    ):
+        still = [
+            (begin, end)
+            for begin, end in _runs(np.abs(np.diff(history)) <= _SAME * peak)
+            if np.ptp(counterpart[begin : end + 1]) > _STANDSTILL_SHARE * peak
+        ]
+        if still:
+            lasting = sum(end - begin for begin, end in still) * recording.time_step
+            moved = max(float(np.ptp(counterpart[begin : end + 1])) for begin, end in still) / peak
+            yield Fault(
+                kind="standstill",
+                finding=(
+                    f"The {name} stands still for {significant(lasting)} s, first at "
+                    f"{still[0][0] * recording.time_step:.4g} s, while the other channel moves by "
+                    f"{moved:.0%} of the command's peak: either the actuator stood still, or the "
+                    "recording did."
+                ),
+                in_measured=_missing_motion(recording.measured - expected, still)
+                if history is recording.measured
+                else None,
+            )
+
+
+def _missing_motion(difference: Array, still: list[tuple[int, int]]) -> Array:
+    missing = np.zeros_like(difference)
+    for begin, end in still:
+        missing[begin : end + 1] = difference[begin : end + 1]
+    return missing
+
+
+def _runs(marked: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Find the first and the last sample of each stretch of marked steps."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], marked, [False]]).astype(np.int8)))
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+
+
+def _slow(
+    recording: Recording,
+    expected: Array,
+    threshold: float,
+    experimental_fraction: float,
+    tracking: TrackingIndex,
+) -> Iterator[Fault]:
+    peak = float(np.abs(recording.command).max())
+    period = 1.0 / tracking.plain.equivalent_frequency
+    blocks = int(recording.duration / (_PERIODS_OF_A_BLOCK * period))
+    if blocks < _FEWEST_BLOCKS:
+        return
+    blocks = min(blocks, _MOST_BLOCKS)
+    line = _line(recording.measured - expected, blocks)
+    place = np.linspace(-0.5, 0.5, recording.command.size)
+    least = _LEAST_SHARE * threshold * peak
+    terms = (
+        ("offset", line.offset, line.offset_error, np.ones_like(place)),
+        ("drift", line.drift, line.drift_error, place),
+    )
+    for kind, size, error, shape in terms:
+        if abs(size) < least or abs(size) < _SIGNIFICANT * error:
+            continue
+        share = f"{abs(size) / peak:.2%} of the command's peak"
+        in_loop = _answered(recording.command, experimental_fraction * size, kind, blocks)
+        yield Fault(
+            kind=kind,
+            finding=f"The measured displacement has an offset of {share}."
+            if kind == "offset"
+            else f"The measured displacement drifts by {share} from beginning to end.",
+            in_measured=size * shape,
+            in_loop=in_loop,
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Line:
+    """Mean and rise of a history over its length, with their standard errors."""
+
+    offset: float
+    drift: float
+    offset_error: float
+    drift_error: float
+
+
+def _line(values: Array, blocks: int) -> _Line:
+    means = np.array([float(part.mean()) for part in np.array_split(values, blocks)])
+    places = (np.arange(blocks) + 0.5) / blocks - 0.5
+    design = np.stack([np.ones(blocks), places], axis=1)
+    coefficients, *_ = np.linalg.lstsq(design, means, rcond=None)
+    scatter = float(np.sum((means - design @ coefficients) ** 2)) / (blocks - 2)
+    errors = np.sqrt(scatter * np.diag(np.linalg.inv(design.T @ design)))
+    return _Line(
+        offset=float(coefficients[0]),
+        drift=float(coefficients[1]),
+        offset_error=float(errors[0]),
+        drift_error=float(errors[1]),
+    )
+
+
+def _answered(command: Array, force_offset: float, kind: str, blocks: int) -> bool | None:
+    """Whether the command's mean is that of a loop which felt the offset, or of one which did not."""
+    line = _line(command, blocks)
+    size, error = (line.offset, line.offset_error) if kind == "offset" else (line.drift, line.drift_error)
+    answer, spread = -size / force_offset, _SIGNIFICANT / 2.0 * error / abs(force_offset)
+    if spread < _FELT[1] - 1.0 and _FELT[0] <= answer <= _FELT[1]:
+        return True
+    if spread < _NOT_FELT[1] and _NOT_FELT[0] <= answer <= _NOT_FELT[1]:
+        return False
+    return None

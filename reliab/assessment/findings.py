@@ -1,0 +1,184 @@
+"""What is found about a test: numbers, before they are put into words."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from reliab.assessment.contradictions import Contradiction
+from reliab.assessment.error_of_test import ErrorOfTest
+from reliab.assessment.faults import Fault
+from reliab.assessment.improvement import Improvement, improvement
+from reliab.assessment.moving_windows import Windows
+from reliab.assessment.own_equation import OwnEquation
+from reliab.assessment.own_motion import OwnPlacement
+from reliab.assessment.placement import Placement
+from reliab.assessment.tracking_index import TrackingIndex
+from reliab.assessment.tracking_measures import TrackingMeasures
+from reliab.assessment.verdict import Verdict, Word, verdict_by_index
+from reliab.criterion import Criterion
+from reliab.recordings.recording import Recording
+from reliab.stated_value import StatedValue
+from reliab.structures.stability import critical_delay, stability_margin
+from reliab.structures.structure import Structure
+from reliab.vocabulary import Metric
+
+LARGEST_PROBABILITY: Final = 0.99
+"""Largest probability stated for a population of ground motions: higher ones were not validated."""
+
+
+def capped(probability: float | None) -> float | None:
+    """Probability limited to the range that was validated; None where it is not known.
+
+    Examples
+    --------
+    >>> capped(1.0), capped(0.4), capped(None)
+    (0.99, 0.4, None)
+    """
+    if probability is None:
+        return None
+    return min(max(probability, 1.0 - LARGEST_PROBABILITY), LARGEST_PROBABILITY)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FaultEffect:
+    """A fault of the recording with what it does to the error.
+
+    Attributes
+    ----------
+    fault : Fault
+        The fault.
+    otherwise : ErrorOfTest or None
+        Error of the test without the fault; where the verdict already excludes the fault because the loop did
+        not feel it, the error with the fault; None where that is not known.
+    """
+
+    fault: Fault
+    otherwise: ErrorOfTest | None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Findings:
+    """What is found about a test.
+
+    Attributes
+    ----------
+    recording : Recording
+        The test.
+    structure : Structure
+        The structure under test.
+    stated : mapping of str to StatedValue
+        Frequency "f", damping ratio "xi", share "alpha" and sensor "scale" with their tolerances.
+    criterion : Criterion
+        The criterion.
+    tracking : TrackingIndex
+        A and d with their uncertainty.
+    measures : TrackingMeasures
+        Established measures of tracking.
+    windows : Windows
+        A and d in moving windows.
+    population : Placement
+        The test against the population of ground motions.
+    placement : OwnPlacement or None
+        The test against its own ground motion's boundary, where that is known.
+    error : ErrorOfTest
+        The error of this test, rebuilt from its command and measured displacement.
+    faults : tuple of FaultEffect
+        Faults of the recording.
+    equation : OwnEquation
+        What the test's equation of motion shows about the structure.
+    otherwise_stated : tuple of ErrorOfTest
+        Error with the structure as stated, or with another damping ratio, where the test contradicts it.
+    verdict : Verdict
+        The verdict on the test, by its error.
+    assumed : tuple of str
+        What was not stated and had to be assumed, in sentences.
+    column_doubts : tuple of Contradiction
+        Why command and measured displacement may be swapped.
+    contradictions : tuple of Contradiction
+        Where the recording contradicts what is stated, so that the verdict is undecided at best; doubts about
+        the columns where the verdict depends on them.
+    """
+
+    recording: Recording
+    structure: Structure
+    stated: Mapping[str, StatedValue]
+    criterion: Criterion
+    tracking: TrackingIndex
+    measures: TrackingMeasures
+    windows: Windows
+    population: Placement
+    placement: OwnPlacement | None
+    error: ErrorOfTest
+    faults: tuple[FaultEffect, ...]
+    equation: OwnEquation
+    otherwise_stated: tuple[ErrorOfTest, ...]
+    verdict: Verdict
+    assumed: tuple[str, ...] = ()
+    column_doubts: tuple[Contradiction, ...] = ()
+    contradictions: tuple[Contradiction, ...] = ()
+
+    @property
+    def metric(self) -> Metric:
+        """Which error is asked about."""
+        return Metric(self.criterion.metric)
+
+    @property
+    def index(self) -> float | None:
+        """Index of the test: by its own motion where that is known, else by the population.
+
+        None where the test leads and the criterion has no limits for leads.
+        """
+        return self.population.index if self.placement is None else self.placement.index
+
+    @property
+    def index_interval(self) -> tuple[float, float] | None:
+        """95 % interval of the index."""
+        return self.population.index_interval if self.placement is None else self.placement.index_interval
+
+    @property
+    def index_probability(self) -> float | None:
+        """Probability, by A and d alone, that the error of such a test stays below the threshold."""
+        return capped(self.population.probability if self.placement is None else self.placement.probability)
+
+    @property
+    def verdict_by_index(self) -> Verdict:
+        """The verdict by A and d alone."""
+        return verdict_by_index(
+            index=self.index,
+            interval=self.index_interval,
+            probability=self.index_probability,
+            confidence=self.criterion.confidence,
+            own_motion=self.placement is not None,
+        )
+
+    @property
+    def reliable(self) -> bool:
+        """Whether the verdict is "reliable"."""
+        return self.verdict.word is Word.RELIABLE
+
+    @property
+    def probability(self) -> float:
+        """Probability that the error of the test stays below the threshold."""
+        return self.error.probability
+
+    @property
+    def stability_margin(self) -> float:
+        """Stability margin: one minus the delay over the critical delay [-]."""
+        late = max(self.tracking.delay, 0.0)
+        return float(stability_margin(self.structure, self.tracking.amplitude, late))
+
+    @property
+    def critical_delay(self) -> float:
+        """Delay [s] at which the loop would lose stability; infinite where none does."""
+        return float(critical_delay(self.structure, self.tracking.amplitude))
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Ellipse parameters a [-] and b [ms²] behind the index."""
+        behind = self.population if self.placement is None else self.placement
+        return behind.a, behind.b
+
+    @property
+    def improvement(self) -> Improvement:
+        """What to improve first, by the index."""
+        return improvement(self.tracking.amplitude, self.tracking.delay, *self.limits)

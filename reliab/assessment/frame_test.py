@@ -1,0 +1,223 @@
+"""The verdict on a test of a partitioned frame: its own error, faults of the recording, stability margin."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from reliab.assessment.contradictions import limited, of_frequency, of_stability
+from reliab.assessment.doubts import verdict_of_error
+from reliab.assessment.error_of_test import ErrorOfTest
+from reliab.assessment.fault_effects import error_with_faults
+from reliab.assessment.faults import find_faults, repaired
+from reliab.assessment.frame_assessment import FrameAssessment
+from reliab.assessment.own_equation import OwnEquation
+from reliab.assessment.placement import place
+from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
+from reliab.assessment.rebuilt_error import Part, Tolerances, WholeStructure, rebuild
+from reliab.assessment.tracking_index import track
+from reliab.criterion import Criterion
+from reliab.errors import InputError
+from reliab.indices.tracking_over_frequency import TrackingOverFrequency, tracking_over_frequency
+from reliab.recordings.recording import Recording
+from reliab.recordings.spikes import without_spikes
+from reliab.simulation.frames.frame_file import FrameUnderTest
+from reliab.stated_value import StatedValue
+from reliab.structures.critical_delay import critical_delay
+from reliab.structures.partition import Partition
+from reliab.structures.structure import Structure
+from reliab.sweep.frame_table import governing_mode
+from reliab.vocabulary import Metric
+
+_MILLISECONDS = 1e3
+_FEW_DRAWS = 2
+_SAME_SHARE = 1e-3
+
+
+def whole_structure(partition: Partition) -> WholeStructure:
+    """Matrices of a partition in the form that the rebuilt error needs."""
+    frame, specimen = partition.frame, partition.specimen
+    return WholeStructure(
+        mass=np.array(frame.mass),
+        damping=np.array(frame.damping),
+        stiffness=np.array(frame.stiffness),
+        interface=np.array(partition.interface),
+        specimen_stiffness=specimen.stiffness,
+        specimen_damping=specimen.damping,
+        specimen_mass=specimen.mass,
+    )
+
+
+def assess_frame(
+    recording: Recording,
+    frame: FrameUnderTest,
+    *,
+    criterion: Criterion | None = None,
+    threshold: float = 0.05,
+    metric: Metric = Metric.RMS,
+    feedback_lag: StatedValue | None = None,
+    scale: StatedValue | None = None,
+) -> FrameAssessment:
+    """Judge a test of a partitioned frame by the error computed from its displacements.
+
+    Parameters
+    ----------
+    recording : Recording
+        Command and measured displacement at the interface.
+    frame : FrameUnderTest
+        The frame; its specimen must be linear.
+    criterion : Criterion, optional
+        A criterion that was derived for this frame. Its threshold and metric are used, and the test's index
+        is stated beside the error.
+    threshold : float, optional
+        Largest error of a reliable test [-].
+    metric : Metric, optional
+        Which error.
+    feedback_lag : StatedValue, optional
+        Time by which the force was fed back late [ms]; none by default.
+    scale : StatedValue, optional
+        Scale of the displacement sensor [-]; 1 by default.
+
+    Returns
+    -------
+    FrameAssessment
+        A, d, the stability margin, the error with its interval, faults of the recording, and the verdict.
+
+    Raises
+    ------
+    InputError
+        If the specimen is nonlinear, the error asked for is not that of the interface, the criterion is for
+        another structure, or the recording cannot be judged.
+    """
+    _check_frame(frame)
+    mode = governing_mode(frame)
+    if criterion is not None:
+        _check_criterion(criterion, mode)
+        threshold, metric = criterion.threshold, Metric(criterion.metric)
+    if scale is not None:
+        recording = replace(recording, measured=recording.measured / scale.value)
+    require_length(recording, mode.frequency)
+    require_drawable(recording, whole_structure(frame.partition))
+    require_plausible(recording, stiffness=frame.partition.specimen.stiffness)
+    bridged, *_ = without_spikes(recording)
+    faults = find_faults(
+        recording,
+        track(bridged, draws=_FEW_DRAWS),
+        threshold=threshold,
+        experimental_fraction=_share_at_rest(frame.partition),
+    )
+    rebuilt = _rebuilding(frame, feedback_lag, scale, metric, threshold)
+    error, effects = error_with_faults(recording, faults, rebuilt)
+    sound = repaired(recording, faults)
+    tracking, over_frequency = track(sound), _over_frequency(sound)
+    assessment = FrameAssessment(
+        recording=recording,
+        frame=frame,
+        mode=mode,
+        tracking=tracking,
+        over_frequency=over_frequency,
+        error=error,
+        resolved=_resolved(sound, over_frequency, error),
+        faults=effects,
+        verdict=verdict_of_error(error, effects, OwnEquation(), ()),
+        critical_delay=critical_delay(frame.partition, tracking.amplitude)[0],
+        criterion=criterion,
+        population=None
+        if criterion is None
+        else place(criterion, mode, tracking.amplitude, tracking.delay, tracking.draws),
+    )
+    return _with_contradictions(assessment, sound)
+
+
+def _with_contradictions(assessment: FrameAssessment, sound: Recording) -> FrameAssessment:
+    """Add where the recording contradicts what is stated, which limits the verdict."""
+    contradictions = (
+        *of_frequency(sound, assessment.tracking, [mode.frequency for mode in assessment.modes]),
+        *of_stability(assessment.stability_margin),
+    )
+    return replace(
+        assessment, contradictions=contradictions, verdict=limited(assessment.verdict, contradictions)
+    )
+
+
+def _over_frequency(recording: Recording) -> TrackingOverFrequency | None:
+    try:
+        return tracking_over_frequency(recording.command, recording.measured, recording.time_step)
+    except InputError:
+        return None
+
+
+def _resolved(
+    recording: Recording, over_frequency: TrackingOverFrequency | None, error: ErrorOfTest
+) -> Part | None:
+    if over_frequency is None:
+        return None
+    return error.rebuilt.part_of_tracking(over_frequency.follow(recording.command, recording.time_step))
+
+
+def _rebuilding(
+    frame: FrameUnderTest,
+    feedback_lag: StatedValue | None,
+    scale: StatedValue | None,
+    metric: Metric,
+    threshold: float,
+) -> Callable[[Recording, float | None], ErrorOfTest]:
+    """Give the function that rebuilds the error of a recording whose sensor has a stated offset [m]."""
+    structure, tolerances = whole_structure(frame.partition), _tolerances(feedback_lag, scale)
+    lag = 0.0 if feedback_lag is None else feedback_lag.value / _MILLISECONDS
+    damping_ratio = governing_mode(frame).damping_ratio
+
+    def rebuilt(test: Recording, offset: float | None) -> ErrorOfTest:
+        error = rebuild(
+            test.command,
+            test.measured,
+            test.time_step,
+            structure,
+            feedback_lag=lag,
+            sensor_offset=offset,
+            tolerances=tolerances,
+        )
+        return ErrorOfTest(rebuilt=error, metric=metric, threshold=threshold, damping_ratio=damping_ratio)
+
+    return rebuilt
+
+
+def _check_frame(frame: FrameUnderTest) -> None:
+    if frame.partition.effects:
+        raise InputError(
+            "The error of a frame is rebuilt for a linear specimen",
+            value=", ".join(effect.name for effect in frame.partition.effects),
+            remedy="Leave [[specimen.effects]] out if the specimen is nearly linear",
+        )
+    if frame.output is not None:
+        raise InputError(
+            "Only the error of the measured interface displacement can be computed from a test",
+            value=frame.error_of,
+            remedy='Leave [error] out, or give of = "interface"',
+        )
+
+
+def _check_criterion(criterion: Criterion, mode: Structure) -> None:
+    """Refuse a criterion that was derived with another share of the specimen than this frame's."""
+    share = criterion.provenance.experimental_fraction
+    if not math.isclose(share, mode.experimental_fraction, rel_tol=_SAME_SHARE):
+        raise InputError(
+            "The criterion of a frame's test must be that of the frame",
+            value=f"α = {share:.4g} in the criterion, {mode.experimental_fraction:.4g} in the governing mode",
+            remedy="Derive it with `reliab criterion --structure` and the same description of the frame",
+        )
+    criterion.limits(mode.frequency, mode.damping_ratio)
+
+
+def _share_at_rest(partition: Partition) -> float:
+    """Part of a sensor's offset by which a loop that feels it moves its command, k_e γᵀK⁻¹γ [-]."""
+    moved = np.linalg.solve(partition.frame.stiffness, partition.interface)
+    return max(float(partition.specimen.stiffness * (partition.interface @ moved)), 1e-6)
+
+
+def _tolerances(feedback_lag: StatedValue | None, scale: StatedValue | None) -> Tolerances:
+    return Tolerances(
+        sensor_scale=0.0 if scale is None else scale.deviation / scale.value,
+        feedback_lag=0.0 if feedback_lag is None else feedback_lag.deviation / _MILLISECONDS,
+    )

@@ -1,0 +1,153 @@
+"""Where a test lies in the (A, d) plane against the population of ground motions."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.criterion import Criterion
+from reliab.criterion.laws.validity import Validity
+from reliab.structures.structure import Structure
+from reliab.vocabulary import Side
+
+_DRAWS = 200
+
+
+@dataclass(frozen=True, kw_only=True)
+class Placement:
+    """A test against a criterion.
+
+    Attributes
+    ----------
+    a, b : float
+        Limits [-] and [ms²] of the structure, on the test's side where the criterion has limits for it.
+    index : float or None
+        (A − 1)²/a + d²/b; the test is accepted up to 1. None where the test leads and the criterion has no
+        limits for leads.
+    index_interval : tuple of float, or None
+        95 % interval of the index; None likewise.
+    probability : float or None
+        Probability that the error stays below the threshold, over ground motions and over what noise
+        leaves open of A and d; None where no motions stand behind the criterion.
+    carried_from : tuple of float or None
+        Structure [Hz, -] from which the criterion was carried over, if the test's lies outside.
+    """
+
+    a: float
+    b: float
+    index: float | None
+    index_interval: tuple[float, float] | None
+    probability: float | None
+    carried_from: tuple[float, float] | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Carried:
+    """The nearest valid structure, and the scaling of errors from one structure to the other."""
+
+    frequency: float
+    damping_ratio: float
+    amplitude_factor: float
+    delay_factor: float
+
+    @classmethod
+    def into(cls, validity: Validity, structure: Structure) -> "_Carried":
+        """Clip a structure; errors keep their dimensionless size, (A − 1)/ξ and dω₀/ξ."""
+        f = float(np.clip(structure.frequency, *validity.frequency))
+        xi = float(np.clip(structure.damping_ratio, *validity.damping_ratio))
+        factor = xi / structure.damping_ratio
+        return cls(
+            frequency=f,
+            damping_ratio=xi,
+            amplitude_factor=factor,
+            delay_factor=factor * structure.frequency / f,
+        )
+
+    def errors(
+        self, amplitude: NDArray[np.float64], delay: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], float, float]:
+        """Return A [-], d [s] and the structure [Hz, -] as criteria take them."""
+        carried = 1.0 + self.amplitude_factor * (amplitude - 1.0), self.delay_factor * delay
+        return *carried, self.frequency, self.damping_ratio
+
+
+def place(
+    criterion: Criterion, structure: Structure, amplitude: float, delay: float, draws: NDArray[np.float64]
+) -> Placement:
+    """Place a test against a criterion.
+
+    Parameters
+    ----------
+    criterion : Criterion
+        The criterion.
+    structure : Structure
+        The test's structure; outside of the criterion's validity the nearest valid one stands for it,
+        errors keeping their dimensionless size.
+    amplitude, delay : float
+        A [-] and d [s].
+    draws : numpy.ndarray
+        Draws of A [-] and d [s], shape (2, draws).
+
+    Returns
+    -------
+    Placement
+        Limits, index and probability.
+    """
+    carried = _Carried.into(criterion.law.validity, structure)
+    side = Side.LEAD if delay < 0.0 else Side.LAG
+    knows_leads = criterion.knows_leads
+    if not knows_leads and float(np.quantile(draws[1], 0.975)) < 0.0:
+        a, b, carried_from = carried_limits(criterion, structure)
+        return Placement(
+            a=a, b=b, index=None, index_interval=None, probability=None, carried_from=carried_from
+        )
+    if not knows_leads:  # no lead that noise does not explain: the limits for lags begin at d = 0
+        delay, side = max(delay, 0.0), Side.LAG
+        draws = np.stack([draws[0], np.maximum(draws[1], 0.0)])
+    a, b, carried_from = carried_limits(criterion, structure, side)
+    index = criterion.index(*carried.errors(np.array([amplitude]), np.array([delay])))
+    spread = criterion.index(*carried.errors(draws[0], draws[1]))
+    low, high = np.quantile(spread, [0.025, 0.975]).tolist()
+    return Placement(
+        a=a,
+        b=b,
+        index=float(index[0]),
+        index_interval=(low, high),
+        probability=_probability(criterion, structure, draws[:, :_DRAWS]),
+        carried_from=carried_from,
+    )
+
+
+def carried_limits(
+    criterion: Criterion, structure: Structure, side: Side = Side.LAG
+) -> tuple[float, float, tuple[float, float] | None]:
+    """Limits of a structure, carried over from the nearest one where the criterion holds.
+
+    Parameters
+    ----------
+    criterion : Criterion
+        The criterion.
+    structure : Structure
+        Any structure.
+    side : Side, optional
+        Limits for actuators that are late, or early.
+
+    Returns
+    -------
+    a, b : float
+        Limits [-] and [ms²]; a/ξ² and bω₀²/ξ² are those of the nearest valid structure.
+    carried_from : tuple of float or None
+        That structure [Hz, -], if it is another one.
+    """
+    carried = _Carried.into(criterion.law.validity, structure)
+    a, b = (float(limit) for limit in criterion.limits(carried.frequency, carried.damping_ratio, side))
+    place = carried.frequency, carried.damping_ratio
+    outside = place != (structure.frequency, structure.damping_ratio)
+    return a / carried.amplitude_factor**2, b / carried.delay_factor**2, place if outside else None
+
+
+def _probability(criterion: Criterion, structure: Structure, draws: NDArray[np.float64]) -> float | None:
+    if criterion.population is None:
+        return None
+    carried = _Carried.into(criterion.population.validity, structure)
+    return float(np.mean(criterion.probability(*carried.errors(draws[0], draws[1]))))

@@ -1,0 +1,25 @@
+"""Errors and their parts as plain numbers, the same in every summary of a test."""
+
+import numpy as np
+
+from reliab.assessment.rebuilt_error import Estimate, Part
+
+
+def finite(value: float | None) -> float | None:
+    """Return a number ready for JSON; None where it is unknown or infinite."""
+    return float(value) if value is not None and np.isfinite(value) else None
+
+
+def plain_estimate(error: Estimate) -> dict[str, float | None]:
+    """Value and ends of the 90 % interval of an error [-]."""
+    return {"value": finite(error.value), "low": finite(error.low), "high": finite(error.high)}
+
+
+def plain_part(part: Part) -> dict[str, float | None]:
+    """Size of a part of the error, its share, and what would remain without it [-]."""
+    return {
+        "rms": finite(part.rms),
+        "share": finite(part.share),
+        "remaining_rms": finite(part.remaining_rms),
+        "remaining_mte": finite(part.remaining_mte),
+    }

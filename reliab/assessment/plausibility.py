@@ -1,0 +1,185 @@
+"""Recordings that cannot be judged: too short or coarse, opposite signs, two units, exchanged, unrelated."""
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from reliab.assessment.band import noise_floor
+from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
+from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
+from reliab.assessment.recorded_force import require_order, require_restoring_force
+from reliab.errors import InputError
+from reliab.recordings.recording import Recording
+from reliab.recordings.spikes import without_spikes
+from reliab.significant import significant
+
+_OPPOSITE = -0.8
+"""Correlation below which the measured displacement runs against the command."""
+
+_UNRELATED = 0.2
+"""Correlation at the best lag below which the measured displacement does not follow the command; in an
+unstable test it follows late, but with a higher correlation."""
+
+_LONGEST_REACTION = 0.1
+"""Time by which a rig may be late [s]. Half a period below it is no reversed sign for sure."""
+
+_IN_STEP = 0.8
+"""Correlation above which a rig is not late enough to attenuate by a filter of its own."""
+
+_PROPORTIONAL = 0.98
+"""Correlation at the best lag above which a difference in size is a factor, not a limit of the rig."""
+
+_FEWEST_PERIODS = 2.0
+_LONGEST_STEP = 0.2  # of a period
+_LONGEST_LAG = 0.25  # of the test
+_LARGEST_NOISE = 0.5  # in power
+
+_UNIT_FACTORS = {
+    1000.0: "millimetres beside metres",
+    100.0: "centimetres beside metres",
+    10.0: "millimetres beside centimetres",
+    39.3701: "inches beside metres",
+    25.4: "millimetres beside inches",
+    2.54: "centimetres beside inches",
+    3.28084: "feet beside metres",
+    12.0: "inches beside feet",
+}
+_UNIT_TOLERANCE = 0.1
+
+
+def require_length(recording: Recording, frequency: float) -> None:
+    """Refuse a test of less than two periods of the structure, or of less than five samples in a period.
+
+    Parameters
+    ----------
+    recording : Recording
+        The test.
+    frequency : float
+        Natural frequency of the structure [Hz].
+
+    Raises
+    ------
+    InputError
+        If the test is too short or sampled too coarsely.
+    """
+    periods = recording.duration * frequency
+    if periods < _FEWEST_PERIODS:
+        raise InputError(
+            f"A test must last at least {_FEWEST_PERIODS:g} periods of the structure",
+            value=f"{significant(periods, 2)} ({recording.duration:g} s at {frequency:g} Hz)",
+            remedy="Give the whole test; times are in seconds unless `time_units` says otherwise",
+            where=recording.name,
+        )
+    if recording.time_step * frequency > _LONGEST_STEP:
+        raise InputError(
+            f"A step must be at most {_LONGEST_STEP:g} of a period of the structure",
+            value=f"{recording.time_step:g} s at {frequency:g} Hz",
+            remedy='Times are in seconds; if they are in milliseconds, give `time_units="ms"`',
+            where=recording.name,
+        )
+
+
+def require_drawable(recording: Recording, structure: WholeStructure) -> None:
+    """Refuse a test that is too long for the intervals of its error, before anything is computed from it.
+
+    Parameters
+    ----------
+    recording : Recording
+        The test.
+    structure : WholeStructure
+        The whole structure under test.
+
+    Raises
+    ------
+    InputError
+        If the test is too long, with the longest duration.
+    """
+    step = recording.time_step
+    require_fitting(recording.command.size, samples_in_step_of_structure(structure, step), step)
+
+
+def require_plausible(recording: Recording, *, stiffness: float | None = None) -> None:
+    """Refuse a recording whose channels contradict each other by a sign, a unit or their order.
+
+    Parameters
+    ----------
+    recording : Recording
+        The test, as it was recorded.
+    stiffness : float, optional
+        Stated stiffness of the specimen [N/m]; without it the unit of a recorded force is not examined.
+
+    Raises
+    ------
+    InputError
+        With what was found and the remedy, in one sentence each.
+    """
+    clean, *_ = without_spikes(recording)
+    _require_following(clean)
+    if clean.force is not None:
+        step, where = clean.time_step, clean.name
+        require_restoring_force(clean.measured, clean.force, step, stiffness=stiffness, where=where)
+        require_order(clean.command, clean.measured, clean.force, step, where)
+
+
+def _require_following(recording: Recording) -> None:
+    """Refuse a test whose measured displacement has another sign or unit than its command, or is unrelated.
+
+    Parameters
+    ----------
+    recording : Recording
+        The test, without spikes.
+
+    Raises
+    ------
+    InputError
+        If the measured displacement runs against the command, has nothing to do with it, or is larger or
+        smaller by the ratio of two units of length.
+    """
+    command, measured = _moving(recording.command), _moving(recording.measured)
+    size = float(np.linalg.norm(command) * np.linalg.norm(measured))
+    correlation = float(command @ measured) / size
+    reach, none = int(_LONGEST_LAG * command.size), command.size - 1
+    products = scipy.signal.correlate(measured, command, method="fft")[none - reach : none + reach + 1]
+    best, lag = float(products.max()) / size, abs(int(np.argmax(products)) - reach) * recording.time_step
+    if correlation < _OPPOSITE and lag > _LONGEST_REACTION:
+        raise InputError(
+            "The measured displacement must have the command's sign",
+            value=f"a correlation of {correlation:.2f} between the two",
+            remedy="Reverse the sign of one channel",
+            where=recording.name,
+        )
+    if best < _UNRELATED:
+        raise InputError(
+            "The measured displacement must follow the command",
+            value=f"a correlation of at most {best:.2f} between the two",
+            remedy="Check that the columns and their units are the right ones",
+            where=recording.name,
+        )
+    floor, total = noise_floor(recording.measured)
+    noise = 0.5 * floor * recording.measured.size / total  # a periodogram has half as many bins as samples
+    if noise > _LARGEST_NOISE:
+        raise InputError(
+            "The measured displacement must follow the command",
+            value=f"{noise:.0%} of its power is white noise",
+            remedy="Check that the channel was connected",
+            where=recording.name,
+        )
+    if correlation > _IN_STEP and best > _PROPORTIONAL:
+        _require_one_unit(float(np.linalg.norm(measured) / np.linalg.norm(command)), recording.name)
+
+
+def _require_one_unit(ratio: float, where: str) -> None:
+    """Refuse a measured displacement that is larger or smaller than the command by the ratio of two units."""
+    for factor, units in _UNIT_FACTORS.items():
+        for expected in (factor, 1.0 / factor):
+            if abs(ratio / expected - 1.0) < _UNIT_TOLERANCE:
+                raise InputError(
+                    "Command and measured displacement must be in one unit",
+                    value=f"a measured displacement of {ratio:.4g} times the command, as {units} would have",
+                    remedy="State the unit in the column's name (measured_mm), or convert the column",
+                    where=where,
+                )
+
+
+def _moving(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(values - values.mean(), dtype=np.float64)

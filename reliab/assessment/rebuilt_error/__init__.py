@@ -1,0 +1,66 @@
+"""The error of a test, rebuilt from its own command and measured displacement (plain arrays, SI units).
+
+The error e = x_c − x_I of a hybrid test obeys the whole structure's own equation of motion, driven only
+by the restoring force that was wrong: M e'' + C e' + K e = γ(Z x_c − f), e'' + 2ξω₀e' + ω₀²e = αω₀²(x_c −
+x_m) for one degree of freedom, and x_m − x_I = e − (x_c − x_m). Start with :func:`rebuild`::
+
+    error = rebuild(command, measured, time_step, structure, tolerances=Tolerances(frequency=0.01))
+    error.rms.value, error.rms.low, error.rms.high      RMS^R and its 90 % interval; error.mte likewise
+    error.probability(threshold, metric)                P(error < threshold), capped by the draws
+    error.error, error.smooth_error, error.reference    x_m − x_I and x_I [m], shape (n,)
+    error.low, error.high                               90 % band of x_m − x_I [m], shape (n,)
+    error.parts()                                       Parts: gain, delay, first, by_name[...] with share,
+                                                        rms, remaining_rms, remaining_mte, history;
+                                                        over_time(...), over_frequency(...)
+    error.widenings(metric)                             what widens the interval, widest first
+    error.start.offset, error.noise.white               the sensor's offset and noise [m]
+
+`structure` is a :class:`~reliab.structures.structure.Structure` (one degree of freedom, share α), a
+:class:`~reliab.structures.partition.Partition`, or a :class:`WholeStructure` (matrices M, C, K with an
+interface and a linear specimen). Further tools:
+
+- :func:`identify`: f, ξ, α and the lag of the fed-back force from the loop's own equation where the ground
+  acceleration (and the force) are recorded, and `disagreements()` with what was stated;
+- :func:`examine_specimen`: whether the force shows a nonlinear specimen;
+- :func:`rebuild_with_specimen`: the error of a test whose specimen is nonlinear and has a calibrated model;
+- :class:`Monitor`: the same numbers while the test runs, and the damping that the actuator leaves.
+
+What is assumed: the structure is linear with the stated properties (or its specimen has a model), the command
+solves its equation of motion, and the fed-back force is that of the piston's true displacement, without the
+sensor's noise and offset. An offset that the sensor shows before the test moves is the sensor's and is taken
+away; `sensor_offset=0.0` says that the loop felt it. A sensor with a wrong scale, a channel that is shifted
+in time, or a force that is fed back late looks exactly like an actuator error: state a tolerance for each,
+and the interval includes it.
+"""
+
+from reliab.assessment.rebuilt_error.force_form import Form
+from reliab.assessment.rebuilt_error.identification import Identification, Identified, identify
+from reliab.assessment.rebuilt_error.monitor import Monitor
+from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen
+from reliab.assessment.rebuilt_error.parts import Part, Parts
+from reliab.assessment.rebuilt_error.rebuild import rebuild
+from reliab.assessment.rebuilt_error.rebuilt import RebuiltError
+from reliab.assessment.rebuilt_error.specimen_check import SpecimenCheck, examine_specimen
+from reliab.assessment.rebuilt_error.spread import Estimate
+from reliab.assessment.rebuilt_error.tolerances import Tolerances
+from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
+from reliab.assessment.rebuilt_error.widenings import Widening
+
+__all__ = [
+    "Estimate",
+    "Form",
+    "Identification",
+    "Identified",
+    "Monitor",
+    "Part",
+    "Parts",
+    "RebuiltError",
+    "SpecimenCheck",
+    "Tolerances",
+    "WholeStructure",
+    "Widening",
+    "examine_specimen",
+    "identify",
+    "rebuild",
+    "rebuild_with_specimen",
+]

@@ -1,0 +1,102 @@
+"""Checks of the recorded channels, and of how the recording begins, before an error is rebuilt."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.assessment.rebuilt_error.initial import Start, examine_start
+from reliab.assessment.rebuilt_error.noise import SensorNoise
+from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
+from reliab.errors import InputError
+from reliab.significant import significant
+
+Array = NDArray[np.float64]
+
+FEWEST_SAMPLES = 64
+"""Smallest number of samples from which an error is rebuilt."""
+
+_FEWEST_PER_PERIOD = 10.0
+
+
+def checked_histories(
+    command: Array, measured: Array, step: float, structure: WholeStructure
+) -> tuple[Array, Array]:
+    """Check command and measured displacement.
+
+    Parameters
+    ----------
+    command, measured : numpy.ndarray
+        x_c and x_m [m], shape (n,).
+    step : float
+        Step between samples [s].
+    structure : WholeStructure
+        The structure under test.
+
+    Returns
+    -------
+    tuple of numpy.ndarray
+        Both as contiguous arrays of double precision.
+
+    Raises
+    ------
+    InputError
+        If histories differ in length, are too short, do not move or are not finite, or if the step is too
+        long for the structure.
+    """
+    command, measured = (np.ascontiguousarray(values, dtype=np.float64) for values in (command, measured))
+    if command.ndim != 1 or command.shape != measured.shape or command.size < FEWEST_SAMPLES:
+        raise InputError(
+            f"Command and measured displacement must have one length, at least {FEWEST_SAMPLES} samples",
+            value=f"shapes {command.shape} and {measured.shape}",
+            remedy="Give the histories of one interface over the whole test",
+        )
+    for name, values in (("command", command), ("measured displacement", measured)):
+        if not np.isfinite(values).all():
+            raise InputError(f"The {name} must be finite throughout", remedy="Repair the recording")
+    if not np.ptp(command) > 0.0:
+        raise InputError("The command must move", remedy="Check that the column is the right one")
+    if not (np.isfinite(step) and step > 0.0):
+        raise InputError("The time step must be positive", value=f"{step} s")
+    lowest = float(structure.natural_frequencies[0])
+    if lowest * step * _FEWEST_PER_PERIOD > 1.0:
+        raise InputError(
+            f"A period of the structure must hold at least {_FEWEST_PER_PERIOD:.0f} samples",
+            value=significant(1.0 / (lowest * step)),
+            remedy="Record at a higher rate: the error between samples is unknown",
+        )
+    return command, measured
+
+
+def stated_start(
+    command: Array,
+    measured: Array,
+    time_step: float,
+    structure: WholeStructure,
+    noise: SensorNoise,
+    sensor_offset: float | None,
+) -> Start:
+    """Examine how a test begins; a stated sensor offset is used as given.
+
+    Parameters
+    ----------
+    command, measured : numpy.ndarray
+        x_c and x_m [m], shape (n,).
+    time_step : float
+        Step between samples [s].
+    structure : WholeStructure
+        The structure under test.
+    noise : SensorNoise
+        The sensor's noise.
+    sensor_offset : float or None
+        Offset [m] that the user states; None to estimate it.
+
+    Returns
+    -------
+    Start
+        Offset and state of motion.
+    """
+    lowest = float(structure.natural_frequencies[0]) or 1.0
+    share = float(structure.error_transfer(np.zeros(1, dtype=np.complex128))[0].real)
+    start = examine_start(command, measured, time_step, lowest, noise.white, noise.slow, share)
+    return start if sensor_offset is None else replace(start, offset=sensor_offset, offset_deviation=0.0)

@@ -1,0 +1,262 @@
+"""Histories of x_c − x_m that are compatible with the noisy sensor reading.
+
+The sensor shows y = d + n, with d = x_c − x_m and its noise n. The actuator's error has a part that follows
+the command and a remainder r: d = a x_c + b x_c' + c x_c'' + r, where a and b may change slowly over the
+test. In a lapped transform the coefficients of r and n are nearly independent: n has a known variance s, and
+r the variance q(f) P(t, f), where P is the local power of the command, since an actuator's error is about
+proportional to its command. The level q of each band of frequencies is not known. Its logarithm follows a
+Markov chain from band to band, with steps of the Laplace distribution and now and then a jump. Levels are
+drawn by forward filtering and backward sampling (Carter and Kohn 1994, Biometrika 81, 3), then a, b and c by
+generalised least squares, and then r, which is normal about q P (y − a x_c − …)/(q P + s). Differences that
+noise can explain are thus not counted as error.
+
+Slow noise cannot be distinguished from some actuator errors, such as play. Every second draw therefore
+assumes that there is no slow noise; the others multiply the slow noise of each band by a factor that is drawn
+together with the level.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from reliab.assessment.rebuilt_error.lapped_transform import analyse, synthesise
+from reliab.assessment.rebuilt_error.level_likelihood import level_likelihood
+from reliab.assessment.rebuilt_error.noise import SensorNoise, white_floor
+from reliab.assessment.rebuilt_error.rounding import rounded_differently, rounding_step
+
+Array = NDArray[np.float64]
+
+_PERIODS_OF_HOP = 4.0  # of the structure, from one frame to the next
+_FEWEST_FRAMES = 4
+_BANDS_IN_OCTAVE = 6.0
+_FIRST_LEVEL = 1e-3  # q with which what follows the command is first taken away
+_DRAWS_OF_FOLLOWING = 16  # after which what follows the command is taken away a second time
+_DEGREE = 2  # of the polynomials of time
+_GRID = 0.3  # of the logarithm of q
+_LEVELS = np.arange(np.log(1e-8), np.log(1e3), _GRID)
+_STEP = 0.5  # of log q from band to band
+_JUMP = 0.02  # probability of any other level
+_FACTORS = np.array([0.0, 0.1, 0.2, 0.35, 0.6, 1.0, 1.7, 2.8, 5.0])  # of the slow noise
+_FACTOR_STEP = 0.5  # places in the list from band to band
+_LEAST_COMMAND = 0.01  # of the noise: power of a command that has died away
+_SINGULAR = 1e-13
+_ROUNDING = 1e-20  # of the command's largest power
+_NEIGHBOURS = np.array([0.25, 0.5, 0.25])
+_DITHERED = 0.9  # of Δ²/12: more white noise than that makes rounding white too
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Reading:
+    """What a sensor shows, in coefficients over time and frequency.
+
+    Attributes
+    ----------
+    observed : numpy.ndarray
+        Coefficients of x_c − x_m as read [m], shape (frames, hop).
+    following : numpy.ndarray
+        Coefficients of the histories that follow the command, each of mean square one: acceleration, command
+        and velocity, and the last two times polynomials of time, shape (rows, frames, hop).
+    command_power : numpy.ndarray
+        Power of the command about each of them [m²], shape (frames, hop).
+    noise : numpy.ndarray
+        Variances of the noise [m²] for each factor of its slow part, shape (factors, frames or 1, hop).
+    bands : numpy.ndarray
+        Number of the band of frequencies of each coefficient, shape (hop,).
+    """
+
+    observed: Array
+    following: Array
+    command_power: Array
+    noise: Array
+    bands: NDArray[np.int64]
+
+
+def draw_differences(
+    command: Array, measured: Array, noise: SensorNoise, frequency: float, every: int, draws: int, seed: int
+) -> Array:
+    """Draw histories of x_c − x_m.
+
+    Parameters
+    ----------
+    command, measured : numpy.ndarray
+        x_c, and x_m as read minus the sensor's offset [m], shape (n,).
+    noise : SensorNoise
+        The sensor's noise.
+    frequency : float
+        Lowest natural frequency of the structure [Hz].
+    every : int
+        Number of samples of which one is drawn.
+    draws : int
+        Number of draws.
+    seed : int
+        Their seed.
+
+    Returns
+    -------
+    numpy.ndarray
+        x_c − x_m [m] at each `every`-th sample, shape (draws, ceil(n/every)); rows 0, 2, … assume that there
+        is no slow noise.
+    """
+    generator = np.random.default_rng(seed)
+    reading = _reading(command, measured, noise, frequency, every)
+    actuators = replace(reading, noise=reading.noise[:1])
+    histories = np.empty((draws, -(-command.size // every)))
+    # for matrices as small as these several threads cost more time than they save
+    with threadpool_limits(limits=1, user_api="blas"):
+        _draw_twice(actuators, histories[::2], generator)
+        _draw_twice(reading, histories[1::2], generator)
+    return histories
+
+
+def _draw_twice(reading: Reading, histories: Array, generator: np.random.Generator) -> None:
+    """Draw histories; levels of the remainder follow from draws of the part that follows the command."""
+    first = _least_squares(reading, reading.noise[-1] + _FIRST_LEVEL * reading.command_power)[0]
+    few = np.empty((_DRAWS_OF_FOLLOWING, histories.shape[1]))
+    follows = _draw(reading, _filtered(reading, first), few, generator)
+    _draw(reading, _filtered(reading, follows.mean(axis=0)), histories, generator)
+
+
+def _reading(command: Array, measured: Array, noise: SensorNoise, frequency: float, every: int) -> Reading:
+    step = every * noise.time_step
+    thin = replace(noise, band=min(noise.band, 0.27 / step))
+    smooth = thin.smooth(command - measured)
+    size = -(-command.size // every)
+    periods = max(frequency * step * size, 1.0)  # of the structure in the test
+    half = min(round(_PERIODS_OF_HOP * size / (2.0 * periods)), size // (2 * _FEWEST_FRAMES))
+    hop = 2 * max(half, 1)
+    observed = analyse(smooth[::every], hop)
+    power = analyse(command[::every], hop) ** 2
+    for axis in (0, 1):
+        power = scipy.ndimage.convolve1d(power, _NEIGHBOURS, axis=axis, mode="nearest")
+    places: Array = (np.arange(hop, dtype=np.float64) + 0.5) / (2.0 * hop * step)
+    rounding, rest = _rounding(command, measured, thin, every, hop)
+    least = _ROUNDING * float(power.max())
+    white = replace(rest, weights=rest.weights * (np.arange(rest.weights.size) == 0)).passed(places) / every
+    slow = rest.passed(places) / every - white
+    factors = _FACTORS if slow.any() else np.ones(1)
+    variances = rounding + white + least + factors[:, np.newaxis, np.newaxis] * np.maximum(slow, 0.0)
+    return Reading(
+        observed=observed,
+        following=_following(command, noise.time_step, every, hop),
+        command_power=power,
+        noise=variances,
+        bands=_bands(hop),
+    )
+
+
+def _following(command: Array, step: float, every: int, hop: int) -> Array:
+    velocity = np.gradient(command, step)
+    powers = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, command.size), _DEGREE).T
+    rows = [np.gradient(velocity, step), *(powers * command), *(powers * velocity)]
+    following = np.stack([analyse(row[::every], hop) for row in rows])
+    following /= np.sqrt(np.mean(following**2, axis=(1, 2), keepdims=True))
+    return np.asarray(following)
+
+
+def _rounding(
+    motion: Array, measured: Array, noise: SensorNoise, every: int, hop: int
+) -> tuple[Array, SensorNoise]:
+    """Variance of the rounding noise in each coefficient [m²], and the noise that is not rounding."""
+    step = rounding_step(measured)
+    if step == 0.0 or noise.weights[0] >= _DITHERED * step**2 / 12.0:
+        return np.zeros((1, hop)), noise
+    powers, floors = [], []
+    for rounded in rounded_differently(motion, step):
+        powers.append(analyse(noise.smooth(rounded)[::every], hop) ** 2)
+        floors.append(white_floor(rounded))
+    power = np.mean(powers, axis=0)
+    for axis in (0, 1):
+        power = scipy.ndimage.convolve1d(power, _NEIGHBOURS, axis=axis, mode="nearest")
+    weights = np.zeros_like(noise.weights)
+    weights[0] = max(noise.weights[0] - float(np.mean(floors)), 0.0)
+    return power, replace(noise, weights=weights)
+
+
+def _bands(hop: int) -> NDArray[np.int64]:
+    """Return the band of each coefficient; bands are equally wide on a logarithmic axis."""
+    octaves = np.log2(2.0 * np.arange(hop) + 1.0)
+    return np.asarray(np.unique(np.floor(_BANDS_IN_OCTAVE * octaves), return_inverse=True)[1])
+
+
+def _steps(places: Array, scale: float) -> Array:
+    """Probability of a state after another one, shape (states, states)."""
+    laplace = np.exp(-np.abs(places[:, np.newaxis] - places) / scale)
+    return np.asarray((1.0 - _JUMP) * laplace / laplace.sum(axis=1, keepdims=True) + _JUMP / places.size)
+
+
+def _chain(factors: int) -> tuple[Array, Array]:
+    """Return the steps from band to band of the level, and of the factor of the slow noise."""
+    return _steps(_LEVELS, _STEP), _steps(np.arange(factors, dtype=np.float64), _FACTOR_STEP)
+
+
+def _least_squares(reading: Reading, variance: Array) -> tuple[Array, Array]:
+    """Coefficients of what follows the command, and a root of their covariance."""
+    rows = reading.following.shape[0]
+    weighted = (reading.following / variance).reshape(rows, -1)
+    normal = weighted @ reading.following.reshape(rows, -1).T
+    values, vectors = np.linalg.eigh(normal)
+    least = _SINGULAR * float(values[-1])
+    inverse = np.divide(1.0, values, out=np.zeros(rows), where=values > least)
+    root = vectors * np.sqrt(inverse)
+    return root @ (root.T @ (weighted @ reading.observed.ravel())), root
+
+
+def _filtered(reading: Reading, follows: Array) -> Array:
+    """Probabilities of levels and factors by the bands so far, shape (bands, levels, factors)."""
+    rest = reading.observed - np.tensordot(follows, reading.following, axes=1)
+    factors = reading.noise.shape[0]
+    of_level, of_factor = _chain(factors)
+    before = np.full((_LEVELS.size, factors), 1.0 / (_LEVELS.size * factors))
+    filtered = []
+    for band in range(int(reading.bands[-1]) + 1):
+        inside = reading.bands == band
+        likelihood = level_likelihood(
+            np.ascontiguousarray(rest[:, inside]),
+            np.ascontiguousarray(reading.command_power[:, inside]),
+            np.ascontiguousarray(reading.noise[:, :, inside]),
+            np.exp(_LEVELS),
+            _LEAST_COMMAND,
+        )
+        joint = before * np.exp(likelihood - likelihood.max())
+        filtered.append(joint / joint.sum())
+        before = of_level.T @ filtered[-1] @ of_factor
+    return np.array(filtered)
+
+
+def _draw(reading: Reading, filtered: Array, histories: Array, generator: np.random.Generator) -> Array:
+    """Draw levels and factors, then what follows the command, which is returned, then the rest."""
+    bands, _, factors = filtered.shape
+    draws, size = histories.shape
+    of_level, of_factor = _chain(factors)
+    levels, places = np.empty((2, draws, bands), dtype=np.int64)
+    weights = np.broadcast_to(filtered[-1], (draws, *filtered[-1].shape))
+    for band in range(bands - 1, -1, -1):
+        chosen = _chosen(weights.reshape(draws, -1), generator)
+        levels[:, band], places[:, band] = np.divmod(chosen, factors)
+        steps = of_level[:, levels[:, band]].T[:, :, np.newaxis]
+        weights = filtered[band - 1] * steps * of_factor[:, places[:, band]].T[:, np.newaxis]
+    within = _GRID * (generator.uniform(size=levels.shape) - 0.5)
+    level = np.exp(_LEVELS[levels] + within)[:, reading.bands]
+    follows = np.empty((draws, reading.following.shape[0]))
+    for k in range(draws):
+        variance = reading.noise[places[k, reading.bands], :, np.arange(reading.bands.size)].T
+        power = level[k] * np.maximum(reading.command_power, _LEAST_COMMAND * variance)
+        mean, root = _least_squares(reading, power + variance)
+        follows[k] = mean + root @ generator.standard_normal(mean.size)
+        followed = np.tensordot(follows[k], reading.following, axes=1)
+        share = power / (power + variance)
+        normal = generator.standard_normal(followed.shape)
+        coefficients = followed + share * (reading.observed - followed)
+        coefficients += np.sqrt(share * variance) * normal
+        histories[k] = synthesise(coefficients[np.newaxis], size)[0]  # at once: all would fill the memory
+    return follows
+
+
+def _chosen(weights: Array, generator: np.random.Generator) -> NDArray[np.int64]:
+    """Draw a column of each row by its weight."""
+    sums = np.cumsum(weights, axis=1)
+    drawn = generator.uniform(size=(weights.shape[0], 1)) * sums[:, -1:]
+    return np.asarray(np.minimum((sums < drawn).sum(axis=1), weights.shape[1] - 1))

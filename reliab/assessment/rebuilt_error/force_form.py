@@ -1,0 +1,121 @@
+"""The recorded force as a second measurement of the specimen's displacement.
+
+A linear specimen turns the displacement y into f = Z y, Z = k_e + c_e s + m_e s², so that the displacement
+follows from the recorded force, y = f/Z (a proper transfer function). In the *force form* of the error
+equation, γ(Z x_c − f), that y takes the place of the measured displacement: a force that is late or wrong
+then shows in the error, but a stiffness k_e that is wrong by a few per cent looks like an actuator error and
+can hide the real one. In the *combined* form the force's scale is taken from the measured displacement
+itself, and the two readings are averaged with the weights that minimise noise: the stated k_e then has no
+influence, a wrong scale of the force is not detected, and the channel with less noise counts more.
+"""
+
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.assessment.rebuilt_error.noise import estimate_noise
+from reliab.assessment.rebuilt_error.spectral import filtered
+from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
+from reliab.errors import InputError
+from reliab.significant import significant
+
+Array = NDArray[np.float64]
+
+_TINY = 1e-12
+
+
+class Form(StrEnum):
+    """The channel from which the specimen's displacement is taken."""
+
+    DISPLACEMENT = "displacement"
+    FORCE = "force"
+    COMBINED = "combined"
+
+
+def felt_displacement(force: Array, structure: WholeStructure, time_step: float) -> Array:
+    """Displacement under which the linear specimen gives a force, f/Z.
+
+    Parameters
+    ----------
+    force : numpy.ndarray
+        Force of the specimen [N], or per unit mass [m/s²] where the structure is, shape (n,).
+    structure : WholeStructure
+        The structure with its specimen.
+    time_step : float
+        Step between samples [s].
+
+    Returns
+    -------
+    numpy.ndarray
+        Displacement [m], shape (n,).
+
+    Raises
+    ------
+    InputError
+        If the specimen has no stiffness.
+
+    Examples
+    --------
+    >>> from reliab.structures.structure import Structure
+    >>> whole = WholeStructure.of(Structure(frequency=1.0, damping_ratio=0.02))
+    >>> force = 39.4784176 * np.sin(np.arange(0.0, 3.0, 0.01))
+    >>> round(float(felt_displacement(force, whole, 0.01)[100]), 6) == round(float(np.sin(1.0)), 6)
+    True
+    """
+    stiffness = structure.specimen_stiffness
+    if not stiffness > 0.0:
+        raise InputError(
+            "The displacement follows from the force only if the specimen has stiffness",
+            value=f"k_e = {stiffness}",
+            remedy="Use the displacement form",
+        )
+    damping, mass = structure.specimen_damping / stiffness, structure.specimen_mass / stiffness
+    if damping == 0.0 and mass == 0.0:
+        return force / stiffness
+    return filtered(lambda s: 1.0 / (1.0 + damping * s + mass * s**2), force / stiffness, time_step)
+
+
+def combined_reading(command: Array, measured: Array, felt: Array, time_step: float) -> Array:
+    """Average of two readings of the displacement that has the least noise.
+
+    Parameters
+    ----------
+    command, measured : numpy.ndarray
+        x_c and x_m [m], shape (n,).
+    felt : numpy.ndarray
+        Displacement that follows from the force [m], shape (n,); its scale and zero are taken from x_m.
+    time_step : float
+        Step between samples [s].
+
+    Returns
+    -------
+    numpy.ndarray
+        The average [m], shape (n,).
+
+    Examples
+    --------
+    >>> generator = np.random.default_rng(1)
+    >>> time = np.arange(0.0, 40.0, 0.002)
+    >>> moved = np.sin(6.0 * time) * np.sin(0.08 * time) ** 2
+    >>> noisy = moved + 0.01 * generator.normal(size=time.size)
+    >>> quiet = 1.05 * moved + 0.001 * generator.normal(size=time.size)
+    >>> average = combined_reading(moved, noisy, quiet, 0.002)
+    >>> bool(np.std(average - moved) < 0.0015)
+    True
+    """
+    basis = np.stack([measured, np.ones(measured.size)])
+    scale, zero = np.linalg.lstsq(basis @ basis.T, basis @ felt, rcond=None)[0]
+    if not scale > 0.0:
+        raise InputError(
+            "The force must grow with the measured displacement",
+            value=f"a slope of {significant(scale)} of what the specimen's stiffness says",
+            remedy="Check the sign of the force",
+        )
+    stated = (felt - zero) / scale
+    noise = [
+        estimate_noise(command, reading, time_step).white ** 2 + _TINY * float(reading @ reading)
+        for reading in (measured, stated)
+    ]
+    weight = noise[1] / (noise[0] + noise[1])
+    return np.asarray(weight * measured + (1.0 - weight) * stated)

@@ -1,0 +1,265 @@
+"""The structure's parameters, estimated from the test by the loop's equation of motion.
+
+The command solves the numerical substructure's equation of motion for the recorded ground acceleration and
+the force per unit mass p that was fed back ::
+
+    x_c'' + c x_c' + k x_c + p(t − τ) = −a_g,   c = 2ξω₀,   k = (1 − α)ω₀²
+
+With the force recorded, c and k follow from least squares, and ω₀² = k + αω₀² with αω₀² the specimen's
+stiffness from the force and the measured displacement (`specimen_spring`). Without a force the specimen is
+taken as linear in the measured displacement, p = αω₀²x_m, and the equation gives c and ω₀² for the stated α.
+A force that comes late by τ acts as a damping ratio of −αω₀τ/2 (expand p(t − τ)): only their combined effect
+can be identified, so that each is estimated for the stated value of the other.
+
+A measured displacement that was recorded late by s against the command acts as a damping ratio of αω₀s/2, so
+that skew and damping ratio cannot be told apart either; with the force in the equation, its skew takes the
+place of the displacement's.
+
+Nothing is differentiated. Each history is convolved with a smooth kernel φ of finite length, and the
+derivatives are put on the kernel (weak form: Messenger and Bortz 2021, Multiscale Model. Simul. 19, eq.
+2.3); the beginning of the test does not matter.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.assessment.rebuilt_error.equation_fit import fit_equation
+from reliab.assessment.rebuilt_error.kernel import Kernel
+from reliab.assessment.rebuilt_error.specimen_spring import fit_spring
+from reliab.errors import InputError
+from reliab.significant import significant
+from reliab.structures.structure import Structure
+
+Array = NDArray[np.float64]
+
+_FEWEST_PERIODS = 4.0
+_SIGNIFICANT = 3.0  # standard errors
+_MATTERS = {"frequency": 0.005, "damping_ratio": 0.02, "experimental_fraction": 0.02, "feedback_lag": 1e-4}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Identified:
+    """A parameter estimated from the test, beside its stated value.
+
+    Attributes
+    ----------
+    value, deviation : float
+        Value and standard error, in the parameter's own unit (Hz, -, s).
+    stated : float
+        What the user stated.
+    """
+
+    value: float
+    deviation: float
+    stated: float
+
+    def departs(self, least: float) -> bool:
+        """Whether the stated value is wrong by three standard errors and by more than `least`."""
+        off = abs(self.value - self.stated)
+        return off > _SIGNIFICANT * self.deviation and off > least
+
+
+@dataclass(frozen=True, kw_only=True)
+class Identification:
+    """Parameters of the structure by the loop's equation of motion.
+
+    Attributes
+    ----------
+    frequency, damping_ratio : Identified
+        f [Hz], and ξ [-] if the stated lag of the fed-back force is right.
+    experimental_fraction, feedback_lag : Identified or None
+        α [-], and the lag of the fed-back force [s] if the stated damping ratio is right; None without a
+        recorded force.
+    misfit : float
+        RMS of the equation's residual over the RMS of the ground acceleration, both seen through the
+        kernel [-].
+    """
+
+    frequency: Identified
+    damping_ratio: Identified
+    experimental_fraction: Identified | None
+    feedback_lag: Identified | None
+    misfit: float
+
+    def disagreements(self) -> tuple[str, ...]:
+        """Names of stated values from which the test differs significantly and not negligibly."""
+        return tuple(
+            name
+            for name, least in _MATTERS.items()
+            if (estimate := getattr(self, name)) is not None
+            and estimate.departs(least if name == "feedback_lag" else least * abs(estimate.stated))
+        )
+
+
+def identify(
+    command: Array,
+    measured: Array,
+    ground_acceleration: Array,
+    time_step: float,
+    structure: Structure,
+    *,
+    force: Array | None = None,
+    feedback_lag: float = 0.0,
+) -> Identification:
+    """Estimate frequency, damping ratio, share in the laboratory and feedback lag.
+
+    Parameters
+    ----------
+    command, measured : numpy.ndarray
+        x_c and x_m [m], shape (n,).
+    ground_acceleration : numpy.ndarray
+        a_g [m/s²] as the loop received it, shape (n,).
+    time_step : float
+        Step between samples [s].
+    structure : Structure
+        What the user stated.
+    force : numpy.ndarray, optional
+        Recorded force per unit mass [m/s²], shape (n,).
+    feedback_lag : float, optional
+        Stated lag of the fed-back force [s]; used where no force is recorded.
+
+    Returns
+    -------
+    Identification
+        Estimates with standard errors.
+
+    Raises
+    ------
+    InputError
+        If histories differ in length or hold fewer than four periods.
+
+    Examples
+    --------
+    >>> from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
+    >>> structure = Structure(frequency=1.0, damping_ratio=0.05)
+    >>> time = np.arange(0.0, 20.0, 0.002)
+    >>> shaken = np.sin(7.0 * time) * np.exp(-0.2 * time)
+    >>> run = run_closed_loop(HybridTest(structure=structure), shaken, 0.002)
+    >>> stated = Structure(frequency=1.02, damping_ratio=0.05)
+    >>> found = identify(run.command.values[0], run.measured, shaken, 0.002, stated, force=run.force)
+    >>> round(found.frequency.value, 3), found.disagreements()
+    (1.0, ('frequency',))
+    """
+    _check(command, measured, ground_acceleration, force, time_step, structure)
+    kernel = Kernel.of(structure.frequency, time_step)
+    moved = [kernel.seen(command, order) for order in range(3)]
+    shaken = kernel.seen(ground_acceleration, 0)
+    if force is None:
+        return _without_force(moved, shaken, kernel, structure, feedback_lag, measured)
+    return _with_force(moved, shaken, kernel, structure, feedback_lag, force, measured)
+
+
+def _with_force(
+    moved: list[Array],
+    shaken: Array,
+    kernel: Kernel,
+    structure: Structure,
+    stated_lag: float,
+    force: Array,
+    measured: Array,
+) -> Identification:
+    resisted, changed = kernel.seen(force, 0), kernel.seen(force, 1)
+    target = -(shaken + moved[2] + resisted - stated_lag * changed)
+    constant = np.ones(target.size)
+    values, covariance, residual = fit_equation(np.stack([moved[1], moved[0], constant]), target, kernel)
+    spring = fit_spring(measured, force, kernel)
+    square, spread = values[1] + spring.stiffness, spring.stiffness_deviation**2
+    square_variance = covariance[1, 1] + spread
+    w0 = float(np.sqrt(max(square, np.finfo(float).tiny)))
+    ratio = values[0] / (2.0 * w0)
+    share = spring.stiffness / square
+    damped = target - 2.0 * structure.damping_ratio * w0 * moved[1]
+    late, late_spread, _ = fit_equation(np.stack([-changed, moved[0], constant]), damped, kernel)
+    share_variance = (spread * (1.0 - share) ** 2 + covariance[1, 1] * share**2) / square**2
+    return Identification(
+        frequency=_frequency(w0, square_variance, structure),
+        damping_ratio=Identified(
+            value=float(ratio),
+            deviation=float(
+                np.hypot(np.sqrt(covariance[0, 0]) / (2.0 * w0), ratio * _relative(square_variance, w0))
+            ),
+            stated=structure.damping_ratio,
+        ),
+        experimental_fraction=Identified(
+            value=float(share),
+            deviation=float(np.sqrt(share_variance)),
+            stated=structure.experimental_fraction,
+        ),
+        feedback_lag=Identified(
+            value=stated_lag + float(late[0]), deviation=float(np.sqrt(late_spread[0, 0])), stated=stated_lag
+        ),
+        misfit=_misfit(residual, shaken),
+    )
+
+
+def _without_force(
+    moved: list[Array],
+    shaken: Array,
+    kernel: Kernel,
+    structure: Structure,
+    stated_lag: float,
+    measured: Array,
+) -> Identification:
+    # αω₀²x_m(t − τ) = ω₀²(α x_m − ατ x_m'), and (1 − α)ω₀²x_c
+    share = structure.experimental_fraction
+    late = kernel.seen(measured, 0) - stated_lag * kernel.seen(measured, 1)
+    sprung = share * late + (1.0 - share) * moved[0]
+    columns = np.stack([moved[1], sprung, np.ones(sprung.size)])
+    values, covariance, residual = fit_equation(columns, -(shaken + moved[2]), kernel)
+    w0 = float(np.sqrt(max(values[1], np.finfo(float).tiny)))
+    ratio = values[0] / (2.0 * w0)
+    return Identification(
+        frequency=_frequency(w0, covariance[1, 1], structure),
+        damping_ratio=Identified(
+            value=float(ratio),
+            deviation=float(
+                np.hypot(np.sqrt(covariance[0, 0]) / (2.0 * w0), ratio * _relative(covariance[1, 1], w0))
+            ),
+            stated=structure.damping_ratio,
+        ),
+        experimental_fraction=None,
+        feedback_lag=None,
+        misfit=_misfit(residual, shaken),
+    )
+
+
+def _frequency(w0: float, square_variance: float, structure: Structure) -> Identified:
+    frequency = w0 / (2.0 * np.pi)
+    return Identified(
+        value=frequency, deviation=frequency * _relative(square_variance, w0), stated=structure.frequency
+    )
+
+
+def _relative(square_variance: float, w0: float) -> float:
+    """Relative standard error of ω₀ from the variance of ω₀²."""
+    return float(0.5 * np.sqrt(max(square_variance, 0.0)) / w0**2)
+
+
+def _misfit(residual: Array, shaken: Array) -> float:
+    power = float(shaken @ shaken)
+    return float(np.sqrt(residual @ residual / power)) if power > 0.0 else 0.0
+
+
+def _check(
+    command: Array,
+    measured: Array,
+    ground: Array,
+    force: Array | None,
+    step: float,
+    structure: Structure,
+) -> None:
+    sizes = {values.size for values in (command, measured, ground, force) if values is not None}
+    if len(sizes) > 1:
+        raise InputError(
+            "Recorded histories must have one length",
+            value=", ".join(map(str, sorted(sizes))),
+            remedy="Give all channels over the whole test",
+        )
+    if command.size * step * structure.frequency < _FEWEST_PERIODS:
+        raise InputError(
+            f"Parameters need at least {_FEWEST_PERIODS:.0f} periods of the structure",
+            value=significant(command.size * step * structure.frequency, 2),
+            remedy="Give the whole test",
+        )

@@ -1,0 +1,301 @@
+"""A test while it runs: its error sample by sample, and the net damping with its actuator.
+
+The error history equals the one that `rebuild` gives after the test. From time to time, at spacings that grow
+with the test, intervals are computed as by `rebuild`; in between, errors are known from sums over the samples
+so far, without intervals. A long test is judged stretch by stretch, and what is judged is forgotten: two
+stretches are held in memory at most, however long the test lasts.
+
+Two alarms are raised while the test runs. That of the energy is stated in `stability_indicator`. That of the
+error compares an error so far with the threshold, though its peak, by which it is divided, may still grow and
+a quiet end may dilute it. It waits until the peak of the response has not doubled for 12 s, and is raised
+when the low end of the interval is above twice the threshold: of the responses of 450 structures (0.4 to 4
+Hz, damping ratios of 1 to 6 %) to synthetic earthquakes, with errors that grow with the motion and such that
+do not, one in a hundred fell to less than half of its error after that.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.assessment.rebuilt_error.channels import FEWEST_SAMPLES
+from reliab.assessment.rebuilt_error.rebuild import DRAWS as DRAWS_AT_END
+from reliab.assessment.rebuilt_error.running_error import RunningError
+from reliab.assessment.rebuilt_error.size import LARGEST_READING
+from reliab.assessment.rebuilt_error.stability_indicator import Damping, EnergyAlarm, NetDamping
+from reliab.assessment.rebuilt_error.stretches import (
+    ErrorSoFar,
+    StatedTest,
+    error_of_stretch,
+    samples_in_stretch,
+)
+from reliab.assessment.rebuilt_error.tolerances import Tolerances
+from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, whole_structure
+from reliab.errors import InputError
+from reliab.structures.partition import Partition
+from reliab.structures.structure import Structure
+from reliab.vocabulary import Metric
+
+Array = NDArray[np.float64]
+
+DRAWS = 64
+"""Draws behind the intervals of a running test."""
+
+_GROWTH = 0.5  # by which a test must grow before its intervals are computed again
+_PERIODS_BETWEEN = 4.0  # of the structure, at least
+_LOOKS = 4.0  # at the net damping in a period
+_CALM = 12.0  # s for which the peak of the response must not have doubled before an error is judged
+_SHRINKS = 0.5  # share of itself to which an error may still fall then
+
+
+@dataclass(frozen=True, kw_only=True)
+class Now:
+    """What is known of a running test at its last sample.
+
+    Attributes
+    ----------
+    samples : int
+        Samples so far.
+    time : float
+        Time since the first sample [s].
+    error : float
+        x_m − x_I [m].
+    rms, mte : float
+        RMS^R and MTE^R so far [-], sensor noise included; zero while nothing moves.
+    damping : NetDamping or None
+        Net damping of the loop with its actuator; None before enough motion was recorded.
+    """
+
+    samples: int
+    time: float
+    error: float
+    rms: float
+    mte: float
+    damping: NetDamping | None
+
+
+class Monitor:
+    """Follow the error of a test while it runs.
+
+    Parameters
+    ----------
+    structure : Structure, Partition or WholeStructure
+        The whole structure under test.
+    time_step : float
+        Step between samples [s].
+    feedback_lag : float, optional
+        Time by which the force is fed back late [s].
+    sensor_offset : float, optional
+        Offset of the displacement sensor [m]; read from rest by default.
+    tolerances : Tolerances, optional
+        How far stated values may be off.
+    seed : int, optional
+        Seed of the draws.
+    stretch : int, optional
+        Samples after which a stretch is judged and forgotten; by default so many that memory suffices.
+
+    Attributes
+    ----------
+    gains_energy_since : float or None
+        Time from which on the loop may diverge [s]; None while nothing points to it.
+
+    Examples
+    --------
+    >>> time = np.arange(0.0, 30.0, 1.0 / 256.0)
+    >>> command = np.minimum(time / 10.0, 1.0) * np.sin(2.0 * np.pi * time)
+    >>> monitor = Monitor(Structure(frequency=1.0, damping_ratio=0.05), 1.0 / 256.0)
+    >>> for chunk in np.array_split(np.stack([command, 0.99 * command]), 7, axis=1):
+    ...     monitor.feed(*chunk)
+    >>> from reliab.assessment.rebuilt_error import rebuild
+    >>> whole = rebuild(command, 0.99 * command, 1.0 / 256.0, Structure(frequency=1.0, damping_ratio=0.05))
+    >>> bool(np.abs(monitor.error - whole.error).max() < 1e-12)
+    True
+    """
+
+    def __init__(
+        self,
+        structure: Structure | Partition | WholeStructure,
+        time_step: float,
+        *,
+        feedback_lag: float = 0.0,
+        sensor_offset: float | None = None,
+        tolerances: Tolerances | None = None,
+        seed: int = 0,
+        stretch: int | None = None,
+    ) -> None:
+        self.structure = whole_structure(structure)
+        if not (np.isfinite(time_step) and time_step > 0.0):
+            raise InputError("The time step must be positive", value=f"{time_step} s")
+        self.time_step = time_step
+        self._test = StatedTest(
+            structure=self.structure,
+            time_step=time_step,
+            feedback_lag=feedback_lag,
+            sensor_offset=sensor_offset,
+            tolerances=tolerances or Tolerances(),
+            seed=seed,
+        )
+        self._stretch = stretch or samples_in_stretch(self.structure, time_step)
+        self._damping = Damping.of(self.structure, time_step)
+        self._period = 1.0 / (float(self.structure.natural_frequencies[0]) or 1.0)
+        self._running = RunningError(
+            self.structure, time_step, feedback_lag, self._damping.forgetting, sensor_offset or 0.0
+        )
+        self._look = max(round(self._period / (_LOOKS * time_step)), 1)
+        self._energy = EnergyAlarm()
+        self.gains_energy_since: float | None = None
+        self._asked = self._rest = 0
+        self._before: ErrorSoFar | None = None
+        self._result: ErrorSoFar | None = None
+        self._low = dict.fromkeys(Metric, 0.0)
+
+    @property
+    def samples(self) -> int:
+        """Samples so far."""
+        return self._running.size
+
+    @property
+    def error(self) -> Array:
+        """x_m − x_I of the stretch that is not yet forgotten, without the sensor's offset [m], shape (k,)."""
+        return self._running.error
+
+    @property
+    def result(self) -> ErrorSoFar | None:
+        """The last error with its intervals; None before there was one."""
+        return self._result
+
+    def feed(self, command: Array, measured: Array) -> None:
+        """Add the next samples.
+
+        Parameters
+        ----------
+        command, measured : numpy.ndarray
+            x_c and x_m [m], shape (k,), k ≥ 1.
+
+        Raises
+        ------
+        InputError
+            If the two differ in length or a value is not finite or beyond what a sensor reads.
+        """
+        if command.shape != measured.shape or command.ndim != 1:
+            raise InputError(
+                "Command and measured displacement must have one length",
+                value=f"{command.shape} and {measured.shape}",
+            )
+        if not (np.abs([command, measured]) < LARGEST_READING).all():
+            raise InputError(
+                f"Every value must be a finite number below {LARGEST_READING:g}", remedy="Repair the row"
+            )
+        begin = 0
+        while begin < command.size:
+            end = min(begin + self._look - self._running.size % self._look, command.size)
+            self._running.feed(command[begin:end], measured[begin:end])
+            if self._running.size % self._look == 0:
+                self._look_at_energy()
+            if self._running.kept > 2 * self._stretch:
+                self._judge_and_forget()
+            begin = end
+
+    def _look_at_energy(self) -> None:
+        damping = self._damping.net(self._running.moments, self._running.motion)
+        if self._energy.look(damping) and self.gains_energy_since is None:
+            self.gains_energy_since = (self._running.size - 1) * self.time_step
+
+    def _judge_and_forget(self) -> None:
+        """Forget the first stretch of those that are kept, after its error was drawn."""
+        if self._before is None and not np.ptp(self._running.command[: self._stretch + 1]) > 0.0:
+            self._rest += self._stretch
+        else:
+            self._before = self._drawn(self._stretch + 1, DRAWS_AT_END)
+        self._running.forget(self._stretch)
+
+    def _drawn(self, samples: int, draws: int) -> ErrorSoFar:
+        """Draw the error up to the first of the samples that are kept."""
+        running = self._running
+        error = error_of_stretch(
+            running.command[:samples],
+            running.measured[:samples],
+            self._test,
+            draws=draws,
+            before=self._before,
+        )
+        if self._before is not None:
+            return error
+        running.begin_anew(error.start.offset, -error.start.standing)
+        return error.after_rest(self._rest)
+
+    @property
+    def now(self) -> Now:
+        """What is known at the last sample.
+
+        Raises
+        ------
+        InputError
+            If there is no sample yet.
+        """
+        if self._running.size == 0:
+            raise InputError("A running test must have a sample", remedy="Pass a sample first")
+        peak, ideal, error = self._running.sums[2:5]
+        return Now(
+            samples=self._running.size,
+            time=(self._running.size - 1) * self.time_step,
+            error=float(error),
+            rms=float(np.sqrt(self._running.mean_square) / ideal) if ideal > 0.0 else 0.0,
+            mte=float(peak / ideal) if ideal > 0.0 else 0.0,
+            damping=self._damping.net(self._running.moments, self._running.motion),
+        )
+
+    def exceeds(self, threshold: float, metric: Metric = Metric.RMS) -> bool:
+        """Whether the error will stay above a threshold, whatever peak and quiet end are still to come.
+
+        Parameters
+        ----------
+        threshold : float
+            Relative error [-].
+        metric : Metric, optional
+            Which error; RMS^R by default.
+
+        Returns
+        -------
+        bool
+            False before there were intervals, and until the peak of the response has not doubled for 12 s.
+        """
+        if self._running.calm < _CALM:
+            return False
+        low = self._low[metric] * (self.now.rms if metric is Metric.RMS else self.now.mte)
+        return bool(_SHRINKS * low > threshold)
+
+    @property
+    def due(self) -> bool:
+        """Whether the test has grown so much that intervals are worth computing again."""
+        grown = self._running.size - self._asked
+        least = max(FEWEST_SAMPLES, int(_PERIODS_BETWEEN * self._period / self.time_step))
+        moving = bool(self._running.motion[0] > 0.0)
+        return moving and grown >= max(least, int(_GROWTH * self._asked))
+
+    def ask(self, *, draws: int = DRAWS) -> ErrorSoFar:
+        """Compute the error of the test so far with its intervals.
+
+        Parameters
+        ----------
+        draws : int, optional
+            Draws behind the intervals, a power of two, at most as many as `rebuild` makes.
+
+        Returns
+        -------
+        ErrorSoFar
+            As `rebuild` finds it for the samples so far, where they are at most two stretches.
+
+        Raises
+        ------
+        InputError
+            As `rebuild`, or if there are too many draws.
+        """
+        if draws > DRAWS_AT_END:
+            raise InputError(f"A running test has {DRAWS_AT_END} draws at most", value=draws)
+        self._asked = self._running.size
+        self._result = self._drawn(self._running.kept, draws)
+        now = self.now
+        for metric, so_far in ((Metric.RMS, now.rms), (Metric.MTE, now.mte)):
+            self._low[metric] = self._result.estimate(metric).low / so_far if so_far > 0.0 else 0.0
+        return self._result

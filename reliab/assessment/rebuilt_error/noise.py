@@ -1,0 +1,229 @@
+"""The noise of the displacement sensor, estimated from the test, and the filter that removes it.
+
+The noise is read at frequencies where the command's motion makes up only a small share of the residual,
+mostly above the motion. A smooth spectrum that is fitted there extends it to all other frequencies. The
+spectrum is a sum, with coefficients that are not negative, of white noise and of first-order autoregressive
+noises with fixed corner frequencies, of highest Whittle likelihood (multiplicative updates, as for the
+Itakura–Saito divergence: Févotte, Bertin and Durrieu 2009, Neural Computation 21, eq. 2.16). Narrow lines
+above the motion (mains) are not part of it: the filter keeps them out.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from reliab.assessment.rebuilt_error.logarithmic_bins import binned
+
+Array = NDArray[np.float64]
+
+CORNERS = (0.3, 1.0, 3.0, 10.0, 30.0)
+"""Corner frequencies of the slow parts [Hz]."""
+
+_BINS = 100
+_UPDATES = 400
+_ABOVE_NOISE = 4.0  # times the noise that the difference must exceed to be motion
+_MOTION_LEFT = 0.1  # share of the residual that the actuator's motion may make up where noise is read
+_ROOM = 0.9  # of the Nyquist frequency: a wider pass band is no filter
+_MARGIN = 1.3
+_RIPPLE = 60.0  # dB
+_REACH = 0.2  # share of the record that the filter may be long
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SensorNoise:
+    """Spectrum of the sensor's noise and band of the motion.
+
+    Attributes
+    ----------
+    time_step : float
+        Step between samples [s].
+    weights : numpy.ndarray
+        Level of the white part and of each slow part at zero frequency [m²], shape (1 + corners,); the mean
+        square of white noise is its level.
+    band : float
+        Frequency [Hz] above which neither the command nor its difference from the measured displacement rises
+        above the noise.
+    """
+
+    time_step: float
+    weights: Array
+    band: float
+
+    @property
+    def white(self) -> float:
+        """Standard deviation of the white part [m]."""
+        return float(np.sqrt(self.weights[0]))
+
+    @property
+    def slow(self) -> float:
+        """Root mean square of the slow parts [m]."""
+        frequency: Array = np.linspace(0.0, 0.5 / self.time_step, 8193)
+        density = self.weights[1:] @ _shapes(frequency, self.time_step)[1:]
+        return float(np.sqrt(np.trapezoid(density, frequency) * 2.0 * self.time_step))
+
+    def density(self, frequency: Array) -> Array:
+        """Return the expected periodogram |Σ x e^(−iωt)|²/n at frequencies [Hz], shape of `frequency`."""
+        return np.asarray(self.weights @ _shapes(frequency, self.time_step))
+
+    @cached_property
+    def filter(self) -> Array:
+        """Coefficients of the symmetric low-pass filter that passes the band, shape (odd,)."""
+        nyquist = 0.5 / self.time_step
+        edge = _MARGIN * self.band
+        if not edge < _ROOM * nyquist:
+            return np.ones(1)
+        taps, beta = scipy.signal.kaiserord(_RIPPLE, 0.6 * edge / nyquist)
+        return np.asarray(scipy.signal.firwin(taps | 1, edge / nyquist, window=("kaiser", beta)))
+
+    def smooth(self, values: Array) -> Array:
+        """Filter a history without delay.
+
+        Beyond its ends the history is continued point-symmetrically about the end of a straight line through
+        the nearest samples, so that the noise of the last sample is not continued with it.
+
+        Parameters
+        ----------
+        values : numpy.ndarray
+            A history, shape (n,).
+
+        Returns
+        -------
+        numpy.ndarray
+            The same history without what lies above the band, shape (n,).
+        """
+        reach = self.filter.size // 2
+        if reach == 0 or reach > _REACH * values.size:
+            return values
+        before = 2.0 * _end_of_line(values[reach::-1]) - values[reach:0:-1]
+        after = 2.0 * _end_of_line(values[-reach - 1 :]) - values[-2 : -reach - 2 : -1]
+        return np.asarray(
+            scipy.signal.fftconvolve(np.concatenate([before, values, after]), self.filter, mode="valid")
+        )
+
+    def passed(self, frequency: Array) -> Array:
+        """Return the density [m²] of the noise that the filter lets pass at frequencies [Hz]."""
+        reach = self.filter.size // 2
+        if reach == 0:
+            return self.density(frequency)
+        points = scipy.fft.next_fast_len(max(8 * self.filter.size, 4096), real=True)
+        gain = np.abs(scipy.fft.rfft(self.filter, points))
+        places = frequency * (self.time_step * points)
+        return np.asarray(self.density(frequency) * np.interp(places, np.arange(gain.size), gain) ** 2)
+
+
+def _end_of_line(values: Array) -> float:
+    """Last value of the straight line of least squares through values."""
+    place = np.arange(values.size) - 0.5 * (values.size - 1)
+    slope = float(place @ values) / float(place @ place)
+    return float(values.mean()) + slope * float(place[-1])
+
+
+def estimate_noise(command: Array, measured: Array, time_step: float) -> SensorNoise:
+    """Estimate the noise of the displacement sensor.
+
+    Parameters
+    ----------
+    command, measured : numpy.ndarray
+        x_c and x_m [m] at equal steps, shape (n,).
+    time_step : float
+        Step between samples [s].
+
+    Returns
+    -------
+    SensorNoise
+        Spectrum and band.
+
+    Examples
+    --------
+    >>> time = np.arange(0.0, 40.0, 0.002)
+    >>> command = np.sin(6.0 * time) * np.sin(0.08 * time) ** 2
+    >>> noise = 0.01 * np.random.default_rng(1).normal(size=time.size)
+    >>> found = estimate_noise(command, 0.99 * command + noise, 0.002)
+    >>> round(found.white, 3)
+    0.01
+    """
+    residual = measured - _followed(command, measured, time_step)
+    frequency: Array = np.fft.rfftfreq(command.size, time_step)[1:].astype(np.float64)
+    power, moved = _periodogram(residual), _periodogram(command)
+    floor = white_floor(residual)
+    power = np.minimum(power, _without_lines(power))
+    centre, mean, count = binned(frequency, power, _BINS)
+    motion = binned(frequency, moved, _BINS)[1]
+    ratio = float(mean[np.argmax(motion)] / motion.max())
+    quiet = ratio * motion < _MOTION_LEFT * np.maximum(mean, floor)
+    weights = np.zeros(1 + len(CORNERS))
+    if quiet.sum() > len(CORNERS):
+        weights = _fitted(_shapes(centre[quiet], time_step), mean[quiet], count[quiet])
+    else:
+        weights[0] = floor
+    moving = (command - measured, command - command.mean())
+    return SensorNoise(
+        time_step=time_step,
+        weights=weights,
+        band=max(_band(values, weights[0], time_step) for values in moving),
+    )
+
+
+def white_floor(values: Array) -> float:
+    """Level of the periodogram above half of the Nyquist frequency [m²]: of white noise its mean square."""
+    power = _periodogram(values)
+    return float(np.median(power[power.size // 2 :])) / float(np.log(2.0))  # of an exponential distribution
+
+
+def _followed(command: Array, measured: Array, step: float) -> Array:
+    """Command as an actuator of slowly changing gain, delay and lag follows it, by least squares."""
+    velocity = np.gradient(command, step)
+    place = np.linspace(-1.0, 1.0, command.size)
+    basis = np.stack([command, velocity, np.gradient(velocity, step)])
+    rows = np.concatenate([basis, basis[:2] * place, np.ones((1, command.size))])
+    rows /= np.maximum(np.abs(rows).max(axis=1, keepdims=True), np.finfo(float).tiny)
+    coefficients = np.linalg.lstsq(rows @ rows.T, rows @ measured, rcond=1e-12)[0]
+    return np.asarray(coefficients @ rows)
+
+
+def _periodogram(values: Array) -> Array:
+    """|Σ x w e^(−iωt)|² over the mean square of the Hann taper w, above zero frequency."""
+    taper = np.hanning(values.size)
+    return np.asarray(np.abs(np.fft.rfft((values - values.mean()) * taper))[1:] ** 2 / np.sum(taper**2))
+
+
+def _without_lines(power: Array) -> Array:
+    """Level of the surroundings of each bin, so that a narrow line does not count as noise of the band."""
+    width = max(power.size // 400, 8)
+    trimmed = power[: power.size // width * width].reshape(-1, width)
+    level = np.repeat(np.median(trimmed, axis=1), width)
+    level = np.concatenate([level, np.full(power.size - level.size, level[-1])])
+    high = np.arange(power.size) > power.size // 50
+    return np.asarray(np.where(high, 8.0 * level, np.inf))
+
+
+def _shapes(frequency: Array, step: float) -> Array:
+    """Spectra of which the noise is a sum: white, then slow, shape (1 + corners, frequencies)."""
+    cosine = np.cos(2.0 * np.pi * step * np.asarray(frequency))
+    rho = np.exp(-2.0 * np.pi * step * np.array(CORNERS))[:, np.newaxis]
+    slow = (1.0 - rho) ** 2 / (1.0 - 2.0 * rho * cosine + rho**2)
+    return np.concatenate([np.ones((1, cosine.size)), slow])
+
+
+def _fitted(shapes: Array, mean: Array, count: Array) -> Array:
+    tiny = 1e-12 * float(mean.max()) + np.finfo(float).tiny
+    weights = np.full(shapes.shape[0], float(np.average(mean, weights=count)) / shapes.shape[0] + tiny)
+    for _ in range(_UPDATES):
+        density = weights @ shapes + tiny
+        weights *= (shapes @ (count * mean / density**2)) / (shapes @ (count / density))
+    return weights
+
+
+def _band(values: Array, white: float, step: float) -> float:
+    """Highest frequency [Hz] at which a history rises above the white noise."""
+    frequency: Array = np.fft.rfftfreq(values.size, step)[1:].astype(np.float64)
+    centre, mean, count = binned(frequency, _periodogram(values), _BINS)
+    limit = (1.0 + _ABOVE_NOISE * np.maximum(1.0 / np.sqrt(count), 0.25)) * white
+    # a single bin above the noise is a line, not motion
+    above = mean > limit
+    motion = above & (np.roll(above, 1) | np.roll(above, -1))
+    centres = centre[motion & (np.arange(centre.size) < centre.size - 1)]
+    return float(centres.max()) if centres.size else float(centre[0])

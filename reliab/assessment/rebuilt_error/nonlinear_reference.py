@@ -1,0 +1,288 @@
+"""The error of a test whose specimen is nonlinear and has a model.
+
+Subtracting the equations of motion of the test and of the undisturbed structure leaves, for any specimen r ::
+
+    m e'' + c e' + k e = −(f − r[x_I]),   x_I = x_c − e
+
+with the numerical substructure's c and k. The force that was fed back is computed with the same model under
+the measured motion, f = r[x_m], so that errors of the model cancel to first order. The demand is computed
+from the test itself: the structure with a perfect actuator is simulated under
+
+    a(t) = −(x_c'' + c x_c'/m + k x_c/m + r[x_m]/m)
+
+which is the ground acceleration where model and test agree; the recorded one is not needed. For a linear r
+this is the equation of `rebuild`.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.assessment.rebuilt_error.channels import checked_histories, stated_start
+from reliab.assessment.rebuilt_error.difference_draws import draw_differences
+from reliab.assessment.rebuilt_error.error_statistics import mean_square
+from reliab.assessment.rebuilt_error.interval import Histories, Unknown
+from reliab.assessment.rebuilt_error.noise import estimate_noise
+from reliab.assessment.rebuilt_error.rebuilt import RebuiltError, conclude
+from reliab.assessment.rebuilt_error.size import require_fitting
+from reliab.assessment.rebuilt_error.spread import Spread
+from reliab.assessment.rebuilt_error.tolerances import Tolerances
+from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
+from reliab.effects import Effect, Role
+from reliab.errors import InputError
+from reliab.simulation.hybrid_test import HybridTest, Motion3, load, run_closed_loop
+
+Array = NDArray[np.float64]
+
+DRAWS = 64
+"""Number of draws of the specimen and of everything else that is uncertain."""
+
+_DRAWS_AS_STATED = 16  # of the noise alone, behind the value
+_LEAST_RATE = 200.0  # samples in a second, and in a period, that are simulated of each draw
+_PER_PERIOD = 80.0
+_LEAST = 0.05  # of a value: a draw of a positive parameter goes no lower
+
+
+def rebuild_with_specimen(
+    command: Array,
+    measured: Array,
+    time_step: float,
+    test: HybridTest,
+    *,
+    deviations: Mapping[str, float] | None = None,
+    sensor_offset: float | None = None,
+    tolerances: Tolerances | None = None,
+    draws: int = DRAWS,
+    seed: int = 0,
+) -> RebuiltError:
+    """Rebuild the error of a test with a calibrated specimen.
+
+    Parameters
+    ----------
+    command, measured : numpy.ndarray
+        x_c and x_m [m] at equal steps, shape (n,).
+    time_step : float
+        Step between samples [s].
+    test : HybridTest
+        Structure, mass, specimen and effects of the calibrated model; of the effects, those on the specimen's
+        force count.
+    deviations : mapping of str to float, optional
+        Standard deviations of "stiffness_n_per_m" and of effects' parameters by "effect.parameter", SI units.
+    sensor_offset : float, optional
+        Offset of the displacement sensor that the loop did not feel [m]; read from rest by default.
+    tolerances : Tolerances, optional
+        How far frequency and damping ratio of the numerical substructure and the sensor may be off.
+    draws : int, optional
+        Draws behind the intervals.
+    seed : int, optional
+        Seed of the draws.
+
+    Returns
+    -------
+    RebuiltError
+        As `rebuild` returns; its structure is the tangent one, with which parts are found to first order.
+
+    Raises
+    ------
+    InputError
+        If the model has no structure, the test is too long, or a simulation with the model grows without
+        bound.
+
+    Examples
+    --------
+    >>> from reliab.simulation.actuator import Actuator
+    >>> from reliab.effects import find_effect
+    >>> from reliab.structures.structure import Structure
+    >>> structure = Structure(frequency=1.0, damping_ratio=0.05)
+    >>> friction = find_effect("coulomb_friction")(force_n=0.05, regularisation_velocity_m_per_s=0.01)
+    >>> time = np.arange(0.0, 20.0, 0.002)
+    >>> shaken = np.sin(6.0 * time) * np.exp(-0.2 * time)
+    >>> late = HybridTest(structure=structure, actuator=Actuator(delay=0.004), effects=(friction,))
+    >>> run = run_closed_loop(late, shaken, 0.002)
+    >>> error = rebuild_with_specimen(run.command.values[0], run.measured, 0.002, late)
+    >>> ideal = run_closed_loop(replace(late, actuator=Actuator()), shaken, 0.002).command.values[0]
+    >>> true = np.sqrt(np.mean((run.measured - ideal) ** 2)) / np.abs(ideal).max()
+    >>> bool(abs(error.rms.value / true - 1.0) < 0.02)
+    True
+    """
+    perfect = HybridTest(
+        structure=test.structure, mass=test.mass, specimen=test.specimen, effects=test.acting(Role.FORCE)
+    )
+    tangent = tangent_structure(perfect)
+    command, measured = checked_histories(command, measured, time_step, tangent)
+    every, lowest = _every(tangent, time_step), float(tangent.natural_frequencies[0])
+    require_fitting(command.size, every, time_step)
+    noise = estimate_noise(command, measured, time_step)
+    start = stated_start(command, measured, time_step, tangent, noise, sensor_offset)
+    read = measured - start.offset
+    difference = noise.smooth(command - read)
+    histories = Histories(
+        command=command, measured=command - difference, fed_back=difference, time_step=time_step
+    )
+    reference = _reference(perfect, histories)
+    unknown = Unknown(
+        tolerances=tolerances or Tolerances(), offset=start.offset_deviation, error_at_start=0.0
+    )
+    differences = draw_differences(command, read, noise, lowest, every, draws, seed)
+    exact = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
+    few = differences[: 2 * _DRAWS_AS_STATED : 2]
+    return conclude(
+        histories,
+        read,
+        reference,
+        structure=tangent,
+        noise=noise,
+        as_stated=_sweep(perfect, histories, {}, exact, few, every, seed),
+        spread=_sweep(perfect, histories, deviations or {}, unknown, differences, every, seed),
+        differences=differences,
+        every=every,
+        unknown=unknown,
+        start=start,
+        seed=seed,
+    )
+
+
+def _every(tangent: WholeStructure, time_step: float) -> int:
+    """Return the number of samples of which one is simulated of each draw."""
+    frequency = float(tangent.natural_frequencies[0])
+    return max(int(1.0 / (time_step * max(_LEAST_RATE, _PER_PERIOD * frequency))), 1)
+
+
+def tangent_structure(test: HybridTest) -> WholeStructure:
+    """Whole structure per unit mass with the linear specimen of a model.
+
+    Parameters
+    ----------
+    test : HybridTest
+        The model.
+
+    Returns
+    -------
+    WholeStructure
+        One degree of freedom.
+
+    Raises
+    ------
+    InputError
+        If the model has no structure.
+    """
+    specimen = test.specimen
+    if test.structure is None or specimen is None:
+        raise InputError(
+            "The error of a nonlinear specimen needs a numerical substructure",
+            remedy="Add a [structure] table to the model",
+        )
+    numerical = test.substructure
+    k, c, m = (value / test.mass for value in (specimen.stiffness, specimen.damping, specimen.mass))
+    return WholeStructure(
+        mass=np.array([[1.0 + m]]),
+        damping=np.array([[numerical.damping + c]]),
+        stiffness=np.array([[numerical.stiffness + k]]),
+        interface=np.ones(1),
+        specimen_stiffness=k,
+        specimen_damping=c,
+        specimen_mass=m,
+    )
+
+
+def _reference(perfect: HybridTest, histories: Histories) -> Array:
+    """x_I: the model with a perfect actuator under the demand that is computed from the test."""
+    step, numerical = histories.time_step, perfect.substructure
+    moved = Motion3.through(histories.command, step).values
+    force = load(perfect, Motion3.through(histories.measured, step))
+    demand = -(
+        moved[2] + numerical.damping * moved[1] + numerical.stiffness * moved[0] + force / perfect.mass
+    )
+    reference = run_closed_loop(perfect, demand, step).command.values[0]
+    if not np.isfinite(reference).all():
+        raise InputError(
+            "The model must stay bounded under the demand of the test",
+            remedy="Calibrate the specimen on tests as large as this one",
+        )
+    return np.asarray(reference, dtype=np.float64)
+
+
+def _sweep(
+    perfect: HybridTest,
+    histories: Histories,
+    deviations: Mapping[str, float],
+    unknown: Unknown,
+    differences: Array,
+    every: int,
+    seed: int,
+) -> Spread:
+    thin = histories.thinned(every)
+    velocity = np.gradient(thin.measured, thin.time_step)
+    generator = np.random.default_rng(seed)
+    nominal, fine = _statistics(thin.measured, _reference(perfect, thin)), _fine(perfect, histories)
+    scale = np.divide(fine, nominal, out=np.ones(3), where=nominal > 0.0)
+    rows, errors = [], []
+    stated = unknown.deviations()
+    for difference in differences:
+        changed = _drawn(perfect, deviations, stated, generator)
+        shift = (
+            generator.standard_normal() * stated["sensor_scale"] * thin.measured
+            + generator.standard_normal() * stated["time_shift"] * velocity
+            + generator.standard_normal() * stated["sensor_offset"]
+        )
+        measured = thin.command - difference - shift
+        moved = Histories(
+            command=thin.command,
+            measured=measured,
+            fed_back=thin.command - measured,
+            time_step=thin.time_step,
+        )
+        reference = _reference(changed, moved)
+        rows.append(_statistics(measured, reference) * scale)
+        errors.append(measured - reference)
+    square, peak, ideal = np.array(rows).T
+    places, known = np.arange(histories.command.size) / every, np.arange(thin.command.size)
+    return Spread(
+        rms=np.sqrt(square) / ideal,
+        mte=peak / ideal,
+        mean=np.interp(places, known, np.mean(errors, axis=0)),
+        deviation=np.interp(places, known, np.std(errors, axis=0)),
+    )
+
+
+def _fine(perfect: HybridTest, histories: Histories) -> Array:
+    return _statistics(histories.measured, _reference(perfect, histories))
+
+
+def _statistics(measured: Array, reference: Array) -> Array:
+    strayed = measured - reference
+    return np.array([mean_square(strayed), np.abs(strayed).max(), np.abs(reference).max()])
+
+
+def _drawn(
+    perfect: HybridTest,
+    deviations: Mapping[str, float],
+    stated: Mapping[str, float],
+    generator: np.random.Generator,
+) -> HybridTest:
+    structure, specimen = perfect.structure, perfect.specimen
+    if structure is None or specimen is None:
+        raise AssertionError  # tangent_structure has looked
+    factor = 1.0 + generator.standard_normal(2) * [stated["frequency"], stated["damping_ratio"]]
+    stiffness = specimen.stiffness + generator.standard_normal() * deviations.get("stiffness_n_per_m", 0.0)
+    return replace(
+        perfect,
+        structure=replace(
+            structure,
+            frequency=structure.frequency * max(float(factor[0]), _LEAST),
+            damping_ratio=min(structure.damping_ratio * max(float(factor[1]), _LEAST), 0.99),
+        ),
+        specimen=replace(specimen, stiffness=max(stiffness, 0.0)),
+        effects=tuple(_drawn_effect(effect, deviations, generator) for effect in perfect.effects),
+    )
+
+
+def _drawn_effect(effect: Effect, deviations: Mapping[str, float], generator: np.random.Generator) -> Effect:
+    values = effect.values.copy()
+    for place, parameter in enumerate(effect.parameters):
+        spread = deviations.get(f"{effect.name}.{parameter.name}", 0.0)
+        value = values[place] + generator.standard_normal() * spread
+        values[place] = value if parameter.signed else max(value, _LEAST * abs(values[place]))
+    return effect.of(values)

@@ -1,0 +1,208 @@
+"""Where the error comes from: amplitude, delay, neither, and a force that was fed back late.
+
+The measured displacement is written as x_m = k x_c − τ x_c' + rest, with k and τ of least squares over the
+test. The error is linear in x_c − x_m, so that each part is rebuilt by itself ::
+
+    amplitude (1 − k) x_c,   delay τ x_c',   neither: the rest,   fed-back force x_m(t) − x_m(t − lag)
+
+and the parts add up to the error. The share of a part is its projection on the whole, ⟨part, whole⟩/⟨whole,
+whole⟩; shares sum to one, and one that works against the others is negative. The error that would remain
+without a part holds to first order only, because a better actuator also changes the command.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.assessment.rebuilt_error.error_statistics import mean_square
+from reliab.assessment.rebuilt_error.interval import Histories
+from reliab.assessment.rebuilt_error.recursion import Recursion, equilibrium, respond
+from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
+
+Array = NDArray[np.float64]
+
+AMPLITUDE = "amplitude"
+DELAY = "delay"
+NEITHER = "neither"
+FED_BACK_FORCE = "fed_back_force"
+
+_ROUNDING = 1e-12
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Part:
+    """One part of the error.
+
+    Attributes
+    ----------
+    history : numpy.ndarray
+        Its contribution to x_m − x_I [m], shape (n,).
+    rms : float
+        RMS^R of the part alone [-].
+    share : float
+        Projection on the whole error [-]; the shares of all parts sum to one.
+    remaining_rms, remaining_mte : float
+        RMS^R and MTE^R [-] that would remain without it, to first order.
+    """
+
+    history: Array
+    rms: float
+    share: float
+    remaining_rms: float
+    remaining_mte: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Parts:
+    """The error divided into parts.
+
+    Attributes
+    ----------
+    gain : float
+        k of least squares [-].
+    delay : float
+        τ of least squares [s]; negative where the actuator leads.
+    by_name : dict of str to Part
+        "amplitude", "delay", "neither", and "fed_back_force" where a lag of it is known.
+    """
+
+    gain: float
+    delay: float
+    by_name: dict[str, Part]
+
+    @property
+    def first(self) -> str:
+        """The part to improve first: the one whose removal leaves the smallest error."""
+        return min(self.by_name, key=lambda name: self.by_name[name].remaining_rms)
+
+    def over_time(self, time_step: float, length: float) -> dict[str, Array]:
+        """RMS of each part in consecutive stretches of the test.
+
+        Parameters
+        ----------
+        time_step : float
+            Step between samples [s].
+        length : float
+            Length of a stretch [s].
+
+        Returns
+        -------
+        dict of str to numpy.ndarray
+            RMS by part [m], shape (stretches,).
+        """
+        width = max(round(length / time_step), 1)
+        return {name: _rms_of_stretches(part.history, width) for name, part in self.by_name.items()}
+
+    def over_frequency(self, time_step: float, edges: Array) -> dict[str, Array]:
+        """Mean square of each part in bands of frequency.
+
+        Parameters
+        ----------
+        time_step : float
+            Step between samples [s].
+        edges : numpy.ndarray
+            Edges of the bands [Hz], ascending, shape (bands + 1,).
+
+        Returns
+        -------
+        dict of str to numpy.ndarray
+            Mean square by part [m²], shape (bands,).
+        """
+        return {name: _power_in_bands(part.history, time_step, edges) for name, part in self.by_name.items()}
+
+
+def divide(histories: Histories, structure: WholeStructure) -> Parts:
+    """Divide a rebuilt error into its parts.
+
+    Parameters
+    ----------
+    histories : Histories
+        Command and smoothed measured displacement.
+    structure : WholeStructure
+        The whole structure.
+
+    Returns
+    -------
+    Parts
+        Gain, delay and parts; they add up to x_m − x_I.
+    """
+    command, measured, step = histories.command, histories.measured, histories.time_step
+    recursion = Recursion.of_displacement(structure, step)
+    velocity = np.gradient(command, step)
+    basis = np.stack([command, -velocity, np.ones(command.size)])  # an offset is neither gain nor delay
+    scale = np.abs(basis).max(axis=1)
+    rows = basis / scale[:, np.newaxis]
+    gain, delay, _ = np.linalg.lstsq(rows @ rows.T, rows @ measured, rcond=None)[0] / scale
+    differences = {
+        AMPLITUDE: (1.0 - gain) * command,
+        DELAY: delay * velocity,
+        NEITHER: gain * command - delay * velocity - measured,
+    }
+    pieces = {
+        name: respond(recursion, difference)[0] - difference for name, difference in differences.items()
+    }
+    still = np.zeros(command.size)
+    pieces[NEITHER] += respond(recursion, still, equilibrium(structure, histories.standing))[0]
+    late = histories.fed_back - histories.difference
+    if np.abs(late).max() > _ROUNDING * np.abs(measured).max():
+        pieces[FED_BACK_FORCE] = respond(recursion, late)[0]
+    whole = np.sum(list(pieces.values()), axis=0)
+    ideal_peak = float(np.abs(measured - whole).max())
+    return Parts(
+        gain=float(gain),
+        delay=float(delay),
+        by_name={name: _part(piece, whole, ideal_peak) for name, piece in pieces.items()},
+    )
+
+
+def part_of_tracking(histories: Histories, structure: WholeStructure, followed: Array) -> Part:
+    """Part of a rebuilt error that a description of the actuator accounts for.
+
+    Parameters
+    ----------
+    histories : Histories
+        Command and smoothed measured displacement.
+    structure : WholeStructure
+        The whole structure.
+    followed : numpy.ndarray
+        Displacement [m] of the described actuator under the command of the test, shape (n,).
+
+    Returns
+    -------
+    Part
+        The error that x_c minus this displacement causes, and what would remain without it.
+    """
+    recursion = Recursion.of_displacement(structure, histories.time_step)
+    start = equilibrium(structure, histories.standing)
+    whole = respond(recursion, histories.fed_back, start)[0] - histories.difference
+    strayed = histories.command - followed
+    piece = respond(recursion, strayed)[0] - strayed
+    return _part(piece, whole, float(np.abs(histories.measured - whole).max()))
+
+
+def _part(piece: Array, whole: Array, ideal_peak: float) -> Part:
+    total = float(whole @ whole)
+    remaining = whole - piece
+    return Part(
+        history=piece,
+        rms=float(np.sqrt(mean_square(piece))) / ideal_peak,
+        share=float(piece @ whole) / total if total > 0.0 else 0.0,
+        remaining_rms=float(np.sqrt(mean_square(remaining))) / ideal_peak,
+        remaining_mte=float(np.abs(remaining).max()) / ideal_peak,
+    )
+
+
+def _rms_of_stretches(values: Array, width: int) -> Array:
+    starts = np.arange(0, values.size, width)
+    sizes = np.diff(np.append(starts, values.size))
+    return np.asarray(np.sqrt(np.add.reduceat(values**2, starts) / sizes))
+
+
+def _power_in_bands(values: Array, step: float, edges: Array) -> Array:
+    power = np.abs(np.fft.rfft(values)) ** 2 * 2.0 / values.size**2
+    power[0] *= 0.5
+    frequency = np.fft.rfftfreq(values.size, step)
+    place = np.digitize(frequency, edges) - 1
+    inside = (place >= 0) & (place < edges.size - 1)
+    return np.bincount(place[inside], power[inside], minlength=edges.size - 1).astype(np.float64)

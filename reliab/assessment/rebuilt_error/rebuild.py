@@ -1,0 +1,159 @@
+"""The error of one test, rebuilt from its own command and measured displacement.
+
+A test obeys M x_c'' + C_n x_c' + K_n x_c = −M ι a_g − γ f, the undisturbed structure the same with the
+specimen's true force under its own motion. Their difference e = x_c − x_I obeys the whole structure's own
+equation, driven only by the restoring force that was wrong ::
+
+    M e'' + C e' + K e = γ (Z x_c − f),   f = Z x_m,   Z = k_e + c_e s + m_e s²
+    one degree of freedom:   e'' + 2ξω₀e' + ω₀²e = αω₀²(x_c − x_m)
+    x_m − x_I = e − (x_c − x_m)
+
+Neither the ground motion nor a reference is needed, and the actuator may do anything. The equation holds for
+a linear structure with the stated properties (derivation: subtract the two equations of motion).
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.assessment.rebuilt_error.channels import checked_histories, stated_start
+from reliab.assessment.rebuilt_error.feedback import delayed
+from reliab.assessment.rebuilt_error.force_form import Form, combined_reading, felt_displacement
+from reliab.assessment.rebuilt_error.noise import estimate_noise
+from reliab.assessment.rebuilt_error.rebuilt import RebuiltError, conclude
+from reliab.assessment.rebuilt_error.recursion import Recursion, equilibrium, respond
+from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
+from reliab.assessment.rebuilt_error.stretches import StatedTest, draw_error, what_is_unknown
+from reliab.assessment.rebuilt_error.tolerances import Tolerances
+from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, whole_structure
+from reliab.errors import InputError
+from reliab.structures.partition import Partition
+from reliab.structures.structure import Structure
+
+Array = NDArray[np.float64]
+
+DRAWS = 256
+"""Number of draws of the uncertain quantities, a power of two."""
+
+
+def rebuild(
+    command: Array,
+    measured: Array,
+    time_step: float,
+    structure: Structure | Partition | WholeStructure,
+    *,
+    force: Array | None = None,
+    form: Form = Form.DISPLACEMENT,
+    feedback_lag: float = 0.0,
+    sensor_offset: float | None = None,
+    tolerances: Tolerances | None = None,
+    draws: int = DRAWS,
+    seed: int = 0,
+) -> RebuiltError:
+    """Rebuild the error of a test from its command and measured displacement.
+
+    Parameters
+    ----------
+    command, measured : numpy.ndarray
+        x_c and x_m at the interface [m] at equal steps, shape (n,), n ≥ 64.
+    time_step : float
+        Step between samples [s].
+    structure : Structure, Partition or WholeStructure
+        The whole structure under test.
+    force : numpy.ndarray, optional
+        Recorded force of the specimen at the interface [N], per unit mass [m/s²] for one degree of freedom,
+        shape (n,); needed by the forms that use it.
+    form : Form, optional
+        The channel from which the specimen's displacement is taken; the measured displacement by default.
+    feedback_lag : float, optional
+        Time by which the force was fed back late [s].
+    sensor_offset : float, optional
+        Offset of the displacement sensor that the loop did not feel [m]; by default it is read from the rest
+        before the test. Give 0 where the force follows the reading, offset included.
+    tolerances : Tolerances, optional
+        How far stated values may be off; by default they are exact.
+    draws : int, optional
+        Draws behind the intervals, a power of two.
+    seed : int, optional
+        Seed of the draws.
+
+    Returns
+    -------
+    RebuiltError
+        Histories, RMS^R and MTE^R with 90 % intervals.
+
+    Raises
+    ------
+    InputError
+        If histories differ in length, are too short or too long, do not move or are not finite, or if the
+        step is too long for the structure, or if a form needs a force that is not given.
+
+    Examples
+    --------
+    An actuator that moves 1 % too little under a steady sine at resonance:
+
+    >>> time = np.arange(0.0, 60.0, 1.0 / 256.0)
+    >>> command = np.minimum(time / 20.0, 1.0) * np.sin(2.0 * np.pi * time)
+    >>> error = rebuild(command, 0.99 * command, 1.0 / 256.0, Structure(frequency=1.0, damping_ratio=0.05))
+    >>> round(error.rms.value, 3)
+    0.06
+    """
+    test = StatedTest(
+        structure=whole_structure(structure),
+        time_step=time_step,
+        feedback_lag=feedback_lag,
+        sensor_offset=sensor_offset,
+        tolerances=tolerances or Tolerances(),
+        seed=seed,
+    )
+    whole = test.structure
+    command, measured = checked_histories(command, measured, time_step, whole)
+    require_fitting(command.size, samples_in_step_of_structure(whole, time_step), time_step)
+    noise = estimate_noise(command, measured, time_step)
+    start = stated_start(command, measured, time_step, whole, noise, sensor_offset)
+    read = measured - start.offset
+    felt = _felt(command, read, force, form, whole, time_step)
+    if form is Form.COMBINED:
+        read, noise = felt, estimate_noise(command, felt, time_step)
+    fed_back = command - delayed(felt, feedback_lag, time_step)
+    recursion = Recursion.of_displacement(whole, time_step)
+    response = respond(recursion, fed_back, equilibrium(whole, -start.standing))[0]
+    error, drawn = draw_error(
+        command,
+        read,
+        fed_back,
+        test,
+        noise=noise,
+        start=start,
+        unknown=what_is_unknown(start, test.tolerances, response, command),
+        draws=draws,
+    )
+    return conclude(
+        drawn.histories,
+        read,
+        command - response,
+        structure=whole,
+        noise=noise,
+        as_stated=error.stated.spread,
+        spread=error.swept.spread,
+        differences=drawn.differences,
+        every=drawn.every,
+        unknown=error.unknown,
+        start=start,
+        seed=seed,
+    )
+
+
+def _felt(
+    command: Array, read: Array, force: Array | None, form: Form, structure: WholeStructure, time_step: float
+) -> Array:
+    """Displacement of the specimen by the chosen form."""
+    if form is Form.DISPLACEMENT:
+        return read
+    if force is None or force.shape != read.shape or not np.isfinite(force).all():
+        raise InputError(
+            f"The {form} form needs a recorded force, finite and as long as the displacements",
+            value="none" if force is None else f"shape {force.shape}",
+            remedy="Give the force, or use the displacement form",
+        )
+    felt = felt_displacement(np.ascontiguousarray(force, dtype=np.float64), structure, time_step)
+    return felt if form is Form.FORCE else combined_reading(command, read, felt, time_step)

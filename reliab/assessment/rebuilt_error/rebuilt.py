@@ -1,0 +1,177 @@
+"""The rebuilt error of a test: histories, RMS^R and MTE^R, intervals and probabilities."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.assessment.rebuilt_error.initial import Start
+from reliab.assessment.rebuilt_error.interval import Histories, Unknown
+from reliab.assessment.rebuilt_error.noise import SensorNoise
+from reliab.assessment.rebuilt_error.parts import Part, Parts, divide, part_of_tracking
+from reliab.assessment.rebuilt_error.spread import HALF_WIDTH, Estimate, Spread
+from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
+from reliab.assessment.rebuilt_error.widenings import Widening, widenings
+from reliab.vocabulary import Metric
+
+Array = NDArray[np.float64]
+
+_WIDENING_DRAWS = 128
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RebuiltError:
+    """The error of a test with its uncertainty.
+
+    Attributes
+    ----------
+    time_step : float
+        Step between samples [s].
+    structure : WholeStructure
+        The structure with which it was rebuilt.
+    error : numpy.ndarray
+        x_m − x_I [m] sample by sample as the sensor reads x_m, its offset taken away, shape (n,).
+    smooth_error : numpy.ndarray
+        The same without the sensor's noise above the band of the motion [m], shape (n,).
+    reference : numpy.ndarray
+        x_I [m], what the undisturbed structure would have done, shape (n,).
+    low, high : numpy.ndarray
+        90 % band of x_m − x_I at each sample [m], shape (n,).
+    rms, mte : Estimate
+        RMS^R and MTE^R [-] with their 90 % intervals.
+    draws : Spread
+        RMS^R and MTE^R of the draws behind the intervals.
+    noise : SensorNoise
+        Noise of the displacement sensor.
+    start : Start
+        How the test begins, and the sensor's offset.
+    unknown : Unknown
+        Standard deviations that went into the intervals.
+    histories : Histories
+        Smoothed histories from which the error is rebuilt.
+    differences : numpy.ndarray
+        Draws of x_c − x_m that the noise leaves open [m], as many as widenings need, shape
+        (at most 128, ceil(n/every)).
+    every : int
+        Number of samples of which one was drawn.
+    seed : int
+        Seed of the draws.
+    """
+
+    time_step: float
+    structure: WholeStructure
+    error: Array
+    smooth_error: Array
+    reference: Array
+    low: Array
+    high: Array
+    rms: Estimate
+    mte: Estimate
+    draws: Spread
+    noise: SensorNoise
+    start: Start
+    unknown: Unknown
+    histories: Histories
+    differences: Array
+    every: int
+    seed: int
+
+    def estimate(self, metric: Metric) -> Estimate:
+        """RMS^R or MTE^R with its interval."""
+        return self.rms if Metric(metric) is Metric.RMS else self.mte
+
+    def probability(self, threshold: float, metric: Metric = Metric.RMS) -> float:
+        """Probability that the error is below a threshold.
+
+        Parameters
+        ----------
+        threshold : float
+            Relative error [-], positive.
+        metric : Metric, optional
+            Which error; RMS^R by default.
+
+        Returns
+        -------
+        float
+            Never 0 or 1: the distance to both is at least that of half a draw.
+        """
+        return self.draws.probability_below(threshold, metric)
+
+    def parts(self) -> Parts:
+        """Divide the error into amplitude, delay, what is neither, and the fed-back force."""
+        return divide(self.histories, self.structure)
+
+    def part_of_tracking(self, followed: Array) -> Part:
+        """Part of the error that an actuator with this displacement [m] accounts for, shape (n,)."""
+        return part_of_tracking(self.histories, self.structure, followed)
+
+    def widenings(self, metric: Metric = Metric.RMS) -> tuple[Widening, ...]:
+        """Which unknowns widen the interval most, the widest first."""
+        return widenings(
+            self.histories,
+            self.structure,
+            self.unknown,
+            self.differences,
+            self.every,
+            metric=metric,
+            draws=_WIDENING_DRAWS,
+            seed=self.seed,
+        )
+
+
+def conclude(
+    histories: Histories,
+    read: Array,
+    reference: Array,
+    *,
+    structure: WholeStructure,
+    noise: SensorNoise,
+    as_stated: Spread,
+    spread: Spread,
+    differences: Array,
+    every: int,
+    unknown: Unknown,
+    start: Start,
+    seed: int,
+) -> RebuiltError:
+    """Combine histories, noise and draws into a rebuilt error.
+
+    Parameters
+    ----------
+    histories : Histories
+        Smoothed histories.
+    read : numpy.ndarray
+        x_m as the sensor reads it, its offset taken away [m], shape (n,).
+    reference : numpy.ndarray
+        x_I [m], shape (n,).
+    as_stated, spread : Spread
+        Errors of the draws with everything as stated, so that only noise is open, and with all that is not
+        known.
+    structure, noise, differences, every, unknown, start, seed
+        As the attributes of the same names.
+
+    Returns
+    -------
+    RebuiltError
+        Errors with their intervals.
+    """
+    half = HALF_WIDTH * spread.deviation
+    return RebuiltError(
+        time_step=histories.time_step,
+        structure=structure,
+        error=read - reference,
+        smooth_error=histories.measured - reference,
+        reference=reference,
+        low=spread.mean - half,
+        high=spread.mean + half,
+        rms=spread.estimate(Metric.RMS, float(np.median(as_stated.rms))),
+        mte=spread.estimate(Metric.MTE, float(np.median(as_stated.mte))),
+        draws=spread,
+        noise=noise,
+        start=start,
+        unknown=unknown,
+        histories=histories,
+        differences=differences[:_WIDENING_DRAWS].copy(),  # the others are many times the histories
+        every=every,
+        seed=seed,
+    )

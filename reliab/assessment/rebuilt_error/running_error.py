@@ -1,0 +1,260 @@
+"""The error history of a running test, sample by sample.
+
+The recursion of `rebuild` continues from chunk to chunk, and so do sums over the error. Only the latest
+samples are kept: what is forgotten stays in the sums. Two more responses are computed with it: the response
+to a constant, with which a sensor offset that is found later is subtracted from all samples so far, and the
+decay from the static state under a constant x_c − x_m, for tests that began in equilibrium under an
+offset.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.assessment.rebuilt_error.feedback import delayed
+from reliab.assessment.rebuilt_error.recursion import Recursion, advance, equilibrium
+from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
+from reliab.compiled import compiled
+
+Array = NDArray[np.float64]
+
+_ROWS = 5  # command, measured, error, response to a constant, decay from equilibrium
+_CAPACITY = 4096
+
+
+class RunningError:
+    """Latest histories of a running test, and sums over all of it.
+
+    Parameters
+    ----------
+    structure : WholeStructure
+        The whole structure.
+    time_step : float
+        Step between samples [s].
+    feedback_lag : float
+        Time by which the force is fed back late [s].
+    forgetting : float
+        Weight that is left of the past of the energies after a step [-].
+    offset : float
+        Offset of the displacement sensor [m].
+
+    Attributes
+    ----------
+    size : int
+        Samples so far.
+    offset, standing : float
+        Sensor offset that is taken away, and x_c − x_m under which the test began in equilibrium [m].
+    sums : numpy.ndarray
+        Σr², half the square of its first value, max|r|, max|x_I|, r of the last sample, max|x_I| when it last
+        doubled, and the number of the sample at which it did, of the error r = x_m − x_I, shape (7,).
+    moments : numpy.ndarray
+        Forgetting sums of the products of x_c, x_c', one and x_m − x_c between samples,
+        and of their steps from one to the next, shape (2, 4, 4).
+    motion : numpy.ndarray
+        Number of samples that moved, and the largest forgetting sum of x_c'² so far [m²/s²], shape (2,).
+    """
+
+    def __init__(
+        self,
+        structure: WholeStructure,
+        time_step: float,
+        feedback_lag: float,
+        forgetting: float,
+        offset: float,
+    ) -> None:
+        self.size = self._forgotten = 0
+        self.offset, self.standing = offset, 0.0
+        self.sums, self.moments, self.motion = np.zeros(7), np.zeros((2, 4, 4)), np.zeros(2)
+        self._recursion = Recursion.of_displacement(structure, time_step)
+        self._step, self._lag, self._forgetting = time_step, feedback_lag, forgetting
+        self._table = np.zeros((_ROWS, _CAPACITY))
+        self._states = np.zeros((3, self._recursion.order))
+        self._states[2] = equilibrium(structure, 1.0)
+        self._before, self._between = np.zeros(3), np.array([0.0, 0.0, 1.0, 0.0])
+
+    @property
+    def kept(self) -> int:
+        """Number of samples that are kept, the latest ones."""
+        return self.size - self._forgotten
+
+    @property
+    def command(self) -> Array:
+        """x_c of the samples that are kept [m], shape (kept,)."""
+        return self._table[0, : self.kept]
+
+    @property
+    def measured(self) -> Array:
+        """x_m as read of the samples that are kept [m], shape (kept,)."""
+        return self._table[1, : self.kept]
+
+    @property
+    def error(self) -> Array:
+        """x_m − x_I of the samples that are kept, the sensor's offset taken away [m], shape (kept,)."""
+        rows = self._table[2:, : self.kept]
+        return np.asarray(rows[0] + self.offset * rows[1] + self.standing * rows[2])
+
+    @property
+    def mean_square(self) -> float:
+        """Mean square of x_m − x_I over the whole test so far [m²], by the trapezoidal rule."""
+        inner = self.sums[0] - self.sums[1] - 0.5 * self.sums[4] ** 2
+        return max(float(inner), 0.0) / max(self.size - 1, 1)
+
+    @property
+    def calm(self) -> float:
+        """Time since the peak of x_I last doubled [s]."""
+        return (self.size - 1 - float(self.sums[6])) * self._step
+
+    def feed(self, command: Array, measured: Array) -> None:
+        """Add the next samples.
+
+        Parameters
+        ----------
+        command, measured : numpy.ndarray
+            x_c and x_m [m], shape (k,), k ≥ 1.
+        """
+        first, last = self.kept, self.kept + command.size
+        self._reserve(last)
+        self._table[0, first:last], self._table[1, first:last] = command, measured
+        self.size += command.size
+        _follow(
+            self._recursion.decay,
+            self._recursion.early,
+            self._recursion.late,
+            self._recursion.output[0],
+            self._recursion.feed_through[0],
+            self._table,
+            self._fed_back(first, last),
+            first,
+            last,
+            self._forgotten,
+            self._states,
+            self._before,
+            self._between,
+            self.sums,
+            self.moments,
+            self.motion,
+            np.array([self.offset, self.standing]),
+            self._forgetting,
+            self._step,
+        )
+
+    def begin_anew(self, offset: float, standing: float) -> None:
+        """Change the offset and the initial equilibrium for all samples so far.
+
+        Samples of the motion must not be forgotten yet, only a rest before it.
+
+        Parameters
+        ----------
+        offset, standing : float
+            As the attributes of the same names [m].
+        """
+        if (offset, standing) == (self.offset, self.standing):
+            return
+        self.offset, self.standing = offset, standing
+        error = self.error
+        self.sums[:] = 0.0
+        _add_all(self.sums, error, self.measured - offset - error, self._forgotten)
+
+    def forget(self, count: int) -> None:
+        """Forget the earliest of the samples that are kept; the sums go on over all of them.
+
+        Parameters
+        ----------
+        count : int
+            Their number, less than `kept`.
+        """
+        self._table[:, : self.kept - count] = self._table[:, count : self.kept].copy()
+        self._forgotten += count
+
+    def _fed_back(self, first: int, last: int) -> Array:
+        """x_c minus the displacement whose force was fed back, for the new samples."""
+        context = min(first, int(self._lag / self._step) + 4)
+        felt = delayed(self._table[1, first - context : last], self._lag, self._step)[context:]
+        return np.asarray(self._table[0, first:last] - felt)
+
+    def _reserve(self, size: int) -> None:
+        if size > self._table.shape[1]:
+            larger = np.zeros((_ROWS, max(2 * self._table.shape[1], size)))
+            larger[:, : self._table.shape[1]] = self._table
+            self._table = larger
+
+
+@compiled
+def _follow(
+    decay: Array,
+    early: Array,
+    late: Array,
+    output: Array,
+    feed_through: float,
+    table: Array,
+    fed_back: Array,
+    first: int,
+    last: int,
+    forgotten: int,
+    states: Array,
+    before: Array,
+    between: Array,
+    sums: Array,
+    moments: Array,
+    motion: Array,
+    beginning: Array,
+    forgetting: float,
+    time_step: float,
+) -> None:
+    """Advance the error, the response to a constant and the decay from equilibrium, in place.
+
+    `beginning` holds the offset and the standing difference.
+    """
+    offset, standing = beginning
+    scratch = np.empty(states.shape[1])
+    inputs, stepped = np.array([0.0, 1.0, 0.0]), np.empty(4)
+    for i in range(first, last):
+        inputs[0] = fed_back[i - first]
+        difference = table[0, i] - table[1, i]
+        if i > 0:
+            for row in range(4):
+                stepped[row] = -between[row]
+            between[0] = 0.5 * (table[0, i] + table[0, i - 1])
+            between[1] = (table[0, i] - table[0, i - 1]) / time_step
+            between[3] = -0.5 * (difference + table[0, i - 1] - table[1, i - 1])
+            for row in range(4):
+                stepped[row] += between[row]
+            for row in range(4):
+                for column in range(4):
+                    product = between[row] * between[column]
+                    moments[0, row, column] = forgetting * moments[0, row, column] + product
+                    product = stepped[row] * stepped[column]
+                    moments[1, row, column] = forgetting * moments[1, row, column] + product
+            motion[0] += 1.0 if between[1] != 0.0 else 0.0
+            motion[1] = max(motion[1], moments[0, 1, 1])
+        for row in range(3):
+            if i > 0:
+                advance(decay, early, late, before[row], inputs[row], states[row], scratch)
+            before[row] = inputs[row]
+            response = feed_through * inputs[row]
+            for column in range(states.shape[1]):
+                response += output[column] * states[row, column]
+            table[2 + row, i] = response
+        table[2, i] -= difference
+        table[3, i] -= 1.0
+        error = table[2, i] + offset * table[3, i] + standing * table[4, i]
+        _add(sums, error, table[1, i] - offset - error, forgotten + i)
+
+
+@compiled
+def _add_all(sums: Array, error: Array, ideal: Array, forgotten: int) -> None:
+    """Add all samples that are kept to the sums, in place."""
+    for i in range(error.size):
+        _add(sums, error[i], ideal[i], forgotten + i)
+
+
+@compiled
+def _add(sums: Array, error: float, ideal: float, number: int) -> None:
+    """Add a sample to the sums, in place."""
+    if number == 0:
+        sums[1] = 0.5 * error * error
+    sums[0] += error * error
+    sums[2] = max(sums[2], abs(error))
+    sums[3] = max(sums[3], abs(ideal))
+    sums[4] = error
+    if sums[3] > 2.0 * sums[5]:
+        sums[5], sums[6] = sums[3], number

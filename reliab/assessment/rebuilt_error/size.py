@@ -1,0 +1,86 @@
+"""How long a test may be: the draws of its error are held in memory at once."""
+
+from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
+from reliab.errors import InputError
+from reliab.significant import significant
+
+LARGEST_READING = 1e30
+"""What no sensor reads in any unit, and whose square is still a number."""
+
+MOST_DRAWN = 1_000_000
+"""Largest number of samples at which a history is drawn; 256 draws then take about 5 GB with their copies."""
+
+_PER_PERIOD = 64.0  # samples in a period of the highest mode while draws are swept
+_HOUR = 3600.0
+
+
+def samples_in_step_of_structure(structure: WholeStructure, time_step: float) -> int:
+    """Return the number of samples of which one resolves the highest mode.
+
+    Parameters
+    ----------
+    structure : WholeStructure
+        The structure.
+    time_step : float
+        Step between samples [s].
+
+    Returns
+    -------
+    int
+        At least one; tests so long that their size matters are drawn at each such sample.
+    """
+    return max(int(1.0 / (_PER_PERIOD * float(structure.natural_frequencies[-1]) * time_step)), 1)
+
+
+def fits(samples: int, every: int, most: int = MOST_DRAWN) -> bool:
+    """Whether the draws of a test fit in memory.
+
+    Parameters
+    ----------
+    samples : int
+        Samples of the test.
+    every : int
+        Number of samples of which one is drawn.
+    most : int, optional
+        Largest number of samples that are drawn.
+
+    Returns
+    -------
+    bool
+        Whether they are at most `most`.
+    """
+    return -(-samples // every) <= most
+
+
+def require_fitting(samples: int, every: int, time_step: float, most: int = MOST_DRAWN) -> None:
+    """Refuse a test whose draws would not fit in memory, before they are made.
+
+    Parameters
+    ----------
+    samples, every, most
+        As for `fits`.
+    time_step : float
+        Step between samples [s].
+
+    Raises
+    ------
+    InputError
+        If the test is too long, with the longest duration.
+
+    Examples
+    --------
+    >>> require_fitting(24 * 3600 * 256, 4, 1.0 / 256.0)
+    Traceback (most recent call last):
+    ...
+    reliab.errors.InputError: A test of this structure may last 4.34 h at most, since the intervals of its
+    error are drawn at 1,000,000 samples at most; found 24 h. Cut it where everything stands still, and judge
+    the parts one by one.
+    """
+    if not fits(samples, every, most):
+        longest = most * every * time_step / _HOUR
+        raise InputError(
+            f"A test of this structure may last {significant(longest)} h at most, since the intervals of "
+            f"its error are drawn at {most:,} samples at most",
+            value=f"{significant(samples * time_step / _HOUR)} h",
+            remedy="Cut it where everything stands still, and judge the parts one by one",
+        )

@@ -1,0 +1,296 @@
+"""The error of a test that is judged stretch by stretch: a long test takes no more memory than a short one.
+
+The histories of x_c − x_m that the sensor's noise leaves open are drawn for one stretch after the other, and
+the recursion of each draw goes on where the stretch before ended. The sums over the error are those of the
+whole test. The noise, its band and the levels of the actuator's error are those of each stretch. Every
+stretch is drawn with the same random numbers: what a draw assumes of the rig it assumes throughout, which
+makes the interval rather too wide than too narrow.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.assessment.rebuilt_error.channels import checked_histories, stated_start
+from reliab.assessment.rebuilt_error.difference_draws import draw_differences
+from reliab.assessment.rebuilt_error.error_statistics import mean_square
+from reliab.assessment.rebuilt_error.feedback import delayed
+from reliab.assessment.rebuilt_error.initial import Start
+from reliab.assessment.rebuilt_error.interval import (
+    FEWEST_SWEPT,
+    Histories,
+    Swept,
+    Unknown,
+    samples_in_step,
+    sweep,
+)
+from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
+from reliab.assessment.rebuilt_error.recursion import Recursion, equilibrium, respond
+from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
+from reliab.assessment.rebuilt_error.spread import Estimate
+from reliab.assessment.rebuilt_error.tolerances import Tolerances
+from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
+from reliab.vocabulary import Metric
+
+Array = NDArray[np.float64]
+
+_STANDS = 1e-9  # share of the largest response up to which a command counts as standing still
+_SAMPLES_SWEPT = 1 << 15  # of a stretch
+_SAMPLES = 1 << 19  # of a stretch, before they are thinned
+
+
+@dataclass(frozen=True, kw_only=True)
+class StatedTest:
+    """What is stated of a test.
+
+    Attributes
+    ----------
+    structure : WholeStructure
+        The whole structure.
+    time_step : float
+        Step between samples [s].
+    feedback_lag : float
+        Time by which the force is fed back late [s].
+    sensor_offset : float or None
+        Offset of the displacement sensor [m]; None to read it from rest.
+    tolerances : Tolerances
+        How far stated values may be off.
+    seed : int
+        Seed of the draws.
+    """
+
+    structure: WholeStructure
+    time_step: float
+    feedback_lag: float
+    sensor_offset: float | None
+    tolerances: Tolerances
+    seed: int
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ErrorSoFar:
+    """RMS^R and MTE^R of a test from its beginning to the end of a stretch, with intervals.
+
+    Attributes
+    ----------
+    noise : SensorNoise
+        Noise of the displacement sensor in the stretch.
+    start : Start
+        How the test begins, and the sensor's offset.
+    unknown : Unknown
+        Standard deviations that went into the intervals.
+    stated, swept : Swept
+        Errors of the draws with everything as stated, so that only noise is open, and with all that is not
+        known.
+    """
+
+    noise: SensorNoise
+    start: Start
+    unknown: Unknown
+    stated: Swept
+    swept: Swept
+
+    def estimate(self, metric: Metric) -> Estimate:
+        """RMS^R or MTE^R with its interval."""
+        value = float(np.median(self.stated.spread.errors(metric)))
+        return self.swept.spread.estimate(metric, value)
+
+    @property
+    def rms(self) -> Estimate:
+        """RMS^R with its interval."""
+        return self.estimate(Metric.RMS)
+
+    @property
+    def mte(self) -> Estimate:
+        """MTE^R with its interval."""
+        return self.estimate(Metric.MTE)
+
+    def probability(self, threshold: float, metric: Metric = Metric.RMS) -> float:
+        """Probability that the error is below a threshold, as `RebuiltError.probability` states it."""
+        return self.swept.spread.probability_below(threshold, metric)
+
+    def after_rest(self, steps: int) -> "ErrorSoFar":
+        """Return the error of the same test with a longer rest before it, by a number of samples."""
+        return replace(self, stated=self.stated.after_rest(steps), swept=self.swept.after_rest(steps))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Drawn:
+    """What was drawn of a stretch.
+
+    Attributes
+    ----------
+    histories : Histories
+        Smoothed histories.
+    differences : numpy.ndarray
+        Draws of x_c − x_m [m], shape (draws, ceil(n/every)).
+    every : int
+        Number of samples of which one was drawn.
+    """
+
+    histories: Histories
+    differences: Array
+    every: int
+
+
+def draw_error(
+    command: Array,
+    read: Array,
+    fed_back: Array,
+    test: StatedTest,
+    *,
+    noise: SensorNoise,
+    start: Start,
+    unknown: Unknown,
+    draws: int,
+    before: ErrorSoFar | None = None,
+) -> tuple[ErrorSoFar, Drawn]:
+    """Draw the error of a test, or of its next stretch.
+
+    Parameters
+    ----------
+    command, read, fed_back : numpy.ndarray
+        x_c, x_m without the sensor's offset, and x_c minus the displacement whose force was fed back [m],
+        shape (n,).
+    test : StatedTest
+        What is stated of the test.
+    noise, start, unknown
+        As the attributes of `ErrorSoFar`.
+    draws : int
+        Number of draws, a power of two; no more than were drawn before.
+    before : ErrorSoFar, optional
+        The error up to the first of these samples; by default the test begins with it.
+
+    Returns
+    -------
+    tuple of ErrorSoFar and Drawn
+        The error from the beginning of the test, and what was drawn of these samples.
+    """
+    structure, seed = test.structure, test.seed
+    every = samples_in_step(structure, noise, command.size)
+    if np.ptp(command) > 0.0:
+        difference, fed_back = noise.smooth(command - read), noise.smooth(fed_back)
+        lowest = float(structure.natural_frequencies[0])
+        differences = draw_differences(command, read, noise, lowest, every, draws, seed)
+    else:  # a piston whose command stands still is where the sensor shows it on average
+        difference = fed_back = np.full(command.size, np.mean(command - read))
+        differences = difference[np.newaxis, ::every]
+    histories = Histories(
+        command=command,
+        measured=command - difference,
+        fed_back=fed_back,
+        time_step=test.time_step,
+        standing=-start.standing,
+    )
+
+    def swept(unknown: Unknown, differences: Array, draws: int, before: Swept | None) -> Swept:
+        return sweep(histories, structure, unknown, differences, every, draws=draws, seed=seed, before=before)
+
+    exact = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
+    error = ErrorSoFar(
+        noise=noise,
+        start=start,
+        unknown=unknown,
+        stated=swept(exact, differences[::2], draws // 2, None if before is None else before.stated),
+        swept=swept(unknown, differences, draws, None if before is None else before.swept),
+    )
+    return error, Drawn(histories=histories, differences=differences, every=every)
+
+
+def what_is_unknown(start: Start, tolerances: Tolerances, response: Array, command: Array) -> Unknown:
+    """Return the standard deviations of everything that is uncertain.
+
+    Parameters
+    ----------
+    start : Start
+        How the test begins.
+    tolerances : Tolerances
+        How far stated values may be off.
+    response, command : numpy.ndarray
+        x_c − x_I and x_c [m], shape (n,).
+
+    Returns
+    -------
+    Unknown
+        With the error at the first sample of a test that begins in motion.
+    """
+    relative = float(np.sqrt(mean_square(response) / mean_square(command)))
+    return Unknown(
+        tolerances=tolerances,
+        offset=start.offset_deviation,
+        error_at_start=0.0 if start.at_rest else relative * start.amplitude,
+    )
+
+
+def error_of_stretch(
+    command: Array, measured: Array, test: StatedTest, *, draws: int, before: ErrorSoFar | None = None
+) -> ErrorSoFar:
+    """Draw the error of a test up to the end of its first or next stretch.
+
+    Parameters
+    ----------
+    command, measured : numpy.ndarray
+        x_c, and x_m as read [m], of the stretch, shape (n,).
+    test, draws, before
+        As for `draw_error`.
+
+    Returns
+    -------
+    ErrorSoFar
+        The error from the beginning of the test.
+
+    Raises
+    ------
+    InputError
+        If the histories of the first stretch are too short, do not move or are not finite.
+    """
+    structure, step = test.structure, test.time_step
+    if before is None:
+        command, measured = checked_histories(command, measured, step, structure)
+        noise = estimate_noise(command, measured, step)
+        start = stated_start(command, measured, step, structure, noise, test.sensor_offset)
+    elif np.ptp(command) > _STANDS * float(before.stated.ideal.max()):
+        noise, start = estimate_noise(command, measured, step), before.start
+    else:
+        command = np.full(command.size, np.mean(command))
+        noise, start = before.noise, before.start
+    read = measured - start.offset
+    fed_back = command - delayed(read, test.feedback_lag, step)
+    if before is None:
+        recursion = Recursion.of_displacement(structure, step)
+        response = respond(recursion, fed_back, equilibrium(structure, -start.standing))[0]
+        unknown = what_is_unknown(start, test.tolerances, response, command)
+    else:
+        unknown = before.unknown
+    return draw_error(
+        command,
+        read,
+        fed_back,
+        test,
+        noise=noise,
+        start=start,
+        unknown=unknown,
+        draws=draws,
+        before=before,
+    )[0]
+
+
+def samples_in_stretch(structure: WholeStructure, time_step: float) -> int:
+    """Return the number of samples after which a stretch of a running test is judged and forgotten.
+
+    Parameters
+    ----------
+    structure : WholeStructure
+        The whole structure.
+    time_step : float
+        Step between samples [s].
+
+    Returns
+    -------
+    int
+        So many that a stretch ends with a sample that is swept, and 256 draws of twice as many take half a
+        gigabyte.
+    """
+    every = samples_in_step_of_structure(structure, time_step)
+    return every * min(max(_SAMPLES // every, FEWEST_SWEPT), _SAMPLES_SWEPT)

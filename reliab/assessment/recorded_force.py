@@ -1,0 +1,177 @@
+"""Recorded forces that cannot be the specimen's: reversed, in another unit, unrelated, of another column.
+
+A passive specimen resists: its force is a sum of spring, dashpot, mass, hardening and elastic-plastic springs
+with coefficients that are not negative. Such a sum explains a reversed force only with its sign turned; and
+where it explains the force by the command, not by the measured displacement, the columns are exchanged.
+"""
+
+from typing import Final
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from reliab.assessment.rebuilt_error.kernel import Kernel
+from reliab.assessment.rebuilt_error.specimen_check import slipped
+from reliab.errors import InputError
+from reliab.significant import significant
+
+Array = NDArray[np.float64]
+
+_FEWEST_SAMPLES = 32  # of the smoothed histories
+_UNRELATED = 0.9  # of the force's power, above which it follows no motion
+_BETTER = 0.5  # of what the other explanation leaves over: one is clearly better
+_EXCHANGED = 0.04  # of the power left over: the force is five times nearer to the command
+_SPRING = 0.5  # correlation of force and displacement above which a stiffness is known
+_YIELDS = (0.02, 0.1, 0.25, 0.5)  # of the largest displacement, where an elastic-plastic spring slips
+_STIFFNESSES = (0.01, 3.0)  # over the stated one
+_UNIT_TOLERANCE = 0.25
+_UNITS: Final = {
+    1e6: "meganewtons for newtons, or newtons for meganewtons",
+    1e3: "kilonewtons for newtons, or newtons for kilonewtons",
+    9806.65: "tonnes-force for newtons, or newtons for tonnes-force",
+    4448.2216: "kips for newtons, or newtons for kips",
+    9.80665: "kilograms-force for newtons, or newtons for kilograms-force",
+    4.4482216: "pounds-force for newtons, or newtons for pounds-force",
+}
+
+
+def require_restoring_force(
+    measured: Array, force: Array, time_step: float, *, stiffness: float | None = None, where: str = ""
+) -> None:
+    """Refuse a force that is reversed, stands still, follows no motion, or is in another unit.
+
+    Parameters
+    ----------
+    measured, force : numpy.ndarray
+        Measured displacement [m], without spikes, and force [N], shape (n,).
+    time_step : float
+        Step between samples [s].
+    stiffness : float, optional
+        Stated stiffness of the specimen [N/m]; without it the unit of the force is not examined.
+    where : str, optional
+        What the test is called.
+
+    Raises
+    ------
+    InputError
+        With what was found and the remedy.
+
+    Examples
+    --------
+    >>> time = np.arange(0.0, 20.0, 0.005)
+    >>> moved = np.sin(6.0 * time) * np.sin(0.15 * time)
+    >>> require_restoring_force(moved, 40.0 * moved, 0.005, stiffness=40.0)
+    >>> require_restoring_force(moved, -40.0 * moved, 0.005)
+    Traceback (most recent call last):
+    ...
+    reliab.errors.InputError: The recorded force must resist the motion; found a force that acts along it, as
+    if its sign were reversed. Reverse the sign of the force: it is positive where the specimen is pushed in
+    the positive direction.
+    """
+    if not np.ptp(force) > 0.0:
+        raise InputError(
+            "The recorded force must change during the test",
+            value=f"{force[0]:g} throughout",
+            remedy="Check that the load cell was connected, or leave the column out",
+            where=where,
+        )
+    kernel = _kernel(measured, force, time_step)
+    if kernel is None:
+        return
+    unexplained, unexplained_if_reversed = (
+        _left_over(measured, sign * force, kernel) for sign in (1.0, -1.0)
+    )
+    if unexplained_if_reversed < min(_BETTER * unexplained, _UNRELATED):
+        raise InputError(
+            "The recorded force must resist the motion",
+            value="a force that acts along it, as if its sign were reversed",
+            remedy="Reverse the sign of the force: it is positive where the specimen is pushed in the "
+            "positive direction",
+            where=where,
+        )
+    if unexplained > _UNRELATED:
+        raise InputError(
+            "The recorded force must follow the measured displacement",
+            value=f"a force whose power follows no spring, dashpot, mass or friction by {unexplained:.0%}",
+            remedy="Check that the force is the specimen's, and that the load cell was connected",
+            where=where,
+        )
+    if stiffness:
+        _require_unit(measured, force, kernel, stiffness, where)
+
+
+def require_order(command: Array, measured: Array, force: Array, time_step: float, where: str = "") -> None:
+    """Refuse a test whose force follows the command, and comes too late for the measured displacement.
+
+    Parameters
+    ----------
+    command, measured, force : numpy.ndarray
+        Command and measured displacement [m], without spikes, and a force that resists, shape (n,).
+    time_step : float
+        Step between samples [s].
+    where : str, optional
+        What the test is called.
+
+    Raises
+    ------
+    InputError
+        If the columns of command and measured displacement are exchanged.
+    """
+    kernel = _kernel(measured, force, time_step)
+    if kernel is None:
+        return
+    by_command, by_measured = (_left_over(moved, force, kernel) for moved in (command, measured))
+    if by_command < _EXCHANGED * by_measured:
+        raise InputError(
+            "The recorded force must follow the measured displacement",
+            value="a force that follows the command instead, as if the two columns were exchanged",
+            remedy="Exchange the columns, or name them with `command` and `measured`",
+            where=where,
+        )
+
+
+def _require_unit(measured: Array, force: Array, kernel: Kernel, stiffness: float, where: str) -> None:
+    moved, resisted = (
+        scipy.signal.detrend(kernel.seen(row, 0), type="constant") for row in (measured, force)
+    )
+    slope = float(moved @ resisted) / float(moved @ moved)
+    of_spring = slope * float(np.linalg.norm(moved) / np.linalg.norm(resisted))
+    ratio, (least, most) = slope / stiffness, _STIFFNESSES
+    if of_spring < _SPRING or least <= ratio <= most:
+        return
+    units = [
+        words
+        for factor, words in _UNITS.items()
+        for expected in (factor, 1.0 / factor)
+        if abs(ratio / expected - 1.0) < _UNIT_TOLERANCE
+    ]
+    alike = f", as {units[0]} would have" if units else ""
+    raise InputError(
+        "The recorded force must be that of the stated specimen",
+        value=f"a stiffness of {significant(ratio)} times the stated one{alike}",
+        remedy="State the unit in the column's name (force_kN), or check mass, frequency and share",
+        where=where,
+    )
+
+
+def _kernel(measured: Array, force: Array, time_step: float) -> Kernel | None:
+    """Make the kernel for the frequency at which force and displacement move together; None if too short."""
+    common = np.abs(np.fft.rfft(force - force.mean()) * np.fft.rfft(measured - measured.mean()))
+    number = np.arange(common.size)
+    frequency = float(number[np.argmax(number * common)]) / (measured.size * time_step)
+    kernel = Kernel.of(frequency, time_step)
+    samples = (measured.size - kernel.values[0].size) // kernel.every
+    return kernel if samples >= _FEWEST_SAMPLES else None
+
+
+def _left_over(moved: Array, force: Array, kernel: Kernel) -> float:
+    """Power that the elements of a passive specimen leave over of a force, over that of the force [-]."""
+    shape = moved / float(np.abs(moved).max())
+    bent = [shape**3, *(slipped(shape, limit) for limit in _YIELDS)]
+    rows = [*(kernel.seen(moved, order) for order in range(3)), *(kernel.seen(row, 0) for row in bent)]
+    terms, target = np.stack(rows, axis=1), kernel.seen(force, 0)
+    terms, target = terms - terms.mean(axis=0), target - target.mean()
+    sizes, size = np.linalg.norm(terms, axis=0), float(np.linalg.norm(target))
+    _, residual = scipy.optimize.nnls(terms / sizes, target / size)
+    return float(residual) ** 2

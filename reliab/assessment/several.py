@@ -1,0 +1,59 @@
+"""Verdicts on several tests, with the reasons why some could not be judged."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from reliab.assessment.assessment import Assessment
+from reliab.assessment.frame_assessment import FrameAssessment
+from reliab.assessment.verdict_table import verdict_table
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_IN_NOTEBOOKS = ("verdict", "probability", "rms", "rms_low", "rms_high", "mte", "A", "d_ms", "fault")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Assessments:
+    """What is found about several tests.
+
+    Attributes
+    ----------
+    files : tuple of str
+        Files of the tests, in the order in which they were given.
+    judged : mapping of str to Assessment or FrameAssessment
+        By file, what is found about the tests that could be judged.
+    faults : mapping of str to str
+        By file, why the others could not be judged.
+    """
+
+    files: tuple[str, ...]
+    judged: Mapping[str, Assessment | FrameAssessment]
+    faults: Mapping[str, str]
+
+    @property
+    def reliable(self) -> bool:
+        """Whether every test could be judged and is reliable."""
+        return not self.faults and all(assessment.reliable for assessment in self.judged.values())
+
+    def to_dict(self) -> dict[str, dict[str, Any]]:
+        """By file, what is found in plain numbers; for a test that could not be judged, its `fault`."""
+        return {
+            file: {"fault": self.faults[file]} if file in self.faults else self.judged[file].to_dict()
+            for file in self.files
+        }
+
+    def to_frame(self) -> "pd.DataFrame":
+        """Put the verdicts into a table; see `reliab.assessment.verdict_table`."""
+        return verdict_table({"file": file, **summary} for file, summary in self.to_dict().items())
+
+    def __repr__(self) -> str:
+        verdicts = [str(assessment.verdict.word).replace("_", " ") for assessment in self.judged.values()]
+        counts = [f"{verdicts.count(word)} {word}" for word in ("reliable", "undecided", "not reliable")]
+        return f"<Assessments of {len(self.files)} tests: {', '.join(counts)}, {len(self.faults)} not judged>"
+
+    def _repr_html_(self) -> str:
+        """Table for notebooks."""
+        shown = self.to_frame().set_index("file")[list(_IN_NOTEBOOKS)]
+        return str(shown.to_html(na_rep="", float_format="{:.4g}".format))

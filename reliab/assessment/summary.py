@@ -1,0 +1,253 @@
+"""What `reliab assess` says about a test: plain numbers with stable keys."""
+
+from typing import Any
+
+import numpy as np
+
+from reliab.assessment.findings import LARGEST_PROBABILITY, FaultEffect, Findings, capped
+from reliab.assessment.own_equation import OwnEquation
+from reliab.assessment.plain_error import finite, plain_estimate, plain_part
+from reliab.assessment.rebuilt_error import Widening
+from reliab.assessment.rebuilt_error.spread import LEVEL as ERROR_LEVEL
+from reliab.assessment.tracking_index import LEVEL
+from reliab.assessment.verdict import Word
+from reliab.vocabulary import Metric
+
+_MILLISECONDS = 1e3
+
+
+def summarise(findings: Findings) -> dict[str, Any]:
+    """Put an assessment into plain numbers.
+
+    Parameters
+    ----------
+    findings : Findings
+        The assessment.
+
+    Returns
+    -------
+    dict
+        Ready for JSON; None where a value is infinite or unknown. Delays are in milliseconds.
+    """
+    tracking, structure = findings.tracking, findings.structure
+    of_a, of_d = tracking.interval(LEVEL)
+    turn = 2.0 * np.pi * tracking.plain.equivalent_frequency
+    return {
+        "test": findings.recording.name,
+        "f": structure.frequency,
+        "xi": structure.damping_ratio,
+        "alpha": structure.experimental_fraction,
+        "threshold": findings.criterion.threshold,
+        "metric": findings.criterion.metric,
+        "confidence": findings.criterion.confidence,
+        "A": tracking.amplitude,
+        "phi": -turn * tracking.delay,
+        "f_eq_hz": tracking.plain.equivalent_frequency,
+        "d_ms": _MILLISECONDS * tracking.delay,
+        "A_interval": list(of_a),
+        "d_ms_interval": [_MILLISECONDS * bound for bound in of_d],
+        "interval_level": LEVEL,
+        "index": finite(findings.index),
+        "index_interval": _ends(findings.index_interval),
+        "verdict": str(findings.verdict.word),
+        "reliable": findings.reliable,
+        "reasons": list(findings.verdict.reasons),
+        "would_decide": list(findings.verdict.would_decide),
+        "probability": findings.probability,
+        "error": _error(findings),
+        "by_index": _by_index(findings),
+        "stability_margin": finite(findings.stability_margin),
+        "critical_delay_ms": finite(_MILLISECONDS * findings.critical_delay),
+        "basis": "population" if findings.placement is None else "motion",
+        "population": _population(findings),
+        "motion": None if findings.placement is None else _motion(findings),
+        **_details(findings),
+        "duration_s": findings.recording.duration,
+        "rate_hz": 1.0 / findings.recording.time_step,
+        "notes": [
+            *findings.recording.notes,
+            *(() if findings.placement else findings.criterion.provenance.warnings),
+        ],
+    }
+
+
+def _details(findings: Findings) -> dict[str, Any]:
+    return {
+        "improve": _improve(findings),
+        "windows": _windows(findings),
+        "noise": _noise(findings),
+        "tracking": _tracking(findings),
+        "faults": [_fault(effect, findings) for effect in findings.faults],
+        "stated": {name: {"value": s.value, "deviation": s.deviation} for name, s in findings.stated.items()},
+        "window": {
+            "seconds": findings.recording.duration,
+            "criterion": findings.criterion.provenance.window,
+            "motion_s": None if findings.placement is None else list(findings.placement.window),
+        },
+    }
+
+
+def _error(findings: Findings) -> dict[str, Any]:
+    error = findings.error
+    return {
+        "rms": plain_estimate(error.of(Metric.RMS)),
+        "mte": plain_estimate(error.of(Metric.MTE)),
+        "interval_level": ERROR_LEVEL,
+        "probability": error.probability,
+        "parts": {name: plain_part(part) for name, part in error.parts.by_name.items()},
+        "improve_first": error.parts.first,
+        "widest": [_widening(widening) for widening in error.widenings],
+        "would_decide": list(error.would_decide),
+        "contradictions": [*findings.equation.contradictions, *filter(None, [findings.equation.nonlinear])],
+        "identified": _identified(findings.equation),
+        "otherwise_stated": [
+            plain_estimate(rebuilt.of(findings.metric)) for rebuilt in findings.otherwise_stated
+        ],
+    }
+
+
+def _identified(equation: OwnEquation) -> dict[str, Any] | None:
+    if equation.identified is None:
+        return None
+    quantities = {
+        name: None
+        if (estimate := getattr(equation.identified, name)) is None
+        else {"value": estimate.value, "deviation": estimate.deviation, "stated": estimate.stated}
+        for name in ("frequency", "damping_ratio", "experimental_fraction", "feedback_lag")
+    }
+    return {**quantities, "misfit": equation.identified.misfit, "contradicted": list(equation.wrong)}
+
+
+def _widening(widening: Widening) -> dict[str, Any]:
+    return {
+        "name": widening.name,
+        "deviation": widening.deviation,
+        "width": finite(widening.width),
+        "width_without": finite(widening.width_without),
+        "deviation_for_half": widening.deviation_for_half,
+    }
+
+
+def _by_index(findings: Findings) -> dict[str, Any]:
+    verdict = findings.verdict_by_index
+    return {
+        "verdict": str(verdict.word),
+        "reliable": verdict.word is Word.RELIABLE,
+        "reasons": list(verdict.reasons),
+        "would_decide": list(verdict.would_decide),
+        "index": finite(findings.index),
+        "index_interval": _ends(findings.index_interval),
+        "probability": findings.index_probability,
+        "largest_probability": LARGEST_PROBABILITY,
+        "basis": "population" if findings.placement is None else "motion",
+        "side": "lead" if findings.tracking.delay < 0.0 else "lag",
+    }
+
+
+def _fault(effect: FaultEffect, findings: Findings) -> dict[str, Any]:
+    metric = Metric(findings.criterion.metric)
+    otherwise = effect.otherwise
+    return {
+        "kind": effect.fault.kind,
+        "finding": effect.fault.finding,
+        "in_loop": effect.fault.in_loop,
+        "error": finite(findings.error.of(metric).value),
+        "error_otherwise": None if otherwise is None else finite(otherwise.of(metric).value),
+    }
+
+
+def _tracking(findings: Findings) -> dict[str, Any]:
+    measures = findings.measures
+    return {
+        "mte": measures.maximum_error,
+        "rms": measures.rms_error,
+        "tracking_indicator_m2": measures.tracking_indicator,
+        "paei_phase_rad": measures.phase_error,
+        "paei_amplitude": measures.amplitude_error,
+        "energy_error": measures.energy_error,
+        "energy_of_recorded_force": measures.of_recorded_force,
+        "delay_by_correlation_ms": _MILLISECONDS * measures.delay_by_correlation,
+    }
+
+
+def _ends(interval: tuple[float, float] | None) -> list[float | None] | None:
+    return None if interval is None else [finite(end) for end in interval]
+
+
+def _population(findings: Findings) -> dict[str, Any]:
+    placed, criterion = findings.population, findings.criterion
+    return {
+        "a": placed.a,
+        "b": placed.b,
+        "amplitude_limit": float(np.sqrt(placed.a)),
+        "delay_limit_ms": float(np.sqrt(placed.b)),
+        "index": finite(placed.index),
+        "reliable": None if placed.index is None else placed.index <= 1.0,
+        "probability": capped(placed.probability),
+        "method": criterion.method,
+        "joint": criterion.joint,
+        "law": criterion.law.name,
+        "source": criterion.provenance.source,
+        "n_motions": criterion.provenance.n_motions,
+        "n_events": criterion.provenance.n_events,
+        "outside_validity": placed.carried_from is not None,
+    }
+
+
+def _motion(findings: Findings) -> dict[str, Any]:
+    placement = findings.placement
+    if placement is None:
+        return {}
+    return {
+        "name": placement.motion,
+        "error": placement.error,
+        "error_interval": list(placement.error_interval),
+        "index": finite(placement.index),
+        "reliable": placement.index <= 1.0,
+        "probability": capped(placement.probability),
+        "window_s": list(placement.window),
+        "begin_s": placement.alignment.begin,
+        "found_in_record": placement.alignment.matched,
+        "match": placement.alignment.match,
+        "match_by": placement.alignment.by,
+        "from_rest": placement.alignment.from_rest,
+        "a": placement.a,
+        "b": placement.b,
+    }
+
+
+def _improve(findings: Findings) -> dict[str, Any]:
+    advice = findings.improvement
+    return {
+        "first": advice.first,
+        "share_of_delay": advice.share_of_delay,
+        "tolerable_delay_ms": _MILLISECONDS * advice.tolerable_delay,
+        "tolerable_amplitude_error": advice.tolerable_amplitude_error,
+    }
+
+
+def _windows(findings: Findings) -> dict[str, Any]:
+    windows = findings.windows
+    return {
+        "length_s": windows.length,
+        "time_s": windows.centre.tolist(),
+        "A": windows.amplitude.tolist(),
+        "A_sd": windows.amplitude_sd.tolist(),
+        "d_ms": (_MILLISECONDS * windows.delay).tolist(),
+        "d_ms_sd": (_MILLISECONDS * windows.delay_sd).tolist(),
+        "d_ms_range": _MILLISECONDS * windows.delay_range,
+        "A_range": windows.amplitude_range,
+    }
+
+
+def _noise(findings: Findings) -> dict[str, Any]:
+    tracking = findings.tracking
+    plain = tracking.plain
+    return {
+        "share": tracking.noise_share,
+        "signal_to_noise_db": finite(-20.0 * float(np.log10(max(tracking.noise_share, 1e-15)))),
+        "unexplained_share": tracking.unexplained_share,
+        "attenuation": tracking.attenuation,
+        "correction_of_A": tracking.amplitude - plain.amplitude,
+        "correction_of_d_ms": _MILLISECONDS * (tracking.delay - plain.equivalent_delay),
+    }

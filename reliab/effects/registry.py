@@ -1,0 +1,113 @@
+"""The library of effects: those of this package and those that other packages add."""
+
+from reliab.effects.added_mass import AddedMass
+from reliab.effects.backlash import Backlash
+from reliab.effects.coulomb_friction import CoulombFriction
+from reliab.effects.cubic_stiffness import CubicStiffness
+from reliab.effects.degrading_hysteresis import DegradingHysteresis
+from reliab.effects.delay_drift import DelayDrift
+from reliab.effects.directional_friction import DirectionalFriction
+from reliab.effects.effect import Effect
+from reliab.effects.excitation_scale import ExcitationScale
+from reliab.effects.first_order_lag import FirstOrderLag
+from reliab.effects.force_bias import ForceBias
+from reliab.effects.gap import Gap
+from reliab.effects.hysteresis import Hysteresis
+from reliab.effects.integration_error import IntegrationError
+from reliab.effects.power_law_damping import PowerLawDamping
+from reliab.effects.quadratic_damping import QuadraticDamping
+from reliab.effects.quadratic_stiffness import QuadraticStiffness
+from reliab.effects.rate_limit import RateLimit
+from reliab.effects.rectified_sensor import RectifiedSensor
+from reliab.effects.second_order_dynamics import SecondOrderDynamics
+from reliab.effects.sensor_bias import SensorBias
+from reliab.effects.sensor_drift import SensorDrift
+from reliab.effects.series_play import SeriesPlay
+from reliab.effects.stroke_saturation import CommandSaturation, StrokeSaturation
+from reliab.effects.time_step_error import TimeStepError
+from reliab.effects.viscous_damping import ViscousDamping
+from reliab.registry import Registry
+
+ENTRY_POINT_GROUP = "reliab.effects"
+"""Group under which other packages register classes derived from `Effect`."""
+
+_SHIPPED: tuple[type[Effect], ...] = (
+    CommandSaturation,
+    FirstOrderLag,
+    SecondOrderDynamics,
+    DelayDrift,
+    RateLimit,
+    Backlash,
+    StrokeSaturation,
+    SensorBias,
+    SensorDrift,
+    RectifiedSensor,
+    ForceBias,
+    CubicStiffness,
+    QuadraticStiffness,
+    CoulombFriction,
+    DirectionalFriction,
+    ViscousDamping,
+    QuadraticDamping,
+    PowerLawDamping,
+    Hysteresis,
+    DegradingHysteresis,
+    AddedMass,
+    Gap,
+    SeriesPlay,
+    ExcitationScale,
+    TimeStepError,
+    IntegrationError,
+)
+
+
+_LIBRARY: Registry[type[Effect]] = Registry(
+    noun="effect",
+    base=Effect,
+    group=ENTRY_POINT_GROUP,
+    shipped=_SHIPPED,
+    name_of=lambda effect: str(effect.name),
+)
+
+
+def library() -> Registry[type[Effect]]:
+    """All effects by name, in the order in which they act within their block.
+
+    Returns
+    -------
+    Registry of str to type
+        The classes of effects.
+
+    Raises
+    ------
+    InputError
+        When it is read: if another package adds something that is not an effect, or a name that is already in
+        use.
+    """
+    return _LIBRARY
+
+
+def find_effect(name: str) -> type[Effect]:
+    """Return the effect of a name.
+
+    Parameters
+    ----------
+    name : str
+        Name as in files and reports.
+
+    Returns
+    -------
+    type
+        The class of the effect.
+
+    Raises
+    ------
+    InputError
+        If there is none.
+
+    Examples
+    --------
+    >>> find_effect("backlash").__name__
+    'Backlash'
+    """
+    return _LIBRARY.find(name)

@@ -1,0 +1,132 @@
+"""A real test: command and measured displacement at equal steps, checked."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.assessment.rebuilt_error.size import LARGEST_READING
+from reliab.errors import InputError
+from reliab.stated_value import StatedValue
+
+FEWEST_SAMPLES = 64
+"""Samples below which no index is evaluated."""
+
+MOST_SAMPLES = 10_000_000
+"""Largest number of samples; the statistics of so many take about 4 GB."""
+
+_SMALLEST = 1e-30  # what no sensor reads in any unit, and whose square is still a number
+
+
+def require_few_samples(samples: int, where: str, most: int = MOST_SAMPLES) -> None:
+    """Refuse a test whose statistics would not fit in memory.
+
+    Parameters
+    ----------
+    samples : int
+        Samples of the test.
+    where : str
+        What the test is called.
+    most : int, optional
+        Largest number of samples.
+
+    Raises
+    ------
+    InputError
+        If there are more.
+    """
+    if samples > most:
+        raise InputError(
+            f"A test may have {most:,} samples at most",
+            value=f"{samples:,}",
+            remedy="Resample it at a lower rate, or cut it where everything stands still",
+            where=where,
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Recording:
+    """Command and measured displacement of a test.
+
+    Parameters
+    ----------
+    command, measured : numpy.ndarray
+        Displacements [m], shape (n,), 64 ≤ n ≤ 10 million; where no unit is known they only share one.
+    time_step : float
+        Step between samples [s].
+    name : str, optional
+        What the test is called.
+    notes : tuple of str, optional
+        What was assumed when the test was read, in sentences.
+    ground : numpy.ndarray, optional
+        Ground acceleration [m/s²] that was recorded with the test, shape (n,).
+    force : numpy.ndarray, optional
+        Restoring force of the specimen [N], shape (n,).
+    stated : mapping of str to StatedValue, optional
+        Frequency "f" [Hz], damping ratio "xi", experimental fraction "alpha" and "scale" of the sensor of
+        the measured displacement [-] as far as the file's header states them.
+
+    Raises
+    ------
+    InputError
+        If the histories differ in length, are too short or too long, do not move, or hold a value that is no
+        number.
+
+    Examples
+    --------
+    >>> time = np.arange(0.0, 20.0, 0.01)
+    >>> test = Recording(command=np.sin(6.0 * time), measured=np.sin(6.0 * time - 0.01), time_step=0.01)
+    >>> round(test.duration, 2)
+    19.99
+    """
+
+    command: NDArray[np.float64]
+    measured: NDArray[np.float64]
+    time_step: float
+    name: str = "test"
+    notes: tuple[str, ...] = field(default=())
+    ground: NDArray[np.float64] | None = None
+    force: NDArray[np.float64] | None = None
+    stated: Mapping[str, StatedValue] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.command.shape != self.measured.shape or self.command.size < FEWEST_SAMPLES:
+            raise InputError(
+                f"Command and measured displacement must have one length, at least {FEWEST_SAMPLES}",
+                value=f"{self.command.size} and {self.measured.size}",
+                remedy="Give the whole test",
+                where=self.name,
+            )
+        require_few_samples(self.command.size, self.name)
+        if not (np.isfinite(self.time_step) and self.time_step > 0.0):
+            raise InputError("The time step must be positive", value=f"{self.time_step} s", where=self.name)
+        for what, values in (("command", self.command), ("measured displacement", self.measured)):
+            self._check_finite(what, values)
+            if np.ptp(values) <= max(1e-9 * np.abs(values).max(), _SMALLEST):
+                raise InputError(
+                    f"The {what} must move",
+                    value=f"{values[0]:g} throughout",
+                    remedy="Check that the column is the right one and the channel was connected",
+                    where=self.name,
+                )
+
+        for what, extra in (("ground acceleration", self.ground), ("force", self.force)):
+            if extra is not None:
+                self._check_finite(what, extra)
+
+    def _check_finite(self, what: str, values: NDArray[np.float64]) -> None:
+        wrong = ~(np.abs(values) < LARGEST_READING)
+        if wrong.any():
+            row = int(np.flatnonzero(wrong)[0])
+            raise InputError(
+                f"Every value must be a finite number below {LARGEST_READING:g}",
+                value=f"{values[row]} in the {what}, sample {row + 1}",
+                remedy="Repair the recording; a gap cannot be left empty",
+                where=self.name,
+            )
+
+    @property
+    def duration(self) -> float:
+        """Time between the first and the last sample [s]."""
+        return (self.command.size - 1) * self.time_step

@@ -1,0 +1,88 @@
+"""Spikes and dropouts: samples that jump away from a history and back faster than any actuator can move."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.recordings.recording import Recording
+
+Array = NDArray[np.float64]
+
+_QUANTILE = 0.995  # of the steps between samples, nearly the largest one of a history that moves
+_JUMP = 4.0  # times that step
+_LEAST = 0.01  # share of the peak
+_WIDEST = 8  # samples
+_RETURN = 0.5  # share of the jump by which the history may differ after it
+
+
+def spikes(values: Array) -> NDArray[np.bool_]:
+    """Mark the samples of spikes and dropouts.
+
+    Parameters
+    ----------
+    values : numpy.ndarray
+        A history, shape (n,).
+
+    Returns
+    -------
+    numpy.ndarray
+        Whether a sample belongs to a stretch of at most eight that a jump leads into and another jump, of
+        about the same size and the other sign, leads out of, shape (n,).
+
+    Examples
+    --------
+    >>> history = np.sin(np.arange(0.0, 40.0, 0.05))
+    >>> history[300] += 3.0
+    >>> np.flatnonzero(spikes(history)).tolist()
+    [300]
+    """
+    steps = np.diff(values)
+    size = np.abs(steps)
+    usual = float(np.quantile(size, _QUANTILE))
+    peak = float(np.quantile(np.abs(values), _QUANTILE))
+    jumps = np.flatnonzero(size > max(_JUMP * usual, _LEAST * peak))
+    marked = np.zeros(values.size, dtype=np.bool_)
+    for place, begin in enumerate(jumps):
+        for end in jumps[place + 1 :]:
+            if end - begin > _WIDEST:
+                break
+            remaining = abs(float(values[end + 1] - values[begin]))
+            if remaining <= _RETURN * size[begin] and steps[begin] * steps[end] < 0.0:
+                marked[begin + 1 : end + 1] = True
+                break
+    return marked
+
+
+def without_spikes(recording: Recording) -> tuple[Recording, NDArray[np.bool_], NDArray[np.bool_]]:
+    """Bridge the spikes of both histories by straight lines.
+
+    Parameters
+    ----------
+    recording : Recording
+        The test.
+
+    Returns
+    -------
+    recording : Recording
+        The test without spikes; the same object where it has none.
+    in_command, in_measured : numpy.ndarray
+        Which samples were spikes, shape (n,).
+    """
+    in_command, in_measured = spikes(recording.command), spikes(recording.measured)
+    if not (in_command.any() or in_measured.any()):
+        return recording, in_command, in_measured
+    return (
+        replace(
+            recording,
+            command=_bridged(recording.command, in_command),
+            measured=_bridged(recording.measured, in_measured),
+        ),
+        in_command,
+        in_measured,
+    )
+
+
+def _bridged(values: Array, marked: NDArray[np.bool_]) -> Array:
+    places = np.arange(values.size)
+    return np.interp(places, places[~marked], values[~marked])

@@ -1,0 +1,33 @@
+"""Base class of delay compensators, which act between command and actuator."""
+
+from abc import ABC, abstractmethod
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.effects.kernel import Kernel
+
+
+class Compensator(ABC):
+    """A delay compensator: it changes the command before it is sent to the actuator.
+
+    A subclass is a frozen dataclass. Another package adds its own under the entry-point group
+    ``reliab.compensators``.
+
+    Attributes
+    ----------
+    name : str
+        Unique name, as files call it.
+    kernel : Kernel
+        Called once a step as `kernel(motion, measured, step, coefficients, state)` with the displacement,
+        velocity and acceleration of the command, which it changes, and the last measured displacement [m].
+        Its return value is ignored.
+    """
+
+    name: ClassVar[str]
+    kernel: ClassVar[Kernel]
+
+    @abstractmethod
+    def coefficients(self, step: float) -> NDArray[np.float64]:
+        """Return what the kernel reads, for a step [s]."""

@@ -1,0 +1,250 @@
+"""The loop's engines behind one function: each cell is solved by the fastest engine that is accurate enough.
+
+`pole`
+    dominant pole pair, fastest; valid while what it leaves out is below the tolerance for the
+    record at hand, which is checked for every cell
+`delay`
+    the delay equation, for any delay
+`spectral`
+    frequency domain, exact below the stability limit and for leads; the reference against which the other two
+    are tested
+
+An actuator that leads needs future values, so that the delay equation cannot be stepped in time; its bounded
+solution is computed with the dominant pole or in the frequency domain.
+"""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.errors import InputError
+from reliab.significant import significant
+from reliab.simulation.deviation import Deviation
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.linear_loop import delay_stepper, drive_stepping, pole_stepping, spectral
+from reliab.simulation.linear_loop.blocks import Blocks, cut
+from reliab.simulation.linear_loop.cells import Cells
+from reliab.simulation.linear_loop.dominant_pole import band_edges
+from reliab.simulation.linear_loop.drive_stepping import DrivenCells, DrivenRecord, Stepped
+from reliab.simulation.linear_loop.pole_plane.basis import pole_basis
+from reliab.simulation.linear_loop.pole_plane.responses import Responses
+from reliab.simulation.linear_loop.shared_drives import shared_drives
+from reliab.simulation.linear_loop.structure_batch import Prepared
+from reliab.structures.structure import Structure
+
+REDUCTION_TOLERANCE = 3e-5
+"""Largest relative error of RMS^R that the reduction to the dominant pole may cause [-]; the peak,
+and with it MTE^R, then stays within 1e-3 of the exact one."""
+
+LEAD_TOLERANCE = 3e-3
+"""The same for leads. For a lead the reduction neglects content above the structure's frequency, where the
+deviation is very small: RMS^R errs by less than a tenth of this, and MTE^R by less than half."""
+
+UNSTABLE_TOLERANCE = 2e-3
+"""The same beyond the critical delay, where the error grows exponentially with the delay."""
+
+_OFF_SCALE, _ROUGH_TOLERANCE = 2.0, 0.05
+"""Beyond the critical delay only the fact that an RMS^R exceeds the first matters: above it the
+reduction may err by the second."""
+
+
+class Engine(StrEnum):
+    """How the loop is solved."""
+
+    AUTOMATIC = "automatic"
+    POLE = "pole"
+    DELAY = "delay"
+    SPECTRAL = "spectral"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Loop:
+    """One structure under one ground motion, ready to be solved for any actuator.
+
+    Parameters
+    ----------
+    excitation : Excitation
+        Record and window.
+    structure : Structure
+        The structure under test.
+    engine : Engine, optional
+        How the loop is solved; by default the dominant pole where it is valid and the delay
+        equation elsewhere.
+    prepared : Prepared, optional
+        What was found together with other structures (`structure_batch`); it changes no result.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> record = np.sin(2 * np.pi * np.arange(0, 20, 0.01))
+    >>> loop = Loop(
+    ...     excitation=Excitation(acceleration=record, time_step=0.01),
+    ...     structure=Structure(frequency=1.0, damping_ratio=0.05),
+    ... )
+    >>> found = loop.deviation(loop.cells(gain=[1.0, 0.99], delay=[0.002, 0.0]))
+    >>> (found.peak / found.ideal_peak).round(3)
+    array([0.142, 0.099])
+    """
+
+    excitation: Excitation
+    structure: Structure
+    engine: Engine = Engine.AUTOMATIC
+    prepared: Prepared | None = None
+
+    def cells(self, *, gain: object, delay: object) -> Cells:
+        """Actuators before this structure; gain [-] and delay [s] are broadcast and flattened."""
+        gains, delays = np.broadcast_arrays(np.asarray(gain, dtype=float), np.asarray(delay, dtype=float))
+        return Cells(structure=self.structure, gain=gains.ravel(), delay=delays.ravel())
+
+    @cached_property
+    def blocks(self) -> Blocks:
+        """The record cut for the stepping engines."""
+        return cut(self.excitation, self.structure) if self.prepared is None else self.prepared.blocks
+
+    @cached_property
+    def _band_power(self) -> NDArray[np.float64]:
+        return self.excitation.band_power(band_edges(self.structure))
+
+    def reduction_error(self, cells: Cells) -> NDArray[np.float64]:
+        """Relative error of RMS^R that the reduction to the dominant pole causes [-], shape (cells,).
+
+        Parameters
+        ----------
+        cells : Cells
+            The actuators.
+
+        Returns
+        -------
+        numpy.ndarray
+            Error for this record with free vibration until rest; infinite where no dominant pole was found.
+        """
+        lost, sought = cells.reduction
+        with np.errstate(invalid="ignore"):  # infinite loss in a band without power
+            error = np.sqrt(self._band_power @ lost / np.maximum(self._band_power @ sought, 1e-300))
+        return np.where(np.isnan(error), np.inf, error)
+
+    def reducible(self, cells: Cells) -> NDArray[np.bool_]:
+        """Whether the dominant pole is accurate enough to replace the whole loop, shape (cells,)."""
+        return self.reduction_error(cells) <= _tolerance(cells)
+
+    def deviation(self, cells: Cells) -> Deviation:
+        """Deviation of the measured displacement from the exact response over the window.
+
+        Parameters
+        ----------
+        cells : Cells
+            The actuators, before this loop's structure.
+
+        Returns
+        -------
+        Deviation
+            Mean square and peak of each cell, in the order of the cells.
+
+        Raises
+        ------
+        InputError
+            If the engine was chosen and cannot solve a cell; the message says which could.
+        """
+        if self.engine is Engine.SPECTRAL:
+            return spectral.deviation(self.excitation, self.structure, cells.gain, cells.delay)
+        if self.engine is Engine.DELAY:
+            if cells.leads.any():
+                raise InputError(
+                    "The delay equation can be stepped for delays only; a lead needs future values",
+                    value=f"a lead of {-1e3 * cells.delay.min():.4g} ms",
+                    remedy="Use the engine 'automatic', 'pole' or 'spectral'",
+                )
+            return delay_stepper.deviation(self.blocks, self.structure, cells.gain, cells.delay)
+        error, tolerance = self.reduction_error(cells), _tolerance(cells)
+        reducible = error <= tolerance
+        if reducible.all():
+            return self._reduced(cells)
+        if self.engine is Engine.POLE:
+            worst = int(np.argmax(error / tolerance))
+            raise InputError(
+                "The dominant pole may replace the loop only where the error of RMS^R that this causes "
+                f"is at most {tolerance[worst]:g}",
+                value=f"{significant(error[worst], 2)} at k_p = {cells.gain[worst]:g}, τ = "
+                f"{cells.delay[worst]:g} s",
+                remedy="Use the engine 'automatic'",
+            )
+        return self._mixed(cells, reducible, ~cells.stable & (error <= _ROUGH_TOLERANCE))
+
+    @cached_property
+    def responses(self) -> Responses:
+        """Responses of the structure's basis of poles to the record."""
+        return Responses(blocks=self.blocks, basis=pole_basis(self.structure))
+
+    @cached_property
+    def driven_record(self) -> DrivenRecord:
+        """The structure's shared drives under the record."""
+        if self.prepared is not None:
+            return self.prepared.driven_record
+        return DrivenRecord.of(self.blocks, shared_drives(self.structure, self.blocks.step))
+
+    def _reduced(self, cells: Cells) -> Deviation:
+        deviation = Deviation(
+            mean_square=np.empty(cells.gain.size),
+            peak=np.empty(cells.gain.size),
+            ideal_peak=self.blocks.ideal_peak,
+        )
+        for part in cells.recursions(self.blocks.step):
+            alone = np.ones(part.cells.size, dtype=np.bool_)
+            if part.ahead == 0:
+                driven = cells.driven(self.blocks.step, part)
+                which = self.driven_record.bounded(driven)
+                if which.any():
+                    place, record = driven.place[which], self.driven_record
+                    stepped = self._stepped(cells, driven)
+                    strayed, faint = drive_stepping.deviation(self.blocks, record, driven, which, stepped)
+                    deviation.put(part.cells[place], strayed)
+                    alone[place] = faint
+            if alone.any():
+                coefficients = part.coefficients[:, alone]
+                strayed = pole_stepping.deviation(self.blocks, coefficients, ahead=part.ahead)
+                deviation.put(part.cells[alone], strayed)
+        return deviation
+
+    def _stepped(self, cells: Cells, driven: DrivenCells) -> Stepped:
+        if self.prepared is not None and self.prepared.cells is cells:
+            return self.prepared.stepped
+        return Stepped.of(self.blocks, self.driven_record, driven)
+
+    def _mixed(self, cells: Cells, reducible: NDArray[np.bool_], rough: NDArray[np.bool_]) -> Deviation:
+        """Reduce the loop where that is good enough, and solve the delay equation elsewhere."""
+        deviation = self._reduced(cells)
+        off_scale = deviation.mean_square > (_OFF_SCALE * deviation.ideal_peak) ** 2
+        again = ~(reducible | (rough & off_scale))
+        for which in (again & ~cells.leads, again & cells.leads):
+            if which.any():
+                exact = self._unreduced(cells.gain[which], cells.delay[which])
+                deviation.put(which, exact)
+        return deviation
+
+    def _unreduced(self, gain: NDArray[np.float64], delay: NDArray[np.float64]) -> Deviation:
+        """Solve the whole loop for actuators that are all late, or all early."""
+        if delay[0] < 0.0:
+            return spectral.deviation(self.excitation, self.structure, gain, delay, longest=self.blocks.step)
+        return delay_stepper.deviation(self.blocks, self.structure, gain, delay)
+
+    def at_rest(self) -> Deviation:
+        """Deviation of an actuator that does not move: zero displacement against the exact response."""
+        inside = self.blocks.ideal[self.blocks.before :]
+        end = self.blocks.end
+        squares = inside[:-1] ** 2
+        last = inside[-2] + end * (inside[-1] - inside[-2])
+        total = squares.sum() - 0.5 * squares[0] - 0.5 * squares[-1] + 0.5 * end * (squares[-1] + last**2)
+        peak = self.blocks.ideal_peak
+        return Deviation(
+            mean_square=np.array([total / self.blocks.intervals]), peak=np.array([peak]), ideal_peak=peak
+        )
+
+
+def _tolerance(cells: Cells) -> NDArray[np.float64]:
+    """Largest error of RMS^R that the reduction to the dominant pole may cause [-], shape (cells,)."""
+    tolerance = np.where(cells.stable, REDUCTION_TOLERANCE, UNSTABLE_TOLERANCE)
+    tolerance[cells.leads] = LEAD_TOLERANCE
+    return tolerance

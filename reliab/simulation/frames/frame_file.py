@@ -1,0 +1,212 @@
+"""A structure as a laboratory describes it in a file: `frame.toml`.
+
+One set of tables describes every structure::
+
+    name = "three storeys, a brace in the laboratory"
+
+    [frame]                                  # either a shear frame …
+    masses_kg = [1000.0, 1000.0, 1000.0]
+    storey_stiffnesses_n_per_m = [2e6, 2e6, 2e6]
+    # … or matrices: mass_matrix_kg (or masses_kg) and stiffness_matrix_n_per_m
+    # … or [frame.planar] with storeys, bays, elastic_modulus_pa, column_inertia_m4, beam_inertia_m4,
+    #   storey_height_m, bay_width_m and fixed_base, beside masses_kg
+    names = ["1", "2", "3"]                  # optional
+    influence = [1.0, 1.0, 1.0]              # optional
+
+    [damping]                                # one of
+    ratio = 0.02                             # the same for all modes, or ratios = [0.02, 0.03, 0.05]
+    # rayleigh_ratios = [0.02, 0.02] with rayleigh_frequencies_hz = [1.0, 8.0]
+    # matrix_n_s_per_m = [[…], …]
+
+    [specimen]
+    degree_of_freedom = "1"                  # between ground and floor; with below = "2" between two floors;
+    # or direction = [1.0, 0.0, 0.0]
+    stiffness_n_per_m = 5e5
+    damping_n_s_per_m = 100.0                # optional, or damping_ratio of the specimen alone
+    mass_kg = 20.0                           # optional
+    part_of_structure = true                 # false: the specimen is added to the matrices above
+
+    [[specimen.effects]]                     # optional: what it does beyond its linear part
+    name = "coulomb_friction"
+    force_n = 50.0                           # parameters by the names of the library
+
+    [error]                                  # optional: whose error counts
+    of = "interface"                         # or a degree of freedom, or "drift"
+    between = ["2", "1"]                     # of a drift
+
+    [transfer_system]                        # optional: the rig, whose error `reliab criterion` states
+    numerator = [250.0]                      # coefficients in descending powers of s
+    denominator = [1.0, 250.0]
+    # or poles_per_s = [-250.0, [-60.0, 80.0]], where [real, imaginary] stands for a conjugate pair, with
+    #   zeros_per_s and gain (at rest) beside them
+    # or file = "rig.mat" beside this file, with num and den, z, p and k, or A, B, C and D; variable = "rig"
+    #   names a structure that holds them
+    # or gain = 0.99 alone
+    delay_ms = 1.5                           # optional: pure delay beside each of these
+    # or [transfer_system.servo_hydraulic], the plant of the benchmark: input_gain, valve_gain,
+    #   piston_coupling_n_per_m, leakage_per_s, valve_damping_per_s, valve_stiffness_per_s2, each optional
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import ValidationError
+
+from reliab.described_files import read_toml
+from reliab.errors import InputError
+from reliab.simulation.frames.frame_tables import FrameDescription
+from reliab.simulation.transfer_systems import TransferSystem
+from reliab.structures.frames import Frame
+from reliab.structures.partition import Partition, with_specimen
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FrameUnderTest:
+    """A partitioned frame and the response whose error counts.
+
+    Attributes
+    ----------
+    name : str
+        Name given in the file.
+    partition : Partition
+        Frame, interface and specimen.
+    output : numpy.ndarray or None
+        Weights of the degrees of freedom [-], shape (degrees of freedom,); None for the measured interface
+        displacement.
+    error_of : str
+        The response in words.
+    transfer_system : TransferSystem or None
+        The rig; None where the file describes none.
+    """
+
+    name: str
+    partition: Partition
+    output: Array | None
+    error_of: str
+    transfer_system: TransferSystem | None = None
+
+
+def frame_of_tables(content: dict[str, Any], where: str) -> FrameUnderTest:
+    """Build a tested frame from the tables of a file.
+
+    Parameters
+    ----------
+    content : dict
+        Tables of the TOML file.
+    where : str
+        The file, for messages.
+
+    Returns
+    -------
+    FrameUnderTest
+        The frame with its partition.
+
+    Raises
+    ------
+    InputError
+        If a key is unknown, a value is not allowed, or the structure is not sound.
+    """
+    try:
+        description = FrameDescription.model_validate(content)
+    except ValidationError as error:
+        raise InputError(
+            "A description of a frame holds known keys with allowed values",
+            value="; ".join(_fault(dict(fault)) for fault in error.errors()),
+            remedy="Compare with the frames that ship in datasets/frames",
+            where=where,
+        ) from None
+    try:
+        with np.errstate(over="raise", invalid="raise", divide="raise"):
+            return _built(description, Path(where).parent)
+    except (FloatingPointError, OverflowError):
+        raise InputError(
+            "Mass, damping and stiffness of a frame must be finite numbers",
+            value="a product of values of the description is too large",
+            remedy="Check the units: kg, m, N and s",
+            where=where,
+        ) from None
+    except InputError as error:
+        raise InputError(error.rule, value=error.value, remedy=error.remedy, where=where) from None
+
+
+def read_frame(path: str | Path) -> FrameUnderTest:
+    """Read a tested frame from its TOML file.
+
+    Parameters
+    ----------
+    path : str or pathlib.Path
+        The file.
+
+    Returns
+    -------
+    FrameUnderTest
+        The frame with its partition.
+
+    Raises
+    ------
+    InputError
+        If the file is missing or no TOML, a key is unknown or the structure is not sound; the message says
+        where.
+    """
+    rule, remedy = (
+        "A frame is described in a TOML file",
+        "Compare with the frames that ship in datasets/frames",
+    )
+    return frame_of_tables(read_toml(path, rule=rule, remedy=remedy), str(path))
+
+
+def _built(description: FrameDescription, folder: Path) -> FrameUnderTest:
+    table = description.frame
+    mass, stiffness = table.matrices
+    plain = Frame(
+        mass=mass,
+        stiffness=stiffness,
+        damping=np.zeros_like(np.asarray(stiffness)),
+        influence=table.influence,  # type: ignore[arg-type]  # made an array by Frame
+        names=table.names,
+    )
+    frame = Frame(
+        mass=mass,
+        stiffness=stiffness,
+        damping=description.damping.matrix(plain.mass, plain.stiffness),
+        influence=plain.influence,
+        names=plain.names,
+    )
+    interface = description.specimen.interface(frame)
+    specimen = description.specimen.specimen
+    if not description.specimen.part_of_structure:
+        if interface.shape != (frame.size,):
+            raise InputError(f"The direction needs {frame.size} numbers", value=interface.size)
+        frame = with_specimen(frame, interface, specimen)
+    partition = Partition(
+        frame=frame,
+        interface=interface,
+        specimen=specimen,
+        effects=tuple(table.effect for table in description.specimen.effects),
+    )
+    of, transfer = description.error, description.transfer_system
+    rig = None if transfer is None else transfer.system(folder)
+    words = {"interface": "the measured interface displacement", "drift": f"the drift between {of.between}"}
+    return FrameUnderTest(
+        name=description.name,
+        partition=partition,
+        output=of.output(frame),
+        error_of=words.get(of.of, f"degree of freedom {of.of}"),
+        transfer_system=rig,
+    )
+
+
+def _fault(fault: dict[str, Any]) -> str:
+    """One fault with the place of its key."""
+    place = ".".join(str(part) for part in fault["loc"]) or "the file"
+    if fault["type"] == "extra_forbidden":
+        return f"{place} is not a known key"
+    if fault["type"] == "missing":
+        return f"{place} is missing"
+    message = str(fault["msg"]).removeprefix("Value error, ")
+    return f"{place}: {message[0].lower()}{message[1:]}"

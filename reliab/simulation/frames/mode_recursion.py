@@ -1,0 +1,131 @@
+"""Many actuators before one frame, stepped side by side: one recursion of two states for each pole pair.
+
+A pair z' = pz + a_g with residue r is exact for a ground acceleration that is linear in each step. With
+E = e^(ph) and the weights F₀, F₁ of both ends of a step its displacement y = −2Re(rz) obeys::
+
+    y₊₊ = 2Re(E)y₊ − |E|²y − 2Re(rF₁)a₊₊ − 2Re(rF₀ − rE*F₁)a₊ + 2Re(rE*F₀)a
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.compiled import compiled
+from reliab.simulation.deviation import LATEST, TRACKS, follow
+from reliab.simulation.frames.loop_poles import PoleLoop
+from reliab.simulation.linear_loop.blocks import ramp_weights
+
+Array = NDArray[np.float64]
+
+LANES = 64
+"""Cells that advance side by side."""
+
+_COEFFICIENTS = 7
+
+
+def recursion(loop: PoleLoop, step: float) -> Array:
+    """Coefficients of every pair and of the rest.
+
+    Parameters
+    ----------
+    loop : PoleLoop
+        Poles and residues, one column per cell.
+    step : float
+        Step h [s].
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (modes + 1, 7, cells): of the last two displacements, of the ground at the end of this step, at
+        its begin and a step before, the displacement a step before the record for which its first sample acts
+        as a jump, and of the ground at the end of the next step. The last row is the rest.
+    """
+    early, late, decay = ramp_weights(loop.poles, step)
+    r, back = loop.residues, loop.residues * decay.conj()
+    jump = 2.0 * (back * late).real
+    squared = np.abs(decay) ** 2
+    pairs = np.stack(
+        [
+            2.0 * decay.real,
+            -squared,
+            -2.0 * (r * late).real,
+            jump - 2.0 * (r * early).real,
+            2.0 * (back * early).real,
+            jump / squared,
+            np.zeros_like(jump),
+        ],
+        axis=1,
+    )
+    return np.concatenate([pairs, _rest(loop, step)[np.newaxis]])
+
+
+def _rest(loop: PoleLoop, step: float) -> Array:
+    """Coefficients of the rest, shape (7, cells): a first-order lag, or the ground some time ahead."""
+    rest = np.zeros((_COEFFICIENTS, loop.rest.size))
+    ahead = np.maximum(-loop.rest_time, 0.0) / step
+    rest[2], rest[6] = -loop.rest * (1.0 - ahead), -loop.rest * ahead
+    lags = loop.rest_time > 0.0
+    if lags.any():
+        pole = -1.0 / loop.rest_time[lags]
+        early, late, decay = ramp_weights(pole, step)
+        static = -loop.rest[lags] * pole
+        rest[0, lags], rest[2, lags], rest[3, lags] = decay, -static * late, -static * early
+    return rest
+
+
+@compiled
+def track(ground: Array, ideal: Array, first: int, coefficients: Array) -> Array:
+    """Step cells from rest and track their deviation from the sample `first` on, shape (tracks, cells).
+
+    Parameters
+    ----------
+    ground, ideal : numpy.ndarray
+        Ground acceleration [m/s²] and exact response [m] at the steps, shape (steps,).
+    first : int
+        First step of the window, which ends with the record.
+    coefficients : numpy.ndarray
+        Of `recursion`, shape (pairs + 1, 7, cells), cells a multiple of `LANES`.
+    """
+    cells = coefficients.shape[2]
+    tracks = np.empty((TRACKS, cells))
+    for begin in range(0, cells, LANES):
+        lanes = slice(begin, begin + LANES)
+        tracks[:, lanes] = _track_lanes(ground, ideal, first, coefficients[:, :, lanes])
+    return tracks
+
+
+@compiled
+def _track_lanes(ground: Array, ideal: Array, first: int, coefficients: Array) -> Array:
+    pairs, last = coefficients.shape[0] - 1, ground.size - 1
+    k = np.empty((pairs + 1, _COEFFICIENTS, LANES))
+    k[:] = coefficients
+    t = np.zeros((TRACKS, LANES))
+    t[LATEST] = np.nan
+    x, y, rest, total = np.zeros((pairs, LANES)), np.zeros((pairs, LANES)), np.zeros(LANES), np.zeros(LANES)
+    # y lies one step before x; it starts where a jump at the first sample puts it.
+    for p in range(pairs):
+        for j in range(LANES):
+            y[p, j] = k[p, 5, j] * ground[0]
+    for i in range(last + 1):
+        now, after = ground[i], ground[min(i + 1, last)]
+        before = ground[i - 1] if i > 0 else 0.0
+        earlier = ground[i - 2] if i > 1 else 0.0
+        for j in range(LANES):
+            rest[j] = k[pairs, 0, j] * rest[j] + k[pairs, 2, j] * now
+            rest[j] += k[pairs, 3, j] * before + k[pairs, 6, j] * after
+            total[j] = rest[j]
+        if i > 0:
+            for p in range(pairs):
+                for j in range(LANES):
+                    moved = k[p, 0, j] * x[p, j] + k[p, 1, j] * y[p, j]
+                    moved += k[p, 2, j] * now + k[p, 3, j] * before + k[p, 4, j] * earlier
+                    y[p, j] = x[p, j]
+                    x[p, j] = moved
+                    total[j] += moved
+        if i >= first:
+            weight = 0.5 if i in (first, last) else 1.0
+            exact = ideal[i]
+            for j in range(LANES):
+                track_of = (t[0, j], t[1, j], t[2, j], t[3, j], t[4, j], t[5, j])
+                track_of = follow(track_of, total[j] - exact, weight)
+                t[0, j], t[1, j], t[2, j], t[3, j], t[4, j], t[5, j] = track_of
+    return t

@@ -1,0 +1,142 @@
+"""A partitioned frame before a transfer system that is known over frequency, under one ground motion.
+
+With Z the specimen's impedance, D the dynamic stiffness of the undivided frame and σ the transfer system ::
+
+    x = (D + Z(σ − 1)γγᵀ)⁻¹ M ι (−a_g),   x_m = σ γᵀx
+
+The frame alone is stable, so that the test is stable where 1 + Z(σ − 1)γᵀD⁻¹γ does not turn around zero
+while s runs up the imaginary axis (criterion of Nyquist).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.linear_loop.spectral import respond
+from reliab.simulation.transfer_systems import TransferSystem
+from reliab.structures.partition import Partition
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+_FREQUENCIES = 6000
+_AROUND_A_MODE = 400
+_LOWEST, _HIGHEST = 1e-3, 1e4  # of the lowest and the highest natural frequency
+_WIDEST = 30.0  # bandwidths of a mode
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RigResponse:
+    """Histories of a test with a known transfer system, inside the window.
+
+    Attributes
+    ----------
+    command, measured : numpy.ndarray
+        γᵀx and σγᵀx [m], shape (n,).
+    response, ideal : numpy.ndarray
+        The response whose error counts, and that of the undivided frame [m], shape (n,).
+    step : float
+        Step [s].
+    """
+
+    command: Array
+    measured: Array
+    response: Array
+    ideal: Array
+    step: float
+
+
+def rig_response(
+    excitation: Excitation,
+    partition: Partition,
+    transfer_system: TransferSystem,
+    output: Array | None = None,
+) -> RigResponse:
+    """Solve a test with a transfer system exactly, in the frequency domain.
+
+    Parameters
+    ----------
+    excitation : Excitation
+        Record and window.
+    partition : Partition
+        The frame with its linear specimen; the test must be stable, see `stable_with`.
+    transfer_system : TransferSystem
+        The actuator with its inner control, without sampling or noise.
+    output : numpy.ndarray, optional
+        Weights of the degrees of freedom in the response whose error counts; by default the measured
+        interface displacement.
+
+    Returns
+    -------
+    RigResponse
+        Command, measured displacement, response and its exact value.
+    """
+    interface = np.array(partition.interface)
+
+    def command(s: Complex) -> Complex:
+        return partition.responses(s, transfer_system.transfer(s, partition.specimen), interface)
+
+    def measured(s: Complex) -> Complex:
+        return partition.responses(s, transfer_system.transfer(s, partition.specimen))
+
+    def counted(s: Complex) -> Complex:
+        return partition.responses(s, transfer_system.transfer(s, partition.specimen), output)
+
+    def ideal(s: Complex) -> Complex:
+        return partition.responses(s, np.ones_like(s), output)
+
+    sent, step = respond(excitation, command)
+    moved = respond(excitation, measured)[0]
+    return RigResponse(
+        command=sent,
+        measured=moved,
+        response=moved if output is None else respond(excitation, counted)[0],
+        ideal=respond(excitation, ideal)[0],
+        step=step,
+    )
+
+
+def stable_with(partition: Partition, transfer_system: TransferSystem) -> bool:
+    """Whether a test with a transfer system is stable.
+
+    Parameters
+    ----------
+    partition : Partition
+        The frame with its linear specimen.
+    transfer_system : TransferSystem
+        A stable transfer system.
+
+    Returns
+    -------
+    bool
+        Whether no pole of the loop lies in the right half-plane.
+
+    Examples
+    --------
+    >>> from reliab_studies.rths_benchmark.benchmark import benchmark_partition
+    >>> from reliab.simulation.transfer_systems import gain_and_delay
+    >>> [stable_with(benchmark_partition(1), gain_and_delay(delay=delay)) for delay in (0.0146, 0.0147)]
+    [True, False]
+    """
+    s = (2j * np.pi * _frequencies(partition)).astype(np.complex128)
+    strayed = partition.impedance(s) * (transfer_system.transfer(s, partition.specimen) - 1.0)
+    interface = np.broadcast_to(
+        partition.interface.astype(complex)[:, np.newaxis], (s.size, partition.frame.size, 1)
+    )
+    flexibility = (
+        np.linalg.solve(partition.frame.dynamic_stiffness(s), interface)[..., 0] @ partition.interface
+    )
+    turned = np.unwrap(np.angle(1.0 + strayed * flexibility))
+    return bool(abs(turned[-1] - turned[0]) < np.pi)
+
+
+def _frequencies(partition: Partition) -> Array:
+    """Frequencies [Hz] up the axis, close to each other where a mode turns the phase."""
+    modes = partition.frame.modes.frequency
+    span = np.geomspace(_LOWEST * modes[0], _HIGHEST * modes[-1], _FREQUENCIES)
+    reach = np.linspace(-_WIDEST, _WIDEST, _AROUND_A_MODE)
+    ratios = np.maximum(partition.frame.damping_ratios, 1e-6)
+    near = modes[:, np.newaxis] * (1.0 + ratios[:, np.newaxis] * np.sinh(reach / 6.0) * 0.5)
+    return np.unique(np.concatenate([span, near[near > 0.0].ravel()]))

@@ -1,0 +1,206 @@
+"""The whole hybrid test, step by step: numerical substructure, compensator, actuator, specimen, load cell.
+
+At each step the integrator moves the structure with the force at the end of the step as far as it is known,
+the piston follows, the specimen answers, and the integrator corrects. With a delay of a step or more no
+correction is needed.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from reliab.effects import RecordEffect, Role, Setting
+from reliab.effects.integration_error import IntegrationError
+from reliab.simulation.compensators.compensator import Compensator
+from reliab.simulation.hybrid_test.marching import march
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.simulation.hybrid_test.open_loop import Motion3, read_displacement
+from reliab.simulation.hybrid_test.plan import STATES, Plan, plan
+from reliab.simulation.integrators.coarse import CoarseExplicit
+from reliab.simulation.integrators.integrator import ExactIntegrator, Integrator
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Histories:
+    """What happened in a simulated test, at equal steps.
+
+    Attributes
+    ----------
+    command : Motion3
+        Motion of the numerical substructure, which is the command.
+    piston : Motion3
+        True motion of the piston.
+    measured : numpy.ndarray
+        Displacement as the sensor reads it [m], shape (n,).
+    force : numpy.ndarray
+        Force as the load cell reads it [N], shape (n,).
+    """
+
+    command: Motion3
+    piston: Motion3
+    measured: Array
+    force: Array
+
+
+def run_closed_loop(
+    test: HybridTest,
+    ground: Array,
+    step: float,
+    *,
+    parts: int = 1,
+    integrator: Integrator | None = None,
+    compensator: Compensator | None = None,
+) -> Histories:
+    """Run a hybrid test under a ground motion, from rest.
+
+    Parameters
+    ----------
+    test : HybridTest
+        The model, with a structure.
+    ground : numpy.ndarray
+        Ground acceleration as recorded [m/s²], linear between samples, shape (n,).
+    step : float
+        Step between samples [s].
+    parts : int, optional
+        Steps of the simulation to each of the samples.
+    integrator : Integrator, optional
+        How the numerical substructure is integrated; by default exactly, or with the integration error that
+        is among the effects.
+    compensator : Compensator, optional
+        Delay compensator, which changes the command before the actuator; none by default.
+
+    Returns
+    -------
+    Histories
+        Motions, reading and force at the samples. Where the loop diverges, the remaining samples are NaN.
+
+    Raises
+    ------
+    InputError
+        If there is no structure.
+
+    Examples
+    --------
+    >>> from reliab.structures.structure import Structure
+    >>> test = HybridTest(structure=Structure(frequency=1.0, damping_ratio=0.05))
+    >>> shaken = np.sin(2.0 * np.pi * np.arange(0.0, 20.0, 0.005))
+    >>> histories = run_closed_loop(test, shaken, 0.005)
+    >>> round(float(np.abs(histories.measured[-400:]).max() * test.specimen.stiffness), 2)  # nearly 1/(2ξ)
+    9.98
+    """
+    applied = ground
+    for effect in test.acting(Role.RECORD):
+        if isinstance(effect, RecordEffect):
+            applied = effect.applied(applied, step)
+    for effect in test.acting(Role.INTEGRATION):
+        if isinstance(effect, IntegrationError) and integrator is None:
+            return _run_coarsely(test, effect, applied, step, step / parts, compensator)
+    if parts > 1:
+        fine = np.arange((ground.size - 1) * parts + 1) / parts
+        applied = np.interp(fine, np.arange(ground.size), applied)
+    histories = _run(test, applied, step / parts, integrator or ExactIntegrator(), compensator)
+    return histories if parts == 1 else _at_each(test, histories, parts)
+
+
+def _run_coarsely(
+    test: HybridTest,
+    effect: IntegrationError,
+    ground: Array,
+    step: float,
+    longest: float,
+    compensator: Compensator | None,
+) -> Histories:
+    """Run with a controller's own step, a multiple of the loop's, and return values at the samples."""
+    if test.structure is None:
+        raise AssertionError  # a closed loop has one
+    coarse = max(effect.step_s, longest)
+    steps = int(np.ceil(coarse / longest - 1e-9))
+    gamma = 0.5 + effect.shift(test.structure.circular_frequency) / coarse
+    integrator = CoarseExplicit(gamma=gamma, steps=steps, straight=effect.moves_straight)
+    h = coarse / steps
+    samples = step * np.arange(ground.size, dtype=np.float64)
+    instants = h * np.arange(int(np.ceil(samples[-1] / h)) + 1, dtype=np.float64)
+    histories = _run(test, np.interp(instants, samples, ground), h, integrator, compensator)
+    return _resampled(test, histories, instants, samples, step)
+
+
+def _resampled(
+    test: HybridTest, histories: Histories, instants: Array, samples: Array, step: float
+) -> Histories:
+    """Histories at other instants, between which the motion is smooth."""
+    if not np.isfinite(histories.force).all():
+        broken = np.full((3, samples.size), np.nan)
+        return Histories(
+            command=Motion3(values=broken, step=step),
+            piston=Motion3(values=broken, step=step),
+            measured=broken[0],
+            force=broken[0],
+        )
+    command, piston, force = (
+        scipy.interpolate.make_interp_spline(instants, values, axis=-1)(samples)
+        for values in (histories.command.values, histories.piston.values, histories.force)
+    )
+    moved = Motion3(values=piston, step=step)
+    return Histories(
+        command=Motion3(values=command, step=step),
+        piston=moved,
+        measured=read_displacement(test, moved),
+        force=force,
+    )
+
+
+def _at_each(test: HybridTest, histories: Histories, parts: int) -> Histories:
+    piston = histories.piston.at_each(parts)
+    return Histories(
+        command=histories.command.at_each(parts),
+        piston=piston,
+        measured=read_displacement(test, piston),
+        force=np.ascontiguousarray(histories.force[::parts]),
+    )
+
+
+def _run(
+    test: HybridTest,
+    ground: Array,
+    h: float,
+    integrator: Integrator,
+    compensator: Compensator | None,
+) -> Histories:
+    specimen = test.specimen
+    if specimen is None:
+        raise AssertionError  # a structure always brings one
+    setting = test.setting(h)
+    command, piston, force = march(
+        ground,
+        h,
+        test.mass,
+        (integrator.kernel.address, integrator.corrections),
+        integrator.coefficients(test.substructure, h),
+        _socket(compensator, h),
+        (test.actuator.gain, test.actuator.delay),
+        plan(test.acting(Role.DELAY), setting),
+        plan(test.acting(Role.PISTON), setting),
+        np.array([specimen.stiffness, specimen.damping, specimen.mass]),
+        plan(test.acting(Role.FORCE), setting),
+        plan(test.acting(Role.FORCE_READING), setting),
+        STATES if compensator is None else max(STATES, compensator.kernel.states),
+    )
+    moved = Motion3(values=piston, step=h)
+    return Histories(
+        command=Motion3(values=command, step=h),
+        piston=moved,
+        measured=read_displacement(test, moved),
+        force=force,
+    )
+
+
+def _socket(compensator: Compensator | None, step: float) -> Plan:
+    if compensator is None:
+        return plan((), Setting(step=step))
+    return Plan(
+        np.array([compensator.kernel.address], dtype=np.int64), compensator.coefficients(step)[np.newaxis]
+    )

@@ -1,0 +1,86 @@
+"""The model of a whole hybrid test: structure, actuator, specimen and effects."""
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import Self
+
+from reliab.effects import Effect, Role, Setting, library
+from reliab.errors import InputError
+from reliab.simulation.actuator import Actuator
+from reliab.simulation.integrators.integrator import LinearSubstructure
+from reliab.structures.specimen import Specimen
+from reliab.structures.structure import Structure
+
+
+@dataclass(frozen=True, kw_only=True)
+class HybridTest:
+    """A hybrid test as a laboratory runs it.
+
+    Parameters
+    ----------
+    structure : Structure, optional
+        The whole structure; absent when there is no numerical substructure.
+    mass : float, optional
+        Its mass [kg]; 1 when forces are per unit mass.
+    actuator : Actuator, optional
+        Gain and delay.
+    specimen : Specimen, optional
+        The linear specimen; by default the structure's own spring αω₀²m.
+    effects : tuple of Effect, optional
+        Further effects; within a block they act in the order of the library.
+
+    Examples
+    --------
+    >>> test = HybridTest(structure=Structure(frequency=1.0, damping_ratio=0.02), mass=1000.0)
+    >>> round(test.specimen.stiffness)
+    39478
+    """
+
+    structure: Structure | None = None
+    mass: float = 1.0
+    actuator: Actuator = field(default_factory=Actuator)
+    specimen: Specimen | None = None
+    effects: tuple[Effect, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.mass) and self.mass > 0.0):
+            raise InputError(
+                "The structure's mass must be positive and finite",
+                value=self.mass,
+                remedy="Give kilograms, or leave it out when forces are per unit mass",
+            )
+        if self.specimen is None and self.structure is not None:
+            w0, alpha = self.structure.circular_frequency, self.structure.experimental_fraction
+            object.__setattr__(self, "specimen", Specimen(stiffness=alpha * w0**2 * self.mass))
+        order = {name: place for place, name in enumerate(library())}
+        ranked = sorted(self.effects, key=lambda effect: order.get(effect.name, len(order)))
+        object.__setattr__(self, "effects", tuple(ranked))
+
+    def adding(self, *effects: Effect) -> Self:
+        """Return the same test with more effects."""
+        return replace(self, effects=(*self.effects, *effects))
+
+    def acting(self, *roles: Role) -> tuple[Effect, ...]:
+        """Effects of given roles, in order."""
+        return tuple(effect for effect in self.effects if effect.role in roles)
+
+    def setting(self, step: float) -> Setting:
+        """Properties of this test that effects need, for a step [s]."""
+        specimen = self.specimen or Specimen(stiffness=0.0)
+        return Setting(step=step, stiffness=specimen.stiffness, damping=specimen.damping)
+
+    @property
+    def substructure(self) -> LinearSubstructure:
+        """The numerical substructure per unit mass, as it is integrated.
+
+        Raises
+        ------
+        InputError
+            If there is no structure.
+        """
+        if self.structure is None:
+            raise InputError("A closed loop needs a numerical substructure", remedy="Add a [structure] table")
+        w0, alpha = self.structure.circular_frequency, self.structure.experimental_fraction
+        return LinearSubstructure(
+            damping=2.0 * self.structure.damping_ratio * w0, stiffness=(1.0 - alpha) * w0**2
+        )

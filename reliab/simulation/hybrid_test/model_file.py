@@ -1,0 +1,278 @@
+"""The updated model of a hybrid test as a file: calibration, specimen, and effects with their uncertainty.
+
+The file is TOML with the tables of campaign.toml, so that people can read, copy and annotate it.
+"""
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from reliab.described_files import first_fault, read_toml
+from reliab.effects import Effect, Parameter, find_effect
+from reliab.errors import InputError
+from reliab.files import written_whole
+from reliab.simulation.actuator import Actuator
+from reliab.simulation.hybrid_test import HybridTest, Specimen
+from reliab.structures.structure import Structure
+
+MODEL_FILE = "model.toml"
+_FORMAT = 1
+_HEAD = """\
+# Updated model of a hybrid test, in SI units; sd is the standard deviation of a value.
+# Use it with: reliab criterion --model {file} --motions ...    or: reliab simulate --model {file} ...
+"""
+
+_Finite = Annotated[float, Field(allow_inf_nan=False)]
+_Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+_NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class UpdatedModel:
+    """A model of a hybrid test with the uncertainty of its parameters.
+
+    Parameters
+    ----------
+    name : str
+        Free text, the campaign's name.
+    test : HybridTest
+        The model.
+    deviations : mapping of str to float, optional
+        Standard deviations, SI units, of "gain", "delay_s", "stiffness_n_per_m" and of effects' parameters by
+        "effect.parameter"; parameters that are missing here were not fitted.
+    limits : tuple of str, optional
+        Sentences on what limits these values, written as comments.
+
+    Raises
+    ------
+    InputError
+        If a standard deviation is negative or not finite.
+    """
+
+    name: str
+    test: HybridTest
+    deviations: Mapping[str, float] = field(default_factory=dict)
+    limits: tuple[str, ...] = field(default=(), compare=False)
+
+    def __post_init__(self) -> None:
+        for parameter, value in self.deviations.items():
+            if not (math.isfinite(value) and value >= 0.0):
+                raise InputError(
+                    "A standard deviation must be finite and not negative", value=value, where=parameter
+                )
+
+
+def write_model(path: Path | str, model: UpdatedModel) -> None:
+    """Write an updated model.
+
+    Parameters
+    ----------
+    path : path
+        The file, usually `model.toml`.
+    model : UpdatedModel
+        The model.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    path = Path(path)
+    try:
+        with written_whole(path) as file:
+            file.write_text(_text(model, path.name), encoding="utf-8")
+    except OSError as error:
+        rule = "The model's file must be writable"
+        raise InputError(rule, value=error.strerror, remedy="Name another", where=str(path)) from error
+
+
+def read_model(path: Path | str) -> UpdatedModel:
+    """Read an updated model.
+
+    Parameters
+    ----------
+    path : path
+        A file as `reliab diagnose --out` writes it.
+
+    Returns
+    -------
+    UpdatedModel
+        The model with the standard deviations of its parameters.
+
+    Raises
+    ------
+    InputError
+        If the file is missing or breaks a rule; the message names the key.
+    """
+    path = Path(path)
+    described = _described(path)
+    test = HybridTest(
+        structure=described.structure.built() if described.structure else None,
+        mass=described.structure.mass_kg if described.structure else 1.0,
+        actuator=Actuator(gain=described.actuator.gain, delay=described.actuator.delay_s),
+        specimen=described.specimen.built() if described.specimen else None,
+        effects=tuple(
+            _effect(entry, f"{path.name}, effect {k}") for k, entry in enumerate(described.effects, 1)
+        ),
+    )
+    return UpdatedModel(name=described.name, test=test, deviations=_deviations(described))
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class _Structure(_Table):
+    frequency_hz: _Positive
+    damping_ratio: Annotated[float, Field(gt=0.0, lt=1.0)]
+    mass_kg: _Positive = 1.0
+    experimental_fraction: Annotated[float, Field(gt=0.0, le=1.0)] = 1.0
+
+    def built(self) -> Structure:
+        return Structure(
+            frequency=self.frequency_hz,
+            damping_ratio=self.damping_ratio,
+            experimental_fraction=self.experimental_fraction,
+        )
+
+
+class _Actuator(_Table):
+    gain: _Positive = 1.0
+    gain_sd: _NotNegative | None = None
+    delay_s: _NotNegative = 0.0
+    delay_s_sd: _NotNegative | None = None
+
+
+class _Specimen(_Table):
+    stiffness_n_per_m: _NotNegative
+    stiffness_n_per_m_sd: _NotNegative | None = None
+    damping_n_s_per_m: _Finite = 0.0
+    mass_kg: _NotNegative = 0.0
+
+    def built(self) -> Specimen:
+        return Specimen(stiffness=self.stiffness_n_per_m, damping=self.damping_n_s_per_m, mass=self.mass_kg)
+
+
+class _Value(_Table):
+    value: _Finite
+    sd: _NotNegative | None = None
+    units: str | None = None
+
+
+class _Effect(_Table):
+    name: str
+    parameters: dict[str, _Value]
+
+
+class _ModelFile(_Table):
+    format: Literal[1]
+    name: str = ""
+    structure: _Structure | None = None
+    actuator: _Actuator = _Actuator()
+    specimen: _Specimen | None = None
+    effects: list[_Effect] = []
+
+
+def _described(path: Path) -> _ModelFile:
+    remedy = f"Compare with a {MODEL_FILE} that `reliab diagnose --out` writes"
+    content = read_toml(path, rule="A model must be a readable TOML file", remedy=remedy)
+    try:
+        return _ModelFile.model_validate(content)
+    except ValidationError as error:
+        rule, value, _ = first_fault(error)
+        raise InputError(rule, value=value, remedy=remedy, where=path.name) from error
+
+
+def _effect(entry: _Effect, where: str) -> Effect:
+    kind = find_effect(entry.name)
+    wanted, given = {parameter.name: parameter for parameter in kind.parameters}, entry.parameters
+    if set(wanted) != set(given):
+        raise InputError(
+            f"The parameters of {entry.name} are {', '.join(wanted)}",
+            value=", ".join(given) or "none",
+            remedy="Give each of them once",
+            where=where,
+        )
+    for name, value in given.items():
+        _check_units(wanted[name], value, where)
+    return kind(**{name: value.value for name, value in given.items()})
+
+
+def _check_units(parameter: Parameter, value: _Value, where: str) -> None:
+    if value.units not in (None, parameter.units):
+        raise InputError(
+            f"The unit of {parameter.name} is {parameter.units}",
+            value=repr(value.units),
+            remedy=f"Convert the value and its sd to {parameter.units}",
+            where=where,
+        )
+
+
+def _deviations(described: _ModelFile) -> dict[str, float]:
+    stated = {"gain": described.actuator.gain_sd, "delay_s": described.actuator.delay_s_sd}
+    if described.specimen is not None:
+        stated["stiffness_n_per_m"] = described.specimen.stiffness_n_per_m_sd
+    for effect in described.effects:
+        stated.update({f"{effect.name}.{name}": value.sd for name, value in effect.parameters.items()})
+    return {name: value for name, value in stated.items() if value is not None}
+
+
+def _text(model: UpdatedModel, file: str) -> str:
+    test, sd = model.test, model.deviations
+    lines = [_HEAD.format(file=file), *(f"# {' '.join(limit.split())}" for limit in model.limits)]
+    lines += [f"format = {_FORMAT}", f"name = {_quoted(model.name)}"]
+    if test.structure is not None:
+        lines += _table(
+            "[structure]",
+            frequency_hz=test.structure.frequency,
+            damping_ratio=test.structure.damping_ratio,
+            mass_kg=test.mass,
+            experimental_fraction=test.structure.experimental_fraction,
+        )
+    lines += _table(
+        "[actuator]",
+        gain=test.actuator.gain,
+        gain_sd=sd.get("gain"),
+        delay_s=test.actuator.delay,
+        delay_s_sd=sd.get("delay_s"),
+    )
+    if test.specimen is not None:
+        lines += _table(
+            "[specimen]",
+            stiffness_n_per_m=test.specimen.stiffness,
+            stiffness_n_per_m_sd=sd.get("stiffness_n_per_m"),
+            damping_n_s_per_m=test.specimen.damping,
+            mass_kg=test.specimen.mass,
+        )
+    for effect in test.effects:
+        lines += _effect_lines(effect, sd)
+    return "\n".join(lines) + "\n"
+
+
+def _effect_lines(effect: Effect, sd: Mapping[str, float]) -> list[str]:
+    lines = ["", "[[effects]]", f"# {effect.description}", f"name = {_quoted(str(effect.name))}"]
+    for parameter, value in zip(effect.parameters, effect.values.tolist(), strict=True):
+        key = f"{effect.name}.{parameter.name}"
+        content: dict[str, Any] = {"value": value, "sd": sd.get(key), "units": parameter.units}
+        lines += _table(f"[effects.parameters.{parameter.name}]", f"  # {parameter.meaning}", **content)
+    return lines
+
+
+def _table(head: str, remark: str = "", /, **content: float | str | None) -> list[str]:
+    """Lines of a table without what is None."""
+    rows = [f"{key} = {_written(value)}" for key, value in content.items() if value is not None]
+    return ["", f"{head}{remark}", *rows]
+
+
+def _written(value: float | str) -> str:
+    return _quoted(value) if isinstance(value, str) else repr(float(value))
+
+
+def _quoted(text: str) -> str:
+    """Write a string of TOML, which JSON's strings are once DEL is escaped."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -1,0 +1,213 @@
+"""Single blocks of a hybrid test: actuator under a command, specimen under a motion, sensors."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from reliab.compiled import compiled
+from reliab.effects import Kernel, Role, Setting
+from reliab.errors import InputError
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.simulation.hybrid_test.plan import STATES, plan
+from reliab.simulation.hybrid_test.stepping import call_all, read_delayed
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Motion3:
+    """Displacement, velocity and acceleration at equal steps.
+
+    Parameters
+    ----------
+    values : numpy.ndarray
+        Displacement [m], velocity [m/s] and acceleration [m/s²], shape (3, n).
+    step : float
+        Step [s].
+    """
+
+    values: Array
+    step: float
+
+    @classmethod
+    def through(cls, displacement: Array, step: float, *, parts: int = 1) -> "Motion3":
+        """Motion along the cubic spline through sampled displacements.
+
+        Parameters
+        ----------
+        displacement : numpy.ndarray
+            Displacement [m], shape (n,).
+        step : float
+            Step between samples [s].
+        parts : int, optional
+            Steps of the motion to each of the samples.
+
+        Returns
+        -------
+        Motion3
+            The motion at (n − 1)·parts + 1 instants.
+        """
+        spline = scipy.interpolate.CubicSpline(np.arange(displacement.size) * step, displacement)
+        times = np.arange((displacement.size - 1) * parts + 1) * (step / parts)
+        return cls(values=np.stack([spline(times), spline(times, 1), spline(times, 2)]), step=step / parts)
+
+    def at_each(self, every: int) -> "Motion3":
+        """Return the motion at each `every`-th instant."""
+        return Motion3(values=np.ascontiguousarray(self.values[:, ::every]), step=every * self.step)
+
+
+def drive(test: HybridTest, command: Motion3) -> Motion3:
+    """Move the piston as the actuator follows a command.
+
+    Parameters
+    ----------
+    test : HybridTest
+        The model; only its actuator and the effects on the way to the piston are used.
+    command : Motion3
+        Motion of the command.
+
+    Returns
+    -------
+    Motion3
+        Motion of the piston.
+
+    Examples
+    --------
+    >>> from reliab.simulation.actuator import Actuator
+    >>> time = np.arange(0.0, 2.0, 0.001)
+    >>> command = Motion3.through(np.sin(time) ** 2, 0.001)
+    >>> late = drive(HybridTest(actuator=Actuator(delay=0.25)), command)
+    >>> round(float(np.abs(late.values[0, 250:] - command.values[0, :-250]).max()), 9)
+    0.0
+    """
+    h = command.step
+    setting = _setting(test, h)
+    per_step = np.array([[1.0], [h], [h**2]])
+    values = _drive(
+        np.ascontiguousarray(command.values * per_step),
+        h,
+        test.actuator.gain,
+        test.actuator.delay,
+        *plan(test.acting(Role.DELAY), setting),
+        *plan(test.acting(Role.PISTON), setting),
+        STATES,
+    )
+    return Motion3(values=values, step=h)
+
+
+@compiled
+def _drive(
+    command: Array,
+    step: float,
+    gain: float,
+    delay: float,
+    delays: NDArray[np.int64],
+    delay_coefficients: Array,
+    elements: NDArray[np.int64],
+    element_coefficients: Array,
+    states: int,
+) -> Array:
+    n = command.shape[1]
+    out = np.empty((3, n))
+    motion = np.zeros(3)
+    delay_states = np.zeros((delays.size, states))
+    element_states = np.zeros((elements.size, states))
+    for i in range(n):
+        late = delay
+        if delays.size > 0:
+            motion[0] = command[0, i]
+            motion[1], motion[2] = command[1, i] / step, command[2, i] / step**2
+            late += call_all(delays, delay_coefficients, delay_states, 0, motion, i * step, step)
+        read_delayed(command, i - late / step, n - 2, motion)
+        motion[0] *= gain
+        motion[1] *= gain / step
+        motion[2] *= gain / step**2
+        call_all(elements, element_coefficients, element_states, 0, motion, i * step, step)
+        out[0, i], out[1, i], out[2, i] = motion[0], motion[1], motion[2]
+    return out
+
+
+def load(test: HybridTest, piston: Motion3) -> Array:
+    """Force of the specimen under a motion of the piston.
+
+    Parameters
+    ----------
+    test : HybridTest
+        The model; only its specimen and the specimen's effects are used.
+    piston : Motion3
+        Motion of the piston.
+
+    Returns
+    -------
+    numpy.ndarray
+        Force [N], shape (n,).
+
+    Raises
+    ------
+    InputError
+        If the test has no specimen.
+    """
+    if test.specimen is None:
+        raise InputError("A force needs a specimen", remedy="Add a [structure] or a [specimen] table")
+    setting = _setting(test, piston.step)
+    linear = np.array([test.specimen.stiffness, test.specimen.damping, test.specimen.mass])
+    return np.asarray(linear @ piston.values) + _sum(piston, test, Role.FORCE, setting)
+
+
+def read_displacement(test: HybridTest, piston: Motion3) -> Array:
+    """Displacement as the sensor reads it [m], shape (n,)."""
+    read = _sum(piston, test, Role.DISPLACEMENT_READING, _setting(test, piston.step))
+    return np.asarray(piston.values[0] + read)
+
+
+def read_force(test: HybridTest, piston: Motion3, force: Array) -> Array:
+    """Force as the load cell reads it [N], shape (n,), from the true one."""
+    return force + _sum(piston, test, Role.FORCE_READING, _setting(test, piston.step))
+
+
+def follow(kernel: Kernel, coefficients: tuple[float, ...], piston: Motion3) -> Array:
+    """Evaluate one kernel along a motion.
+
+    Parameters
+    ----------
+    kernel : Kernel
+        Of an effect on the force or on a reading.
+    coefficients : tuple of float
+        Its coefficients.
+    piston : Motion3
+        Motion of the piston.
+
+    Returns
+    -------
+    numpy.ndarray
+        What the effect adds, shape (n,).
+    """
+    addresses = np.array([kernel.address], dtype=np.int64)
+    values = np.ascontiguousarray(piston.values)
+    return np.asarray(_follow(values, piston.step, addresses, np.array([coefficients]), STATES))
+
+
+def _setting(test: HybridTest, step: float) -> Setting:
+    return test.setting(step)
+
+
+def _sum(piston: Motion3, test: HybridTest, role: Role, setting: Setting) -> Array:
+    effects = test.acting(role)
+    if not effects:
+        return np.zeros(piston.values.shape[1])
+    return _follow(np.ascontiguousarray(piston.values), piston.step, *plan(effects, setting), STATES)
+
+
+@compiled
+def _follow(
+    piston: Array, step: float, addresses: NDArray[np.int64], coefficients: Array, states: int
+) -> Array:
+    out = np.empty(piston.shape[1])
+    motion = np.empty(3)
+    state = np.zeros((addresses.size, states))
+    for i in range(out.size):
+        motion[0], motion[1], motion[2] = piston[0, i], piston[1, i], piston[2, i]
+        out[i] = call_all(addresses, coefficients, state, 0, motion, i * step, step)
+    return out

@@ -1,0 +1,63 @@
+"""What happens at one instant, compiled: the delayed command, and effects one after the other."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.compiled import compiled
+from reliab.effects.kernel import call_kernel, pointer_to
+
+Array = NDArray[np.float64]
+
+
+@compiled
+def read_delayed(command: Array, place: float, last: int, motion: Array) -> None:
+    """Motion of the command between its samples: cubic in the displacement, linear in the acceleration.
+
+    Parameters
+    ----------
+    command : numpy.ndarray
+        Displacement, velocity and acceleration with the step as unit of time, shape (3, n).
+    place : float
+        Place in steps; before the first sample the command rests there.
+    last : int
+        Last interval that is known.
+    motion : numpy.ndarray
+        Receives the motion with the step as unit of time, shape (3,).
+    """
+    if place <= 0.0:
+        motion[0] = command[0, 0]
+        motion[1] = motion[2] = 0.0
+        return
+    j = min(int(place), last)
+    s = place - j
+    x0, v0, v1 = command[0, j], command[1, j], command[1, j + 1]
+    rise = command[0, j + 1] - x0
+    # x = x₀ + v₀s + (3Δ − 2v₀ − v₁)s² + (v₀ + v₁ − 2Δ)s³
+    square, cube = 3.0 * rise - 2.0 * v0 - v1, v0 + v1 - 2.0 * rise
+    motion[0] = x0 + s * (v0 + s * (square + s * cube))
+    motion[1] = v0 + s * (2.0 * square + 3.0 * s * cube)
+    motion[2] = command[2, j] + s * (command[2, j + 1] - command[2, j])
+
+
+@compiled
+def call_all(
+    addresses: NDArray[np.int64],
+    coefficients: Array,
+    states: Array,
+    first: int,
+    motion: Array,
+    time: float,
+    step: float,
+) -> float:
+    """Call kernels one after the other, their states in rows from `first`, and add up what they return."""
+    added = 0.0
+    for k in range(addresses.size):
+        added += call_kernel(
+            addresses[k],
+            pointer_to(motion, 0),
+            time,
+            step,
+            pointer_to(coefficients, k * coefficients.shape[1]),
+            pointer_to(states, (first + k) * states.shape[1]),
+        )
+    return added

@@ -1,0 +1,241 @@
+"""The loop reduced to its dominant pole pair and a fast pair.
+
+A loop with a short delay is a second-order system: of the infinitely many poles of::
+
+    Q(s) = s² + 2ξω₀s + (1−α)ω₀² + αk_pω₀²e^(−sτ)
+
+one lightly damped pair carries the response, and the others, about 1/τ fast and heavily damped,
+nearly follow the ground acceleration. The transfer function from −a_g is therefore split as::
+
+    k_p e^(−sτ)/Q(s) = r/(s − p) + r̄/(s − p̄) + (n₀ + n₁s)/(1 + m₁s + m₂s²) + O(s⁴τ⁶)
+
+with the residue r = k_p e^(−pτ)/Q'(p). The last term is the Padé approximant of what the pair
+leaves; for short delays that is k_p(e^(−sτ) − 1 + sτ)/s² times a constant near one. It vanishes for
+τ = 0, where the pair is the whole loop.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.structures.structure import Structure
+
+_NEWTON_STEPS = 60
+_CONVERGED = 1e-14
+_MOMENTS = 4
+_SHORT = 0.02  # ω₀τ below which the shape of the rest is that of a vanishing delay
+_NO_DEVIATION = 1e-9  # of the response; below it an actuator counts as perfect
+# Reduced and exact loop are compared at these multiples of the natural frequency.
+_COMPARED = np.geomspace(0.1, 40.0, 61)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModalLoop:
+    """Two pole pairs with their residues, one entry per cell.
+
+    Attributes
+    ----------
+    pole, residue : numpy.ndarray
+        Dominant pole p [1/s] and residue r [s] of the response to −a_g, complex, shape (cells,);
+        their conjugates belong to them.
+    fast_poles, fast_residues : numpy.ndarray
+        Poles [1/s] and residues [s] of the fast pair, complex, shape (2, cells); the residues are
+        zero where there is no delay.
+    """
+
+    pole: NDArray[np.complex128]
+    residue: NDArray[np.complex128]
+    fast_poles: NDArray[np.complex128]
+    fast_residues: NDArray[np.complex128]
+
+    def transfer(self, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Transfer function from −a_g [s²] at frequencies s [rad/s] that broadcast with the cells."""
+        slow = self.residue / (s - self.pole) + self.residue.conj() / (s - self.pole.conj())
+        return np.asarray(slow + self.fast_transfer(s))
+
+    def fast_transfer(self, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Part of the fast pair in the transfer function [s²]."""
+        (p, q), (u, v) = self.fast_poles, self.fast_residues
+        return np.asarray(u / (s - p) + v / (s - q))
+
+
+class ReducedLoop(Protocol):
+    """A reduced loop that approximates the exact one."""
+
+    def transfer(self, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Transfer function from −a_g [s²]."""
+
+
+def dominant_pole(
+    structure: Structure, gain: NDArray[np.float64], delay: NDArray[np.float64]
+) -> NDArray[np.complex128]:
+    """Pole of the loop that grows out of the undelayed structure's own pole.
+
+    Parameters
+    ----------
+    structure : Structure
+        The structure under test.
+    gain, delay : numpy.ndarray
+        Actuator gain [-] and delay [s], negative for a lead, shape (cells,).
+
+    Returns
+    -------
+    numpy.ndarray
+        The pole with positive imaginary part [1/s], shape (cells,); NaN where Newton's iteration
+        does not converge (delays of the order of the period, which the modal reduction refuses).
+    """
+    w0, xi = structure.circular_frequency, structure.damping_ratio
+    alpha = structure.experimental_fraction
+    coupled = alpha * gain * w0**2
+    stiffness = (1.0 - alpha) * w0**2 + coupled
+    pole = -xi * w0 + 0.5 * coupled * delay + 1j * np.sqrt(stiffness)
+    for _ in range(_NEWTON_STEPS):
+        delayed = coupled * np.exp(-pole * delay)
+        value = pole**2 + 2.0 * xi * w0 * pole + (1.0 - alpha) * w0**2 + delayed
+        slope = 2.0 * pole + 2.0 * xi * w0 - delay * delayed
+        step = value / slope
+        pole = pole - step
+        if np.all(np.abs(step) <= _CONVERGED * np.abs(pole)):
+            return pole
+    settled = np.abs(step) <= 1e-9 * np.abs(pole)
+    return np.where(settled & (pole.imag > 0.0), pole, np.nan)
+
+
+def modal_loop(
+    structure: Structure, gain: NDArray[np.float64], delay: NDArray[np.float64], *, measured: bool = True
+) -> ModalLoop:
+    """Split the loop from −a_g to a displacement into its dominant pair and a rest.
+
+    Parameters
+    ----------
+    structure : Structure
+        The structure under test.
+    gain, delay : numpy.ndarray
+        Actuator gain [-] and delay [s], shape (cells,).
+    measured : bool, optional
+        The measured displacement (default), or else the command.
+
+    Returns
+    -------
+    ModalLoop
+        The reduced loop, one entry per cell.
+    """
+    w0, xi = structure.circular_frequency, structure.damping_ratio
+    alpha = structure.experimental_fraction
+    coupled = alpha * gain * w0**2
+    pole = dominant_pole(structure, gain, delay)
+    slope = 2.0 * pole + 2.0 * xi * w0 - delay * coupled * np.exp(-pole * delay)
+    output, late = (gain, delay) if measured else (np.ones_like(gain), np.zeros_like(delay))
+    residue = output * np.exp(-pole * late) / slope
+    rest = _series(structure, gain, delay, output, late)
+    for power in range(_MOMENTS):
+        rest[power] += 2.0 * (residue / pole ** (power + 1)).real
+    short = w0 * delay < _SHORT
+    fast_poles, fast_residues = _fast_pair(rest, delay, short if measured else np.zeros_like(short))
+    if not measured:
+        fast_residues = np.where(short, 0.0, fast_residues)  # of the order of τ⁴
+    return ModalLoop(pole=pole, residue=residue, fast_poles=fast_poles, fast_residues=fast_residues)
+
+
+def _series(
+    structure: Structure,
+    gain: NDArray[np.float64],
+    delay: NDArray[np.float64],
+    output: NDArray[np.float64],
+    late: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Taylor coefficients at s = 0 of the whole transfer function, shape (4, cells)."""
+    w0, xi, alpha = structure.circular_frequency, structure.damping_ratio, structure.experimental_fraction
+    factorial = np.array([[1.0], [1.0], [2.0], [6.0]])
+    power = np.arange(_MOMENTS, dtype=np.float64)[:, np.newaxis]
+    numerator: NDArray[np.float64] = output * (-late) ** power / factorial
+    denominator = alpha * gain * w0**2 * (-delay) ** power / factorial
+    denominator[0] += (1.0 - alpha) * w0**2
+    denominator[1] += 2.0 * xi * w0
+    denominator[2] += 1.0
+    series: NDArray[np.float64] = np.zeros_like(numerator)
+    for k in range(_MOMENTS):
+        known = sum(series[j] * denominator[k - j] for j in range(k))
+        series[k] = (numerator[k] - known) / denominator[0]
+    return series
+
+
+def _fast_pair(
+    rest: NDArray[np.float64], delay: NDArray[np.float64], short: NDArray[np.bool_]
+) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """Poles and residues of the Padé approximant of Taylor coefficients, shape (2, cells) each."""
+    tau = np.maximum(delay, 1e-12)
+    c = rest / tau ** np.arange(2, 2 + _MOMENTS)[:, np.newaxis]  # in units of the delay
+    # For a very short delay rounding errors dominate the higher coefficients; a known shape replaces them.
+    shape = np.array([[1.0], [-1.0 / 3.0], [1.0 / 12.0], [-1.0 / 60.0]])
+    c = np.where(short, c[0] * shape, c)
+    with np.errstate(all="ignore"):  # cells without a delay have no fast pair
+        determinant = c[1] ** 2 - c[0] * c[2]
+        m1 = (c[0] * c[3] - c[1] * c[2]) / determinant
+        m2 = (c[2] ** 2 - c[1] * c[3]) / determinant
+        root = np.sqrt((m1**2 - 4.0 * m2).astype(np.complex128))
+        poles = np.stack([-m1 + root, -m1 - root]) / (2.0 * m2)
+        residues = (c[0] + (c[1] + m1 * c[0]) * poles) / (m1 + 2.0 * m2 * poles)
+    sound = (delay > 0.0) & (m2 > 0.0) & (m1 > 0.0) & (np.abs(root) > 0.0)
+    fallback = np.array([[-1.0 + 1.0j], [-1.0 - 1.0j]])
+    scaled = np.where(sound, poles, fallback).astype(np.complex128) / tau
+    return scaled, np.where(sound, residues * tau, 0.0).astype(np.complex128)
+
+
+def transfer(
+    structure: Structure, gain: NDArray[np.float64], delay: NDArray[np.float64], s: NDArray[np.complex128]
+) -> NDArray[np.complex128]:
+    """Exact transfer function k_p e^(−sτ)/Q(s) from −a_g to the measured displacement [s²]."""
+    return transfer_of_shift(structure, gain, np.exp(-s * delay), s)
+
+
+def transfer_of_shift(
+    structure: Structure, gain: NDArray[np.float64], shift: NDArray[np.complex128], s: NDArray[np.complex128]
+) -> NDArray[np.complex128]:
+    """Return the same of an actuator whose e^(−sτ) is known."""
+    w0, xi = structure.circular_frequency, structure.damping_ratio
+    alpha = structure.experimental_fraction
+    actuator = gain * shift
+    return actuator / (s**2 + 2.0 * xi * w0 * s + w0**2 * (1.0 - alpha + alpha * actuator))
+
+
+def compared_frequencies(structure: Structure) -> NDArray[np.complex128]:
+    """Frequencies s = iω [rad/s] at which the reduction is compared with the exact loop, shape (bands, 1)."""
+    return (2j * np.pi * structure.frequency * _COMPARED[:, np.newaxis]).astype(np.complex128)
+
+
+def band_edges(structure: Structure) -> NDArray[np.float64]:
+    """Edges [Hz] of the bands in which the reduction is compared with the exact loop."""
+    half = np.sqrt(_COMPARED[1] / _COMPARED[0])
+    return structure.frequency * np.append(_COMPARED / half, _COMPARED[-1] * half)
+
+
+def reduction_loss(
+    structure: Structure, gain: NDArray[np.float64], delay: NDArray[np.float64], loop: ReducedLoop
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Compare the reduced loop with the exact one, band by band.
+
+    Parameters
+    ----------
+    structure : Structure
+        The structure under test.
+    gain, delay : numpy.ndarray
+        Actuator gain [-] and delay [s], shape (cells,).
+    loop : ModalLoop or LeadingLoop
+        The reduced loop of the same cells.
+
+    Returns
+    -------
+    lost, sought : numpy.ndarray
+        Squared moduli of exact minus reduced transfer function and of x_m − x_I over −a_g [s⁴],
+        shape (bands, cells). Weighted by the power of a record in each band their sums give the
+        relative error of the deviation's mean square.
+    """
+    s = compared_frequencies(structure)
+    exact = transfer(structure, gain, delay, s)
+    ideal = transfer(structure, np.ones(1), np.zeros(1), s)
+    lost = np.abs(exact - loop.transfer(s)) ** 2
+    sought = np.maximum(np.abs(exact - ideal), _NO_DEVIATION * np.abs(ideal)) ** 2
+    return np.where(np.isfinite(lost), lost, np.inf), sought

@@ -1,0 +1,83 @@
+r"""The loop with an actuator that leads: x_m(t) = k_p x_c(t + T).
+
+Compensation that overshoots makes the actuator early. The loop then is an equation with advanced argument,
+which cannot be marched forward; what a test shows is its bounded solution. Its transfer function
+from −a_g to the measured displacement, ::
+
+    k_p e^(sT)/Q(s),   Q(s) = s² + 2ξω₀s + (1−α)ω₀² + αk_pω₀²e^(sT)
+
+has one pole pair p, p̄ left of the imaginary axis and, for leads below `longest_lead`, all others far to
+the right of it, at about 5/T or more. The command is therefore the response of the pair plus a direct term
+for the other poles, which look ahead by less than T::
+
+    1/Q(s) = r/(s − p) + r̄/(s − p̄) + c + O(sT³/1000),   r = 1/Q'(p),   c of the order of T²/200
+
+and the measured displacement is k_p times the command, shifted ahead by T.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.simulation.linear_loop.dominant_pole import dominant_pole
+from reliab.structures.structure import Structure
+
+
+@dataclass(frozen=True, kw_only=True)
+class LeadingLoop:
+    """Dominant pole pair, feed-through and lead, one entry per cell.
+
+    Attributes
+    ----------
+    pole, residue : numpy.ndarray
+        Pole p [1/s] and residue k_p r [s] of k_p times the command's response to −a_g, complex, shape
+        (cells,); their conjugates belong to them.
+    feedthrough : numpy.ndarray
+        k_p c, direct term of the other poles [s²], shape (cells,).
+    lead : numpy.ndarray
+        Lead T by which the measured displacement is ahead [s], positive, shape (cells,).
+    """
+
+    pole: NDArray[np.complex128]
+    residue: NDArray[np.complex128]
+    feedthrough: NDArray[np.float64]
+    lead: NDArray[np.float64]
+
+    def command(self, gain: NDArray[np.float64]) -> "LeadingLoop":
+        """Take the loop from −a_g to the command, of actuators of given gains [-], shape (cells,)."""
+        return LeadingLoop(
+            pole=self.pole,
+            residue=self.residue / gain,
+            feedthrough=self.feedthrough / gain,
+            lead=np.zeros_like(self.lead),
+        )
+
+    def transfer(self, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Transfer function from −a_g [s²] at frequencies s [rad/s] that broadcast with the cells."""
+        pair = self.residue / (s - self.pole) + self.residue.conj() / (s - self.pole.conj())
+        return np.asarray(np.exp(s * self.lead) * (pair + self.feedthrough))
+
+
+def leading_loop(structure: Structure, gain: NDArray[np.float64], lead: NDArray[np.float64]) -> LeadingLoop:
+    """Split the loop of a leading actuator into its dominant pair and a feed-through.
+
+    Parameters
+    ----------
+    structure : Structure
+        The structure under test.
+    gain, lead : numpy.ndarray
+        Actuator gain [-] and lead [s], positive, shape (cells,).
+
+    Returns
+    -------
+    LeadingLoop
+        The reduced loop, one entry per cell.
+    """
+    w0, xi, alpha = structure.circular_frequency, structure.damping_ratio, structure.experimental_fraction
+    coupled = alpha * gain * w0**2
+    pole = dominant_pole(structure, gain, -lead)
+    residue = gain / (2.0 * pole + 2.0 * xi * w0 + lead * coupled * np.exp(pole * lead))
+    static = gain / ((1.0 - alpha) * w0**2 + coupled)
+    feedthrough = static + 2.0 * (residue / pole).real
+    return LeadingLoop(pole=pole, residue=residue, feedthrough=feedthrough, lead=lead)

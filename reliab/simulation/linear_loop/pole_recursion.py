@@ -1,0 +1,173 @@
+"""The recursion of engine `pole`: two pole pairs, exact for a record that is linear in each block.
+
+A mode z' = pz + a_g is exact over a block of length H with E = e^(pH) and, for a record that goes
+from a₀ to a₁ in the block, ::
+
+    z₊ = Ez + u,   u = F₀a₀ + F₁a₁,   F₁ = ∫₀ᴴ (s/H)e^(p(H−s)) ds,   F₀ = ∫₀ᴴ e^(p(H−s)) ds − F₁
+
+so that y = −(rz + r'z') of two modes obeys a real recursion of two states and four ends of blocks::
+
+    y₊₊ = (E + E')y₊ − EE'y − (ru + r'u')₊₊ + (rE'u + r'Eu')₊
+
+For the dominant and the fast pair a step costs twelve multiply-adds whatever the delay, and cells of
+any gain and delay advance side by side.
+
+For an actuator that leads by T the mode is needed at t + T, a time θ before the end of the block that
+contains t + T: the same recursion is used with the residue r·e^(−pθ), and the effect of the record during θ
+replaces the fast pair. The exact response is read that number of blocks earlier.
+"""
+
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.simulation.linear_loop.blocks import ramp_weights
+from reliab.simulation.linear_loop.dominant_pole import ModalLoop
+from reliab.simulation.linear_loop.leading_loop import LeadingLoop
+
+_Real = TypeVar("_Real", np.float32, np.float64)
+
+FROM_BLOCK = slice(8, 10)
+"""Coefficients with which the record at both ends of a block enters beside the dominant pair."""
+
+
+def fill_lanes(cells: NDArray[_Real], lanes: int) -> NDArray[_Real]:
+    """Fill up the last set of lanes with copies of the last cell; shape (…, multiple of lanes)."""
+    missing = -cells.shape[-1] % lanes
+    return (
+        np.concatenate([cells, np.repeat(cells[..., -1:], missing, axis=-1)], axis=-1) if missing else cells
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recursion:
+    """The recursion of cells that look the same number of blocks ahead.
+
+    Attributes
+    ----------
+    cells : numpy.ndarray
+        Which cells, shape (n,).
+    ahead : int
+        Blocks by which the displacement is ahead of the exact response; 0 for actuators that are late.
+    coefficients : numpy.ndarray
+        Shape (12, n), as `recursion` describes them.
+    """
+
+    cells: NDArray[np.intp]
+    ahead: int
+    coefficients: NDArray[np.float64]
+
+
+def recursions(loop: ModalLoop | LeadingLoop, step: float, cells: NDArray[np.intp]) -> list[Recursion]:
+    """Recursions of the cells of a reduced loop.
+
+    Parameters
+    ----------
+    loop : ModalLoop or LeadingLoop
+        The reduced loop, one entry per cell.
+    step : float
+        Length H of a block [s].
+    cells : numpy.ndarray
+        Numbers of the cells, shape (cells,).
+
+    Returns
+    -------
+    list of Recursion
+        One for each number of blocks that cells look ahead.
+    """
+    if isinstance(loop, ModalLoop):
+        return [Recursion(cells=cells, ahead=0, coefficients=recursion(loop, step))]
+    ahead, coefficients = leading_recursion(loop, step)
+    return [
+        Recursion(cells=cells[alike], ahead=int(count), coefficients=coefficients[:, alike])
+        for count in np.unique(ahead)
+        for alike in (np.flatnonzero(ahead == count),)
+    ]
+
+
+def leading_recursion(loop: LeadingLoop, step: float) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Coefficients of the recursion of actuators that lead.
+
+    Parameters
+    ----------
+    loop : LeadingLoop
+        The reduced loop, one entry per cell.
+    step : float
+        Length H of a block [s].
+
+    Returns
+    -------
+    ahead : numpy.ndarray
+        Blocks by which each cell is ahead of the exact response, shape (cells,).
+    coefficients : numpy.ndarray
+        Shape (12, cells), as of `recursion`.
+    """
+    pole, residue = loop.pole, loop.residue
+    ahead = np.ceil(loop.lead / step).astype(np.int64)
+    back = ahead * step - loop.lead
+    carried = residue * np.exp(-pole * back)
+    slow = pair_recursion(np.stack([pole, pole.conj()]), np.stack([carried, carried.conj()]), step)
+    # ∫₀^θ e^(−p(θ−u))a(u) du of the record's straight line, from its right end backwards
+    whole = -np.expm1(-pole * back) / pole
+    falling = (back - whole) / (pole * step)
+    share = back / step
+    left = 2.0 * (residue * falling).real - loop.feedthrough * share
+    right = 2.0 * (residue * (whole - falling)).real - loop.feedthrough * (1.0 - share)
+    none = np.zeros_like(left)
+    return ahead, np.concatenate([slow, np.stack([none, none, left, right, none, none])])
+
+
+def recursion(loop: ModalLoop, step: float) -> NDArray[np.float64]:
+    """Coefficients of the recursion of each cell.
+
+    Parameters
+    ----------
+    loop : ModalLoop
+        The reduced loop, one entry per cell.
+    step : float
+        Length H of a block [s].
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (12, cells): for the dominant and then the fast pair the coefficients of the last two
+        displacements, and of the record at the left and right end of this block and of the one
+        before.
+    """
+    poles = np.stack([loop.pole, loop.pole.conj()])
+    residues = np.stack([loop.residue, loop.residue.conj()])
+    dominant = pair_recursion(poles, residues, step)
+    return np.concatenate([dominant, pair_recursion(loop.fast_poles, loop.fast_residues, step)])
+
+
+def pair_recursion(
+    poles: NDArray[np.complex128], residues: NDArray[np.complex128], step: float
+) -> NDArray[np.float64]:
+    """Coefficients of the recursion of the response of two modes to −a_g.
+
+    Parameters
+    ----------
+    poles, residues : numpy.ndarray
+        Poles [1/s] and residues [s], shape (2, cells); real or conjugate.
+    step : float
+        Length H of a block [s].
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (6, cells), in the order of `recursion`.
+    """
+    early, late, decay = ramp_weights(poles, step)
+    ahead, behind = residues, residues * decay[::-1]
+    return np.stack(
+        [
+            decay.sum(axis=0).real,
+            -decay.prod(axis=0).real,
+            -(ahead * early).sum(axis=0).real,
+            -(ahead * late).sum(axis=0).real,
+            (behind * early).sum(axis=0).real,
+            (behind * late).sum(axis=0).real,
+        ]
+    )

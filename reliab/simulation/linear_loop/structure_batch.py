@@ -1,0 +1,197 @@
+"""Several structures under one record: blocks, drives and late cells of all in two compiled calls.
+
+Between short compiled calls Python holds the interpreter's lock, so that a second thread waits. A sweep
+therefore solves what most cells of its structures need (blocks, shared drives, and the cells that these
+drive) together, and hands it to the loop of each structure, which solves the rest.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.compiled import compiled, copy_rows
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.linear_loop.block_kernel import cut_records
+from reliab.simulation.linear_loop.blocks import Blocks, block_length, mode_weights, spacing
+from reliab.simulation.linear_loop.cells import Cells
+from reliab.simulation.linear_loop.drive_kernel import LANES, Single, track
+from reliab.simulation.linear_loop.drive_stepping import DrivenRecord, Stepped, in_units
+from reliab.simulation.linear_loop.pole_recursion import fill_lanes
+from reliab.simulation.linear_loop.shared_drives import DRIVES, shared_drives, step_drives
+
+_MOST_BLOCKS = 4_000_000  # of all structures together, of some 50 bytes each
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Prepared:
+    """What was found together with other structures of one structure under a record.
+
+    Attributes
+    ----------
+    cells : Cells
+        The cells that were prepared.
+    blocks : Blocks
+        The record, cut for the structure.
+    driven_record : DrivenRecord
+        Its shared drives.
+    stepped : Stepped
+        The cells that they drive.
+    """
+
+    cells: Cells
+    blocks: Blocks
+    driven_record: DrivenRecord
+    stepped: Stepped
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StructureBatch:
+    """Structures with their cells, and all that does not depend on the record.
+
+    Attributes
+    ----------
+    cells : tuple of Cells
+        The cells of each structure.
+    steps : numpy.ndarray
+        Length of a block of each structure [s], shape (structures,).
+    poles, weights : numpy.ndarray
+        Pole of each structure [1/s], and weights and decay of its mode over a block, shapes (structures,) and
+        (structures, 3).
+    sources, mixtures : numpy.ndarray
+        Shared drives of each structure, as of `SharedDrives`.
+    coefficients : numpy.ndarray
+        Of `drive_kernel.track`, of the driven cells of all structures, each filled up to whole lanes,
+        shape (11, lanes).
+    first : numpy.ndarray
+        First lane of each structure, and the end, shape (structures + 1,).
+    """
+
+    cells: tuple[Cells, ...]
+    steps: NDArray[np.float64]
+    poles: NDArray[np.complex128]
+    weights: NDArray[np.complex128]
+    sources: NDArray[np.float64]
+    mixtures: NDArray[np.float64]
+    coefficients: NDArray[np.float32]
+    first: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, cells: Sequence[Cells]) -> "StructureBatch":
+        """Bring the cells of several structures together."""
+        structures = [some.structure for some in cells]
+        steps = [block_length(structure) for structure in structures]
+        drives = [shared_drives(structure, step) for structure, step in zip(structures, steps, strict=True)]
+        filled = [fill_lanes(some.own_driven.coefficients, LANES) for some in cells]
+        poles = [structure.pole for structure in structures]
+        return cls(
+            cells=tuple(cells),
+            steps=np.array(steps),
+            poles=np.array(poles),
+            weights=np.array([mode_weights(pole, step) for pole, step in zip(poles, steps, strict=True)]),
+            sources=np.stack([shared.sources for shared in drives]),
+            mixtures=np.stack([shared.mixture for shared in drives]),
+            coefficients=np.concatenate(filled, axis=1),
+            first=np.cumsum([0, *(lanes.shape[1] for lanes in filled)]),
+        )
+
+    def prepare(self, excitation: Excitation) -> Sequence[Prepared | None]:
+        """Cut a record for all structures and step their driven cells.
+
+        Parameters
+        ----------
+        excitation : Excitation
+            Record and window.
+
+        Returns
+        -------
+        sequence of Prepared or None
+            One for each structure; None for all where the window is shorter than two blocks of one of them,
+            or the record so long that the blocks of all would fill the memory.
+        """
+        places = [spacing(excitation, step) for step in self.steps.tolist()]
+        shortened = any(place.step != step for place, step in zip(places, self.steps.tolist(), strict=True))
+        if shortened or sum(place.blocks for place in places) > _MOST_BLOCKS:
+            return [None for _ in self.cells]
+        h, counts = excitation.time_step, np.array([place.blocks for place in places])
+        left, right, ideal = cut_records(
+            (excitation.acceleration[np.newaxis], h),
+            self.poles,
+            (np.array([mode_weights(pole, h) for pole in self.poles.tolist()]), self.weights),
+            (np.array([place.first for place in places]), self.steps, counts),
+        )
+        driven = _step_structures(
+            (left[0], right[0], ideal[0], counts),
+            (np.array([place.before for place in places]), np.array([place.end for place in places])),
+            (self.sources, self.mixtures),
+            (self.coefficients, self.first),
+            np.float32(1.0),
+        )
+        prepared, at = [], 0
+        for rank, place in enumerate(places):
+            blocks = slice(at, at + place.blocks)
+            cut = Blocks(
+                step=place.step,
+                before=place.before,
+                end=place.end,
+                left=left[0, blocks],
+                right=right[0, blocks],
+                ideal=ideal[0, at + rank : at + rank + place.blocks + 1],
+                excitation=excitation,
+                pole=complex(self.poles[rank]),
+            )
+            prepared.append(self._of_structure(rank, cut, blocks, driven))
+            at += place.blocks
+        return prepared
+
+    def _of_structure(self, rank: int, cut: Blocks, blocks: slice, driven: "_Driven") -> Prepared:
+        drives, scales, squares, around, last = driven
+        lanes = slice(self.first[rank], self.first[rank + 1])
+        return Prepared(
+            cells=self.cells[rank],
+            blocks=cut,
+            driven_record=DrivenRecord(drives=drives[blocks], scale=float(scales[rank])),
+            stepped=Stepped(squares=squares[lanes], around=around[:, lanes], last=last[lanes]),
+        )
+
+
+_Driven = tuple[
+    NDArray[np.float32],
+    NDArray[np.float64],
+    NDArray[np.float64],
+    NDArray[np.float64],
+    NDArray[np.float64],
+]
+
+
+@compiled
+def _step_structures(
+    lines: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]],
+    bounds: tuple[NDArray[np.int64], NDArray[np.float64]],
+    shared: tuple[NDArray[np.float64], NDArray[np.float64]],
+    cells: tuple[NDArray[np.float32], NDArray[np.int64]],
+    one: Single,
+) -> _Driven:
+    """Step the drives of each structure, and the cells that they drive.
+
+    Blocks and cells of all structures stand one after the other.
+    """
+    (left, right, ideal, counts), (before, end), (coefficients, first) = lines, bounds, cells
+    drives, scales = np.empty((left.size, DRIVES), dtype=np.float32), np.empty(counts.size)
+    lanes = coefficients.shape[1]
+    squares, around, last = np.empty(lanes), np.empty((3, lanes)), np.empty(lanes)
+    at = 0
+    for k in range(counts.size):
+        blocks, exact = slice(at, at + counts[k]), ideal[at + k : at + k + counts[k] + 1]
+        histories = step_drives(left[blocks], right[blocks], exact, shared[0][k], shared[1][k])
+        own_drives, scales[k] = in_units(histories)
+        own_cells = coefficients[:, first[k] : first[k + 1]]
+        own_squares, own_around, own_last = track(own_drives, before[k], end[k], own_cells, one)
+        copy_rows(own_drives, drives[blocks])
+        for i in range(own_last.size):
+            squares[first[k] + i], last[first[k] + i] = own_squares[i], own_last[i]
+            for j in range(3):
+                around[j, first[k] + i] = own_around[j, i]
+        at += counts[k]
+    return drives, scales, squares, around, last

@@ -1,0 +1,300 @@
+"""Transfer systems that were identified as a transfer function of any order, with a pure delay."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+import scipy
+from numpy.typing import ArrayLike, NDArray
+
+from reliab.errors import InputError
+from reliab.simulation.transfer_systems.plant import Plant, TransferSystem
+from reliab.structures.specimen import Specimen
+
+Array = NDArray[np.float64]
+
+_ON_AXIS = 1e-9  # real part over modulus of a pole that lies on the imaginary axis
+_SAME = 1e-6  # relative distance of poles that are one pole repeated
+_MOST_SPREAD = 1e100  # of coefficients; a system of twenty poles at 10⁵ 1/s has as much
+_MOST_DRAWS = 20  # to each that is wanted
+
+
+@dataclass(frozen=True, kw_only=True)
+class TransferFunction(TransferSystem):
+    """Measured over sent displacement as e^(−sτ)·(b_m sᵐ + … + b₀)/(s^n·a_n + … + a₀), whatever the specimen.
+
+    Parameters
+    ----------
+    numerator, denominator : sequence of float
+        Coefficients in descending powers of s.
+    delay : float, optional
+        τ [s], not negative.
+
+    Raises
+    ------
+    InputError
+        If a coefficient is not finite, the numerator is of higher order than the denominator, or a pole is
+        unstable or repeated on the imaginary axis.
+
+    Examples
+    --------
+    >>> lag = TransferFunction(numerator=[1.0], denominator=[0.004, 1.0], delay=0.001)
+    >>> complex(lag.transfer(np.array([10j]), Specimen(stiffness=1.0))[0].round(4))
+    (0.998-0.0499j)
+    """
+
+    numerator: tuple[float, ...]
+    denominator: tuple[float, ...]
+    delay: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("numerator", "denominator"):
+            values = np.trim_zeros(np.atleast_1d(np.asarray(getattr(self, name), dtype=np.float64)), "f")
+            sound = values.ndim == 1 and values.size > 0 and np.isfinite(values).all()
+            if not sound or np.abs(values).max() / _MOST_SPREAD > abs(values[0]):
+                raise InputError(
+                    f"The {name} of a transfer function needs finite coefficients, not all zero, the largest "
+                    f"at most {_MOST_SPREAD:g} times the first",
+                    value=getattr(self, name),
+                    remedy="Give them in descending powers of s",
+                )
+            object.__setattr__(self, name, tuple(values.tolist()))
+        if len(self.numerator) > len(self.denominator):
+            raise InputError(
+                "A transfer function must not have a numerator of higher order than its denominator",
+                value=f"orders {len(self.numerator) - 1} and {len(self.denominator) - 1}",
+                remedy="No actuator differentiates; add the poles that limit it",
+            )
+        if not (math.isfinite(self.delay) and self.delay >= 0.0):
+            raise InputError("The delay of a transfer function must not be negative", value=self.delay)
+        self._check_poles()
+
+    def _check_poles(self) -> None:
+        poles = self.poles
+        if poles.size == 0:
+            return
+        scale = np.maximum(np.abs(poles), _ON_AXIS * np.abs(poles).max())
+        right = poles.real > _ON_AXIS * scale
+        if right.any():
+            raise InputError(
+                "A transfer system must be stable",
+                value=f"a pole at {poles[right][0]:.6g} 1/s",
+                remedy="Close the actuator's own displacement loop before it is identified",
+            )
+        on_axis = poles[np.abs(poles.real) <= _SAME * scale]
+        for place, pole in enumerate(on_axis):
+            if (np.abs(on_axis[place + 1 :] - pole) <= _SAME * np.abs(poles).max()).any():
+                raise InputError(
+                    "A transfer system must not have repeated poles on the imaginary axis",
+                    value=f"{pole:.6g} 1/s twice",
+                    remedy="Its response would grow without bound; check the coefficients",
+                )
+
+    @classmethod
+    def from_poles(
+        cls, zeros: ArrayLike, poles: ArrayLike, gain: float, *, static: bool = False, delay: float = 0.0
+    ) -> Self:
+        """Return the transfer function gain·Π(s − z)/Π(s − p).
+
+        Parameters
+        ----------
+        zeros, poles : array_like
+            z and p [1/s]; complex ones in conjugate pairs.
+        gain : float
+            Gain, of the leading coefficients or at rest.
+        static : bool, optional
+            Whether `gain` is that at rest.
+        delay : float, optional
+            Pure delay [s].
+
+        Examples
+        --------
+        >>> TransferFunction.from_poles([], [-100.0], 1.0, static=True).numerator
+        (100.0,)
+        """
+        numerator, denominator = (np.atleast_1d(np.poly(np.asarray(roots))) for roots in (zeros, poles))
+        for name, values in (("zeros", numerator), ("poles", denominator)):
+            if np.iscomplexobj(values):
+                raise InputError(
+                    f"Complex {name} must come in conjugate pairs", value=list(np.asarray(values))
+                )
+        factor = gain * denominator[-1] / numerator[-1] if static else gain
+        return cls(numerator=tuple(factor * numerator), denominator=tuple(denominator), delay=delay)
+
+    @property
+    def poles(self) -> NDArray[np.complex128]:
+        """Poles [1/s], shape (order,)."""
+        return np.asarray(np.roots(self.denominator), dtype=np.complex128)
+
+    @property
+    def zeros(self) -> NDArray[np.complex128]:
+        """Zeros [1/s]."""
+        return np.asarray(np.roots(self.numerator), dtype=np.complex128)
+
+    @property
+    def static_gain(self) -> float:
+        """Gain at rest [-]; infinite with a pole at zero."""
+        return self.numerator[-1] / self.denominator[-1] if self.denominator[-1] else math.inf
+
+    def transfer(self, s: NDArray[np.complex128], specimen: Specimen) -> NDArray[np.complex128]:
+        """Measured over sent displacement [-] at s [rad/s]; the specimen does not matter."""
+        del specimen
+        rational = np.polyval(self.numerator, s) / np.polyval(self.denominator, s)
+        return np.asarray(rational * np.exp(-s * self.delay))
+
+    def plant(self, specimen: Specimen) -> Plant:
+        """State-space model of the rational part, in a time that suits its poles."""
+        relative = len(self.denominator) - len(self.numerator)
+        needed = 2 if specimen.mass > 0.0 else (1 if specimen.damping else 0)
+        if relative < needed:
+            raise InputError(
+                f"Before a specimen with {'mass' if needed > 1 else 'damping'} a transfer system needs "
+                f"at least {needed} more poles than zeros, since a sampled command jumps and a piston cannot",
+                value=f"{relative} more",
+                remedy="Add the pole of the servo-valve, at some 100 Hz",
+            )
+        a, b, c, d = self._state_space()
+        order = a.shape[0]
+        rows = [c, c @ a, c @ a @ a]
+        linear = (specimen.stiffness, specimen.damping, specimen.mass)
+        of_command = (d, float(c @ b), float(c @ a @ b))
+        return Plant(
+            dynamics=a,
+            command=b,
+            nonlinear=np.zeros(order),
+            displacement=c,
+            velocity=rows[1],
+            force=sum((k * row for k, row in zip(linear, rows, strict=True)), np.zeros(order)),
+            displacement_of_command=d,
+            force_of_command=sum(k * part for k, part in zip(linear, of_command, strict=True)),
+            delay=self.delay,
+            differenced=np.zeros(order),
+        )
+
+    def _state_space(self) -> tuple[Array, Array, Array, float]:
+        n = len(self.denominator) - 1
+        if n == 0:
+            return np.zeros((0, 0)), np.zeros(0), np.zeros(0), self.numerator[0] / self.denominator[0]
+        moduli = np.abs(self.poles)
+        scale = float(np.exp(np.mean(np.log(moduli[moduli > 0.0])))) if (moduli > 0.0).any() else 1.0
+        powers = scale ** np.arange(n, -1, -1.0)
+        numerator = np.asarray(self.numerator) * powers[-len(self.numerator) :]
+        denominator = np.asarray(self.denominator) * powers
+        a, b, c, d = scipy.signal.tf2ss(numerator / denominator[0], denominator / denominator[0])
+        return scale * a, scale * b[:, 0], c[0], float(d[0, 0])
+
+
+def first_order_lag(time: float, gain: float = 1.0, delay: float = 0.0) -> TransferFunction:
+    """Transfer function k/(Ts + 1) with a time constant T [s]."""
+    if not (math.isfinite(time) and time > 0.0):
+        raise InputError("The time constant of a lag must be positive", value=f"{time} s")
+    return TransferFunction(numerator=(gain,), denominator=(time, 1.0), delay=delay)
+
+
+def second_order(
+    frequency: float, damping_ratio: float, gain: float = 1.0, delay: float = 0.0
+) -> TransferFunction:
+    """Transfer function kω²/(s² + 2ζωs + ω²) of a natural frequency [Hz] and a damping ratio [-]."""
+    omega = 2.0 * math.pi * frequency
+    if not (math.isfinite(omega) and omega > 0.0 and damping_ratio > 0.0):
+        raise InputError(
+            "A second-order transfer system needs a positive frequency and damping ratio",
+            value=f"{frequency} Hz, {damping_ratio}",
+        )
+    return TransferFunction(
+        numerator=(gain * omega**2,), denominator=(1.0, 2.0 * damping_ratio * omega, omega**2), delay=delay
+    )
+
+
+def gain_and_delay(gain: float = 1.0, delay: float = 0.0) -> TransferFunction:
+    """Transfer function k_p e^(−sτ)."""
+    if not (math.isfinite(gain) and gain > 0.0):
+        raise InputError("The actuator's gain must be positive and finite", value=gain)
+    return TransferFunction(numerator=(gain,), denominator=(1.0,), delay=delay)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TransferUncertainty:
+    """Relative standard deviations of a transfer function's parameters, normally distributed.
+
+    Parameters
+    ----------
+    gain, frequency, damping, delay : float, optional
+        Of the gain, of the moduli of the poles, of the damping ratios of complex pairs, and of the delay [-].
+
+    Raises
+    ------
+    InputError
+        If one is negative.
+
+    Examples
+    --------
+    >>> uncertain = TransferUncertainty(frequency=0.1)
+    >>> [round(abs(d.poles[0])) for d in uncertain.draw(first_order_lag(0.01), 3, seed=1)]
+    [103, 95, 100]
+    """
+
+    gain: float = 0.0
+    frequency: float = 0.0
+    damping: float = 0.0
+    delay: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("gain", "frequency", "damping", "delay"):
+            if not (math.isfinite(getattr(self, name)) and getattr(self, name) >= 0.0):
+                raise InputError(
+                    f"The relative standard deviation of the {name} must not be negative",
+                    value=getattr(self, name),
+                )
+
+    def draw(self, nominal: TransferFunction, count: int, seed: int) -> list[TransferFunction]:
+        """Draw transfer functions around a nominal one; what is unstable is drawn again.
+
+        Raises
+        ------
+        InputError
+            If hardly any draw is stable.
+        """
+        generator = np.random.default_rng(seed)
+        drawn: list[TransferFunction] = []
+        for _ in range(_MOST_DRAWS * count):
+            try:
+                drawn.append(self._realisation(nominal, generator))
+            except InputError:
+                continue
+            if len(drawn) == count:
+                return drawn
+        raise InputError(
+            "Nearly every draw of the transfer function is unstable",
+            value=f"{len(drawn)} of {_MOST_DRAWS * count} are sound",
+            remedy="Reduce the standard deviations",
+        )
+
+    def _realisation(self, nominal: TransferFunction, generator: np.random.Generator) -> TransferFunction:
+        factors = 1.0 + generator.standard_normal(2) * np.array([self.gain, self.delay])
+        poles: list[complex] = []
+        for pole in nominal.poles[nominal.poles.imag >= 0.0]:
+            faster, damped = 1.0 + generator.standard_normal(2) * np.array([self.frequency, self.damping])
+            modulus = abs(pole) * faster
+            if pole.imag == 0.0:
+                poles.append(complex(math.copysign(modulus, pole.real), 0.0))
+                continue
+            ratio = -pole.real / abs(pole) * damped
+            if not (modulus > 0.0 and abs(ratio) < 1.0):
+                raise InputError("A drawn pole must oscillate", value=pole)
+            moved = modulus * complex(-ratio, math.sqrt(1.0 - ratio**2))
+            poles.extend([moved, moved.conjugate()])
+        return TransferFunction.from_poles(
+            nominal.zeros,
+            poles,
+            nominal.static_gain * float(factors[0]),
+            static=True,
+            delay=max(nominal.delay * float(factors[1]), 0.0),
+        )
+
+
+def coefficients_of(values: Sequence[float] | Array) -> tuple[float, ...]:
+    """Coefficients as a tuple of plain numbers."""
+    return tuple(np.atleast_1d(np.asarray(values, dtype=np.float64)).ravel().tolist())

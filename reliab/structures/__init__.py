@@ -1,0 +1,1 @@
+"""Structures under test: one mass, frames, partitions, their specimens and their stability."""

@@ -1,0 +1,194 @@
+"""A linear structure of any number of degrees of freedom, M x'' + C x' + K x = −M ι a_g."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+import scipy
+from numpy.typing import ArrayLike, NDArray
+
+from reliab.errors import InputError
+from reliab.structures.frames.matrices import (
+    require_positive_definite,
+    require_positive_semidefinite,
+    square_matrix,
+)
+from reliab.structures.structure import Structure
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Modes:
+    """Undamped modes of a structure, lowest first.
+
+    Attributes
+    ----------
+    circular_frequency : numpy.ndarray
+        ω_i [rad/s], shape (modes,).
+    shapes : numpy.ndarray
+        Mode shapes φ_i in columns, of unit modal mass [1/√kg], shape (degrees of freedom, modes).
+    """
+
+    circular_frequency: Array
+    shapes: Array
+
+    @property
+    def frequency(self) -> Array:
+        """Natural frequencies [Hz], shape (modes,)."""
+        return np.asarray(self.circular_frequency / (2.0 * math.pi))
+
+
+def natural_modes(mass: ArrayLike, stiffness: ArrayLike) -> Modes:
+    """Undamped modes of mass and stiffness matrices.
+
+    Parameters
+    ----------
+    mass, stiffness : array_like
+        Symmetric, positive definite matrices M [kg] and K [N/m], shape (n, n).
+
+    Returns
+    -------
+    Modes
+        All n modes.
+
+    Examples
+    --------
+    >>> natural_modes([[2.0]], [[8.0]]).circular_frequency
+    array([2.])
+    """
+    squares, shapes = scipy.linalg.eigh(np.asarray(stiffness), np.asarray(mass))
+    return Modes(circular_frequency=np.sqrt(squares), shapes=shapes)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Frame:
+    """A linear elastic structure of several degrees of freedom under one ground motion.
+
+    Parameters
+    ----------
+    mass, damping, stiffness : array_like
+        Symmetric matrices M [kg], C [N·s/m] and K [N/m] of the whole structure, shape (n, n); M and K are
+        positive definite, C has no negative eigenvalue.
+    influence : array_like, optional
+        Displacement ι of the degrees of freedom when the ground moves by one [-], shape (n,); ones by
+        default, as for horizontal displacements of floors.
+    names : tuple of str, optional
+        Names of the degrees of freedom; "1" to "n" by default.
+
+    Raises
+    ------
+    InputError
+        If a matrix is not symmetric or not positive definite, or sizes differ; the message names the entry or
+        the eigenvalue.
+
+    Examples
+    --------
+    >>> frame = Frame(mass=[[1000.0]], damping=[[125.7]], stiffness=[[39478.4]])
+    >>> frame.modes.frequency.round(3), frame.damping_ratios.round(3)
+    (array([1.]), array([0.01]))
+    """
+
+    mass: Array
+    damping: Array
+    stiffness: Array
+    influence: Array = None  # type: ignore[assignment]  # ones of the right length
+    names: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for field in ("mass", "damping", "stiffness"):
+            matrix = square_matrix(getattr(self, field), f"{field} matrix")
+            object.__setattr__(self, field, matrix)
+        sizes = {self.mass.shape[0], self.damping.shape[0], self.stiffness.shape[0]}
+        if len(sizes) > 1:
+            raise InputError(
+                "Mass, damping and stiffness matrices must be of one size",
+                value=f"{self.mass.shape[0]}, {self.damping.shape[0]} and {self.stiffness.shape[0]} rows",
+                remedy="Give one row and column for each degree of freedom",
+            )
+        influence = np.ones(self.size) if self.influence is None else np.array(self.influence, dtype=float)
+        if influence.shape != (self.size,) or not np.isfinite(influence).all() or not influence.any():
+            raise InputError(
+                f"The influence vector needs {self.size} finite numbers that are not all zero",
+                value=influence.tolist(),
+                remedy="Give 1 for each degree of freedom that moves with the ground, else 0",
+            )
+        influence.setflags(write=False)
+        object.__setattr__(self, "influence", influence)
+        names = tuple(self.names) or tuple(str(k + 1) for k in range(self.size))
+        if len(names) != self.size or len(set(names)) != self.size:
+            raise InputError(
+                f"The {self.size} degrees of freedom need as many different names", value=list(names)
+            )
+        object.__setattr__(self, "names", names)
+        require_positive_definite(self.mass, "mass matrix", "Give every degree of freedom a positive mass")
+        require_positive_definite(
+            self.stiffness, "stiffness matrix", "A structure that can move without a force is not supported"
+        )
+        require_positive_semidefinite(self.damping, "damping matrix", "Damping must not feed energy in")
+
+    @classmethod
+    def of(cls, structure: Structure, mass: float = 1.0) -> Self:
+        """Return the one-mode structure as a frame of one degree of freedom of a mass [kg]."""
+        w0 = structure.circular_frequency
+        damping = 2.0 * structure.damping_ratio * w0 * mass
+        return cls(
+            mass=np.array([[mass]]), damping=np.array([[damping]]), stiffness=np.array([[w0**2 * mass]])
+        )
+
+    @property
+    def size(self) -> int:
+        """Number n of degrees of freedom."""
+        return int(self.mass.shape[0])
+
+    @cached_property
+    def modes(self) -> Modes:
+        """Undamped modes."""
+        return natural_modes(self.mass, self.stiffness)
+
+    @cached_property
+    def damping_ratios(self) -> Array:
+        """Modal damping ratios φᵀCφ/(2ω) [-], coupling between modes left out, shape (n,)."""
+        shapes = self.modes.shapes
+        modal = np.einsum("di,de,ei->i", shapes, self.damping, shapes)
+        return np.asarray(modal / (2.0 * self.modes.circular_frequency))
+
+    @cached_property
+    def poles(self) -> NDArray[np.complex128]:
+        """Poles of the structure with positive imaginary part [1/s], lowest first, shape (n,) or fewer."""
+        every = np.linalg.eigvals(self.state_matrix)
+        oscillating = every[every.imag > 0.0]
+        return np.asarray(oscillating[np.argsort(np.abs(oscillating))])
+
+    @cached_property
+    def state_matrix(self) -> Array:
+        """Matrix of the first-order system of x and x', shape (2n, 2n)."""
+        n = self.size
+        matrix = np.zeros((2 * n, 2 * n))
+        matrix[:n, n:] = np.eye(n)
+        matrix[n:, :n] = -np.linalg.solve(self.mass, self.stiffness)
+        matrix[n:, n:] = -np.linalg.solve(self.mass, self.damping)
+        return matrix
+
+    def degree_of_freedom(self, name: str | int) -> int:
+        """Place of a degree of freedom from its name, or from its number, which starts from 1.
+
+        Raises
+        ------
+        InputError
+            If there is none; the message lists those there are.
+        """
+        if str(name) not in self.names:
+            raise InputError(
+                "A degree of freedom must be one of the structure",
+                value=repr(name),
+                remedy=f"Name one of {', '.join(self.names)}",
+            )
+        return self.names.index(str(name))
+
+    def dynamic_stiffness(self, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Dynamic stiffness M s² + C s + K [N/m] at s [rad/s], shape (…, n, n)."""
+        s = np.asarray(s)[..., np.newaxis, np.newaxis]
+        return np.asarray(s**2 * self.mass + s * self.damping + self.stiffness)

@@ -1,0 +1,80 @@
+"""Exact response of an undivided linear structure to a ground motion that is linear between samples."""
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from reliab.compiled import compiled
+from reliab.structures.frames.frame import Frame
+
+Array = NDArray[np.float64]
+
+
+def exact_step(dynamics: Array, loads: Array, step: float) -> tuple[Array, Array, Array]:
+    """Transition over a step and the effect of loads that are linear in it.
+
+    Parameters
+    ----------
+    dynamics : numpy.ndarray
+        A [1/s], shape (n, n).
+    loads : numpy.ndarray
+        Directions of the loads, shape (n, m).
+    step : float
+        Step [s].
+
+    Returns
+    -------
+    transition, early, late : numpy.ndarray
+        e^(Ah), and the effects of the loads' values at the begin and the end of the step, shapes (n, n) and
+        twice (n, m).
+
+    Examples
+    --------
+    >>> transition, early, late = exact_step(np.array([[0.0]]), np.array([[1.0]]), 0.5)
+    >>> float(transition[0, 0]), float(early[0, 0]), float(late[0, 0])
+    (1.0, 0.25, 0.25)
+    """
+    n, m = loads.shape
+    system = np.zeros((n + 2 * m, n + 2 * m))
+    system[:n, :n] = dynamics * step
+    system[:n, n : n + m] = loads * step
+    system[n : n + m, n + m :] = np.eye(m)
+    flow = scipy.linalg.expm(system)
+    late = flow[:n, n + m :]
+    return flow[:n, :n], flow[:n, n : n + m] - late, late
+
+
+def undivided_response(frame: Frame, ground: Array, step: float) -> Array:
+    """Exact displacements of the undivided linear structure [m], shape (degrees of freedom, samples).
+
+    Parameters
+    ----------
+    frame : Frame
+        The structure.
+    ground : numpy.ndarray
+        Ground acceleration [m/s²], linear between samples, shape (samples,).
+    step : float
+        Step [s].
+    """
+    loads = np.concatenate([np.zeros(frame.size), -frame.influence])[:, np.newaxis]
+    transition, early, late = exact_step(frame.state_matrix, loads, step)
+    return follow_load(transition, early[:, 0].copy(), late[:, 0].copy(), ground)
+
+
+@compiled
+def follow_load(transition: Array, early: Array, late: Array, ground: Array) -> Array:
+    """Displacements of a linear system under a load that is linear in every step, shape (n, samples)."""
+    states, samples = transition.shape[0], ground.size
+    z, z_next = np.zeros(states), np.zeros(states)
+    moved = np.zeros((states // 2, samples))
+    for k in range(samples - 1):
+        for i in range(states):
+            total = early[i] * ground[k] + late[i] * ground[k + 1]
+            for j in range(states):
+                total += transition[i, j] * z[j]
+            z_next[i] = total
+        for i in range(states):
+            z[i] = z_next[i]
+        for i in range(states // 2):
+            moved[i, k + 1] = z[i]
+    return moved

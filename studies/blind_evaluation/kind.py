@@ -1,0 +1,48 @@
+"""The study that reports how often diagnoses of blind campaigns were right."""
+
+import shutil
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+from reliab.report import Document
+from reliab.shipped import shipped
+from reliab.study.description import Study
+from reliab.study.digests import digest
+from reliab.study.kinds.kind import Kind
+from reliab.study.material import Show
+from reliab.study.stages import Stage, made_with, read_result
+
+EVALUATION: Final = "evaluation.json"
+
+
+def stages(study: Study, show: Show) -> Sequence[Stage]:
+    """Take the figures that ship; the campaigns themselves do not."""
+    del study, show
+    figures = shipped("datasets", f"campaigns/{EVALUATION}")
+
+    def work(folder: Path) -> None:
+        shutil.copyfile(figures, folder / EVALUATION)
+
+    inputs = {"figures": digest(figures)}
+    return (Stage(name="figures", inputs=inputs, writes=(EVALUATION,), work=work),)
+
+
+def report(study: Study, folder: Path) -> Document:
+    """Report the figures of every run."""
+    from .pages import blind_evaluation_report
+
+    return blind_evaluation_report(
+        title=study.title,
+        runs=read_result(folder / EVALUATION)["runs"],
+        provenance={
+            **study.provenance,
+            "figures, SHA-256": digest(folder / EVALUATION),
+            **made_with(folder),
+        },
+        notes=(study.purpose,) if study.purpose else (),
+    )
+
+
+KIND: Final = Kind(name="blind_evaluation", tables=Study, stages=stages, report=report)
+"""Diagnoses of blind campaigns against what was hidden in them."""

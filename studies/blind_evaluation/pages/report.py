@@ -1,0 +1,268 @@
+"""Report of how often diagnoses of campaigns with known, hidden effects were right."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+
+from reliab.effects import library
+from reliab.report.document import Column, Document, Figure, Paragraph, Points, Section, Table
+from reliab.report.numbers import Fixed, Whole
+from reliab.report.prose import Prose, prose
+from reliab.report.provenance import provenance_of
+from reliab.report.wording import PERCENT, percent, spelled_out
+
+from ..pages.confusions import discrepancy_confusion, discrepancy_reliability
+
+_GROUPS = (
+    "One effect that exceeds the noise",
+    "Two or three effects, each in a row of its own",
+    "One effect below the noise",
+    "One effect in a loop that is seen through one channel",
+    "Nothing hidden, and effects outside the library",
+)
+_AMONG, _FAINT, _ONE_CHANNEL = " among several", "faint ", "one channel "
+_NOTHING = ("none", "miscalibrated")
+_FEWEST_BINS = 3
+_SHARE = Fixed(decimals=1, factor=PERCENT)
+
+
+def blind_evaluation_report(
+    *,
+    title: str,
+    runs: Sequence[Mapping[str, Any]],
+    provenance: Mapping[str, object],
+    notes: Sequence[Prose] = (),
+) -> Document:
+    """Report what was measured on blind campaigns.
+
+    Parameters
+    ----------
+    title : str
+        Title of the report.
+    runs : sequence of mapping
+        Figures of each run, the last being that of the present code: `code`, `seeds`, `campaigns`, `rates`,
+        `closed_fraction`, `coverage`, `reliability`, `confusion` and `failures`.
+    provenance : mapping
+        What the report can be made again from, by name.
+    notes : sequence of Prose, optional
+        What the reader should know.
+
+    Returns
+    -------
+    Document
+        The report.
+    """
+    last = runs[-1]
+    asked = [rate for rate in last["rates"].values() if rate["target"] is not None and rate["of"]]
+    gap = last["closed_fraction"]
+    return Document(
+        kind="Blind evaluation of diagnoses",
+        title=title,
+        verdict=prose(
+            "{reached} of {asked} targets are reached on {campaigns} campaigns that were not used while "
+            "building; {failed} campaigns were answered wrongly.",
+            reached=sum(bool(rate["reached"]) for rate in asked),
+            asked=len(asked),
+            campaigns=last["campaigns"],
+            failed=len(last["failures"]),
+        ),
+        facts={
+            "Campaigns": ", ".join(f"{count} {spelled_out(kind)}" for kind, count in last["kinds"].items()),
+            "Gap closed on held-out tests": prose(
+                "{middle} in the median, {low} or more in 95 % of {n} campaigns",
+                middle=percent(gap["q50"]),
+                low=percent(gap["q5"]),
+                n=gap["n"],
+            ),
+        },
+        blocks=(
+            _rates(last),
+            _confusion(last),
+            _probabilities(last),
+            _failures(last),
+            _limits(notes),
+            *_earlier(runs),
+        ),
+        provenance=provenance_of(
+            {**provenance, **{f"seeds, code {run['code']}": run["seeds"] for run in runs}}
+        ),
+    )
+
+
+def _rates(run: Mapping[str, Any]) -> Section:
+    rates = {**run["rates"], "90 % intervals that cover": run["coverage"]}
+    rows = [{"what": name, **rate, "wanted": _target(rate)} for name, rate in rates.items() if rate["of"]]
+    columns = (
+        Column(key="what", heading="What", wide=True),
+        Column(key="count", heading="Times", number=Whole()),
+        Column(key="of", heading="Of", number=Whole()),
+        *(
+            Column(key=key, heading=heading, unit="%", number=_SHARE)
+            for key, heading in (("share", "Share"), ("low", "From"), ("high", "To"))
+        ),
+        Column(key="wanted", heading="Target"),
+    )
+    caption = "What was measured on the last run, with Wilson's 95 % intervals."
+    table = Table(frame=pd.DataFrame(rows), columns=columns, caption=caption, label="tab:rates")
+    return Section(title="How often it is right", blocks=(table,))
+
+
+def _target(rate: Mapping[str, Any]) -> str:
+    target = rate["target"]
+    if target is None:
+        return "–"
+    if isinstance(target, list):
+        return f"{percent(target[0])} to {percent(target[1])}"
+    return f"at {'most' if rate['at_most'] else 'least'} {percent(target)}"
+
+
+def _earlier(runs: Sequence[Mapping[str, Any]]) -> tuple[Section, ...]:
+    """Rates of all runs, each with the code of its time; nothing where there is one."""
+    if len(runs) == 1:
+        return ()
+    frame = pd.DataFrame(
+        {
+            run["code"]: {
+                name: f"{rate['count']} of {rate['of']}"
+                for name, rate in {**run["rates"], "90 % intervals that cover": run["coverage"]}.items()
+            }
+            for run in runs
+        }
+    )
+    shown = frame.fillna("–").reset_index(names="what")
+    columns = (
+        Column(key="what", heading="What", wide=True),
+        *(Column(key=code, heading=f"Code {code}") for code in frame.columns),
+    )
+    caption = "All runs in their order; each was made on campaigns that nobody had seen before."
+    table = Table(frame=shown, columns=columns, caption=caption, label="tab:runs")
+    return (Section(title="Earlier runs", blocks=(table,), appendix=True),)
+
+
+def _confusion(run: Mapping[str, Any]) -> Section:
+    """Draw the first group, and tabulate all, each with what was answered otherwise."""
+    groups: dict[str, dict[str, Mapping[str, int]]] = {}
+    for truth, answers in run["confusion"].items():
+        groups.setdefault(_group(truth), {})[truth] = answers
+    named = [name for name in _GROUPS if name in groups]
+    columns = (
+        Column(key="group", heading="Hidden", wide=True),
+        Column(key="kinds", heading="Kinds", number=Whole()),
+        Column(key="of", heading="Times", number=Whole()),
+        Column(key="right", heading="Answered so", number=Whole()),
+        Column(key="otherwise", heading="Otherwise", wide=True),
+    )
+    return Section(
+        title="Which effects are confused",
+        blocks=(
+            Table(
+                frame=pd.DataFrame([_counted(name, groups[name]) for name in named]),
+                columns=columns,
+                caption="What is hidden against what is answered; verdicts without a name in brackets.",
+                label="tab:confusion",
+            ),
+            Figure(
+                drawing=discrepancy_confusion(groups[named[0]]),
+                caption=f"{named[0]}: what is hidden against what is answered.",
+                label="fig:confusion",
+                leads=True,
+            ),
+        ),
+    )
+
+
+def _counted(group: str, truths: Mapping[str, Mapping[str, int]]) -> dict[str, object]:
+    """Count the answers of a group that are what was hidden, and name the others."""
+    others = [
+        f"{count} × {spelled_out(truth)} as {spelled_out(answer)}"
+        for truth, answers in truths.items()
+        for answer, count in answers.items()
+        if answer != _answer_to(truth)
+    ]
+    return {
+        "group": group,
+        "kinds": len(truths),
+        "of": sum(sum(answers.values()) for answers in truths.values()),
+        "right": sum(answers.get(_answer_to(truth), 0) for truth, answers in truths.items()),
+        "otherwise": ", ".join(others) or "–",
+    }
+
+
+def _answer_to(truth: str) -> str:
+    """Answer that is right for what is hidden."""
+    name = truth.removesuffix(_AMONG).removeprefix(_FAINT).removeprefix(_ONE_CHANNEL)
+    if name in library():
+        return name
+    return "(no_missing_effect)" if name in _NOTHING else "(unknown_effect)"
+
+
+def _group(truth: str) -> str:
+    alone, among, faint, one_channel, outside = _GROUPS
+    if truth.endswith(_AMONG):
+        return among
+    if truth.startswith(_FAINT):
+        return faint
+    if truth.startswith(_ONE_CHANNEL):
+        return one_channel
+    return alone if truth in library() else outside
+
+
+def _probabilities(run: Mapping[str, Any]) -> Section:
+    """Draw stated probabilities against shares, or say them where they are too few for a curve."""
+    bins = pd.DataFrame(run["reliability"]["bins"])
+    title = "Whether stated probabilities are kept"
+    if len(bins) >= _FEWEST_BINS:
+        caption = "How often effects were right that were named with a probability; the numbers count them."
+        figure = Figure(drawing=discrepancy_reliability(bins), caption=caption, label="fig:reliability")
+        return Section(title=title, blocks=(figure,))
+    sentences = (
+        prose(
+            "Of {n} effects that were named with a probability of {stated} in the mean, {share} were right "
+            "(95 % interval {low} to {high}).",
+            n=row["of"],
+            stated=percent(row["mean_stated"], 4),
+            share=percent(row["share"]),
+            low=percent(row["low"]),
+            high=percent(row["high"]),
+        )
+        for row in bins.to_dict("records")
+    )
+    return Section(title=title, blocks=tuple(Paragraph(text=sentence) for sentence in sentences))
+
+
+def _failures(run: Mapping[str, Any]) -> Section:
+    title = "Every campaign that was answered wrongly"
+    if not run["failures"]:
+        return Section(title=title, blocks=(Paragraph(text="There was none."),))
+    rows = [
+        {
+            "campaign": str(failure["campaign"]).removeprefix("campaign_"),
+            "seen": spelled_out(failure["observation"]),
+            "noise": f"{spelled_out(failure['noise'])}, {failure['snr_db']:.0f} dB",
+            "truth": ", ".join(f"{spelled_out(name)} {db:+.0f} dB" for name, db in failure["truth"].items())
+            or "nothing",
+            "answer": ", ".join(map(spelled_out, failure["named"])) or spelled_out(str(failure["verdict"])),
+        }
+        for failure in run["failures"]
+    ]
+    columns = (
+        Column(key="campaign", heading="Seed"),
+        Column(key="seen", heading="Observed"),
+        Column(key="noise", heading="Noise"),
+        Column(key="truth", heading="Hidden, over the noise", wide=True),
+        Column(key="answer", heading="Answer", wide=True),
+    )
+    caption = "Failures of the last run; the level is that of the effect over the noise of its channel."
+    return Section(
+        title=title,
+        blocks=(Table(frame=pd.DataFrame(rows), columns=columns, caption=caption, label="tab:failures"),),
+    )
+
+
+def _limits(notes: Sequence[Prose]) -> Section:
+    said = (
+        "An effect must be named when it exceeds the noise in its own channel after calibration.",
+        "Shares of few campaigns are uncertain: the intervals say how much.",
+    )
+    return Section(title="How to read this", blocks=(Points(items=(*said, *notes)),))

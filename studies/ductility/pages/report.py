@@ -1,0 +1,199 @@
+"""Report of what tests with nonlinear specimens tolerate."""
+
+from collections.abc import Mapping
+
+import pandas as pd
+
+from reliab.report.document import Column, Document, Figure, Paragraph, Points, Section, Table
+from reliab.report.numbers import Fixed, Shortest, Whole
+from reliab.report.prose import Prose, prose
+from reliab.report.provenance import provenance_of
+from reliab.report.wording import PERCENT, percent, values
+
+from .. import FARTHEST
+from ..pages.tolerance_over_level import tolerance_over_level
+
+_NAMES = {
+    "bilinear": "bilinear",
+    "bouc_wen": "Bouc–Wen",
+    "coulomb": "Coulomb friction",
+    "cubic": "cubic spring",
+}
+_RATIO = Fixed(decimals=2)
+
+
+def ductility_report(
+    *,
+    title: str,
+    levels: pd.DataFrame,
+    limits: pd.DataFrame,
+    provenance: Mapping[str, object],
+    purpose: str = "",
+) -> Document:
+    """Report tolerances of nonlinear over those of linear tests.
+
+    Parameters
+    ----------
+    title : str
+        Title of the report.
+    levels : pandas.DataFrame
+        As :func:`reliab_studies.ductility.compare_levels` gives it.
+    limits : pandas.DataFrame
+        As :func:`reliab_studies.ductility.compare_limits` gives it, with `alpha` and `threshold` [-].
+    provenance : mapping
+        What the report can be made again from, by name.
+    purpose : str, optional
+        What the study is for.
+
+    Returns
+    -------
+    Document
+        The report.
+    """
+    overall = levels[levels["f"].isna() & (levels["direction"] == "narrowest")]
+    narrower = float((overall["narrower"] * overall["tests"]).sum() / overall["tests"].sum())
+    threshold = float(limits["threshold"].iloc[0])
+    structures = limits[["f", "xi"]].drop_duplicates()
+    opening = (Paragraph(text=purpose),) if purpose else ()
+    return Document(
+        kind="Tolerance and ductility",
+        title=title,
+        verdict=prose(
+            "Of {tests} tests with nonlinear specimens, {narrower} tolerate less delay or amplitude error "
+            "in some direction than the linear test under the same ground motion: a linear specimen is "
+            "{worst}.",
+            tests=int(overall["tests"].sum()),
+            narrower=percent(narrower),
+            worst="the worst case of all of them" if narrower == 0.0 else "not the worst case",
+        ),
+        facts={
+            "Motions": str(int(overall["motions"].max())),
+            "Earthquakes": str(int(overall["events"].max())),
+            "Structures": f"{values(sorted(set(structures['f'])), 'Hz')} with "
+            f"{values(sorted(set(PERCENT * structures['xi'])), '%')} damping",
+            "Error": f"{percent(threshold)} RMS",
+            "To do next": "judge a test with a nonlinear specimen by its own error, with reliab assess",
+        },
+        blocks=(*opening, _method(limits), _levels(levels, overall), _limits(limits)),
+        provenance=provenance_of(provenance),
+    )
+
+
+def _method(limits: pd.DataFrame) -> Section:
+    text = prose(
+        "The specimen carries {alpha} of the structure's stiffness. Its level is scaled by the linear "
+        "response: $R$ is the peak of the linear response over the yield displacement; friction and cubic "
+        "forces are given over the force of the linear spring at that peak. Starting from the perfect "
+        "actuator, a delay, a gain above or below 1, or both together, are increased until the error of the "
+        "whole test, relative to the exact response of the same nonlinear structure, first reaches "
+        "{threshold}. That tolerance is divided by the one of the linear test: above 1 the nonlinear test "
+        "tolerates more. Tolerances are sought up to {farthest:g} times the linear one of small errors; "
+        "larger ones count with that value.",
+        farthest=FARTHEST,
+        alpha=percent(float(limits["alpha"].iloc[0])),
+        threshold=percent(float(limits["threshold"].iloc[0])),
+    )
+    return Section(title="What is compared", blocks=(Paragraph(text=text),))
+
+
+def _levels(levels: pd.DataFrame, narrowest: pd.DataFrame) -> Section:
+    overall = levels[levels["f"].isna()]
+    medians = overall.pivot_table(
+        index=["specimen", "level"], columns="direction", values="q50"
+    ).reset_index()
+    frame = narrowest.merge(medians, on=["specimen", "level"], sort=False)
+    frame["name"] = [_NAMES.get(kind, kind) for kind in frame["specimen"]]
+    return Section(
+        title="Tolerance over the level of the specimen",
+        blocks=(
+            Points(items=tuple(_by_kind(frame))),
+            _table_of_levels(frame),
+            Figure(
+                drawing=tolerance_over_level(levels),
+                caption="Tolerance over that of the linear test: median, middle half and 90 % of the tests "
+                "over all structures. Below 1 the nonlinear test is the more demanding one.",
+                label="fig:levels",
+                leads=True,
+            ),
+        ),
+    )
+
+
+def _table_of_levels(frame: pd.DataFrame) -> Table:
+    share = Fixed(decimals=1, factor=PERCENT)
+    columns = (
+        Column(key="name", heading="Specimen", wide=True),
+        Column(key="level", heading="Level", number=Shortest()),
+        Column(key="ductility", heading="Ductility", number=_RATIO),
+        Column(key="tests", heading="Tests", number=Whole()),
+        Column(key="lost", heading="Lost", number=Whole()),
+        *(
+            Column(key=key, heading=heading, number=_RATIO, group="Median tolerance over linear")
+            for key, heading in (("late", "Delay"), ("large", "Gain > 1"), ("small", "Gain < 1"))
+        ),
+        Column(key="q05", heading="5 %", number=_RATIO, group="Narrowest direction"),
+        Column(key="narrower", heading="Below 1", unit="%", number=share, group="Narrowest direction"),
+        Column(key="low", heading="From", unit="%", number=share, group="Narrowest direction"),
+        Column(key="high", heading="To", unit="%", number=share, group="Narrowest direction"),
+    )
+    caption = (
+        "Tolerance over that of the linear test. Ductility is the median peak of the exact response over "
+        "the yield displacement. For the direction in which a test has lost most: the 5 % quantile, and the "
+        "share of tests that tolerate less than the linear one with its 95 % interval over earthquakes. Lost "
+        "tests, whose exact response runs away, are not counted."
+    )
+    return Table(frame=frame, columns=columns, caption=caption, label="tab:levels")
+
+
+def _by_kind(frame: pd.DataFrame) -> list[Prose]:
+    """Say for each kind what was measured over its levels."""
+    items: list[Prose] = []
+    for kind, part in frame.groupby("name", sort=False):
+        shares = [percent(float(part["narrower"].min())), percent(float(part["narrower"].max()))]
+        items.append(
+            prose(
+                "*{kind}*: over levels from {first} to {last} the median tolerable delay is "
+                "{least:.2f} to {most:.2f} times the linear one; {narrower} of the tests of a level tolerate "
+                "less than the linear test in some direction.",
+                kind=str(kind),
+                first=Shortest()(part["level"].min()).digits,
+                last=Shortest()(part["level"].max()).digits,
+                least=part["late"].min(),
+                most=part["late"].max(),
+                narrower=" to ".join(dict.fromkeys(shares)),
+            )
+        )
+    return items
+
+
+def _limits(limits: pd.DataFrame) -> Section:
+    if limits["delay_ms"].isna().all():
+        text = "Too few ground motions for a limit that 95 % of them keep."
+        return Section(title="Limits that 95 % of the motions keep", blocks=(Paragraph(text=text),))
+    ratios = limits.assign(
+        delay=limits["delay_ms"] / limits["linear_delay_ms"],
+        gain=limits["amplitude"] / limits["linear_amplitude"],
+    )
+    grouped = ratios.groupby(["specimen", "level"], sort=False)
+    frame = grouped.agg(
+        delay_least=("delay", "min"),
+        delay_most=("delay", "max"),
+        gain_least=("gain", "min"),
+        gain_most=("gain", "max"),
+    ).reset_index()
+    frame["name"] = [_NAMES.get(kind, kind) for kind in frame["specimen"]]
+    columns = (
+        Column(key="name", heading="Specimen", wide=True),
+        Column(key="level", heading="Level", number=Shortest()),
+        Column(key="delay_least", heading="Least", number=_RATIO, group="Delay alone"),
+        Column(key="delay_most", heading="Most", number=_RATIO, group="Delay alone"),
+        Column(key="gain_least", heading="Least", number=_RATIO, group="Amplitude error alone"),
+        Column(key="gain_most", heading="Most", number=_RATIO, group="Amplitude error alone"),
+    )
+    caption = (
+        "The delay alone and the amplitude error alone that 95 % of the motions tolerate, over those of the "
+        "linear structure; least and most over the structures. Below 1 a criterion for linear structures "
+        "promises too much for this specimen. A response that runs away tolerates nothing."
+    )
+    table = Table(frame=frame, columns=columns, caption=caption, label="tab:limits")
+    return Section(title="Limits that 95 % of the motions keep", blocks=(table,))

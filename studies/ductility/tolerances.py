@@ -1,0 +1,185 @@
+"""Tolerable amplitude errors and delays of tests with nonlinear specimens, over those of linear ones.
+
+From the perfect actuator, five straight lines lead into the plane of amplitude error and delay: a delay
+alone, a gain above or below 1 alone, and both together. Along each line the error of the whole test is
+computed at growing distances; the distance at which it first reaches the threshold is what the test
+tolerates. The distance of the nonlinear specimen over that of the linear one, under the same ground motion,
+says how the tolerance has grown or shrunk. One engine finds both, so that most of its own error cancels.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from reliab.boundary.first_order import first_order_ellipse
+from reliab.motions import Motion
+from reliab.progress import Progress, silent
+from reliab.simulation.deviation import peak_of_history
+from reliab.simulation.effect_loop import EffectLoop
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.hybrid_test import HybridTest
+from reliab.structures.structure import Structure
+
+from .specimens import SPECIMENS, NonlinearSpecimen
+
+Array = NDArray[np.float64]
+
+DIRECTIONS: Final = ("late", "large", "small", "late_large", "late_small")
+"""Lines from the perfect actuator: late (a delay alone), a gain above or below 1 alone, both together."""
+
+FARTHEST: Final = 16.0
+"""Distance up to which a tolerance is sought, in half axes of the first-order ellipse of the linear test."""
+
+_UNIT: Final = np.array([[0.0, 1.0], [1.0, 0.0], [-1.0, 0.0], [0.5**0.5, 0.5**0.5], [-(0.5**0.5), 0.5**0.5]])
+_DISTANCES: Final = (0.0625, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0, FARTHEST)
+_REFINEMENTS: Final = 3
+_SMALLEST_GAIN: Final = 0.05
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Plane:
+    """Half axes of the plane of errors: of the gain [-] and of the delay [s]."""
+
+    gain: float
+    delay: float
+
+    def actuators(self, directions: Array, distances: Array) -> tuple[Array, Array]:
+        """Gains [-] and delays [s] at distances from the perfect actuator, shapes (n, 2) and (n,)."""
+        along = directions * distances[:, np.newaxis]
+        return np.maximum(1.0 + self.gain * along[:, 0], _SMALLEST_GAIN), self.delay * along[:, 1]
+
+
+def tolerances(
+    motions: Sequence[Motion],
+    structures: Iterable[Structure],
+    specimens: Sequence[NonlinearSpecimen] = SPECIMENS,
+    *,
+    threshold: float = 0.05,
+    progress: Progress = silent,
+) -> pd.DataFrame:
+    """Find what tests with nonlinear specimens tolerate, beside those with linear ones.
+
+    Parameters
+    ----------
+    motions : sequence of Motion
+        The ground motions.
+    structures : iterable of Structure
+        The structures; the share α of their stiffness is the specimen.
+    specimens : sequence of NonlinearSpecimen, optional
+        The specimens.
+    threshold : float, optional
+        RMS^R that is tolerated [-], over the whole record and relative to the specimen's own exact response.
+    progress : callable, optional
+        Called after each motion.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row for each motion, structure and specimen: `motion`, `event`, `f` [Hz], `xi` [-], `specimen`,
+        `level` [-], `ductility` (peak of the exact response over the yield displacement [-]; NaN where
+        nothing yields), the tolerances of the linear test `linear_delay_ms` [ms] and `linear_large`,
+        `linear_small` [-] (delay alone, gain above 1 and below 1 alone), and for each direction the tolerable
+        distance over that of the linear test [-]: NaN where the exact response itself runs away, and a lower
+        bound where the tolerance lies beyond `FARTHEST`.
+    """
+    rows: list[dict[str, Any]] = []
+    structures = list(structures)
+    for done, motion in enumerate(motions, start=1):
+        excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step)
+        for structure in structures:
+            about = {
+                "motion": motion.name,
+                "event": motion.event,
+                "f": structure.frequency,
+                "xi": structure.damping_ratio,
+            }
+            rows += [
+                about | row for row in _of_structure(excitation, structure, specimens, threshold=threshold)
+            ]
+        progress(done, len(motions))
+    return pd.DataFrame(rows)
+
+
+def _of_structure(
+    excitation: Excitation,
+    structure: Structure,
+    specimens: Sequence[NonlinearSpecimen],
+    *,
+    threshold: float,
+) -> list[dict[str, Any]]:
+    """Rows of one motion and structure."""
+    a, b = first_order_ellipse(excitation, structure).parameters(threshold)
+    plane = _Plane(gain=a**0.5, delay=1e-3 * b**0.5)
+    linear = EffectLoop(excitation=excitation, test=HybridTest(structure=structure))
+    peak, reached = peak_of_history(linear.exact), _reached(linear, plane, threshold)
+    rows = []
+    for specimen in specimens:
+        test = HybridTest(structure=structure, effects=specimen.effects(structure, peak))
+        loop = EffectLoop(excitation=excitation, test=test)
+        sound = bool(np.isfinite(loop.exact).all())
+        ratios = _reached(loop, plane, threshold) / reached if sound else np.full(reached.size, np.nan)
+        ductility = peak_of_history(loop.exact) / (peak / specimen.level) if specimen.yields else np.nan
+        rows.append(
+            {
+                "specimen": str(specimen.kind),
+                "level": specimen.level,
+                "ductility": ductility,
+                "linear_delay_ms": 1e3 * plane.delay * reached[0],
+                "linear_large": plane.gain * reached[1],
+                "linear_small": plane.gain * reached[2],
+                **dict(zip(DIRECTIONS, ratios.tolist(), strict=True)),
+            }
+        )
+    return rows
+
+
+def _reached(loop: EffectLoop, plane: _Plane, threshold: float) -> Array:
+    """Distances at which the error first reaches the threshold, shape (directions,).
+
+    The distance grows in steps until the error is above the threshold; between the last one below it and the
+    first one above it the error is followed as a power of the distance.
+    """
+    count = len(DIRECTIONS)
+    inner, at_inner = np.full(count, np.nan), np.full(count, np.nan)
+    outer, at_outer = np.full(count, _DISTANCES[-1]), np.full(count, np.nan)
+    sought = np.ones(count, dtype=bool)
+    for distance in _DISTANCES:
+        error = np.full(count, np.nan)
+        error[sought] = _errors(loop, plane, _UNIT[sought], np.full(int(sought.sum()), distance))
+        beyond, below = sought & (error > threshold), sought & (error <= threshold)
+        outer[beyond], at_outer[beyond] = distance, error[beyond]
+        inner[below], at_inner[below] = distance, error[below]
+        sought = below
+        if not sought.any():
+            break
+    between = np.isfinite(inner) & ~np.isnan(at_outer)
+    for _ in range(_REFINEMENTS if between.any() else 0):
+        middle = _power_between(inner, at_inner, outer, at_outer, threshold)
+        error = np.full(count, np.nan)
+        error[between] = _errors(loop, plane, _UNIT[between], middle[between])
+        beyond, below = error > threshold, error <= threshold
+        outer[beyond], at_outer[beyond] = middle[beyond], error[beyond]
+        inner[below], at_inner[below] = middle[below], error[below]
+    refined = _power_between(inner, at_inner, outer, at_outer, threshold)
+    return np.asarray(np.where(between, refined, outer))
+
+
+def _power_between(inner: Array, at_inner: Array, outer: Array, at_outer: Array, threshold: float) -> Array:
+    """Distance at which a power of the distance through two errors reaches the threshold."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.log(threshold / at_inner) / np.log(at_outer / at_inner)
+    share = np.clip(np.nan_to_num(share, nan=0.5), 0.02, 0.98)
+    return np.asarray(inner * (outer / inner) ** share)
+
+
+def _errors(loop: EffectLoop, plane: _Plane, directions: Array, distances: Array) -> Array:
+    """RMS^R [-] at distances in directions, shape (n,); infinite where the test runs away."""
+    gain, delay = plane.actuators(directions, distances)
+    deviation = loop.deviation(loop.cells(gain=gain, delay=delay))
+    with np.errstate(invalid="ignore", over="ignore"):
+        errors = np.sqrt(deviation.mean_square) / deviation.ideal_peak
+    return np.nan_to_num(errors, nan=np.inf, posinf=np.inf)

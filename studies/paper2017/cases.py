@@ -1,0 +1,274 @@
+"""The paper's application: a frame with a spring under KOBE/KJM000, Tables 5 and 6, Figures 16 and 17.
+
+A single-degree-of-freedom frame of stiffness k_n carries a spring of stiffness k_e, the specimen. The
+command is integrated with the CR algorithm at 1024 Hz and sent through inverse compensation to an
+actuator that is four steps late, counted from when the command is sent, one step before it is due; the
+amplitude error is a gain. The first simulation has no error, the second both.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from numpy.typing import NDArray
+
+from reliab.criterion.laws import OF_MANY_MOTIONS
+from reliab.indices.frequency_evaluation import frequency_evaluation
+from reliab.indices.response_error import response_error
+from reliab.motions import Motion, resample, truncate
+from reliab.simulation.actuator import Actuator
+from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.structures.structure import Structure
+
+from .equipment import compensator_of, integrator_of
+from .printed import (
+    FIVE_PERCENT,
+    FRAME_STIFFNESS,
+    RATE_HZ,
+    SPECIMEN_STIFFNESS,
+    PrintedTables,
+)
+
+_MILLISECONDS = 1e3
+DELAY_STEPS = 4
+"""Steps by which the actuator is late; not printed, but in Table 6 d is this less α_es, in steps."""
+
+RECORD_SECONDS = 40.0
+"""Length of the record that reproduces Table 6; the full record gives about half the RMS^R."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PaperCase:
+    """One column of Table 5.
+
+    Parameters
+    ----------
+    frequency : float
+        Natural frequency f_n [Hz].
+    damping_ratio : float
+        ξ [-].
+    estimated_delay : float
+        α_es of the inverse compensation [steps].
+    amplitude : float
+        Amplitude error, as a gain [-].
+    specimen_stiffness, frame_stiffness : float, optional
+        k_e and k_n [N/m].
+    """
+
+    frequency: float
+    damping_ratio: float
+    estimated_delay: float
+    amplitude: float
+    specimen_stiffness: float = SPECIMEN_STIFFNESS
+    frame_stiffness: float = FRAME_STIFFNESS
+
+    @property
+    def mass(self) -> float:
+        """Mass m = (k_e + k_n)/(2πf_n)² [kg]."""
+        total = self.specimen_stiffness + self.frame_stiffness
+        return total / (2.0 * np.pi * self.frequency) ** 2
+
+    @property
+    def structure(self) -> Structure:
+        """The frame with its spring."""
+        fraction = self.specimen_stiffness / (self.specimen_stiffness + self.frame_stiffness)
+        return Structure(
+            frequency=self.frequency, damping_ratio=self.damping_ratio, experimental_fraction=fraction
+        )
+
+
+def printed_cases() -> list[PaperCase]:
+    """Cases of Table 5 as printed.
+
+    Returns
+    -------
+    list of PaperCase
+        The four cases.
+    """
+    columns = ("f_hz", "xi", "alpha_es", "amplitude_error")
+    rows = PrintedTables.read().cases[list(columns)].itertuples(index=False)
+    return [
+        PaperCase(frequency=f, damping_ratio=xi, estimated_delay=steps, amplitude=gain)
+        for f, xi, steps, gain in rows
+    ]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CaseOutcome:
+    """The outcome of a case.
+
+    Attributes
+    ----------
+    case : PaperCase
+        The case.
+    amplitude : float
+        A [-].
+    equivalent_delay : float
+        d [s].
+    rms : float
+        RMS^R between exact response and measured displacement [-].
+    times : numpy.ndarray
+        Times [s], shape (n,).
+    ideal, measured : numpy.ndarray
+        Exact response and measured displacement [m], shape (n,).
+    """
+
+    case: PaperCase
+    amplitude: float
+    equivalent_delay: float
+    rms: float
+    times: NDArray[np.float64]
+    ideal: NDArray[np.float64]
+    measured: NDArray[np.float64]
+
+
+def run_paper_cases(
+    motion: Motion,
+    cases: Sequence[PaperCase] | None = None,
+    *,
+    integrator: str = "chen_ricles",
+    compensator: str = "inverse",
+) -> list[CaseOutcome]:
+    """Simulate cases under a ground motion.
+
+    Parameters
+    ----------
+    motion : Motion
+        The ground motion, KOBE/KJM000 in the paper; its first 40 s are used.
+    cases : sequence of PaperCase, optional
+        The cases; those of Table 5 by default.
+    integrator, compensator : str, optional
+        Names of :mod:`reliab_studies.paper2017.equipment`; the paper's by default.
+
+    Returns
+    -------
+    list of CaseOutcome
+        One for each case.
+
+    Raises
+    ------
+    InputError
+        If there is no such integrator or compensator.
+    """
+    record = resample(truncate(motion, min(RECORD_SECONDS, motion.duration)), RATE_HZ)
+    chosen = printed_cases() if cases is None else cases
+    return [_run(record, case, integrator, compensator) for case in chosen]
+
+
+def _run(record: Motion, case: PaperCase, integrator: str, compensator: str) -> CaseOutcome:
+    perfect = HybridTest(structure=case.structure, mass=case.mass)
+    flawed = HybridTest(
+        structure=case.structure,
+        mass=case.mass,
+        actuator=Actuator(gain=case.amplitude, delay=(DELAY_STEPS - 1) / RATE_HZ),
+    )
+    first, second = (
+        run_closed_loop(
+            test,
+            record.acceleration,
+            record.time_step,
+            integrator=integrator_of(integrator, case.structure),
+            compensator=control,
+        )
+        for test, control in ((perfect, None), (flawed, compensator_of(compensator, case.estimated_delay)))
+    )
+    ideal = first.command.values[0]
+    index = frequency_evaluation(second.command.values[0], second.measured, record.time_step)
+    return CaseOutcome(
+        case=case,
+        amplitude=index.amplitude,
+        equivalent_delay=index.equivalent_delay,
+        rms=response_error(second.measured, ideal),
+        times=record.times,
+        ideal=ideal,
+        measured=second.measured,
+    )
+
+
+def cases_dataset(outcomes: Sequence[CaseOutcome], motion: Motion) -> xr.Dataset:
+    """Gather the outcomes of the cases of Tables 5 and 6.
+
+    Parameters
+    ----------
+    outcomes : sequence of CaseOutcome
+        Outcomes of the cases under a ground motion.
+    motion : Motion
+        The ground motion.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over `case` (1, 2, …): `f` [Hz], `xi`, `estimated_delay` [steps], `gain`, `mass` [kg], `A`, `d` [s]
+        and `rms` [-]; over (case, time [s]): `ideal` and `measured` displacement [m]. Attributes: `motion`,
+        `peak_acceleration` [m/s²] and `window` [s], over which the error is computed.
+    """
+    cases = [outcome.case for outcome in outcomes]
+    numbers = {
+        "f": [case.frequency for case in cases],
+        "xi": [case.damping_ratio for case in cases],
+        "estimated_delay": [case.estimated_delay for case in cases],
+        "gain": [case.amplitude for case in cases],
+        "mass": [case.mass for case in cases],
+        "A": [outcome.amplitude for outcome in outcomes],
+        "d": [outcome.equivalent_delay for outcome in outcomes],
+        "rms": [outcome.rms for outcome in outcomes],
+    }
+    histories = {
+        "ideal": np.stack([outcome.ideal for outcome in outcomes]),
+        "measured": np.stack([outcome.measured for outcome in outcomes]),
+    }
+    return xr.Dataset(
+        {
+            **{name: ("case", values) for name, values in numbers.items()},
+            **{name: (("case", "time"), values) for name, values in histories.items()},
+        },
+        coords={"case": np.arange(1, len(cases) + 1), "time": outcomes[0].times},
+        attrs={
+            "motion": motion.name,
+            "peak_acceleration": float(np.abs(motion.acceleration).max()),
+            "window": min(RECORD_SECONDS, motion.duration),
+        },
+    )
+
+
+def case_table(cases: xr.Dataset) -> pd.DataFrame:
+    """Verdicts on the cases by equation (18) and by their errors, beside what the paper prints.
+
+    Parameters
+    ----------
+    cases : xarray.Dataset
+        From :func:`cases_dataset`, the cases of Table 5 in their order.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row for each case: `case`, `f` [Hz], `xi`, `A`, `d` [s]; `index` of equation (18) and
+        `index_printed`; `accepted` and `accepted_printed`; `rms` and `rms_printed` [-]; `good`, whether the
+        error is at most 5 %; `of_rms`, the error relative to the RMS, not the peak, of the exact response.
+    """
+    printed = PrintedTables.read().cases.set_index("case").loc[cases["case"].values]
+    f, xi, amplitude, delay, rms = (cases[name].values for name in ("f", "xi", "A", "d", "rms"))
+    a, b = OF_MANY_MOTIONS["guo_2017_18"].limits(f, xi)
+    index = (amplitude - 1.0) ** 2 / a + (_MILLISECONDS * delay) ** 2 / b
+    ideal = cases["ideal"].transpose("case", "time").values
+    crest = np.abs(ideal).max(axis=1) / np.sqrt(np.mean(ideal**2, axis=1))
+    return pd.DataFrame(
+        {
+            "case": cases["case"].values,
+            "f": f,
+            "xi": xi,
+            "A": amplitude,
+            "d": delay,
+            "index": index,
+            "index_printed": printed["index_eq18"].to_numpy(dtype=np.float64),
+            "accepted": index <= 1.0,
+            "accepted_printed": printed["fulfils_eq18"].to_numpy() == "Yes",
+            "rms": rms,
+            "rms_printed": printed["rms_percent"].to_numpy(dtype=np.float64) / 100.0,
+            "good": rms <= FIVE_PERCENT,
+            "of_rms": rms * crest,
+        }
+    )

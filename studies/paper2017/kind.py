@@ -1,0 +1,76 @@
+"""The study that reproduces Guo and others (2017) from the raw records."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+from reliab.errors import InputError
+from reliab.report import Document
+from reliab.study.description import SimulatedStudy
+from reliab.study.kinds.kind import Kind
+from reliab.study.material import Material, Show, named
+from reliab.study.stages import Stage, made_with
+from reliab.study.steps import (
+    CASES,
+    ELLIPSES,
+    opened,
+    paper_cases,
+    simulation,
+    tracing,
+)
+from reliab.sweep import open_ellipses
+from reliab.sweep.netcdf import write_netcdf
+
+EXAMPLE: Final = "example.nc"
+
+_EXAMPLE_MOTION = "KOBE/NIS000"
+_CASES_MOTION = "KOBE/KJM000"
+
+
+def stages(study: SimulatedStudy, show: Show) -> Sequence[Stage]:
+    """Simulate and trace all structures, then the example and the four cases."""
+    if study.motions.sources is None:
+        raise InputError(
+            "The paper is reproduced from the records of its Table 2",
+            value="no ground motions",
+            remedy="Give the folder of the records with `motions`",
+        )
+    material = Material(study)
+    return (
+        _example(material, show),
+        paper_cases(study.motions.sources, _CASES_MOTION),
+        *simulation(study, material, show),
+        tracing(study, material, show),
+    )
+
+
+def report(study: SimulatedStudy, folder: Path) -> Document:
+    """Report the reproduction."""
+    from .pages import paper_report
+
+    return paper_report(
+        title=study.title,
+        example=opened(folder / EXAMPLE),
+        ellipses=open_ellipses(folder / ELLIPSES),
+        cases=opened(folder / CASES),
+        purpose=study.purpose,
+        provenance={**study.provenance, **made_with(folder)},
+    )
+
+
+def _example(material: Material, show: Show) -> Stage:
+    """Simulate the paper's example under one motion."""
+
+    def work(folder: Path) -> None:
+        from .example import run_paper_example
+
+        with show("Simulating the example"):
+            example = run_paper_example(named(material.motions, _EXAMPLE_MOTION))
+        write_netcdf(example, folder / EXAMPLE)
+
+    inputs = {"motion": named(material.motions, _EXAMPLE_MOTION).checksum}
+    return Stage(name="example", inputs=inputs, writes=(EXAMPLE,), work=work)
+
+
+KIND: Final = Kind(name="paper", tables=SimulatedStudy, stages=stages, report=report)
+"""Every table, figure and numbered equation of the paper beside what is printed."""

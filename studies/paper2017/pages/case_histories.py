@@ -1,0 +1,41 @@
+"""Histories of the paper's four cases."""
+
+import xarray as xr
+
+from reliab.report.document import Figure
+from reliab.report.prose import Prose
+from reliab.report.wording import PERCENT
+
+from ..pages.displacement_histories import HistoryPanel, displacement_histories
+
+
+def case_histories(cases: xr.Dataset, *, caption: Prose, label: str, errors: bool = False) -> Figure:
+    """Draw the exact response and the measured displacement of each case.
+
+    Parameters
+    ----------
+    cases : xarray.Dataset
+        The four cases, from :func:`reliab_studies.paper2017.cases.cases_dataset`.
+    caption : Prose
+        What the figure shows.
+    label : str
+        By which the report refers to it.
+    errors : bool, optional
+        Whether the RMS error stands in each panel.
+
+    Returns
+    -------
+    Figure
+        One panel for each case.
+    """
+    panels = [
+        HistoryPanel(
+            title=f"case {number}",
+            times=cases["time"].values,
+            ideal=cases["ideal"].sel(case=number).values,
+            measured=cases["measured"].sel(case=number).values,
+            note=f"RMS error {PERCENT * float(cases['rms'].sel(case=number)):.2f} %" if errors else "",
+        )
+        for number in cases["case"].values.tolist()
+    ]
+    return Figure(drawing=displacement_histories(panels), caption=caption, label=label)

@@ -1,0 +1,80 @@
+"""Slips of the paper: in its equations, its tables and its text."""
+
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from reliab.report.document import Paragraph, Points, Section
+from reliab.report.prose import Prose, prose
+
+from ..pages.counting import number
+from ..text import SLIPS
+
+_ALWAYS: Final[tuple[Prose, ...]] = (
+    prose(
+        "Table 4's column $b$ is $sqrt(b)$ in ms (@fig:paper-table-4). $b$ therefore grows as $xi^2$, "
+        "and so does $a$; equations (16) to (18), linear in $xi$, rest on the misreading."
+    ),
+    prose(
+        "Equation (15)'s exponential meets Table 3 at 0.25 Hz only (@fig:paper-15); $b f^2$ is nearly "
+        "constant over the table."
+    ),
+    prose(
+        "Equation (18) gives $a = 0.021 xi$, which is $4.2 dot 10^(-4)$ at $xi = 0.02$, where equation "
+        "(15) says $5.6 dot 10^(-5)$. Table 6 is nevertheless what (18) gives."
+    ),
+    prose(
+        "The ranges that the text quotes for $a$ and $b$ are not those of Table 2 ($0.45 dot 10^(-4)$ to"
+        " $24.5 dot 10^(-4)$ and 0.90 to 47.8 ms²), and the root of its greatest $a$ is "
+        "$2.6 dot 10^(-2)$, not $2.3 dot 10^(-2)$. 24 and 28 sets of two components are 104, not 100."
+    ),
+    prose(
+        "The text before equation (18) says 1000$xi$ where 100$xi$ is meant, and 46080$xi$ where "
+        "6080$xi$ is meant."
+    ),
+)
+"""Slips of equations and tables that follow from what the paper prints."""
+
+
+def errata_section(numbers: pd.DataFrame) -> Section:
+    """List the slips.
+
+    Parameters
+    ----------
+    numbers : pandas.DataFrame
+        Every number of the paper, as :func:`reliab_studies.paper2017.audit.tabulate` makes it.
+
+    Returns
+    -------
+    Section
+        One point each.
+    """
+    slips = tuple(prose("{place}: {slip}", place=place, slip=slip) for place, slip in SLIPS)
+    return Section(
+        title="Errata of the paper",
+        blocks=(
+            Paragraph(
+                text="Tables and equations are numbered here as in the paper, figures as in this report."
+            ),
+            Points(items=(*_ALWAYS, *_of_records(numbers), *slips)),
+        ),
+        label="sec:errata",
+    )
+
+
+def _of_records(numbers: pd.DataFrame) -> tuple[Prose, ...]:
+    """Slips that the records show."""
+    errors = prose(
+        "At 6.4 ms the text quotes errors of 280 % and 96 %; the exact loop gives {mte:.0f} % and "
+        "{rms:.0f} %.",
+        mte=number(numbers, "Figure 4", "MTE^R at 6.4 ms"),
+        rms=number(numbers, "Figure 4", "RMS^R at 6.4 ms"),
+    )
+    peak = number(numbers, "Text above Table 5", "peak acceleration of KOBE/KJM000")
+    if not np.isfinite(peak):
+        return (errors,)
+    return (
+        errors,
+        prose("The peak of KOBE/KJM000 is {found:.3f} g in the record, 0.707 g in the text.", found=peak),
+    )

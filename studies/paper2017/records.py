@@ -1,0 +1,139 @@
+"""What was simulated from the records: ellipses, the example and the four cases, as far as there are any."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from reliab.boundary import Contour, Cosine, Curve, Ellipse, Parabola
+from reliab.criterion import EllipseSample
+from reliab.criterion.ellipse_sample import is_ellipse
+from reliab.vocabulary import CurveName, Metric, Side
+
+from .fits import quantile
+from .printed import EXAMPLE, FIVE_PERCENT, ONE_HERTZ, TWO_PERCENT
+
+Values = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Records:
+    """Results of the records at 5 % RMS^R, or nothing; what is not there is NaN.
+
+    Parameters
+    ----------
+    ellipses : xarray.Dataset, optional
+        `a` [-] and `b` [ms²] (and `sse` [ms⁴]) over (motion, f, xi, threshold, metric, curve), motions
+        named as in Table 2.
+    example : xarray.Dataset, optional
+        From :func:`reliab_studies.paper2017.example.run_paper_example`.
+    cases : xarray.Dataset, optional
+        From :func:`reliab_studies.paper2017.cases.cases_dataset`.
+    """
+
+    ellipses: xr.Dataset | None = None
+    example: xr.Dataset | None = None
+    cases: xr.Dataset | None = None
+
+    @cached_property
+    def frequencies(self) -> Values:
+        """Frequencies of the ellipses [Hz], increasing."""
+        return self._nodes("f")
+
+    @cached_property
+    def damping_ratios(self) -> Values:
+        """Damping ratios of the ellipses [-], increasing."""
+        return self._nodes("xi")
+
+    @cached_property
+    def motions(self) -> list[str]:
+        """Names of the motions that have ellipses."""
+        return [] if self.ellipses is None else [str(name) for name in self.ellipses["motion"].values]
+
+    def of_motions(self, parameter: str, frequency: float, damping_ratio: float = TWO_PERCENT) -> Values:
+        """Values "a" [-], "b" [ms²] or "sse" [ms⁴] of all motions at a structure; empty where unknown."""
+        if self.ellipses is None or parameter not in self.ellipses:
+            return np.empty(0)
+        cells = self.ellipses[parameter]
+        for name, value in (("f", frequency), ("xi", damping_ratio), ("threshold", FIVE_PERCENT)):
+            nearest = np.flatnonzero(np.isclose(cells[name].values, value, rtol=1e-9))
+            if nearest.size == 0:
+                return np.empty(0)
+            cells = cells.isel({name: nearest[0]})
+        cells = cells.sel(metric=str(Metric.RMS))
+        for name, chosen in (("curve", CurveName.ELLIPSE), ("side", Side.LAG)):
+            cells = cells.sel({name: str(chosen)}) if name in cells.dims else cells
+        return np.asarray(cells.transpose("motion").values, dtype=np.float64)
+
+    def of_motion(
+        self, parameter: str, frequency: float, damping_ratio: float, motion: str = EXAMPLE
+    ) -> float:
+        """Value of one motion, the example's by default, and one structure."""
+        values = self.of_motions(parameter, frequency, damping_ratio)
+        return float(values[self.motions.index(motion)]) if values.size and motion in self.motions else np.nan
+
+    def over_frequencies(self, parameter: str) -> Values:
+        """Value of the example's motion at each frequency, at 2 % damping."""
+        return np.array([self.of_motion(parameter, f, TWO_PERCENT) for f in self.frequencies.tolist()])
+
+    def over_damping_ratios(self, parameter: str) -> Values:
+        """Value of the example's motion at each damping ratio, at 1 Hz."""
+        return np.array([self.of_motion(parameter, ONE_HERTZ, xi) for xi in self.damping_ratios.tolist()])
+
+    def guaranteed(self, parameter: str) -> Values:
+        """5 % quantiles over the motions at each frequency, at 2 % damping: Table 3."""
+        return np.array([quantile(self.of_motions(parameter, f)) for f in self.frequencies.tolist()])
+
+    def pooled(self, parameter: str) -> float:
+        """5 % quantile over the motions at all frequencies together; NaN of nothing."""
+        values = [self.of_motions(parameter, f) for f in self.frequencies.tolist()]
+        return quantile(np.concatenate(values)) if values else np.nan
+
+    def sample(self, frequency: float = ONE_HERTZ, damping_ratio: float = TWO_PERCENT) -> EllipseSample:
+        """Ellipses of all motions at a structure; motions without an ellipse are left out."""
+        a, b = (self.of_motions(name, frequency, damping_ratio) for name in "ab")
+        known = is_ellipse(a, b)
+        events = () if self.ellipses is None else self.ellipses["event"].values.tolist()
+        return EllipseSample(
+            a=a[known],
+            b=b[known],
+            motions=np.array(self.motions, dtype=np.str_)[known],
+            events=np.array(events, dtype=np.str_)[known],
+            frequency=frequency,
+            damping_ratio=damping_ratio,
+            threshold=FIVE_PERCENT,
+            metric=str(Metric.RMS),
+        )
+
+    @cached_property
+    def curves(self) -> dict[str, Curve]:
+        """Curves fitted to the contour (Table 1, Figure 10) by their names; empty without the example."""
+        if self.example is None:
+            return {}
+        contour, kinds = contour_with_ends(self.example), (Ellipse, Cosine, Parabola)
+        return {kind.name: kind.fit(contour) for kind in kinds}
+
+    def _nodes(self, name: str) -> Values:
+        if self.ellipses is None:
+            return np.empty(0)
+        return np.sort(self.ellipses[name].values.astype(np.float64))
+
+
+def contour_with_ends(example: xr.Dataset) -> Contour:
+    """Contour of 5 % RMS^R of the example (Figure 9b), with its two ends on the axis d = 0.
+
+    Parameters
+    ----------
+    example : xarray.Dataset
+        From :func:`reliab_studies.paper2017.example.run_paper_example`.
+
+    Returns
+    -------
+    Contour
+        Amplitude [-] and delay [s]; for KOBE/NIS000 the 25 points of the paper.
+    """
+    low, high = example["ends_rms"].values
+    amplitude, delay = (example[f"{name}_rms"].values for name in ("amplitude", "delay"))
+    return Contour(amplitude=np.r_[low, amplitude, high], delay=np.r_[0.0, delay, 0.0])

@@ -1,0 +1,66 @@
+"""The study of what predicts the error of partitioned tests."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Final
+
+import pandas as pd
+from pydantic import Field
+
+from reliab.files import written_whole
+from reliab.report import Document
+from reliab.study.description import RecordsStudy, Table
+from reliab.study.kinds.kind import Kind
+from reliab.study.material import Records, Show
+from reliab.study.stages import Stage, made_with
+
+TESTS: Final = "tests.csv"
+SHARES: Final = "shares.csv"
+
+
+class PartitionedTable(Table):
+    """`[partitioned]`: how many tests, and the seed of their draws."""
+
+    tests: Annotated[int, Field(ge=1, le=10_000)] = 270
+    seed: Annotated[int, Field(ge=0)] = 0
+
+
+class PartitionedStudy(RecordsStudy):
+    """A study of partitioned tests."""
+
+    partitioned: PartitionedTable = PartitionedTable()
+
+
+def stages(study: PartitionedStudy, show: Show) -> Sequence[Stage]:
+    """Draw the tests, run them, and predict their errors."""
+    records, table = Records(study), study.partitioned
+
+    def work(folder: Path) -> None:
+        from . import draw_tests, run_tests, shares_of_structures
+
+        with show("Running partitioned tests") as progress:
+            tests = run_tests(draw_tests(list(records.motions), table.tests, table.seed), progress=progress)
+        with written_whole(folder / TESTS) as file:
+            tests.to_csv(file, index=False)
+        with written_whole(folder / SHARES) as file:
+            shares_of_structures().to_csv(file, index=False)
+
+    inputs = {"motions": records.checksums, "partitioned": table.model_dump(mode="json")}
+    return (Stage(name="tests", inputs=inputs, writes=(TESTS, SHARES), work=work),)
+
+
+def report(study: PartitionedStudy, folder: Path) -> Document:
+    """Report predictions against simulated errors."""
+    from .pages import partitioned_structures_report
+
+    return partitioned_structures_report(
+        title=study.title,
+        tests=pd.read_csv(folder / TESTS),
+        shares=pd.read_csv(folder / SHARES),
+        provenance={**study.provenance, **made_with(folder)},
+        purpose=study.purpose,
+    )
+
+
+KIND: Final = Kind(name="partitioned_structures", tables=PartitionedStudy, stages=stages, report=report)
+"""What A and d can see of a partitioned structure, and what they cannot."""

@@ -1,0 +1,241 @@
+"""Report of the virtual hybrid-simulation benchmark."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+
+from reliab.report.document import Block, Column, Document, Figure, Paragraph, Section, Table
+from reliab.report.numbers import Fixed, Whole
+from reliab.report.prose import Prose, prose
+from reliab.report.provenance import provenance_of
+from reliab.report.wording import PERCENT, percent, spelled_out
+
+from ..outcomes import NOMINAL, summary
+from ..pages.errors_by_compensator import benchmark_spread
+
+_CRITERIA = tuple(f"J{number}" for number in range(1, 10))
+_NAMES = {
+    "pi_phase_lead": "PI with phase lead",
+    "none": "none",
+    "inverse": "third-order inverse",
+    "adaptive_time_series": "adaptive time series",
+    "adaptive_model_based": "adaptive model-based",
+}
+
+
+def rths_benchmark_report(
+    *,
+    title: str,
+    tests: Sequence[Mapping[str, Any]],
+    published: pd.DataFrame | None,
+    threshold: float,
+    provenance: Mapping[str, object],
+    purpose: str = "",
+) -> Document:
+    """Report the benchmark.
+
+    Parameters
+    ----------
+    title : str
+        Title of the report.
+    tests : sequence of mapping
+        As :func:`reliab_studies.rths_benchmark.outcomes.run_benchmark` returns them.
+    published : pandas.DataFrame or None
+        As :func:`reliab_studies.rths_benchmark.outcomes.beside_published` returns it; None without its
+        motion.
+    threshold : float
+        Error up to which a test is good [-].
+    provenance : mapping
+        What the report can be made again from, by name.
+    purpose : str, optional
+        What the study is for.
+
+    Returns
+    -------
+    Document
+        The report.
+    """
+    rows = [dict(test) for test in tests]
+    table, judged = summary(rows), _judged(rows)
+    blocks: list[Block] = [_compensators(table, rows)]
+    if published is not None:
+        blocks.append(_published(published))
+    blocks.append(_errors(judged, threshold))
+    return Document(
+        kind="Virtual hybrid-simulation benchmark",
+        title=title,
+        verdict=_verdict(judged, threshold),
+        facts={
+            "Question": prose(
+                "Which compensator keeps the error of a test below {threshold}, and does the error that is "
+                "rebuilt from a test alone agree with the true one?",
+                threshold=percent(threshold),
+            ),
+            "Tests": prose(
+                "{tests} of cases {cases} under {motions}; {lost}",
+                tests=len(rows),
+                cases=", ".join(str(case) for case in dict.fromkeys(row["case"] for row in rows)),
+                motions=", ".join(dict.fromkeys(str(row["motion"]) for row in rows)),
+                lost=_lost(int(table["lost"].sum())),
+            ),
+            "Purpose": purpose,
+        },
+        blocks=tuple(blocks),
+        provenance=provenance_of(provenance),
+    )
+
+
+def _judged(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    """Errors of the tests of the nominal plant, as they are and as they are rebuilt from the test alone."""
+    return pd.DataFrame(
+        [
+            {
+                "name": _worded(row["compensator"]),
+                "case": row["case"],
+                "motion": row["motion"],
+                "rms": row["error"]["rms"],
+                "rebuilt": row["rebuilt"]["rms"]["value"],
+                "low": row["rebuilt"]["rms"]["low"],
+                "high": row["rebuilt"]["rms"]["high"],
+                "verdict": spelled_out(row["rebuilt"]["verdict"]),
+            }
+            for row in rows
+            if row["plant"] == NOMINAL and not row["lost"]
+        ],
+        columns=["name", "case", "motion", "rms", "rebuilt", "low", "high", "verdict"],
+    )
+
+
+def _verdict(judged: pd.DataFrame, threshold: float) -> Prose:
+    """Answer the question of the report with the tests of the nominal plant."""
+    if judged.empty:
+        return "No test of the nominal plant was kept."
+    good = judged["rms"] <= threshold
+    kept = [
+        f"{name} {'in all' if of_name.all() else f'in {of_name.sum()} of'} {of_name.size}"
+        for name, of_name in good.groupby(judged["name"], sort=False)
+    ]
+    off = float((judged["rebuilt"] / judged["rms"] - 1.0).abs().max())
+    agree = int(((judged["rebuilt"] <= threshold) == good).sum())
+    return prose(
+        "Tests of the nominal plant stay below {threshold}: {kept}. The error rebuilt from a test alone "
+        "differs from the true one by at most {off}, and is on the same side of {threshold} in {agree} of "
+        "{tests} tests.",
+        threshold=percent(threshold),
+        kept=", ".join(kept),
+        off=percent(off, 2),
+        agree=agree,
+        tests=len(judged),
+    )
+
+
+def _lost(count: int) -> str:
+    """Say how many tests were lost, and what that means."""
+    meaning = "a piston that moved more than ten times as far as the reference"
+    if count == 0:
+        return f"none was lost to {meaning}"
+    return f"{count} {'was' if count == 1 else 'were'} lost to {meaning}"
+
+
+def _worded(name: str) -> str:
+    return _NAMES.get(name, spelled_out(name))
+
+
+def _published(published: pd.DataFrame) -> Section:
+    emulated = published[published["variant"] == "emulated"]
+    exact = published[published["variant"] == "exact"]
+    both = emulated.merge(exact, on=["case", "criterion"], suffixes=("", "_exact"))
+    shown = {"published": "printed", "mean": "ours", "mean_exact": "exact"}
+    frame = both.pivot_table(index="criterion", columns="case", values=list(shown), sort=False)
+    frame.columns = pd.Index([" ".join(map(str, name)) for name in frame.columns.to_flat_index()])
+    reached = int(emulated["reached"].sum())
+    furthest = {
+        variant: float((chosen["mean"] / chosen["published"] - 1.0).abs().max())
+        for variant, chosen in published.groupby("variant")
+    }
+    columns = (
+        Column(key="criterion", heading=""),
+        *(
+            Column(key=f"{key} {case}", heading=heading, number=Fixed(decimals=1), group=f"case {case}")
+            for case in both["case"].unique()
+            for key, heading in shown.items()
+        ),
+    )
+    text = prose(
+        "El Centro at 0.4, PI control with phase lead, nominal plant. {reached} of {cells} printed digits "
+        "are reached with at least one noise history when the block diagram's difference blocks are "
+        "emulated (“ours”); means over the noises lie within {emulated} of the printed numbers, and within "
+        "{exact} when all is solved exactly.",
+        reached=reached,
+        cells=len(emulated),
+        emulated=percent(furthest["emulated"], 1),
+        exact=percent(furthest["exact"], 1),
+    )
+    caption = (
+        "The benchmark's Table 3 beside means over noise histories; J1 in ms, the others in %, in the order "
+        "of its code."
+    )
+    return Section(
+        title="The published table",
+        blocks=(
+            Paragraph(text=text),
+            Table(frame=frame.reset_index(), columns=columns, caption=caption, label="tab:three"),
+        ),
+    )
+
+
+def _compensators(table: pd.DataFrame, rows: Sequence[Mapping[str, Any]]) -> Section:
+    frame = table.assign(
+        name=[_worded(name) for name in table["compensator"]], share=table["lost"] / table["tests"]
+    )
+    columns = (
+        Column(key="name", heading="Compensator", wide=True),
+        Column(key="plants", heading="Plants"),
+        Column(key="tests", heading="Tests", number=Whole()),
+        Column(key="share", heading="Lost", unit="%", number=Fixed(decimals=1, factor=PERCENT)),
+        Column(key="over_force_limit", heading="Over 8.9 kN", number=Whole()),
+        Column(key="J1", heading="J1", unit="ms", number=Fixed(decimals=2)),
+        *(
+            Column(key=name, heading=name, unit="%", number=Fixed(decimals=1))
+            for name in _CRITERIA
+            if name in {"J2", "J4", "J6"}
+        ),
+        Column(key="A", heading="A", number=Fixed(decimals=4)),
+        Column(key="d_ms", heading="d", unit="ms", number=Fixed(decimals=2)),
+    )
+    caption = (
+        "Means over cases, motions and plants of the tests that were not lost. J2 is the RMS of tracking, "
+        "J4 of the measured first floor and J6 of the second floor against the undivided structure."
+    )
+    kept = [{**row, "name": _worded(str(row["compensator"]))} for row in rows if not row["lost"]]
+    blocks: list[Block] = [Table(frame=frame, columns=columns, caption=caption, label="tab:compensators")]
+    if kept:
+        drawing = benchmark_spread(pd.DataFrame(kept))
+        text = "First floor against the undivided structure (J4), by compensator and case, for all plants."
+        blocks.append(Figure(drawing=drawing, caption=text, label="fig:spread", leads=True))
+    return Section(title="Compensators", blocks=tuple(blocks))
+
+
+def _errors(judged: pd.DataFrame, threshold: float) -> Section:
+    number = Fixed(decimals=2, factor=PERCENT)
+    columns = (
+        Column(key="name", heading="Compensator", wide=True),
+        Column(key="case", heading="Case", number=Whole()),
+        Column(key="motion", heading="Motion"),
+        Column(key="rms", heading="True", unit="%", number=number),
+        *(
+            Column(key=key, heading=heading, unit="%", number=number, group="Rebuilt from the test")
+            for key, heading in (("rebuilt", "Value"), ("low", "From"), ("high", "To"))
+        ),
+        Column(key="verdict", heading=f"Verdict at {percent(threshold)}"),
+    )
+    caption = (
+        "RMS error of the piston over the peak of the reference, with the 90 % interval that the test's own "
+        "command and measured displacement give; nominal plant."
+    )
+    return Section(
+        title="The error of each test",
+        blocks=(Table(frame=judged, columns=columns, caption=caption, label="tab:errors"),),
+        appendix=True,
+    )

@@ -1,0 +1,246 @@
+"""Report of suites of ground motions: whether a synthetic one can replace real records."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from scipy.stats import ks_2samp
+
+from reliab.report.document import Block, Column, Document, Figure, Paragraph, Section, Table
+from reliab.report.numbers import Fixed, Shortest, Significant
+from reliab.report.prose import Prose, prose
+from reliab.report.provenance import provenance_of
+from reliab.report.sections.limits import limits_section
+from reliab.report.sections.method import method_section
+from reliab.report.sections.rates import rates_section
+from reliab.report.sources import SOURCES
+from reliab.report.wording import PERCENT, listed, percent
+
+from ..pages.suite_comparison import MEASURES, suite_measures, suite_spectra
+
+_WORDS = {
+    "peak_acceleration": ("Peak acceleration", "m/s²"),
+    "arias_intensity": ("Arias intensity", "m/s"),
+    "significant_duration": ("Duration, 5 to 95 % of the Arias intensity", "s"),
+    "mean_period": ("Mean period", "s"),
+    "a": ("Ellipse parameter a", "-"),
+    "b": ("Ellipse parameter b", "ms²"),
+}
+
+
+def suites_report(
+    *,
+    title: str,
+    measures: Mapping[str, pd.DataFrame],
+    spectra: Mapping[str, xr.DataArray],
+    limits: pd.DataFrame,
+    coverage: pd.DataFrame | None = None,
+    confidence: float,
+    provenance: Mapping[str, object],
+    notes: Sequence[Prose] = (),
+    purpose: str = "",
+) -> Document:
+    """Compare suites of ground motions, the first being the reference.
+
+    Parameters
+    ----------
+    title : str
+        Title of the report.
+    measures : mapping of str to pandas.DataFrame
+        By the name of the suite, one row for each motion: `event`, `peak_acceleration` [m/s²],
+        `arias_intensity` [m/s], `significant_duration` [s], `mean_period` [s], `a` [-] and `b` [ms²].
+    spectra : mapping of str to xarray.DataArray
+        Spectral accelerations [m/s²] over (motion, period) by the name of the suite; may be empty.
+    limits : pandas.DataFrame
+        Limits of the criterion of each suite: columns suite, f [Hz], xi, a [-], b [ms²].
+    coverage : pandas.DataFrame, optional
+        What criteria learned from one suite contain of the motions of the reference, as
+        :func:`reliab.report.sections.rates.rates_table` makes it.
+    confidence : float
+        Confidence of the criteria [-].
+    provenance : mapping
+        What the report can be made again from, by name.
+    notes : sequence of Prose, optional
+        What the reader should know.
+    purpose : str, optional
+        What the study is for, for the first page.
+
+    Returns
+    -------
+    Document
+        The report.
+    """
+    names, kept = list(measures), _kept(coverage, confidence)
+    blocks: list[Block] = [_measures(measures), _limits(limits, names, confidence)]
+    if spectra:
+        blocks.insert(1, _spectra(spectra))
+    if coverage is not None and len(coverage):
+        division = f"learned from {names[-1]}, judged on {names[0]}"
+        blocks.append(rates_section(coverage, confidence=confidence, division=division))
+    blocks += [limits_section(notes), method_section(None, experimental_fraction=1.0, window="record")]
+    return Document(
+        kind="Comparison of suites",
+        title=title,
+        verdict=_verdict(limits, names, kept, confidence),
+        tone="bad" if kept is not None and kept["high"] < confidence else "plain",
+        facts={
+            "Suites": listed([f"{name} ({len(table)} motions)" for name, table in measures.items()]),
+            "Confidence": percent(confidence),
+            "Purpose": purpose,
+        },
+        blocks=tuple(blocks),
+        provenance=provenance_of(provenance),
+        sources=SOURCES,
+    )
+
+
+def _verdict(limits: pd.DataFrame, names: Sequence[str], kept: pd.Series | None, confidence: float) -> Prose:
+    reference, compared = names[0], names[-1]
+    ratios = _ratios(limits, reference, compared)
+    ending = (
+        ""
+        if kept is None
+        else f"; {percent(kept['rate'])} of the motions of “{reference}” contain it "
+        f"(95 % interval {percent(kept['low'])} to {percent(kept['high'])})"
+    )
+    return prose(
+        "For a stated {share} of motions, the criterion from “{compared}” allows {a_low:.2f} to {a_high:.2f} "
+        "times the amplitude error and {b_low:.2f} to {b_high:.2f} times the delay that the criterion from "
+        "“{reference}” allows{ending}.",
+        share=percent(confidence),
+        compared=compared,
+        reference=reference,
+        a_low=ratios["a"].min(),
+        a_high=ratios["a"].max(),
+        b_low=ratios["b"].min(),
+        b_high=ratios["b"].max(),
+        ending=ending,
+    )
+
+
+def _kept(coverage: pd.DataFrame | None, confidence: float) -> pd.Series | None:
+    """Take what the first criterion contains of the reference over all structures, where that is known."""
+    if coverage is None:
+        return None
+    overall = coverage[
+        (coverage["measure"] == "containment")
+        & coverage["f"].isna()
+        & np.isclose(coverage["confidence"], confidence)
+    ]
+    return None if overall.empty else overall.iloc[0]
+
+
+def _ratios(limits: pd.DataFrame, reference: str, compared: str) -> pd.DataFrame:
+    """Ratios of the amplitude error and delay that two criteria allow, over structures."""
+    by_suite = limits.set_index(["suite", "f", "xi"])[["a", "b"]]
+    ratios: pd.DataFrame = (
+        by_suite.loc[[compared]].droplevel(0) / by_suite.loc[[reference]].droplevel(0)
+    ).apply(np.sqrt)
+    return ratios
+
+
+def _measures(measures: Mapping[str, pd.DataFrame]) -> Section:
+    reference, *others = measures
+    rows = [
+        _row(column, measures[reference], measures[compared], compared)
+        for compared in others
+        for column in MEASURES
+        if column in measures[reference] and column in measures[compared]
+    ]
+    return Section(
+        title="Measures of the motions",
+        blocks=(
+            Paragraph(
+                text=prose(
+                    "@fig:measures shows the suites motion by motion, @tab:measures their medians and "
+                    "spreads (standard deviation of the logarithm). The distance is the largest difference "
+                    "between two distributions (Kolmogorov–Smirnov); motions of one earthquake are alike, so"
+                    " that no p-value is given."
+                )
+            ),
+            Figure(
+                drawing=suite_measures(measures),
+                caption="Where the lines differ, the suites differ.",
+                label="fig:measures",
+                leads=True,
+            ),
+            Table(
+                frame=pd.DataFrame(rows),
+                columns=_columns(reference),
+                caption=prose("Measures of each suite beside those of {reference}.", reference=reference),
+                label="tab:measures",
+            ),
+        ),
+    )
+
+
+def _columns(reference: str) -> tuple[Column, ...]:
+    return (
+        Column(key="measure", heading="Measure"),
+        Column(key="suite", heading="Suite"),
+        Column(key="unit", heading="Unit"),
+        Column(key="reference_median", heading=reference, number=Significant(), group="median"),
+        Column(key="median", heading="suite", number=Significant(), group="median"),
+        Column(key="reference_spread", heading=reference, number=Fixed(), group="spread"),
+        Column(key="spread", heading="suite", number=Fixed(), group="spread"),
+        Column(key="distance", heading="Distance", number=Fixed()),
+    )
+
+
+def _row(column: str, reference: pd.DataFrame, compared: pd.DataFrame, name: str) -> dict[str, object]:
+    of_reference, of_other = (table[column].dropna().to_numpy() for table in (reference, compared))
+    factor, unit = (1e4, "10⁻⁴") if column == "a" else (1.0, _WORDS[column][1])
+    return {
+        "measure": _WORDS[column][0],
+        "suite": name,
+        "unit": unit,
+        "reference_median": factor * float(np.median(of_reference)),
+        "median": factor * float(np.median(of_other)),
+        "reference_spread": float(np.log(of_reference).std()),
+        "spread": float(np.log(of_other).std()),
+        "distance": float(ks_2samp(of_reference, of_other).statistic),
+    }
+
+
+def _spectra(spectra: Mapping[str, xr.DataArray]) -> Section:
+    figure = Figure(
+        drawing=suite_spectra(spectra),
+        caption="Median response spectra with the middle two thirds of the motions.",
+        label="fig:spectra",
+    )
+    return Section(title="Response spectra", blocks=(figure,))
+
+
+def _limits(limits: pd.DataFrame, names: Sequence[str], confidence: float) -> Section:
+    wide = limits.assign(amplitude=np.sqrt(limits["a"]), delay=np.sqrt(limits["b"])).pivot_table(
+        index=["f", "xi"], columns="suite", values=["amplitude", "delay"]
+    )
+    wide.columns = pd.Index([" ".join(name) for name in wide.columns.to_flat_index()])
+    columns = [
+        Column(key=f"{value} {name}", heading=name, unit=unit, number=Fixed(factor=factor), group=group)
+        for value, unit, factor, group in (
+            ("amplitude", "%", PERCENT, "amplitude error"),
+            ("delay", "ms", 1.0, "delay"),
+        )
+        for name in names
+    ]
+    return Section(
+        title="Criteria of the suites",
+        blocks=(
+            Table(
+                frame=wide.reset_index(),
+                columns=(
+                    Column(key="f", heading=prose("$f$"), unit="Hz", number=Shortest()),
+                    Column(key="xi", heading=prose("$xi$"), unit="-", number=Shortest()),
+                    *columns,
+                ),
+                caption=prose(
+                    "Greatest amplitude error and greatest delay, each without the other, for {share} of "
+                    "the motions of each suite.",
+                    share=percent(confidence),
+                ),
+                label="tab:limits",
+            ),
+        ),
+    )

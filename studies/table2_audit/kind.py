@@ -1,0 +1,57 @@
+"""The study that audits the paper's Table 2: which rows come back, and what differs in the others."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+import pandas as pd
+
+from reliab.errors import InputError
+from reliab.files import written_whole
+from reliab.report import Document
+from reliab.shipped import shipped
+from reliab.study.description import RecordsStudy
+from reliab.study.digests import digest
+from reliab.study.kinds.kind import Kind
+from reliab.study.material import Records, Show
+from reliab.study.stages import Stage, made_with
+
+ROWS: Final = "table2.csv"
+
+
+def stages(study: RecordsStudy, show: Show) -> Sequence[Stage]:
+    """Audit the table row by row."""
+    if study.motions.sources is None:
+        raise InputError(
+            "Table 2 is audited with its records",
+            value="no ground motions",
+            remedy="Give the folder of the records with `motions`",
+        )
+    records, table = Records(study), shipped("datasets", "paper/table2.csv")
+
+    def work(folder: Path) -> None:
+        from .audit import audit_table2
+
+        with show("Auditing Table 2") as progress:
+            rows = audit_table2(records.motions, pd.read_csv(table), progress=progress)
+        with written_whole(folder / ROWS) as file:
+            rows.to_csv(file, index=False)
+
+    inputs = {"motions": records.checksums, "printed": digest(table)}
+    return (Stage(name="audit", inputs=inputs, writes=(ROWS,), work=work),)
+
+
+def report(study: RecordsStudy, folder: Path) -> Document:
+    """Report the rows."""
+    from .pages import table_audit_report
+
+    return table_audit_report(
+        title=study.title,
+        rows=pd.read_csv(folder / ROWS),
+        provenance={**study.provenance, **made_with(folder)},
+        notes=(study.purpose,) if study.purpose else (),
+    )
+
+
+KIND: Final = Kind(name="table_audit", tables=RecordsStudy, stages=stages, report=report)
+"""Table 2 as measured data against our simulation of its records."""

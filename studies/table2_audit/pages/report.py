@@ -1,0 +1,179 @@
+"""Report of a published table audited row by row against a simulation of its records."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import pandas as pd
+from reliab_studies.paper2017.item import CLOSE
+
+from reliab.report.document import Column, Document, Figure, Paragraph, Section, Table
+from reliab.report.numbers import Fixed, Scientific, Significant
+from reliab.report.prose import Prose, prose
+from reliab.report.provenance import provenance_of
+from reliab.report.sections.limits import limits_section
+from reliab.report.sections.method import method_section
+from reliab.report.sources import SOURCES
+from reliab.report.wording import PERCENT, percent
+
+from ..audit import LARGEST_CHANCE, NONE_FOUND
+from ..pages.table_rows import table_rows
+
+
+def table_audit_report(
+    *,
+    title: str,
+    rows: pd.DataFrame,
+    provenance: Mapping[str, object],
+    notes: Sequence[Prose] = (),
+) -> Document:
+    """Report which rows of Table 2 come back, and what differs in the others.
+
+    Parameters
+    ----------
+    title : str
+        Title of the report.
+    rows : pandas.DataFrame
+        As :func:`reliab_studies.table2_audit.audit.audit_table2` makes it.
+    provenance : mapping
+        What the report can be made again from, by name.
+    notes : sequence of Prose, optional
+        What the reader should know.
+
+    Returns
+    -------
+    Document
+        The report.
+    """
+    rows = rows.fillna({"difference": "", "detail": ""})
+    disagreeing = rows[~rows["agrees"]]
+    named = disagreeing[disagreeing["difference"] != NONE_FOUND]
+    before, after = (_root_mean_square(disagreeing[name]) for name in ("gap_before", "gap_after"))
+    return Document(
+        kind="Audit of a published table",
+        title=title,
+        verdict=prose(
+            "{agree} of {all} rows come back within 10 % in both $a$ and $b$; of the other {disagreeing}, a "
+            "hidden difference explains {named} better than chance would, and {rest} remain unexplained. The "
+            "column “error” comes back in {errors} rows.",
+            agree=int(rows["agrees"].sum()),
+            all=len(rows),
+            disagreeing=len(disagreeing),
+            named=len(named),
+            rest=len(disagreeing) - len(named),
+            errors=int(((rows["error"] / rows["error_printed"] - 1.0).abs() <= CLOSE).sum()),
+        ),
+        facts={
+            "Table": prose("Table 2 of Guo and others (2017) @guo2017"),
+            "Structure": prose('$f = 1$ Hz, $xi = 0.02$; $"RMS"^R$ of 5 %'),
+            "Gap of disagreeing rows": prose(
+                "{before:.2f} before, {after:.2f} after (root mean square of the larger logarithmic ratio)",
+                before=before,
+                after=after,
+            ),
+        },
+        blocks=(
+            _disagreeing(rows, disagreeing),
+            limits_section(notes),
+            method_section(None, experimental_fraction=1.0, window="record"),
+            _all(rows),
+        ),
+        provenance=provenance_of(provenance),
+        sources=SOURCES,
+    )
+
+
+def _disagreeing(rows: pd.DataFrame, disagreeing: pd.DataFrame) -> Section:
+    return Section(
+        title="Rows that disagree",
+        blocks=(
+            Paragraph(
+                text=prose(
+                    "For each row that disagrees, other time steps, shorter and longer stretches of the "
+                    "record, and the other component of the same recording are tried. A difference is named "
+                    "only when it explains $a$ and $b$ together as closely as agreeing rows agree, and when "
+                    "it would rarely ({share} at most) do so for the printed pair of another earthquake: "
+                    "with many candidates, some explain a row by chance.",
+                    share=percent(LARGEST_CHANCE),
+                )
+            ),
+            Figure(
+                drawing=table_rows(rows),
+                caption=(
+                    "Every row by its ratios; a row that is explained moves to the crossing of the lines."
+                ),
+                label="fig:rows",
+                leads=True,
+            ),
+            _ratios(disagreeing),
+        ),
+        label="sec:disagreeing",
+    )
+
+
+def _ratios(disagreeing: pd.DataFrame) -> Table:
+    """Tabulate rows that disagree before and after their hidden difference, the worst first."""
+    ratios = disagreeing.assign(
+        a_ratio=disagreeing["a"] / disagreeing["a_printed"],
+        b_ratio=disagreeing["b"] / disagreeing["b_printed"],
+        a_closed=disagreeing["a_after"] / disagreeing["a_printed"],
+        b_closed=disagreeing["b_after"] / disagreeing["b_printed"],
+        difference=disagreeing["difference"].str.cat(disagreeing["detail"], sep="; ").str.removesuffix("; "),
+    ).sort_values("gap_before", ascending=False)
+    before, after = prose("before"), prose("after")
+    chance = Fixed(decimals=1, factor=PERCENT)
+    return Table(
+        frame=ratios,
+        columns=(
+            Column(key="record", heading="Record"),
+            Column(key="a_ratio", heading=prose("$a$"), number=Fixed(), group=before),
+            Column(key="b_ratio", heading=prose("$b$"), number=Fixed(), group=before),
+            Column(key="difference", heading="Difference", wide=True),
+            Column(key="a_closed", heading=prose("$a$"), number=Fixed(), group=after),
+            Column(key="b_closed", heading=prose("$b$"), number=Fixed(), group=after),
+            Column(key="chance", heading="Chance", unit="%", number=chance),
+        ),
+        caption=(
+            "Rows that disagree by more than 10 %, the worst first: simulated over printed a and b, before "
+            "and after the difference is taken into account; “chance” is the share of other earthquakes' "
+            "printed pairs that the row's candidates explain as well."
+        ),
+        label="tab:disagreeing",
+    )
+
+
+def _all(rows: pd.DataFrame) -> Section:
+    shown = rows.assign(
+        a_ratio=rows["a"] / rows["a_printed"],
+        b_ratio=rows["b"] / rows["b_printed"],
+    )
+    a, b, error = prose("$a$ [-]"), prose("$b$ [ms²]"), prose("error [ms⁴]")
+    return Section(
+        title="All rows",
+        blocks=(
+            Table(
+                frame=shown,
+                columns=(
+                    Column(key="record", heading="Record"),
+                    Column(key="a_printed", heading="printed", number=Scientific(), group=a),
+                    Column(key="a", heading="simulated", number=Scientific(), group=a),
+                    Column(key="a_ratio", heading="ratio", number=Fixed(), group=a),
+                    Column(key="b_printed", heading="printed", number=Significant(), group=b),
+                    Column(key="b", heading="simulated", number=Significant(), group=b),
+                    Column(key="b_ratio", heading="ratio", number=Fixed(), group=b),
+                    Column(key="error_printed", heading="printed", number=Significant(), group=error),
+                    Column(key="error", heading="simulated", number=Significant(), group=error),
+                ),
+                caption=prose(
+                    "Every row of Table 2, printed and simulated from the raw record; “error” is the sum of "
+                    "squares of equation (10), which comes back in few rows for a reason that is unknown."
+                ),
+                label="tab:all",
+            ),
+        ),
+        appendix=True,
+    )
+
+
+def _root_mean_square(gaps: pd.Series) -> float:
+    finite = gaps[np.isfinite(gaps)]
+    return float(np.sqrt(np.mean(np.square(finite)))) if len(finite) else 0.0

@@ -1,0 +1,194 @@
+"""Studies that put criteria to the test: held-out earthquakes, rigs beyond the model, the paper's cases."""
+
+from collections.abc import Sequence
+from itertools import islice
+from pathlib import Path
+from typing import Annotated, Final
+
+import pandas as pd
+from pydantic import Field
+
+from reliab.criterion.provenance import records_checksum
+from reliab.files import written_whole
+from reliab.motions import Motion, MotionSuite, load_motions
+from reliab.report import Document
+from reliab.structures.structure import Structure
+from reliab.study.description import CriterionStudy, ValidationTable
+from reliab.study.kinds.kind import Kind
+from reliab.study.material import SYNTHETIC, Material, Show
+from reliab.study.stages import Stage, made_with
+from reliab.study.steps import (
+    CASES,
+    CRITERIA,
+    ELLIPSES,
+    derivation,
+    derivation_of,
+    judgement,
+    opened,
+    paper_cases,
+    refusals_of,
+    simulation,
+    tracing,
+    validations_of,
+)
+from reliab.sweep import open_ellipses
+from reliab.vocabulary import Metric
+
+BEYOND: Final = "beyond_the_model.csv"
+REBUILT: Final = "rebuilt_error_tests.csv"
+
+_MOTIONS_BEYOND = 20
+
+
+class CasesTable(ValidationTable):
+    """`[validation]`: how criteria are put to the test, and under which motion the paper's cases are run."""
+
+    held_out: str | None = None
+    rebuilt_error_trials: Annotated[int, Field(ge=0)] = 6
+    """Tests of each kind of actuator and specimen whose error is rebuilt; 0 leaves them out."""
+
+
+class ValidationStudy(CriterionStudy):
+    """Whether criteria keep their promise."""
+
+    validation: CasesTable = CasesTable()
+
+
+def stages(study: ValidationStudy, show: Show) -> Sequence[Stage]:
+    """Derive and judge criteria; try actuators beyond the model; run the paper's cases if possible."""
+    material = Material(study, results=study.motions.results)
+    held_out = _held_out(study)
+    cases = [] if held_out is None else [paper_cases(study.motions.sources or (), held_out)]
+    return (
+        *simulation(study, material, show),
+        tracing(study, material, show),
+        derivation(study.errors, study.criterion),
+        judgement(study, material, show),
+        _beyond(study, material, show),
+        *_rebuilt(study, material, show),
+        *cases,
+    )
+
+
+def report(study: ValidationStudy, folder: Path) -> Document:
+    """Report containment, false-safe rate and accepted share of every scheme, and what lies beyond."""
+    from reliab.report.kinds.criterion import no_criterion_report
+    from reliab.report.sections.rates import rates_table
+    from reliab.validation.cross_validation.tabulation import tabulate
+
+    from .pages import validation_report
+
+    validations, traced = validations_of(study, folder), open_ellipses(folder / ELLIPSES)
+    title = study.titled(Material(study, results=study.motions.results).population)
+    provenance = {**study.provenance, "records, SHA-256": records_checksum(traced), **made_with(folder)}
+    if not validations:
+        return no_criterion_report(
+            title=title,
+            ellipses=traced,
+            reasons=refusals_of(folder),
+            provenance=provenance,
+            purpose=study.purpose,
+        )
+    return validation_report(
+        title=title,
+        rates={
+            scheme.replace("_", " "): rates_table(validation) for scheme, validation in validations.items()
+        },
+        confidence=study.criterion.confidences[0],
+        experimental_fraction=study.structures.experimental_fraction,
+        window=study.errors.window,
+        verdicts=tabulate(next(iter(validations.values()))),
+        beyond=pd.read_csv(folder / BEYOND),
+        rebuilt=pd.read_csv(folder / REBUILT) if study.validation.rebuilt_error_trials else None,
+        threshold=study.errors.thresholds[0],
+        cases=opened(folder / CASES) if _held_out(study) else None,
+        provenance=provenance,
+        notes=refusals_of(folder),
+        purpose=study.purpose,
+    )
+
+
+def _held_out(study: ValidationStudy) -> str | None:
+    """Return the motion of the paper's cases, where there are records that may hold it."""
+    return study.validation.held_out if study.motions.sources else None
+
+
+def _beyond(study: ValidationStudy, material: Material, show: Show) -> Stage:
+    """Try actuators that are no constant gain and delay."""
+    # Without records the rigs are tried under the suite that is built in.
+    suite = material.motions if study.motions.sources else load_motions(SYNTHETIC)
+    structure = _structure(study)
+
+    def work(folder: Path) -> None:
+        from reliab.validation.beyond_the_model import TEST_COLUMNS, rigs_of_delay, try_rigs
+
+        criteria = derivation_of(folder).criteria
+        if not criteria:
+            with written_whole(folder / BEYOND) as file:
+                pd.DataFrame(columns=list(TEST_COLUMNS)).to_csv(file, index=False)
+            return
+        criterion = criteria[0]
+        with show("Trying other rigs") as progress:
+            tests = try_rigs(
+                _spread(suite, _MOTIONS_BEYOND),
+                [structure],
+                rigs_of_delay,
+                criterion,
+                count=_MOTIONS_BEYOND,
+                progress=progress,
+            )
+        with written_whole(folder / BEYOND) as file:
+            tests.to_csv(file, index=False)
+
+    inputs = {
+        "motions": [motion.checksum for motion in _spread(suite, _MOTIONS_BEYOND)],
+        "structure": repr(structure),
+    }
+    return Stage(name="beyond the model", inputs=inputs, reads=(CRITERIA,), writes=(BEYOND,), work=work)
+
+
+def _rebuilt(study: ValidationStudy, material: Material, show: Show) -> list[Stage]:
+    """Judge simulated tests by their rebuilt error too."""
+    trials = study.validation.rebuilt_error_trials
+    if not trials:
+        return []
+    suite = material.motions if study.motions.sources else load_motions(SYNTHETIC)
+    motions = _spread(suite, trials)
+    structure = _structure(study)
+    threshold, metric = study.errors.thresholds[0], study.errors.metrics[0]
+    confidence = study.criterion.confidences[0]
+
+    def work(folder: Path) -> None:
+        from reliab.validation.rebuilt_error_study import Design, try_tests
+
+        design = Design.of(
+            motions,
+            [structure],
+            trials=trials,
+            threshold=threshold,
+            metric=Metric(metric),
+            confidence=confidence,
+        )
+        with show("Rebuilding the errors of tests") as progress:
+            try_tests(design, kept=folder / REBUILT, progress=progress)
+
+    inputs = {
+        "motions": [motion.checksum for motion in motions],
+        "structure": repr(structure),
+        "asked": [threshold, metric, confidence, trials],
+    }
+    return [Stage(name="rebuilt errors", inputs=inputs, writes=(REBUILT,), work=work)]
+
+
+def _structure(study: ValidationStudy) -> Structure:
+    """Structure with which single tests are simulated."""
+    return Structure(frequency=study.structures.f[0], damping_ratio=study.structures.xi[0])
+
+
+def _spread(suite: MotionSuite, count: int) -> list[Motion]:
+    """Take some of the motions, spread over the suite."""
+    return list(islice(suite, 0, None, max(1, len(suite) // count)))[:count]
+
+
+KIND: Final = Kind(name="validation", tables=ValidationStudy, stages=stages, report=report)
+"""Whether criteria keep their promise."""

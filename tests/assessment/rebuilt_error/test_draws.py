@@ -1,0 +1,258 @@
+"""Draws of what is not known, each tolerance alone, against the response to its own disturbance."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from reliab.assessment.rebuilt_error import Tolerances
+from reliab.assessment.rebuilt_error.error_statistics import mean_square
+from reliab.assessment.rebuilt_error.interval import Histories, Unknown, samples_in_step, sweep
+from reliab.assessment.rebuilt_error.noise import SensorNoise
+from reliab.assessment.rebuilt_error.parts import _part, divide, part_of_tracking
+from reliab.assessment.rebuilt_error.spectral import respond_spectrally
+from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
+from reliab.assessment.rebuilt_error.widenings import _for_half, widenings
+from reliab.structures.structure import Structure
+from reliab.vocabulary import Metric
+
+STEP = 1.0 / 256.0
+TIME = STEP * np.arange(2048)
+W0, XI, SHARE = 2.0 * np.pi * 1.5, 0.05, 0.6
+STRUCTURE = WholeStructure.of(Structure(frequency=1.5, damping_ratio=XI, experimental_fraction=SHARE))
+DRAWS = 128
+
+
+@pytest.fixture(scope="module")
+def histories():
+    command = 0.02 * np.sin(2.0 * np.pi * 1.2 * TIME) * np.sin(0.4 * TIME) ** 2
+    measured = 0.98 * np.interp(TIME - 0.005, TIME, command)
+    return Histories(command=command, measured=measured, fed_back=command - measured, time_step=STEP)
+
+
+def swept(histories, every=1, structure=STRUCTURE, offset=0.0, at_start=0.0, draws=DRAWS, **tolerances):
+    unknown = Unknown(tolerances=Tolerances(**tolerances), offset=offset, error_at_start=at_start)
+    differences = histories.difference[::every][np.newaxis]
+    return sweep(histories, structure, unknown, differences, every, draws=draws, seed=1).spread
+
+
+def response(difference, structure=STRUCTURE):
+    return respond_spectrally(structure, difference, STEP)
+
+
+def disturbances(histories):
+    """What one standard deviation of each tolerance adds to x_m − x_I."""
+    rate = np.gradient(histories.measured, STEP)
+    lasting = np.ones(TIME.size)
+    return {
+        "sensor_scale": (0.01, response(histories.measured) - histories.measured),
+        "time_shift": (1e-3, response(rate) - rate),
+        "sensor_offset": (2e-4, response(lasting) - 1.0),
+        "feedback_lag": (5e-4, response(rate)),
+    }
+
+
+@pytest.mark.parametrize("delay", [0.005, 0.06])
+def test_errors_are_relative_to_the_peak_of_the_command_less_the_error_of_the_command(histories, delay):
+    """x_I = x_c − H(x_c − x_m), and x_m − x_I = H(x_c − x_m) − (x_c − x_m)."""
+    command = histories.command
+    measured = np.interp(TIME - delay, TIME, command)
+    late = Histories(command=command, measured=measured, fed_back=command - measured, time_step=STEP)
+    spread = swept(late, draws=2)
+    error = response(late.difference)
+    strayed, ideal = error - late.difference, np.abs(command - error).max()
+    assert spread.rms == pytest.approx(np.full(2, np.sqrt(mean_square(strayed)) / ideal), rel=0.005)
+    assert spread.mte == pytest.approx(np.full(2, np.abs(strayed).max() / ideal), rel=0.005)
+
+
+@pytest.mark.parametrize("name", ["sensor_scale", "time_shift", "sensor_offset", "feedback_lag"])
+def test_a_linear_tolerance_moves_the_error_by_its_own_response(histories, name):
+    deviation, effect = disturbances(histories)[name]
+    spread = swept(histories, **{name: deviation})
+    stated = response(histories.difference) - histories.difference
+    assert spread.deviation == pytest.approx(deviation * np.abs(effect), rel=0.02, abs=1e-7)
+    assert spread.mean == pytest.approx(stated, abs=0.02 * deviation * np.abs(effect).max() + 1e-7)
+
+
+@pytest.mark.parametrize(
+    ("name", "factor"),
+    [("frequency", "frequency"), ("damping_ratio", "damping_ratio"), ("experimental_fraction", "share")],
+)
+def test_a_tolerance_of_the_structure_moves_the_error_by_its_derivative(histories, name, factor):
+    by_factor = [response(histories.difference, STRUCTURE.scaled(**{factor: 1.0 + d})) for d in (1e-4, -1e-4)]
+    derivative = (by_factor[0] - by_factor[1]) / 2e-4
+    spread = swept(histories, **{name: 0.002})
+    assert spread.deviation == pytest.approx(0.002 * np.abs(derivative), rel=0.05, abs=1e-6)
+
+
+def test_offsets_that_are_stated_and_estimated_add_as_variances(histories):
+    _, effect = disturbances(histories)["sensor_offset"]
+    spread = swept(histories, sensor_offset=3e-4, offset=4e-4)
+    assert spread.deviation == pytest.approx(5e-4 * np.abs(effect), rel=0.02, abs=1e-7)
+
+
+def test_an_unknown_start_is_a_free_vibration(histories):
+    """Displacement and velocity over ω₀ of the error at the first sample have one standard deviation."""
+    decay, damped = np.exp(-XI * W0 * TIME), W0 * np.sqrt(1.0 - XI**2)
+    slow = decay * (np.cos(damped * TIME) + XI * W0 / damped * np.sin(damped * TIME))
+    fast = decay * np.sin(damped * TIME) * W0 / damped
+    spread = swept(histories, at_start=1e-3)
+    assert spread.deviation == pytest.approx(1e-3 * np.hypot(slow, fast), rel=0.05)
+
+
+def test_what_is_not_known_is_independent(histories):
+    """Variances of all unknowns together are the sum of those of each alone."""
+    deviations = {"sensor_scale": 0.004, "time_shift": 4e-4, "frequency": 0.002, "damping_ratio": 0.05}
+    deviations |= {"experimental_fraction": 0.005, "sensor_offset": 1e-4, "feedback_lag": 3e-4}
+    alone = [swept(histories, **{name: value}).deviation for name, value in deviations.items()]
+    alone.append(swept(histories, at_start=2e-4).deviation)
+    together = swept(histories, at_start=2e-4, draws=1024, **deviations).deviation
+    assert together == pytest.approx(np.linalg.norm(alone, axis=0), rel=0.15)
+    two = swept(histories, at_start=1e-4, draws=1024, damping_ratio=0.1).deviation
+    parts = [swept(histories, at_start=1e-4).deviation, swept(histories, damping_ratio=0.1).deviation]
+    expected = np.linalg.norm(parts, axis=0)
+    assert two == pytest.approx(expected, rel=0.2, abs=0.02 * expected.max())
+
+
+def test_parts_of_no_error_have_no_share(histories):
+    perfect = replace(histories, measured=histories.command, fed_back=np.zeros(TIME.size))
+    for part in divide(perfect, STRUCTURE).by_name.values():
+        assert np.abs(part.history).max() < 1e-12
+    nothing = _part(np.zeros(5), np.zeros(5), 1.0)
+    assert (nothing.share, nothing.rms, nothing.remaining_mte) == (0.0, 0.0, 0.0)
+
+
+def test_a_structure_that_stood_under_an_offset_stays_there():
+    """x_c − x_m = 2 mm for ever: the error is 2 mm times the specimen's share, and nothing vibrates."""
+    command = 0.01 * np.sin(2.0 * np.pi * TIME) * (TIME > 4.0)
+    still = Histories(
+        command=command,
+        measured=command - 2e-3,
+        fed_back=np.full(TIME.size, 2e-3),
+        time_step=STEP,
+        standing=2e-3,
+    )
+    spread = swept(still)
+    assert spread.mean == pytest.approx(np.full(TIME.size, (SHARE - 1.0) * 2e-3))
+    assert spread.deviation == pytest.approx(np.zeros(TIME.size), abs=1e-9)
+    # a structure of another frequency stands elsewhere under the same force, where its share is as stated
+    loose = swept(still, frequency=0.01)
+    assert loose.deviation[:10] == pytest.approx(np.zeros(10), abs=1e-6)
+
+
+@pytest.mark.parametrize("every", [1, 3, 8])
+def test_what_lies_between_swept_samples_counts(histories, every):
+    error = response(histories.difference) - histories.difference
+    ideal = np.abs(histories.command - error - histories.difference).max()
+    spread = swept(histories, every)
+    assert spread.rms == pytest.approx(np.full(DRAWS, np.sqrt(mean_square(error)) / ideal), rel=1e-4)
+    assert spread.mte == pytest.approx(np.full(DRAWS, np.abs(error).max() / ideal), rel=1e-3)
+    assert spread.mean[: 1 - every or None : every] == pytest.approx(
+        error[: 1 - every or None : every], abs=0.02 * np.abs(error).max()
+    )
+    assert spread.mean.size == TIME.size
+
+
+def test_a_step_of_the_sweep_resolves_structure_and_motion():
+    """64 samples in a period of the structure; a quarter of the motion's period for up to 4096 samples."""
+    stiff = WholeStructure.of(Structure(frequency=0.5, damping_ratio=0.05))
+    noise = SensorNoise(time_step=1.0 / 1024.0, weights=np.zeros(6), band=32.0)
+    assert samples_in_step(stiff, noise, 20_000) == 8
+    assert samples_in_step(stiff, replace(noise, band=128.0), 4096) == 2
+    assert samples_in_step(stiff, replace(noise, band=128.0), 4096 * 5 + 1) == 6
+    assert samples_in_step(stiff, replace(noise, band=2.0), 100) == 32
+    assert samples_in_step(stiff, replace(noise, band=400.0), 100) == 1
+
+
+def test_tolerances_of_equal_effect_widen_equally_and_half_of_one_halves(histories):
+    unknown = Unknown(tolerances=Tolerances(sensor_scale=0.02), offset=0.0, error_at_start=0.0)
+    differences = np.stack([0.999 * histories.difference, 1.001 * histories.difference])
+    options = {"metric": Metric.RMS, "draws": DRAWS, "seed": 3}
+    first, *others = widenings(histories, STRUCTURE, unknown, differences, 1, **options)
+    assert (first.name, first.deviation) == ("sensor_scale", 0.02)
+
+    def interval(unknown):
+        return sweep(histories, STRUCTURE, unknown, differences, 1, draws=DRAWS, seed=3).spread.interval(
+            Metric.RMS
+        )
+
+    whole = interval(unknown)
+    assert first.width == pytest.approx(whole[1] - whole[0])
+    exact = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
+    rest = interval(exact)
+    assert first.width_without == pytest.approx(rest[1] - rest[0])
+    halved = replace(unknown, tolerances=Tolerances(sensor_scale=first.deviation_for_half))
+    half = interval(halved)
+    assert (half[1] - half[0]) / first.width == pytest.approx(0.5, abs=0.02)
+    for other in others:
+        assert other.name == "sensor_noise"
+        assert other.deviation == 0.0
+        assert first.width_without < other.width_without < other.width
+
+
+@pytest.mark.parametrize(
+    ("name", "offset"), [("sensor_scale", 0.0), ("sensor_offset", 4e-4), ("initial_state", 0.0)]
+)
+def test_half_the_width_is_found_by_halving(name, offset):
+    """Where the width is the deviation's square, half of it is at √½ of the deviation, to 1/64 below."""
+    unknown = Unknown(
+        tolerances=Tolerances(sensor_scale=0.02, sensor_offset=3e-4), offset=offset, error_at_start=1e-3
+    )
+
+    def width(changed):
+        return (changed.deviations()[name] / unknown.deviations()[name]) ** 2
+
+    found = _for_half(unknown, name, 5.0, 0.5, width)
+    assert np.sqrt(0.5) - 1.0 / 64.0 <= found / 5.0 <= np.sqrt(0.5)
+    assert _for_half(unknown, name, 5.0, -1.0, width) is None
+
+
+def test_a_part_over_time_and_frequency_keeps_its_mean_square(histories):
+    parts = divide(histories, STRUCTURE)
+    edges = np.array([0.0, 0.8, 1.6, 20.0, 129.0])
+    for name, part in parts.by_name.items():
+        square = np.mean(part.history**2)
+        assert parts.over_frequency(STEP, edges)[name].sum() == pytest.approx(square)
+        stretches = parts.over_time(STEP, 2.0)[name]
+        assert stretches.size == 4
+        assert np.mean(stretches**2) == pytest.approx(square)
+    uneven = parts.over_time(STEP, 3.0)["delay"]
+    history = parts.by_name["delay"].history
+    assert uneven == pytest.approx([np.sqrt(np.mean(h**2)) for h in np.split(history, [768, 1536])])
+
+
+def test_a_sine_has_half_its_squared_amplitude_in_its_own_band(histories):
+    wave = 3e-3 * np.sin(2.0 * np.pi * 2.0 * TIME) + 1e-3
+    part = replace(divide(histories, STRUCTURE).by_name["delay"], history=wave)
+    parts = replace(divide(histories, STRUCTURE), by_name={"delay": part})
+    power = parts.over_frequency(STEP, np.array([0.0, 0.01, 1.0, 2.0, 3.0]))["delay"]
+    assert power == pytest.approx([1e-6, 0.0, 0.0, 4.5e-6], abs=1e-12)
+
+
+def test_parts_are_gain_delay_and_rest_of_least_squares(histories):
+    parts = divide(histories, STRUCTURE)
+    rate = np.gradient(histories.command, STEP)
+    basis = np.stack([histories.command, -rate, np.ones(TIME.size)])
+    gain, delay, _ = np.linalg.lstsq(basis.T, histories.measured, rcond=None)[0]
+    assert (parts.gain, parts.delay) == pytest.approx((gain, delay))
+    error = response(histories.difference) - histories.difference
+    ideal = np.abs(histories.measured - error).max()
+    for name, wrong in (("amplitude", (1.0 - gain) * histories.command), ("delay", delay * rate)):
+        piece, part = response(wrong) - wrong, parts.by_name[name]
+        assert part.history == pytest.approx(piece, abs=1e-6)
+        assert part.rms == pytest.approx(np.sqrt(mean_square(piece)) / ideal, rel=1e-3)
+        assert part.share == pytest.approx(piece @ error / (error @ error), rel=1e-3)
+        left = error - piece
+        assert part.remaining_rms == pytest.approx(np.sqrt(mean_square(left)) / ideal, rel=1e-3)
+        assert part.remaining_mte == pytest.approx(np.abs(left).max() / ideal, rel=1e-3)
+
+
+def test_an_actuator_that_is_described_exactly_accounts_for_the_whole_error(histories):
+    part = part_of_tracking(histories, STRUCTURE, histories.measured)
+    assert part.share == pytest.approx(1.0)
+    assert part.remaining_rms == pytest.approx(0.0, abs=1e-12)
+    half = part_of_tracking(histories, STRUCTURE, 0.5 * (histories.measured + histories.command))
+    assert half.share == pytest.approx(0.5)
+    assert half.rms == pytest.approx(0.5 * part.rms)
+    ideal = np.abs(histories.measured - part.history).max()
+    assert half.remaining_mte == pytest.approx(0.5 * np.abs(part.history).max() / ideal)

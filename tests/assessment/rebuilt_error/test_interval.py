@@ -1,0 +1,234 @@
+"""What is uncertain: noise, tolerances, offsets, beginnings."""
+
+import numpy as np
+import pytest
+
+from rebuilt_error.laboratory import BACKLASH, BIAS, DELAY, RATE, Lab, noise, quantised, run, synthetic_ground
+from reliab.assessment.rebuilt_error import Tolerances, rebuild
+from reliab.assessment.rebuilt_error.force_form import Form
+from reliab.assessment.rebuilt_error.rounding import rounding_step
+from reliab.errors import InputError
+from reliab.structures.structure import Structure
+from reliab.vocabulary import Metric
+
+STEP = 1.0 / RATE
+LAB = Lab(1.0, 0.03, 1.0, DELAY, (0.997, 0.0012, 0.0, 0.0))
+STRUCTURE = Structure(frequency=1.0, damping_ratio=0.03)
+
+
+@pytest.fixture(scope="module")
+def outcome():
+    return run(LAB, synthetic_ground(4, 20.0))
+
+
+@pytest.fixture(scope="module")
+def noisy(outcome):
+    rng = np.random.default_rng(0)
+    level = 0.01 * np.sqrt(np.mean(outcome.measured**2))
+    return outcome.measured + noise("white", outcome.measured.size, level, rng)
+
+
+def test_white_noise_moves_the_error_by_less_than_two_per_cent(outcome, noisy):
+    rebuilt = rebuild(outcome.command, noisy, STEP, STRUCTURE)
+    assert rebuilt.rms.value == pytest.approx(outcome.rms, rel=0.02)
+    assert rebuilt.rms.low < outcome.rms < rebuilt.rms.high
+    assert rebuilt.mte.low < outcome.mte < rebuilt.mte.high
+    assert rebuilt.noise.white == pytest.approx(0.01 * np.sqrt(np.mean(outcome.measured**2)), rel=0.05)
+
+
+def test_a_wrong_frequency_is_covered_by_its_tolerance(outcome):
+    wrong = Structure(frequency=1.012, damping_ratio=0.03)
+    exact = rebuild(outcome.command, outcome.measured, STEP, wrong)
+    assert not exact.rms.low <= outcome.rms <= exact.rms.high
+    loose = rebuild(outcome.command, outcome.measured, STEP, wrong, tolerances=Tolerances(frequency=0.01))
+    assert loose.rms.low <= outcome.rms <= loose.rms.high
+
+
+def test_the_band_holds_the_history(outcome, noisy):
+    tolerances = Tolerances(frequency=0.005, damping_ratio=0.05, sensor_scale=0.002)
+    rebuilt = rebuild(outcome.command, noisy, STEP, STRUCTURE, tolerances=tolerances)
+    true = outcome.measured - outcome.ideal
+    inside = (rebuilt.low <= true) & (true <= rebuilt.high)
+    assert inside.mean() > 0.85
+    assert np.mean(rebuilt.high - rebuilt.low) < 4.0 * np.abs(true).max()
+
+
+def test_probability_is_capped_by_the_draws_and_falls_with_the_threshold(outcome):
+    rebuilt = rebuild(
+        outcome.command, outcome.measured, STEP, STRUCTURE, tolerances=Tolerances(frequency=0.01)
+    )
+    assert rebuilt.probability(1.0) == pytest.approx(256.5 / 257.0)
+    assert rebuilt.probability(1e-6) == pytest.approx(0.5 / 257.0)
+    assert rebuilt.probability(rebuilt.mte.low, Metric.MTE) == pytest.approx(0.05, abs=0.01)
+    assert rebuilt.probability(rebuilt.mte.high, Metric.MTE) == pytest.approx(0.95, abs=0.01)
+
+
+def test_the_widest_tolerance_is_named_and_half_of_the_width_is_reached(outcome):
+    tolerances = Tolerances(frequency=0.01, damping_ratio=0.01)
+    rebuilt = rebuild(outcome.command, outcome.measured, STEP, STRUCTURE, tolerances=tolerances)
+    widest = rebuilt.widenings()[0]
+    assert widest.name == "frequency"
+    assert widest.width_without < 0.5 * widest.width
+    assert 0.0 < widest.deviation_for_half < 0.01
+    halved = rebuild(
+        *(outcome.command, outcome.measured, STEP, STRUCTURE),
+        tolerances=Tolerances(frequency=widest.deviation_for_half, damping_ratio=0.01),
+    )
+    whole, half = (one.rms.high - one.rms.low for one in (rebuilt, halved))
+    assert half / whole == pytest.approx(0.5, abs=0.1)
+
+
+def test_a_sensor_offset_at_rest_is_taken_away(outcome):
+    command = np.concatenate([np.zeros(1024), outcome.command])
+    measured = np.concatenate([np.zeros(1024), outcome.measured]) + 0.02
+    rebuilt = rebuild(command, measured, STEP, STRUCTURE)
+    assert rebuilt.start.offset == pytest.approx(0.02, rel=1e-4)
+    plain = rebuild(command, measured - 0.02, STEP, STRUCTURE)
+    assert rebuilt.rms.value == pytest.approx(plain.rms.value, rel=1e-3)
+    kept = rebuild(command, measured, STEP, STRUCTURE, sensor_offset=0.0)
+    assert kept.rms.value > 1.5 * plain.rms.value
+
+
+@pytest.mark.parametrize(("alpha", "every"), [(1.0, 2), (0.5, 8)])
+def test_an_offset_that_the_loop_felt_is_part_of_the_error(alpha, every):
+    bias = 0.01 * np.abs(run(Lab(1.0, 0.03, alpha), synthetic_ground(7, 20.0)).ideal).max()
+    felt = run(Lab(1.0, 0.03, alpha, BIAS, (0.998, bias, 0.0, 0.0)), synthetic_ground(7, 20.0))
+    structure = Structure(frequency=1.0, damping_ratio=0.03, experimental_fraction=alpha)
+    level = 0.01 * np.sqrt(np.mean(felt.measured**2))
+    read = (felt.measured + noise("white", felt.measured.size, level, np.random.default_rng(1)))[::every]
+    rebuilt = rebuild(felt.command[::every], read, every * STEP, structure)
+    assert rebuilt.start.offset == 0.0
+    assert rebuilt.rms.value == pytest.approx(felt.rms, rel=0.05)
+    # the same offset of a reading that the loop did not feel
+    unfelt = run(Lab(1.0, 0.03, alpha, BIAS, (0.998, 0.0, 0.0, 0.0)), synthetic_ground(7, 20.0))
+    shifted = rebuild(unfelt.command[::every], unfelt.measured[::every] + bias, every * STEP, structure)
+    assert shifted.start.offset == pytest.approx(bias, rel=0.05)
+    assert shifted.rms.value == pytest.approx(unfelt.rms, rel=0.05)
+
+
+def test_a_test_that_begins_in_motion_says_so(outcome):
+    begin = int(np.argmax(np.abs(outcome.command)))
+    rebuilt = rebuild(outcome.command[begin:], outcome.measured[begin:], STEP, STRUCTURE)
+    strayed = (outcome.measured - outcome.ideal)[begin:]
+    true = np.sqrt(np.mean(strayed**2)) / np.abs(outcome.ideal[begin:]).max()
+    assert not rebuilt.start.at_rest
+    assert rebuilt.rms.low < true < rebuilt.rms.high
+    assert "initial_state" in {one.name for one in rebuilt.widenings()}
+
+
+def test_an_actuator_that_passes_for_slow_noise_keeps_its_peak():
+    built = Lab(1.0, 0.03, 1.0, BACKLASH, (0.002, 0.0, 0.0, 0.0))
+    played = run(built, synthetic_ground(5, 20.0))
+    level = 0.01 * np.sqrt(np.mean(played.measured**2))
+    read = played.measured + noise("white", played.measured.size, level, np.random.default_rng(2))
+    rebuilt = rebuild(played.command, read, STEP, STRUCTURE)
+    assert rebuilt.mte.low < played.mte < rebuilt.mte.high
+    assert rebuilt.mte.value == pytest.approx(played.mte, rel=0.05)
+
+
+def test_parts_add_up_and_name_what_is_wrong(outcome):
+    parts = rebuild(outcome.command, outcome.measured, STEP, STRUCTURE).parts()
+    assert parts.gain == pytest.approx(0.997, abs=1e-4)
+    assert parts.delay == pytest.approx(0.0012, rel=0.01)
+    assert sum(part.share for part in parts.by_name.values()) == pytest.approx(1.0)
+    assert parts.first == "delay"
+    better = run(Lab(1.0, 0.03, 1.0, DELAY, (0.997, 1e-9, 0.0, 0.0)), outcome.ground)
+    assert parts.by_name["delay"].remaining_rms == pytest.approx(better.rms, rel=0.1)
+
+
+def test_a_late_force_is_a_part_of_its_own():
+    late = run(
+        Lab(1.0, 0.03, 1.0, DELAY, (1.0, 3e-4, 0.0, 0.0), feedback_lag=0.001), synthetic_ground(4, 15.0)
+    )
+    rebuilt = rebuild(late.command, late.measured, STEP, STRUCTURE, feedback_lag=0.001)
+    parts = rebuilt.parts()
+    assert parts.first == "fed_back_force"
+    whole = np.sum([part.history for part in parts.by_name.values()], axis=0)
+    assert np.abs(whole - rebuilt.smooth_error).max() < 1e-9 * np.abs(whole).max()
+
+
+def test_forms_that_use_the_force(outcome, noisy):
+    stiff = 1.05 * outcome.force
+    given = (outcome.command, noisy, STEP, STRUCTURE)
+    by_force = rebuild(*given, force=outcome.force, form=Form.FORCE)
+    assert by_force.rms.value == pytest.approx(outcome.rms, rel=0.02)
+    assert rebuild(*given, force=stiff, form=Form.FORCE).rms.value > 3.0 * outcome.rms
+    combined = rebuild(*given, force=stiff, form=Form.COMBINED)
+    true = outcome.measured - outcome.ideal
+    alone = rebuild(*given)
+    off, off_alone = (np.mean((one.error - true) ** 2) for one in (combined, alone))
+    assert off < 0.05 * off_alone
+    with pytest.raises(InputError, match="recorded force"):
+        rebuild(*given, form=Form.FORCE)
+
+
+@pytest.mark.parametrize(
+    ("change", "rule"),
+    [
+        ({"measured": np.zeros(10)}, "one length"),
+        ({"command": np.full(20480, np.nan)}, "finite"),
+        ({"command": np.zeros(20480)}, "must move"),
+        ({"time_step": -1.0}, "positive"),
+        ({"time_step": 0.2}, "at least 10 samples"),
+        ({"feedback_lag": -1e-3}, "not negative"),
+    ],
+)
+def test_bad_input_is_refused(outcome, change, rule):
+    given = {
+        "command": outcome.command,
+        "measured": outcome.measured,
+        "time_step": STEP,
+        "structure": STRUCTURE,
+    }
+    with pytest.raises(InputError, match=rule):
+        rebuild(**(given | change))
+
+
+@pytest.mark.parametrize(
+    ("value", "rule"), [(0.5, "below one third"), (-0.1, "not negative"), (np.nan, "finite")]
+)
+def test_bad_tolerances_are_refused(value, rule):
+    with pytest.raises(InputError, match=rule):
+        Tolerances(frequency=value)
+
+
+def test_an_offset_from_before_the_record_starts_no_transient():
+    bias = 0.01 * np.abs(run(Lab(1.0, 0.03), synthetic_ground(7, 20.0)).ideal).max()
+    quiet = np.concatenate([np.zeros(int(60.0 * RATE)), synthetic_ground(7, 20.0)])
+    felt = run(Lab(1.0, 0.03, 1.0, BIAS, (0.998, bias, 0.0, 0.0)), quiet)
+    begin = int(58.0 * RATE)
+    command, measured = felt.command[begin:], felt.measured[begin:]
+    rebuilt = rebuild(command, measured, STEP, STRUCTURE)
+    strayed, ideal = (felt.measured - felt.ideal)[begin:], felt.ideal[begin:]
+    assert rebuilt.start.standing == pytest.approx(bias, rel=0.05)
+    assert rebuilt.rms.value == pytest.approx(np.sqrt(np.mean(strayed**2)) / np.abs(ideal).max(), rel=0.02)
+    assert np.abs(rebuilt.error - strayed).max() < 0.02 * np.abs(strayed).max()
+    parts = rebuilt.parts()
+    whole = np.sum([part.history for part in parts.by_name.values()], axis=0)
+    assert np.abs(whole - rebuilt.smooth_error).max() < 1e-9 * np.abs(whole).max()
+
+
+@pytest.mark.parametrize("kind", ["white", "quantised"])
+def test_a_nearly_perfect_actuator_is_not_overstated(kind):
+    built = Lab(1.0, 0.03, 1.0, DELAY, (0.9999, 5e-5, 0.0, 0.0))
+    near = run(built, synthetic_ground(9, 20.0))
+    level = 0.01 * np.sqrt(np.mean(near.measured**2))
+    generator = np.random.default_rng(3)
+    read = (
+        quantised(near.measured, level, generator)
+        if kind == "quantised"
+        else near.measured + noise(kind, near.measured.size, level, generator)
+    )
+    rebuilt = rebuild(near.command, read, STEP, STRUCTURE)
+    assert near.rms < 0.004
+    assert rebuilt.rms.low < near.rms < rebuilt.rms.high
+    assert rebuilt.rms.high < 3.0 * near.rms
+    assert rebuilt.mte.low < near.mte < rebuilt.mte.high
+
+
+def test_rounding_is_told_from_white_noise():
+    motion = np.sin(np.arange(0.0, 40.0, 0.01))
+    assert rounding_step(quantised(motion, 0.01, np.random.default_rng(1))) == pytest.approx(
+        np.sqrt(12.0) * 0.01
+    )
+    assert rounding_step(motion + noise("white", motion.size, 0.01, np.random.default_rng(1))) == 0.0

@@ -1,0 +1,30 @@
+"""Likelihood of levels, against the normal density."""
+
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+from reliab.assessment.rebuilt_error.level_likelihood import level_likelihood
+
+LEVELS = np.array([1e-8, 1e-3, 1.0, 1e3])
+
+
+@pytest.mark.parametrize("frames_of_noise", [1, 5])
+@pytest.mark.parametrize("coefficients", [1, 7, 19])
+def test_likelihood_is_that_of_normal_coefficients(frames_of_noise, coefficients):
+    rng = np.random.default_rng(coefficients)
+    rest = rng.normal(size=(5, coefficients))
+    power = rng.exponential(size=(5, coefficients)) * 10.0 ** rng.uniform(-6, 6, (5, coefficients))
+    noise = rng.exponential(size=(3, frames_of_noise, coefficients)) + 1e-3
+    found = level_likelihood(rest, power, noise, LEVELS, 0.01)
+    for place, level in enumerate(LEVELS):
+        variance = level * np.maximum(power, 0.01 * noise) + noise
+        expected = norm.logpdf(rest, scale=np.sqrt(variance)).sum(axis=(1, 2))
+        constant = 0.5 * np.log(2.0 * np.pi) * rest.size
+        np.testing.assert_allclose(found[place], expected + constant, rtol=1e-10)
+
+
+def test_a_motion_far_above_the_noise_stays_finite():
+    shape = (4, 50)
+    found = level_likelihood(np.ones(shape), np.full(shape, 1.0), np.full((1, 1, 50), 1e-20), LEVELS, 0.01)
+    assert np.isfinite(found).all()

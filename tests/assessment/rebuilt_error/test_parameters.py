@@ -1,0 +1,161 @@
+"""Parameters from the test itself, and specimens that are not linear."""
+
+import numpy as np
+import pytest
+
+from rebuilt_error.laboratory import (
+    COULOMB,
+    CUBIC,
+    DELAY,
+    HYSTERESIS,
+    LINEAR,
+    RATE,
+    Lab,
+    noise,
+    run,
+    synthetic_ground,
+)
+from reliab.assessment.rebuilt_error import rebuild
+from reliab.assessment.rebuilt_error.identification import identify
+from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen
+from reliab.assessment.rebuilt_error.specimen_check import examine_specimen
+from reliab.assessment.rebuilt_error.tolerances import Tolerances
+from reliab.effects import find_effect
+from reliab.errors import InputError
+from reliab.simulation.hybrid_test import HybridTest, Specimen
+from reliab.structures.structure import Structure
+
+STEP = 1.0 / RATE
+RNG = np.random.default_rng(5)
+
+
+def noisy(values, level=0.01):
+    return values + noise("white", values.size, level * float(np.std(values)), RNG)
+
+
+@pytest.fixture(scope="module", params=[1.0, 0.5])
+def recorded(request):
+    lab = Lab(1.2, 0.03, request.param, DELAY, (0.997, 0.001, 0.0, 0.0))
+    return lab, run(lab, synthetic_ground(6, 20.0))
+
+
+@pytest.mark.parametrize("with_force", [True, False])
+def test_frequency_and_damping_come_back_from_noisy_channels(recorded, with_force):
+    lab, outcome = recorded
+    stated = Structure(frequency=1.02 * lab.f, damping_ratio=lab.xi, experimental_fraction=lab.alpha)
+    found = identify(
+        outcome.command,
+        noisy(outcome.measured),
+        noisy(outcome.ground),
+        STEP,
+        stated,
+        force=noisy(outcome.force) if with_force else None,
+    )
+    assert found.frequency.value == pytest.approx(lab.f, rel=0.002)
+    assert found.damping_ratio.value == pytest.approx(lab.xi, rel=0.05)
+    assert found.disagreements() == ("frequency",)
+    if with_force:
+        assert found.experimental_fraction.value == pytest.approx(lab.alpha, abs=0.01)
+
+
+def test_right_parameters_are_not_contradicted(recorded):
+    lab, outcome = recorded
+    stated = Structure(frequency=lab.f, damping_ratio=lab.xi, experimental_fraction=lab.alpha)
+    found = identify(
+        outcome.command,
+        noisy(outcome.measured),
+        noisy(outcome.ground),
+        STEP,
+        stated,
+        force=noisy(outcome.force),
+    )
+    assert found.disagreements() == ()
+    assert found.frequency.deviation < 0.002 * lab.f
+
+
+def test_a_late_force_is_found():
+    lab = Lab(1.0, 0.02, 1.0, DELAY, (1.0, 0.0005, 0.0, 0.0), feedback_lag=0.0005)
+    outcome = run(lab, synthetic_ground(6, 20.0))
+    found = identify(
+        outcome.command,
+        outcome.measured,
+        outcome.ground,
+        STEP,
+        Structure(frequency=1.0, damping_ratio=0.02),
+        force=outcome.force,
+    )
+    assert found.feedback_lag.value == pytest.approx(0.0005, rel=0.02)
+    assert "feedback_lag" in found.disagreements()
+
+
+def specimens():
+    k = (2.0 * np.pi) ** 2
+    cubic = find_effect("cubic_stiffness")
+    return {
+        CUBIC: ((40.0, 0.0, 0.0), Specimen(stiffness=k), cubic(**{cubic.parameters[0].name: 40.0 * k})),
+        COULOMB: (
+            (0.15, 0.01, 0.0),
+            Specimen(stiffness=k),
+            find_effect("coulomb_friction")(force_n=0.15, regularisation_velocity_m_per_s=0.01),
+        ),
+        HYSTERESIS: (
+            (0.04, 0.3, 2.0),
+            Specimen(stiffness=0.3 * k),
+            find_effect("hysteresis")(
+                force_n=0.7 * k * 0.04, displacement_m=0.04, gamma=0.5, exponent=2.0, lost_share=0.0
+            ),
+        ),
+    }
+
+
+@pytest.mark.parametrize("kind", [CUBIC, COULOMB, HYSTERESIS])
+def test_a_nonlinear_specimen_is_seen_and_its_model_gives_the_error(kind):
+    shape, specimen, effect = specimens()[kind]
+    lab = Lab(1.0, 0.03, 1.0, DELAY, (0.995, 0.002, 0.0, 0.0), specimen=kind, shape=shape)
+    outcome = run(lab, synthetic_ground(7, 15.0))
+    structure = Structure(frequency=1.0, damping_ratio=0.03)
+    test = HybridTest(structure=structure, specimen=specimen, effects=(effect,))
+    linear = rebuild(outcome.command, noisy(outcome.measured), STEP, structure)
+    check = examine_specimen(linear.histories.measured, noisy(outcome.force), STEP, 1.0)
+    assert check.nonlinear
+    modelled = rebuild_with_specimen(outcome.command, outcome.measured, STEP, test, draws=2)
+    assert modelled.rms.value == pytest.approx(outcome.rms, rel=0.01)
+    assert abs(linear.rms.value / outcome.rms - 1.0) > 0.04
+
+
+@pytest.mark.parametrize("kind", ["white", "slow", "mains"])
+def test_noise_is_not_called_a_nonlinear_specimen(kind):
+    lab = Lab(1.0, 0.03, 1.0, DELAY, (0.995, 0.002, 0.0, 0.0), specimen=LINEAR)
+    outcome = run(lab, synthetic_ground(8, 15.0))
+    for _ in range(5):
+        force = outcome.force + noise(kind, outcome.force.size, 0.02 * float(np.std(outcome.force)), RNG)
+        assert not examine_specimen(outcome.measured, force, STEP, 1.0).nonlinear
+
+
+def test_a_wider_posterior_widens_the_interval():
+    shape, specimen, effect = specimens()[COULOMB]
+    lab = Lab(1.0, 0.03, 1.0, DELAY, (0.995, 0.002, 0.0, 0.0), specimen=COULOMB, shape=shape)
+    outcome = run(lab, synthetic_ground(7, 10.0))
+    test = HybridTest(
+        structure=Structure(frequency=1.0, damping_ratio=0.03), specimen=specimen, effects=(effect,)
+    )
+    widths = []
+    for share in (0.01, 0.05):
+        deviations = {
+            "stiffness_n_per_m": share * specimen.stiffness,
+            "coulomb_friction.force_n": share * 0.15,
+        }
+        found = rebuild_with_specimen(
+            outcome.command, outcome.measured, STEP, test, deviations=deviations, draws=16
+        )
+        widths.append(found.rms.high - found.rms.low)
+    assert widths[1] > 2.0 * widths[0] > 0.0
+
+
+@pytest.mark.parametrize("name", ["frequency", "damping_ratio", "experimental_fraction", "sensor_scale"])
+def test_relative_tolerances_are_below_one_third(name):
+    assert getattr(Tolerances(**{name: 0.333}), name) == 0.333
+    for value in (1.0 / 3.0, 0.34, -1e-9, np.nan, np.inf):
+        with pytest.raises(InputError):
+            Tolerances(**{name: value})
+    assert Tolerances(time_shift=0.5).time_shift == 0.5

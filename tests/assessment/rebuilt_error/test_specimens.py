@@ -1,0 +1,240 @@
+"""Specimens: what a force tells about one, and a model that is linear against the linear equation."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rebuilt_error.laboratory import DELAY, RATE, Lab, run, synthetic_ground
+from reliab.assessment.rebuilt_error import Tolerances, WholeStructure, rebuild, rebuild_with_specimen
+from reliab.assessment.rebuilt_error.error_statistics import mean_square
+from reliab.assessment.rebuilt_error.force_form import combined_reading, felt_displacement
+from reliab.assessment.rebuilt_error.interval import Unknown
+from reliab.assessment.rebuilt_error.nonlinear_reference import _drawn, _every, _sweep, tangent_structure
+from reliab.assessment.rebuilt_error.specimen_check import _left_over, examine_specimen, slipped
+from reliab.assessment.rebuilt_error.whole_structure import first_mode, whole_structure
+from reliab.effects import find_effect
+from reliab.errors import InputError
+from reliab.simulation.hybrid_test import HybridTest, Specimen
+from reliab.structures.partition import Partition
+from reliab.structures.structure import Structure
+
+STEP = 1.0 / RATE
+STRUCTURE = Structure(frequency=1.0, damping_ratio=0.04, experimental_fraction=0.7)
+W0 = 2.0 * np.pi
+FRICTION = find_effect("coulomb_friction")(force_n=0.15, regularisation_velocity_m_per_s=0.01)
+
+
+@pytest.fixture(scope="module")
+def outcome():
+    lab = Lab(1.0, 0.04, 0.7, DELAY, (0.99, 0.003, 0.0, 0.0))
+    return run(lab, synthetic_ground(7, 10.0))
+
+
+def model(**changes):
+    specimen = Specimen(stiffness=0.7 * W0**2)
+    return replace(HybridTest(structure=STRUCTURE, specimen=specimen), **changes)
+
+
+def test_a_linear_model_gives_the_error_of_the_linear_equation(outcome):
+    linear = rebuild(outcome.command, outcome.measured, STEP, STRUCTURE)
+    modelled = rebuild_with_specimen(outcome.command, outcome.measured, STEP, model(), draws=4)
+    assert modelled.rms.value == pytest.approx(linear.rms.value, rel=1e-3)
+    assert modelled.mte.value == pytest.approx(linear.mte.value, rel=2e-3)
+    assert np.abs(modelled.error - linear.error).max() < 2e-3 * np.abs(linear.error).max()
+
+
+@pytest.mark.parametrize(
+    "tolerances",
+    [{"sensor_scale": 0.004}, {"time_shift": 6e-4}, {"sensor_offset": 2e-4}, {"damping_ratio": 0.1}],
+)
+def test_tolerances_of_a_linear_model_widen_as_those_of_the_linear_equation(outcome, tolerances):
+    given = (outcome.command, outcome.measured, STEP)
+    stated = Tolerances(**tolerances)
+    linear = rebuild(*given, STRUCTURE, tolerances=stated, sensor_offset=0.0, draws=64)
+    modelled = rebuild_with_specimen(*given, model(), tolerances=stated, sensor_offset=0.0, draws=32)
+    ratio = np.median(modelled.draws.deviation[500:]) / np.median(linear.draws.deviation[500:])
+    assert ratio == pytest.approx(1.0, abs=0.3)
+
+
+def test_draws_of_a_model_have_the_stated_deviations():
+    perfect = model(effects=(FRICTION,))
+    stated = {"frequency": 0.02, "damping_ratio": 0.1}
+    deviations = {"stiffness_n_per_m": 1.5, "coulomb_friction.force_n": 0.01}
+    rng = np.random.default_rng(1)
+    drawn = [_drawn(perfect, deviations, stated, rng) for _ in range(400)]
+    spread = {
+        "frequency": ([one.structure.frequency for one in drawn], 1.0, 0.02),
+        "damping": ([one.structure.damping_ratio for one in drawn], 0.04, 0.004),
+        "stiffness": ([one.specimen.stiffness for one in drawn], 0.7 * W0**2, 1.5),
+        "force": ([one.effects[0].values[0] for one in drawn], 0.15, 0.01),
+    }
+    for name, (values, mean, deviation) in spread.items():
+        assert np.mean(values) == pytest.approx(mean, abs=0.2 * deviation), name
+        assert np.std(values) == pytest.approx(deviation, rel=0.15), name
+    assert len({float(one.effects[0].values[1]) for one in drawn}) == 1
+
+
+def test_draws_stay_positive():
+    rng = np.random.default_rng(2)
+    wild = {"stiffness_n_per_m": 1e3, "coulomb_friction.regularisation_velocity_m_per_s": 10.0}
+    drawn = [
+        _drawn(model(effects=(FRICTION,)), wild, {"frequency": 30.0, "damping_ratio": 90.0}, rng)
+        for _ in range(50)
+    ]
+    assert min(one.structure.frequency for one in drawn) == pytest.approx(0.05)
+    assert min(one.structure.damping_ratio for one in drawn) == pytest.approx(0.05 * 0.04)
+    assert max(one.structure.damping_ratio for one in drawn) == 0.99
+    assert min(one.specimen.stiffness for one in drawn) == 0.0
+    assert min(float(one.effects[0].values[1]) for one in drawn) == pytest.approx(0.05 * 0.01)
+
+
+def test_the_tangent_structure_is_per_unit_mass():
+    specimen = Specimen(stiffness=80.0, damping=3.0, mass=0.5)
+    tangent = tangent_structure(HybridTest(structure=STRUCTURE, specimen=specimen, mass=4.0))
+    assert tangent.mass[0, 0] == pytest.approx(1.0 + 0.125)
+    assert tangent.stiffness[0, 0] == pytest.approx(0.3 * W0**2 + 20.0)
+    assert tangent.damping[0, 0] == pytest.approx(2.0 * 0.04 * W0 + 0.75)
+    held = (tangent.specimen_stiffness, tangent.specimen_damping, tangent.specimen_mass)
+    assert held == pytest.approx((20.0, 0.75, 0.125))
+
+
+def test_draws_are_simulated_at_200_samples_a_second_and_80_a_period():
+    for frequency, every in ((1.0, 5), (4.0, 3), (40.0, 1)):
+        whole = WholeStructure.of(Structure(frequency=frequency, damping_ratio=0.05))
+        assert _every(whole, STEP) == every
+
+
+def test_a_force_gives_the_displacement_of_spring_dashpot_and_mass():
+    whole = WholeStructure(
+        mass=np.array([[3.0]]),
+        damping=np.array([[1.0]]),
+        stiffness=np.array([[200.0]]),
+        interface=np.ones(1),
+        specimen_stiffness=150.0,
+        specimen_damping=4.0,
+        specimen_mass=1.2,
+    )
+    time = np.arange(0.0, 20.0, STEP)
+    moved = np.sin(0.15 * time) ** 4 * np.sin(5.0 * time)
+    slope, bend = np.gradient(moved, STEP), np.gradient(np.gradient(moved, STEP), STEP)
+    force = 150.0 * moved + 4.0 * slope + 1.2 * bend
+    assert felt_displacement(force, whole, STEP) == pytest.approx(moved, abs=1e-4)
+    with pytest.raises(InputError, match="stiffness"):
+        felt_displacement(force, replace(whole, specimen_stiffness=0.0), STEP)
+
+
+@pytest.mark.parametrize(("quieter", "slope"), [(0.5, 1.3), (1.0, 0.6), (3.0, 1.3)])
+def test_the_combined_reading_has_the_least_variance(quieter, slope):
+    """Of two readings with variances v and w, the best average has vw/(v + w)."""
+    rng = np.random.default_rng(3)
+    time = np.arange(0.0, 40.0, 0.002)
+    moved = np.sin(6.0 * time) * np.sin(0.08 * time) ** 2
+    first, second = 0.01, 0.01 / quieter
+    read = moved + first * rng.standard_normal(time.size)
+    felt = slope * (moved + second * rng.standard_normal(time.size)) + 0.2
+    average = combined_reading(moved, read, felt, 0.002)
+    best = np.sqrt(first**2 * second**2 / (first**2 + second**2))
+    assert np.std(average - moved) == pytest.approx(best, rel=0.02)
+    with pytest.raises(InputError, match="grow"):
+        combined_reading(moved, read, -felt, 0.002)
+
+
+def test_a_slider_holds_at_its_limit_and_returns_elastically():
+    path = np.array([0.1, 0.3, 0.5, 0.4, 0.0, -0.3, 0.2])
+    assert slipped(path, 0.25) == pytest.approx([0.1, 0.25, 0.25, 0.15, -0.25, -0.25, 0.25])
+
+
+def test_a_force_of_given_shapes_leaves_what_they_do_not_hold():
+    rng = np.random.default_rng(4)
+    rows, noise = rng.standard_normal((3, 4000)), 0.1 * rng.standard_normal(4000)
+    half = np.arange(4000) % 40 < 20
+    target = np.array([2.0, -1.0, 30.0]) @ rows
+    assert _left_over(rows, target, half) < 1e-6 * (target @ target)
+    assert _left_over(rows, target + noise, half) == pytest.approx(noise @ noise, rel=0.01)
+    assert _left_over(rows[:2], target, half) == pytest.approx(900.0 * rows[2] @ rows[2], rel=0.01)
+    assert _left_over(1e6 * rows, target + noise, half) == pytest.approx(
+        _left_over(rows, target + noise, half)
+    )
+
+
+def test_shares_of_a_cubic_force_are_those_of_least_squares():
+    time = np.arange(0.0, 40.0, 0.005)
+    moved = 0.03 * np.sin(6.0 * time) * (1.2 + np.sin(0.3 * time))
+    cubic = 3e4 * moved**3
+    check = examine_specimen(moved, 40.0 * moved + cubic, 0.005, 1.0)
+    basis = np.stack([moved, np.gradient(moved, 0.005), np.ones(time.size)]).T
+    left = cubic - basis @ np.linalg.lstsq(basis, cubic, rcond=None)[0]
+    power = np.mean((40.0 * moved + cubic) ** 2)
+    assert check.nonlinear
+    assert check.linear_residual == pytest.approx(np.sqrt(np.mean(left**2) / power), rel=0.1)
+    assert check.share == pytest.approx(check.linear_residual, rel=0.02)
+    assert check.gain > 0.98
+
+
+def test_what_is_not_a_specimen_is_refused_or_linear():
+    time = np.arange(0.0, 4.0, 0.005)
+    moved = np.sin(6.0 * time)
+    nothing = examine_specimen(moved, np.zeros(time.size), 0.005, 1.0)
+    assert (nothing.nonlinear, nothing.share, nothing.gain, nothing.linear_residual) == (False, 0.0, 0.0, 0.0)
+    with pytest.raises(InputError, match="one length"):
+        examine_specimen(moved, moved[1:], 0.005, 1.0)
+    with pytest.raises(InputError, match="at least 4 periods"):
+        examine_specimen(moved[:-1], moved[:-1], 0.005, 1.0)
+    # 0.4 % of the force is the least that is called nonlinear
+    time = np.arange(0.0, 40.0, 0.005)
+    moved = np.sin(6.0 * time) * np.sin(0.1 * time)
+    for factor, nonlinear in ((0.5, False), (2.0, True)):
+        whole = examine_specimen(moved, 40.0 * moved + 1.0 * moved**3, 0.005, 1.0)
+        small = factor * 0.004 / whole.share
+        assert examine_specimen(moved, 40.0 * moved + small * moved**3, 0.005, 1.0).nonlinear is nonlinear
+
+
+@pytest.mark.parametrize(
+    ("changes", "rule"),
+    [
+        ({"damping": np.eye(3)}, "damping matrix"),
+        ({"stiffness": np.array([[np.nan]])}, "stiffness matrix"),
+        ({"interface": np.array([np.inf])}, "finite numbers"),
+        ({"specimen_mass": np.nan}, "finite numbers"),
+        ({"mass": np.zeros((1, 1))}, "must not be singular"),
+    ],
+)
+def test_what_is_no_structure_is_refused(changes, rule):
+    with pytest.raises(InputError, match=rule):
+        replace(WholeStructure.of(STRUCTURE), **changes)
+
+
+def test_a_structure_whose_interface_no_mode_moves_is_pushed_as_a_whole():
+    """With an interface that nothing moves there is no mode to find: the interface itself is the shape."""
+    two = WholeStructure(
+        mass=np.eye(2),
+        damping=np.zeros((2, 2)),
+        stiffness=np.diag([1.0, 4.0]),
+        interface=np.array([1e-9, 0.0]),
+        specimen_stiffness=1.0,
+    )
+    assert first_mode(two) @ two.interface == pytest.approx(1.0)
+
+
+def test_a_partition_is_the_structure_of_its_frame():
+    partition = Partition.of(STRUCTURE, mass=5.0)
+    whole, single = whole_structure(partition), WholeStructure.of(STRUCTURE)
+    assert whole.natural_frequencies == pytest.approx(single.natural_frequencies)
+    s = np.array([1.0 + 3.0j, 20.0j])
+    assert whole.error_transfer(s) == pytest.approx(single.error_transfer(s))
+    assert whole_structure(whole) is whole
+
+
+def test_what_lies_between_simulated_samples_counts(outcome):
+    """Simulated at every 40th sample without anything unknown, the errors are those of all samples."""
+    given = (outcome.command, outcome.measured, STEP)
+    fine = rebuild_with_specimen(*given, model(), draws=2)
+    exact = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
+    rows = fine.histories.difference[::40][np.newaxis]
+    coarse = _sweep(model(), fine.histories, {}, exact, rows, 40, 1)
+    error = fine.histories.measured - fine.reference
+    peak = np.abs(fine.reference).max()
+    assert coarse.rms == pytest.approx([np.sqrt(mean_square(error)) / peak], rel=1e-9)
+    assert coarse.mte == pytest.approx([np.abs(error).max() / peak], rel=1e-9)
+    assert coarse.mean.size == error.size

@@ -1,0 +1,159 @@
+"""Sums over the error of a running test, and properties of the first mode, by their definitions."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from reliab.assessment.rebuilt_error.error_statistics import mean_square
+from reliab.assessment.rebuilt_error.initial import _amplitude, _constant
+from reliab.assessment.rebuilt_error.running_error import RunningError
+from reliab.assessment.rebuilt_error.stability_indicator import Damping
+from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, first_mode, whole_structure
+from reliab.structures.structure import Structure
+
+STEP = 1.0 / 256.0
+OFFSET, STANDING = 2e-4, -3e-4
+
+
+@pytest.fixture
+def histories():
+    time = np.arange(1500) * STEP
+    command = 1e-2 * np.cos(2.0 * np.pi * 1.1 * time) * np.exp(-((time - 2.0) ** 2))
+    return command, 0.99 * np.interp(time - 0.004, time, command) + 5e-4
+
+
+def running(offset=OFFSET):
+    structure = whole_structure(Structure(frequency=1.0, damping_ratio=0.05))
+    return RunningError(structure, STEP, 0.0, 0.99, offset)
+
+
+def by_definition(test):
+    error = test.error
+    ideal = test.measured - test.offset - error
+    level, doubled = 0.0, 0
+    for number, size in enumerate(np.maximum.accumulate(np.abs(ideal))):
+        if size > 2.0 * level:
+            level, doubled = size, number
+    extremes = np.abs(error).max(), np.abs(ideal).max()
+    return [np.sum(error**2), 0.5 * error[0] ** 2, *extremes, error[-1], level, doubled]
+
+
+@pytest.mark.parametrize("cuts", [(), (1,), (700, 701), (5, 1499)])
+def test_sums_are_those_of_the_error_however_the_samples_arrive(histories, cuts):
+    test = running()
+    for command, measured in zip(*(np.split(history, cuts) for history in histories), strict=True):
+        test.feed(command, measured)
+        assert test.sums == pytest.approx(by_definition(test), rel=1e-9)
+    assert test.motion[0] == np.count_nonzero(np.diff(histories[0]))
+
+
+def test_a_later_offset_changes_the_sums_to_those_of_the_changed_error(histories):
+    """And what is fed after it goes on from there."""
+    test = running(offset=0.0)
+    test.feed(*(history[:900] for history in histories))
+    before = test.error.copy()
+    test.begin_anew(OFFSET, STANDING)
+    assert np.abs(test.error - before).max() > 1e-5
+    assert test.sums == pytest.approx(by_definition(test), rel=1e-9)
+    test.feed(*(history[900:] for history in histories))
+    assert test.sums == pytest.approx(by_definition(test), rel=1e-9)
+
+
+def test_energies_forget_the_past_by_one_weight_a_step(histories):
+    test = running()
+    test.feed(*histories)
+    command, measured = histories
+    strayed = measured - command
+    between = np.stack(
+        [
+            0.5 * (command[1:] + command[:-1]),
+            np.diff(command) / STEP,
+            np.ones(command.size - 1),
+            0.5 * (strayed[1:] + strayed[:-1]),
+        ]
+    )
+    weight = 0.99 ** np.arange(command.size - 2, -1, -1)
+    assert test.moments[0] == pytest.approx((weight * between) @ between.T, rel=1e-9, abs=1e-12)
+    steps = np.diff(between)
+    expected = (weight[1:] * steps) @ steps.T
+    expected += weight[0] * np.outer(between[:, 0], between[:, 0]) * (np.arange(4) != 2)  # from rest
+    assert test.moments[1] == pytest.approx(expected, rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize("count", [1, 700, 999])
+def test_what_is_forgotten_stays_in_the_sums(histories, count):
+    whole, test = running(), running()
+    for each in (whole, test):
+        each.feed(*(history[:1000] for history in histories))
+    test.forget(count)
+    assert (test.kept, test.size) == (1000 - count, 1000)
+    assert np.array_equal(test.command, histories[0][count:1000])
+    for each in (whole, test):
+        each.feed(*(history[1000:] for history in histories))
+    assert np.array_equal(test.sums, whole.sums)
+    assert np.array_equal(test.moments, whole.moments)
+    assert np.array_equal(test.error, whole.error[count:])
+    assert (test.mean_square, test.calm) == (whole.mean_square, whole.calm)
+
+
+def test_mean_square_is_that_of_straight_lines_between_squares():
+    assert mean_square(np.array([0.0, 2.0, 0.0])) == pytest.approx(2.0)
+    assert mean_square(np.array([2.0, 0.0, 4.0])) == pytest.approx((4.0 / 2.0 + 16.0 / 2.0) / 2.0)
+
+
+def heavy(mass, frequency, ratio, share):
+    w0 = 2.0 * np.pi * frequency
+    return WholeStructure(
+        mass=np.array([[mass]]),
+        damping=np.array([[2.0 * ratio * w0 * mass]]),
+        stiffness=np.array([[w0**2 * mass]]),
+        interface=np.ones(1),
+        specimen_stiffness=share * w0**2 * mass,
+    )
+
+
+@pytest.mark.parametrize("mass", [1.0, 3.0, 2500.0])
+def test_damping_of_the_first_mode_does_not_depend_on_the_mass(mass):
+    """Half of αω₀, and a window that forgets all but 1/e in two periods."""
+    damping = Damping.of(heavy(mass, 1.5, 0.04, 0.6), STEP)
+    assert damping.ratio == pytest.approx(0.04)
+    assert damping.factor == pytest.approx(0.5 * 0.6 * 2.0 * np.pi * 1.5)
+    assert damping.samples == pytest.approx(256.0 / 1.5)
+    assert damping.forgetting ** (2.0 * damping.samples) == pytest.approx(np.exp(-1.0))
+
+
+def test_the_first_mode_is_the_lowest_that_moves_the_interface_by_one():
+    still = WholeStructure(
+        mass=np.diag([2.0, 1.0]),
+        damping=np.zeros((2, 2)),
+        stiffness=np.diag([2.0, 100.0]),
+        interface=np.array([0.0, 2.0]),
+        specimen_stiffness=50.0,
+    )
+    assert first_mode(still) == pytest.approx([0.0, 0.5])
+
+
+def test_what_a_gain_and_a_delay_do_not_explain_is_the_constant(histories):
+    command, _ = histories
+    velocity = np.gradient(command, STEP)
+    for constant in (3e-4, -2e-5):
+        measured = 0.97 * command - 0.004 * velocity + constant
+        assert _constant(command, measured, STEP) == pytest.approx(constant, rel=1e-6)
+
+
+def test_the_amplitude_at_the_beginning_is_that_of_displacement_and_velocity():
+    place = np.arange(400)
+    command = 3e-3 + 2e-5 * place + 1e-8 * place**2
+    amplitude = np.hypot(3e-3, 2e-5 / STEP / (2.0 * np.pi * 1.5))
+    assert _amplitude(command, STEP, 1.5) == pytest.approx(amplitude, rel=1e-6)
+
+
+def test_a_scaled_structure_has_the_scaled_frequency_damping_ratio_and_share():
+    structure = replace(heavy(3.0, 1.5, 0.04, 0.6), specimen_damping=2.0, specimen_mass=0.5)
+    changed = structure.scaled(frequency=1.2, damping_ratio=1.5, share=0.7)
+    expected = heavy(3.0, 1.2 * 1.5, 1.5 * 0.04, 0.7 * 0.6)
+    for field in ("mass", "damping", "stiffness", "specimen_stiffness"):
+        assert getattr(changed, field) == pytest.approx(getattr(expected, field)), field
+    assert changed.specimen_damping == pytest.approx(2.0 * 1.2 * 0.7)
+    assert changed.specimen_mass == pytest.approx(0.5 * 0.7)

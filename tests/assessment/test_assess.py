@@ -1,0 +1,175 @@
+"""The verdict agrees with the criterion, and with the motion's own boundary where it is known."""
+
+import json
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from reliab.assessment import Recording, assess, default_criterion
+from reliab.assessment.findings import LARGEST_PROBABILITY
+from reliab.assessment.improvement import improvement
+from reliab.assessment.own_boundary import OwnBoundary
+from reliab.assessment.placement import carried_limits
+from reliab.criterion import published_criterion
+from reliab.effects.backlash import Backlash
+from reliab.motions import resample
+from reliab.simulation.actuator import Actuator
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
+from reliab.structures.stability import critical_delay
+from reliab.structures.structure import Structure
+from reliab.validation.beyond_the_model import Rig, rigs_of_delay
+from reliab.vocabulary import Metric, Side
+
+ONE_HERTZ = Structure(frequency=1.0, damping_ratio=0.02)
+
+
+def test_index_and_probability_are_those_of_the_criterion(simulate):
+    test = simulate(noise=0.001)
+    found, criterion = assess(test, ONE_HERTZ), default_criterion(1.0, 0.02, duration=test.duration)
+    at = (found.tracking.amplitude, found.tracking.delay, 1.0, 0.02)
+    assert found.index == pytest.approx(float(criterion.index(*at)))
+    promised = min(float(criterion.probability(*at)), LARGEST_PROBABILITY)
+    assert found.index_probability == pytest.approx(promised, abs=2e-3)
+    assert found.stability_margin == pytest.approx(1.0 - at[1] / float(critical_delay(ONE_HERTZ, at[0])))
+    assert found.reliable
+
+
+def test_worse_rig_is_less_probable_and_rejected(simulate):
+    better, worse = (assess(simulate(delay=delay), ONE_HERTZ) for delay in (0.0005, 0.004))
+    assert better.probability > 0.97
+    assert better.index_probability > 0.97
+    assert worse.probability < 0.03
+    assert worse.index_probability < 0.5
+    assert worse.verdict.word == "not_reliable"
+
+
+def test_own_boundary_separates_errors_below_and_above_the_threshold(simulate, ground_motions):
+    for motion in range(2):
+        for delay in (0.0008, 0.003):
+            test = simulate(motion, delay=delay, noise=0.001)
+            own = assess(test, ONE_HERTZ, motion=ground_motions[motion]).placement
+            assert (own.index <= 1.0) is (own.error <= 0.05)
+            assert own.probability == float(own.error <= 0.05)
+
+
+def test_own_index_is_one_on_the_boundary(ground_motions):
+    motion = ground_motions[0]
+    excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step)
+    boundary = OwnBoundary(excitation=excitation, structure=ONE_HERTZ, threshold=0.05, metric=Metric.RMS)
+    for side in (Side.LEAD, Side.LAG):
+        contour = boundary.contour(side)
+        for k in (10, contour.amplitude.size // 2, -10):
+            at = float(contour.amplitude[k]), float(contour.delay[k])
+            assert boundary.index(*at) == pytest.approx(1, abs=1e-3)
+    half = 1.0 + 0.5 * (contour.amplitude[10] - 1.0), 0.5 * contour.delay[10]
+    assert boundary.index(*map(float, half)) == pytest.approx(0.25, abs=1e-3)
+    assert boundary.index(1.0, 0.0) == 0.0
+
+
+def test_error_under_the_own_motion_is_that_of_the_simulated_test(simulate, ground_motions):
+    test, perfect = simulate(noise=0.0), simulate(gain=1.0, delay=0.0, noise=0.0)
+    strayed = test.measured - perfect.command
+    error = np.sqrt(np.mean(strayed**2)) / np.abs(perfect.command).max()
+    assert assess(test, ONE_HERTZ, motion=ground_motions[0]).placement.error == pytest.approx(error, rel=5e-3)
+
+
+def test_structure_outside_the_criterion_is_warned_of_and_carried_over(simulate):
+    structure = Structure(frequency=3.0, damping_ratio=0.02)
+    test = simulate(f=3.0, delay=0.0001)
+    found = assess(test, structure)
+    assert any("outside of the criterion's validity" in warning for warning in found.warnings)
+    at_edge = default_criterion(2.0, 0.02, duration=test.duration).limits(2.0, 0.02)
+    assert found.population.a == pytest.approx(float(at_edge[0]))
+    assert found.population.b == pytest.approx(float(at_edge[1]) * (2.0 / 3.0) ** 2)
+    assert carried_limits(found.criterion, ONE_HERTZ)[1] == pytest.approx(float(at_edge[1]) * 4.0)
+
+
+def test_published_criterion_has_no_probability(simulate):
+    found = assess(simulate(), ONE_HERTZ, criterion=published_criterion("guo_2017_12"))
+    assert found.index_probability is None
+    assert found.criterion.threshold == 0.05
+
+
+def test_varying_delay_is_warned_of(simulate):
+    test = simulate(noise=0.0)
+    times = np.arange(test.command.size) * test.time_step
+    late = CubicSpline(times, test.command)(np.clip(times - 0.002 * times / times[-1], 0.0, None))
+    found = assess(Recording(command=test.command, measured=late, time_step=test.time_step), ONE_HERTZ)
+    assert any("delay varies over the test" in warning for warning in found.warnings)
+
+
+@pytest.fixture(scope="module")
+def assessed_rigs(ground_motions):
+    """Assess rigs that are no constant gain and delay, of about 0.8 ms, with noise at 50 dB."""
+    record = resample(ground_motions[1], 1024.0)
+    rng, found = np.random.default_rng(8), {}
+    peak = np.abs(
+        run_closed_loop(HybridTest(structure=ONE_HERTZ), record.acceleration, 1 / 1024).measured
+    ).max()
+    loose = Rig(name="backlash", actuator=Actuator(delay=0.0004), effects=(Backlash(width_m=0.01 * peak),))
+    for rig in (*rigs_of_delay(0.0008), loose):
+        test = HybridTest(structure=ONE_HERTZ, actuator=rig.actuator, effects=rig.effects)
+        run = run_closed_loop(test, record.acceleration, 1 / 1024, compensator=rig.compensator)
+        size = 0.003 * np.sqrt(np.mean(run.measured**2))
+        recording = Recording(
+            command=run.command.values[0],
+            measured=run.measured + size * rng.normal(size=run.measured.size),
+            time_step=1 / 1024,
+        )
+        found[rig.name] = assess(recording, ONE_HERTZ)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("rig", "words"),
+    [
+        ("constant delay", None),
+        ("first-order lag", None),
+        ("second-order dynamics", None),
+        ("inverse compensation, wrong estimate", None),
+        ("drifting delay", "delay varies over the test"),
+        ("backlash", "leave"),
+    ],
+)
+def test_rigs_whose_error_a_and_d_do_not_tell_are_warned_of_and_no_others(assessed_rigs, rig, words):
+    warnings = assessed_rigs[rig].warnings
+    if words is None:
+        assert warnings == ()
+    else:
+        assert any(words in warning for warning in warnings)
+
+
+def test_partial_experimental_fraction_is_said(simulate):
+    half = Structure(frequency=1.0, damping_ratio=0.02, experimental_fraction=0.5)
+    assert any("it is conservative." in warning for warning in assess(simulate(), half).warnings)
+    stiff = Structure(frequency=15.0, damping_ratio=0.05, experimental_fraction=0.5)
+    assert any("was measured from 0.5 to 3 Hz" in warning for warning in assess(simulate(), stiff).warnings)
+
+
+def test_wrong_frequency_is_suspected(simulate):
+    assert any("check the frequency" in w for w in assess(simulate(f=0.5), ONE_HERTZ).warnings)
+
+
+def test_summary_is_plain_json_with_the_stable_keys(simulate, ground_motions):
+    for motion in (None, ground_motions[0]):
+        found = assess(simulate(), ONE_HERTZ, motion=motion).to_dict()
+        stable = {"A", "phi", "f_eq_hz", "d_ms", "index", "reliable", "probability", "stability_margin"}
+        stable |= {"verdict", "reasons", "would_decide", "error", "by_index", "tracking", "faults", "window"}
+        assert stable <= set(found)
+        assert json.loads(json.dumps(found, allow_nan=False)) == found
+        assert found["index_interval"][0] < found["index"] < found["index_interval"][1]
+        for name in ("rms", "mte"):
+            assert 0.0 < found["error"][name]["low"] <= found["error"][name]["value"]
+            assert found["error"][name]["value"] <= found["error"][name]["high"]
+        assert sum(part["share"] for part in found["error"]["parts"].values()) == pytest.approx(1.0)
+        assert found["phi"] == pytest.approx(-2e-3 * np.pi * found["f_eq_hz"] * found["d_ms"])
+
+
+def test_improvement_that_is_named_would_do():
+    found = improvement(1.002, 0.0015, 5e-5, 1.0)
+    assert found.first == "delay"
+    assert 0.002**2 / 5e-5 + (1e3 * found.tolerable_delay) ** 2 == pytest.approx(1.0)
+    assert found.tolerable_amplitude_error == 0.0  # the delay alone is too long
+    assert improvement(0.99, 0.0001, 5e-5, 1.0).first == "amplitude"

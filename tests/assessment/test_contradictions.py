@@ -1,0 +1,108 @@
+"""A stated quantity that the recording contradicts leaves no test reliable."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from reliab.assessment import assess, contradictions
+from reliab.assessment.contradictions import limited, of_frequency
+from reliab.assessment.findings import Findings
+from reliab.assessment.frame_test import assess_frame
+from reliab.assessment.tracking_index import track
+from reliab.assessment.verdict import Verdict, Word
+from reliab.simulation.frames.frame_file import FrameUnderTest
+from reliab.structures.frames import Frame, modal_damping, shear_frame
+from reliab.structures.partition import Partition, floor_interface
+from reliab.structures.specimen import Specimen
+from reliab.structures.structure import Structure
+
+ONE_HERTZ = Structure(frequency=1.0, damping_ratio=0.02)
+FIVE_HERTZ = Structure(frequency=5.0, damping_ratio=0.02)
+
+
+def of_frequency_case(simulate, ground_motions):
+    del ground_motions
+    return assess(simulate(noise=0.001, delay=1e-4), FIVE_HERTZ)
+
+
+def of_motion_case(simulate, ground_motions):
+    return assess(simulate(noise=0.001, delay=1e-4, gain=0.999), ONE_HERTZ, motion=ground_motions[4])
+
+
+def of_stability_case(simulate, ground_motions):
+    del ground_motions
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Findings, "stability_margin", -0.1)
+        return assess(simulate(noise=0.001, delay=1e-4, gain=0.999), ONE_HERTZ)
+
+
+def of_columns_case(simulate, ground_motions):
+    """A late test whose columns are swapped: it seems to lead, and so to be better than it is."""
+    del ground_motions
+    late = simulate(noise=0.0, delay=1.9e-3, gain=1.0)
+    return assess(replace(late, command=late.measured, measured=late.command), ONE_HERTZ)
+
+
+CASES = {
+    "of_frequency": (of_frequency_case, "the structure at 5 Hz, where the command shows no resonance"),
+    "of_motion": (of_motion_case, "was not found in the record"),
+    "of_stability": (of_stability_case, "the loop is unstable"),
+    "of_columns": (of_columns_case, "the columns may be swapped"),
+}
+
+
+@pytest.mark.parametrize("kind", CASES)
+def test_what_the_recording_contradicts_leaves_no_test_reliable(simulate, ground_motions, kind):
+    make, words = CASES[kind]
+    assessment = make(simulate, ground_motions)
+    assert any(words in warning for warning in assessment.warnings)
+    assert assessment.verdict.word is Word.UNDECIDED
+    assert any(words in reason for reason in assessment.verdict.reasons)
+    assert assessment.probability > 0.95  # the error alone would be called reliable
+    assert len(assessment.verdict.would_decide) == len(set(assessment.verdict.would_decide)) > 0
+
+
+def test_every_kind_of_contradiction_has_its_case():
+    assert {name for name in vars(contradictions) if name.startswith("of_")} == set(CASES)
+
+
+def test_a_bad_test_stays_bad():
+    bad = Verdict(word=Word.NOT_RELIABLE, reasons=("The error is large.",))
+    doubt = contradictions.Contradiction(finding="It is doubted.", remedy="Find out.")
+    assert limited(bad, [doubt]) is bad
+    assert limited(replace(bad, word=Word.RELIABLE), [doubt]).word is Word.UNDECIDED
+    assert limited(replace(bad, word=Word.RELIABLE), []).word is Word.RELIABLE
+
+
+def test_a_stiff_structure_that_moves_below_its_frequency_is_not_doubted(simulate):
+    """Under slow ground motions it follows the ground, with a resonance at its own frequency."""
+    below = 0
+    for motion in range(6):
+        test = simulate(motion, f=8.0, noise=0.001, delay=1e-4)
+        tracking = track(test, draws=2)
+        below += tracking.plain.equivalent_frequency < 4.0
+        assert not list(of_frequency(test, tracking, [8.0]))
+        for wrong in (0.2, 40.0):
+            assert list(of_frequency(test, tracking, [wrong])), (motion, wrong)
+    assert below > 0
+
+
+def test_a_frame_is_doubted_as_well(simulate):
+    mass, stiffness = shear_frame([2000.0, 1500.0], [4e7, 3e7])
+    whole = Frame(mass=mass, stiffness=stiffness, damping=modal_damping(mass, stiffness, 0.03))
+    partition = Partition(frame=whole, interface=floor_interface(whole, 1), specimen=Specimen(stiffness=2e7))
+    frame = FrameUnderTest(name="stiff", partition=partition, output=None, error_of="interface")
+    found = assess_frame(simulate(noise=0.001, delay=1e-4, gain=0.999), frame)
+    assert found.error.probability > 0.95
+    assert found.verdict.word is Word.UNDECIDED
+    assert any("no resonance" in warning for warning in found.to_dict()["warnings"])
+
+
+@pytest.mark.parametrize("frequency", [1.0, 2.0])
+def test_a_reliable_test_has_no_contradictions(simulate, frequency):
+    sound = assess(
+        simulate(f=frequency, noise=0.001, delay=1e-4, gain=0.999), replace(ONE_HERTZ, frequency=frequency)
+    )
+    assert sound.reliable
+    assert not np.any(sound.contradictions)

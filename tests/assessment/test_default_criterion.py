@@ -1,0 +1,59 @@
+"""The criterion that ships with the package."""
+
+import numpy as np
+import pytest
+
+from reliab.assessment import default_criterion, tolerable_errors
+from reliab.assessment.design import chart_frequencies
+from reliab.errors import InputError
+
+
+def test_between_stored_structures_and_thresholds_limits_lie_between():
+    low, middle, high = (float(default_criterion(f, 0.02).limits(f, 0.02)[1]) for f in (0.75, 0.9, 1.0))
+    assert low > middle > high
+    low, middle, high = (
+        float(default_criterion(1.0, 0.02, t).limits(1.0, 0.02)[0]) for t in (0.02, 0.03, 0.05)
+    )
+    assert low < middle < high
+    assert middle == pytest.approx(low * (0.03 / 0.02) ** 2, rel=0.15)
+
+
+def test_confidence_has_its_price():
+    limits = [
+        float(default_criterion(1.0, 0.05, confidence=c).limits(1.0, 0.05)[0]) for c in (0.8, 0.95, 0.99)
+    ]
+    assert np.all(np.diff(limits) < 0.0)
+
+
+def test_criterion_is_the_recommended_one_and_knows_its_motions():
+    found = default_criterion(0.6, 0.03, 0.05, 0.9)
+    assert (found.method, found.joint, found.confidence) == ("dirichlet", True, 0.9)
+    assert (found.provenance.n_motions, found.provenance.n_events) == (100, 19)
+    assert 0.85 < float(found.probability(1.0, np.sqrt(found.limits(0.6, 0.03)[1]) / 1e3, 0.6, 0.03)) < 1.0
+
+
+@pytest.mark.parametrize("wrong", [{"threshold": 0.5}, {"threshold": 0.001}, {"metric": "peak"}])
+def test_what_is_not_shipped_is_refused(wrong):
+    with pytest.raises(InputError):
+        default_criterion(1.0, 0.02, **wrong)
+
+
+def test_tolerable_errors_are_the_roots_of_the_limits():
+    found = tolerable_errors([0.5, 1.0], 0.02, confidences=(0.9, 0.95))
+    assert [(each.frequency, each.confidence) for each in found] == [
+        (0.5, 0.9),
+        (0.5, 0.95),
+        (1.0, 0.9),
+        (1.0, 0.95),
+    ]
+    a, b = default_criterion(1.0, 0.02).limits(1.0, 0.02)
+    assert found[-1].amplitude_error == pytest.approx(float(a) ** 0.5)
+    assert found[-1].delay == pytest.approx(1e-3 * float(b) ** 0.5)
+    half = found[-1].both
+    assert half[0] ** 2 / a + (1e3 * half[1]) ** 2 / b == pytest.approx(1.0)
+    assert found[-1].delay < found[-1].critical_delay
+
+
+def test_chart_covers_the_shipped_frequencies():
+    assert chart_frequencies()[0] == 0.25
+    assert chart_frequencies(default_criterion(1.0, 0.02)) == [1.0]

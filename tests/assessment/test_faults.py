@@ -1,0 +1,122 @@
+"""Faults of a recording are found and stated with what they do to the error; sound recordings have none."""
+
+import numpy as np
+import pytest
+
+from reliab.assessment import Recording, assess
+from reliab.errors import InputError
+from reliab.structures.structure import Structure
+
+ONE_HERTZ = Structure(frequency=1.0, damping_ratio=0.02)
+
+
+@pytest.fixture(scope="module")
+def shaken(ground_motions, simulate_rig):
+    motion = ground_motions[3]
+
+    def run(**rig):
+        return simulate_rig(motion.acceleration, motion.time_step, seconds=30.0, db=45.0, **rig)
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def good(shaken):
+    return shaken(gain=0.998, delay=0.0004)
+
+
+def judged(test, measured=None, command=None):
+    return assess(
+        Recording(
+            command=test.command if command is None else command,
+            measured=test.measured if measured is None else measured,
+            time_step=1.0 / 256.0,
+        ),
+        ONE_HERTZ,
+    )
+
+
+def kinds(found):
+    return {effect.fault.kind for effect in found.faults}
+
+
+@pytest.mark.parametrize(
+    "rig", [{"delay": 0.001}, {"lead": 0.001}, {"lag": 0.001}, {"gain": 0.99}, {"backlash": 0.0004}]
+)
+def test_a_sound_recording_has_no_faults_whatever_the_actuator(shaken, rig):
+    assert judged(shaken(**rig)).faults == ()
+
+
+def test_an_offset_that_the_loop_felt_counts(shaken):
+    """The command rests beside zero, and the transient of getting there is an error."""
+    peak = np.abs(shaken().ideal).max()
+    test = shaken(gain=0.998, bias=0.145 * peak)
+    found = judged(test)
+    (effect,) = found.faults
+    assert (effect.fault.kind, effect.fault.in_loop) == ("offset", True)
+    assert found.error.rebuilt.rms.value == pytest.approx(test.rms, rel=0.05)
+    assert effect.otherwise.rebuilt.rms.value < 0.5 * test.rms
+    assert any("the structure felt it" in warning for warning in found.warnings)
+
+
+def test_an_offset_of_the_reading_alone_does_not(good):
+    peak = np.abs(good.ideal).max()
+    found = judged(good, good.measured + 0.08 * peak)
+    (effect,) = found.faults
+    assert (effect.fault.kind, effect.fault.in_loop) == ("offset", False)
+    assert found.error.rebuilt.rms.value == pytest.approx(good.rms, rel=0.06)
+
+
+def test_drift_is_found(good):
+    peak = np.abs(good.ideal).max()
+    found = judged(good, good.measured + 0.1 * peak * np.linspace(-0.5, 0.5, good.measured.size))
+    assert "drift" in kinds(found)
+    (effect,) = (effect for effect in found.faults if effect.fault.kind == "drift")
+    assert np.ptp(effect.fault.in_measured) == pytest.approx(0.1 * peak, rel=0.05)
+
+
+@pytest.mark.parametrize(("channel", "samples", "size"), [("measured", 1, 0.2), ("command", 4, -0.1)])
+def test_a_spike_is_stated_and_not_counted(good, channel, samples, size):
+    spoilt = getattr(good, channel).copy()
+    spoilt[3000 : 3000 + samples] += size
+    found = judged(good, **{channel: spoilt})
+    assert kinds(found) == {"spike"}
+    assert found.error.rebuilt.rms.value == pytest.approx(good.rms, rel=0.06)
+    assert any("no actuator moves like that" in warning for warning in found.warnings)
+
+
+def test_a_standstill_that_turns_the_verdict_leaves_it_open(good):
+    frozen = good.measured.copy()
+    frozen[3000:3300] = frozen[3000]
+    found = judged(good, frozen)
+    assert "standstill" in kinds(found)
+    assert found.verdict.word == "undecided"
+    assert found.verdict.would_decide
+    assert not found.reliable
+
+
+def test_a_copied_channel_is_never_reliable(good):
+    found = judged(good, good.command.copy())
+    assert kinds(found) == {"copy"}
+    assert found.verdict.word == "undecided"
+
+
+@pytest.mark.parametrize(
+    ("factor", "rule"),
+    [
+        (-1.0, "command's sign"),
+        (1e3, "one unit"),
+        (1e-3, "one unit"),
+        (39.37, "one unit"),
+        (0.01, "one unit"),
+    ],
+)
+def test_another_sign_or_unit_is_refused(good, factor, rule):
+    with pytest.raises(InputError, match=rule):
+        judged(good, factor * good.measured)
+
+
+def test_an_unrelated_channel_is_refused(good):
+    noise = np.random.default_rng(1).normal(size=good.measured.size)
+    with pytest.raises(InputError, match="follow the command"):
+        judged(good, np.std(good.measured) * noise)

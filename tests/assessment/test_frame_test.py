@@ -1,0 +1,189 @@
+"""Tests of partitioned frames: the error, faults of the recording, and a criterion of the same frame."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from reliab.assessment.frame_test import assess_frame
+from reliab.criterion import published_criterion
+from reliab.effects import find_effect
+from reliab.errors import InputError
+from reliab.motions.synthetic import synthetic_suite
+from reliab.recordings.recording import Recording
+from reliab.report.kinds.assessment import frame_assessment_report
+from reliab.simulation.frames.frame_file import FrameUnderTest
+from reliab.simulation.laboratory.laboratory import run_laboratory
+from reliab.simulation.laboratory.rig import Rig, Sensors
+from reliab.simulation.transfer_systems import TransferFunction
+from reliab.stated_value import StatedValue
+from reliab.structures.frames import Frame, modal_damping, shear_frame, undivided_response
+from reliab.structures.partition import Partition, floor_interface
+from reliab.structures.specimen import Specimen
+from reliab.sweep.frame_table import governing_mode
+from reliab.vocabulary import Metric
+
+RATE, THINNED = 4096.0, 8
+LAG = StatedValue(1.5e3 / RATE)
+"""Time by which the digital laboratory feeds the force back late [ms]."""
+
+
+SERVO = TransferFunction(numerator=(1.0,), denominator=(2e-6, 2e-3, 1.0), delay=0.002)
+
+
+@pytest.fixture(scope="module")
+def frame():
+    mass, stiffness = shear_frame([2000.0, 1500.0], [4e5, 3e5])
+    whole = Frame(mass=mass, stiffness=stiffness, damping=modal_damping(mass, stiffness, 0.03))
+    partition = Partition(frame=whole, interface=floor_interface(whole, 1), specimen=Specimen(stiffness=2e5))
+    return FrameUnderTest(name="two storeys", partition=partition, output=None, error_of="interface")
+
+
+@pytest.fixture(scope="module")
+def test_and_truth(frame):
+    """A test with a late actuator, and its true error from the exact response of the undivided frame."""
+    motion = synthetic_suite(count=2)[0]
+    ground = motion.acceleration[: int(20.0 / motion.time_step)]
+    rig = Rig(transfer_system=SERVO, sensors=Sensors(displacement_noise=2e-6))
+    run = run_laboratory(frame.partition, rig, ground, motion.time_step, rate=RATE, seed=3)
+    fine = np.interp(np.arange(run.piston.size) / RATE, motion.time_step * np.arange(ground.size), ground)
+    exact = frame.partition.interface @ undivided_response(frame.partition.frame, fine, 1.0 / RATE)
+    error = float(np.sqrt(np.mean((run.piston - exact) ** 2)) / np.abs(exact).max())
+    recording = Recording(
+        name="frame.csv",
+        command=run.command[::THINNED].copy(),
+        measured=run.measured[::THINNED].copy(),
+        time_step=THINNED / RATE,
+    )
+    return recording, error
+
+
+def test_the_error_is_that_against_the_undivided_frame(frame, test_and_truth):
+    recording, truth = test_and_truth
+    assessment = assess_frame(recording, frame, feedback_lag=LAG)
+    assert truth > 0.02
+    assert assessment.error.of(Metric.RMS).value == pytest.approx(truth, rel=0.05)
+    assert assessment.faults == ()
+    assert 0.0 < assessment.stability_margin < 1.0
+    summary = assessment.to_dict()
+    assert summary["reliable"] == (summary["verdict"] == "reliable")
+    assert summary["by_index"] is None
+
+
+def test_a_spike_is_stated_and_does_not_move_the_error(frame, test_and_truth):
+    recording, truth = test_and_truth
+    spiky = recording.measured.copy()
+    spiky[3000] += 0.5 * np.abs(recording.command).max()
+    spoilt = assess_frame(replace(recording, measured=spiky), frame, feedback_lag=LAG)
+    assert [(effect.fault.kind, effect.fault.in_loop) for effect in spoilt.faults] == [("spike", False)]
+    assert spoilt.error.of(Metric.RMS).value == pytest.approx(truth, rel=0.05)
+    assert spoilt.to_dict()["faults"][0]["kind"] == "spike"
+
+
+def test_an_offset_is_stated_with_the_error_without_it(frame, test_and_truth):
+    recording, truth = test_and_truth
+    shifted = recording.measured + 0.05 * np.abs(recording.command).max()
+    spoilt = assess_frame(replace(recording, measured=shifted), frame, feedback_lag=LAG)
+    (effect,) = spoilt.faults
+    assert effect.fault.kind == "offset"
+    without = spoilt.error if effect.fault.in_loop is False else effect.otherwise
+    assert without.of(Metric.RMS).value == pytest.approx(truth, rel=0.05)
+
+
+def test_a_copied_channel_is_not_called_reliable(frame, test_and_truth):
+    recording, _ = test_and_truth
+    copied = assess_frame(replace(recording, measured=recording.command.copy()), frame)
+    assert not copied.reliable
+    assert any("identical" in warning for warning in copied.warnings)
+
+
+def test_a_criterion_of_the_frame_gives_an_index_beside_the_error(frame, test_and_truth):
+    mode = governing_mode(frame)
+    provenance = replace(
+        published_criterion("guo_2017_18").provenance, experimental_fraction=mode.experimental_fraction
+    )
+    criterion = replace(published_criterion("guo_2017_18"), provenance=provenance)
+    assessment = assess_frame(test_and_truth[0], frame, criterion=criterion)
+    by_index = assessment.to_dict()["by_index"]
+    a, b = (float(limit) for limit in criterion.limits(mode.frequency, mode.damping_ratio))
+    amplitude, delay = assessment.tracking.amplitude, 1e3 * assessment.tracking.delay
+    assert by_index["index"] == pytest.approx((amplitude - 1.0) ** 2 / a + delay**2 / b)
+    assert by_index["reliable"] == (by_index["verdict"] == "reliable")
+
+
+def test_a_criterion_of_another_structure_is_refused(frame, test_and_truth):
+    with pytest.raises(InputError, match="must be that of the frame"):
+        assess_frame(test_and_truth[0], frame, criterion=published_criterion("guo_2017_18"))
+
+
+def test_a_recording_that_cannot_be_judged_is_refused(frame, test_and_truth):
+    recording, _ = test_and_truth
+    with pytest.raises(InputError, match="command's sign"):
+        assess_frame(replace(recording, measured=-recording.measured), frame)
+    short = replace(recording, command=recording.command[:400], measured=recording.measured[:400])
+    with pytest.raises(InputError, match="2 periods"):
+        assess_frame(short, frame)
+
+
+def test_tracking_over_frequency_is_that_of_the_servo(frame, test_and_truth):
+    recording, _ = test_and_truth
+    assessment = assess_frame(recording, frame, feedback_lag=LAG)
+    summary = assessment.to_dict()
+    found, held = assessment.over_frequency, 0.5 / RATE
+    servo = SERVO.transfer(2j * np.pi * found.frequency, frame.partition.specimen)
+    exact = -np.angle(servo) / (2.0 * np.pi * found.frequency) + held
+    for name, values, expected in (
+        ("A", found.amplitude, np.abs(servo)),
+        ("d_ms", 1e3 * found.delay, 1e3 * exact),
+    ):
+        deviation = np.array(summary["over_frequency"][f"{name}_deviation"])
+        assert np.mean(np.abs(values - expected) < 2.0 * deviation + 2e-4 * np.abs(expected)) > 0.85
+    assert [mode["d_ms"] for mode in summary["modes"][:1]] == pytest.approx([1e3 * exact[0]], rel=0.02)
+
+
+def test_a_linear_servo_leaves_nothing_beside_its_amplitude_and_delay(frame, test_and_truth):
+    recording, _ = test_and_truth
+    assessment = assess_frame(recording, frame)
+    assert assessment.resolved.rms == pytest.approx(assessment.error.of(Metric.RMS).value, rel=0.02)
+    assert assessment.resolved.remaining_rms < 0.02 * assessment.resolved.rms
+    stuck = replace(recording, measured=np.round(recording.measured / 2e-3) * 2e-3)
+    assert assess_frame(stuck, frame).resolved.remaining_rms > 2.0 * assessment.resolved.remaining_rms
+
+
+def test_the_report_shows_tracking_and_parts(frame, test_and_truth):
+    assessment = assess_frame(test_and_truth[0], frame, feedback_lag=LAG)
+    document = frame_assessment_report(assessment, provenance={"file": "frame.csv"})
+    titles = [section.title for section in document.blocks]
+    assert titles[0] == "The error of this test"
+    assert "Amplitude and delay over frequency" in titles
+    error = f"{100 * assessment.error.of(Metric.RMS).value:.3g} %"
+    assert any(error in str(piece) for piece in document.verdict)
+
+
+def test_what_the_equation_of_the_error_does_not_hold_for_is_refused(frame, test_and_truth):
+    recording, _ = test_and_truth
+    friction = find_effect("coulomb_friction")(force_n=1.0, regularisation_velocity_m_per_s=0.01)
+    rubbing = replace(frame, partition=replace(frame.partition, effects=(friction,)))
+    with pytest.raises(InputError, match=r"linear specimen.*coulomb_friction"):
+        assess_frame(recording, rubbing)
+    elsewhere = replace(frame, output=np.array([1.0, 0.0]), error_of="degree of freedom 0")
+    with pytest.raises(InputError, match="interface displacement"):
+        assess_frame(recording, elsewhere)
+
+
+def test_a_stated_scale_is_taken_off_the_reading(frame, test_and_truth):
+    recording, truth = test_and_truth
+    scaled = replace(recording, measured=1.02 * recording.measured)
+    corrected = assess_frame(scaled, frame, feedback_lag=LAG, scale=StatedValue(1.02))
+    assert corrected.error.of(Metric.RMS).value == pytest.approx(truth, rel=0.05)
+
+
+def test_a_loop_beyond_its_critical_delay_is_called_unstable(frame, test_and_truth):
+    assessment = assess_frame(test_and_truth[0], frame, feedback_lag=LAG)
+    margins = {0.0: None, 0.5 * assessment.tracking.delay: -1.0, np.inf: 1.0}
+    for critical, margin in margins.items():
+        judged = replace(assessment, critical_delay=critical)
+        assert judged.stability_margin == (margin if margin is None else pytest.approx(margin))
+        assert any("unstable" in words for words in judged.warnings) is (margin is None or margin < 0.0)
+    incoherent = replace(assessment, over_frequency=None)
+    assert any("hardly coherent" in words for words in incoherent.warnings)

@@ -1,0 +1,164 @@
+"""A test with recorded ground acceleration tells a structure that was stated wrongly, and is not obeyed."""
+
+import numpy as np
+import pytest
+
+from reliab.assessment import Recording, assess
+from reliab.stated_value import StatedValue
+from reliab.structures.structure import Structure
+
+
+@pytest.fixture(scope="module")
+def judged(ground_motions, simulate_rig):
+    motion = ground_motions[3]
+    test = simulate_rig(motion.acceleration, motion.time_step, seconds=30.0, delay=0.0022, db=40.0)
+
+    def ask(frequency=1.0, damping_ratio=0.02, *, sign=1.0, force=None, stated=None):
+        recording = Recording(
+            command=test.command,
+            measured=test.measured,
+            time_step=1.0 / 256.0,
+            ground=sign * test.ground,
+            force=None if force is None else force(test.measured),
+        )
+        structure = Structure(frequency=frequency, damping_ratio=damping_ratio)
+        return test, assess(recording, structure, stated=stated)
+
+    return ask
+
+
+def test_a_structure_stated_rightly_is_not_contradicted(judged):
+    test, found = judged()
+    assert found.equation.wrong == ()
+    assert found.error.rebuilt.rms.value == pytest.approx(test.rms, rel=0.02)
+
+
+def test_a_wrong_frequency_is_told_and_not_obeyed(judged):
+    test, found = judged(1.02)
+    assert found.equation.wrong == ("f",)
+    assert any("shows a natural frequency of" in warning for warning in found.warnings)
+    assert found.error.rebuilt.rms.value == pytest.approx(test.rms, rel=0.02)
+    (as_stated,) = found.otherwise_stated
+    assert as_stated.rebuilt.rms.value < 0.9 * test.rms
+
+
+def test_a_frequency_within_its_stated_tolerance_is_not_contradicted(judged):
+    _, found = judged(1.02, stated={"f": StatedValue(1.02, 0.015)})
+    assert found.equation.wrong == ()
+
+
+def test_a_wrong_damping_ratio_that_decides_leaves_the_verdict_open(judged):
+    _, found = judged(damping_ratio=0.031)
+    assert found.equation.wrong == ("xi",)
+    assert found.verdict.word == "undecided"
+    assert any("damping ratio of 0.0" in reason for reason in found.verdict.reasons)
+
+
+@pytest.mark.parametrize(("sign", "words"), [(-1.0, "opposite sign"), (0.1, "does not belong to this test")])
+def test_another_ground_acceleration_is_said(judged, sign, words):
+    _, found = judged(sign=sign)
+    assert any(words in warning for warning in found.warnings)
+
+
+@pytest.mark.parametrize(("cubic", "open_"), [(0.0, False), (3000.0, True)])
+def test_a_specimen_that_looks_nonlinear_leaves_the_verdict_open(judged, cubic, open_):
+    _, found = judged(force=lambda moved: 39.5 * moved + cubic * moved**3)
+    assert bool(found.equation.nonlinear) is open_
+    assert (found.verdict.word == "undecided") is open_
+    assert any("give that model" in remedy for remedy in found.verdict.would_decide) is open_
+
+
+EVERY = 16  # of the samples simulated at 4096 Hz one is recorded
+MASS = 1000.0
+
+
+@pytest.fixture(scope="module")
+def judged_with_skew(ground_motions, simulate_rig):
+    """Judge a test whose measured displacement, force or both were recorded late, by steps of 0.244 ms."""
+    motion = ground_motions[3]
+
+    def ask(channels, *, delay, measured_late=0, force_late=0, stated_ratio=0.02):
+        test = simulate_rig(
+            motion.acceleration, motion.time_step, seconds=30.0, delay=delay, rate=4096.0, db=200.0
+        )
+        places = np.arange(0, test.command.size, EVERY)
+        generator = np.random.default_rng(7)
+
+        def late(history, steps):
+            recorded = history[np.clip(places - steps, 0, history.size - 1)]
+            return recorded + 0.004 * np.std(recorded) * generator.normal(size=places.size)
+
+        recording = Recording(
+            command=test.command[places],
+            measured=late(test.measured, measured_late),
+            time_step=EVERY / 4096.0,
+            ground=test.ground[places] if "ground" in channels else None,
+            force=late(MASS * (2.0 * np.pi) ** 2 * test.measured, force_late)
+            if "force" in channels
+            else None,
+        )
+        stated = {"mass": StatedValue(MASS)} if "mass" in channels else {}
+        return test, assess(recording, Structure(frequency=1.0, damping_ratio=stated_ratio), stated=stated)
+
+    return ask
+
+
+def explained(test, found):
+    """Whether the true error is among those that are computed."""
+    errors = (found.error, *found.error.alternatives)
+    return any(error.rebuilt.rms.value == pytest.approx(test.rms, rel=0.03) for error in errors)
+
+
+BAD, GOOD = 0.0022, 0.0012  # delays [s] with errors of 6 and 3 %
+
+
+@pytest.mark.parametrize(
+    ("channels", "delay", "steps", "words"),
+    [
+        ("ground", BAD, -4, "a damping ratio of 0.016"),
+        ("ground", GOOD, 4, "a damping ratio of 0.023"),
+        ("ground", BAD, -2, "a damping ratio of 0.018"),
+        ("ground force", BAD, -4, "a force that is fed back 0.9"),
+        ("ground force mass", BAD, -4, "a force that is fed back 0.9"),
+        ("ground force mass", GOOD, 4, "damping of the specimen"),
+        ("force", BAD, -4, "a skew of the force's channel alone"),
+    ],
+)
+def test_what_a_skew_looks_like_is_said_and_decides_nothing(judged_with_skew, channels, delay, steps, words):
+    test, found = judged_with_skew(channels, delay=delay, measured_late=steps)
+    assert (test.rms < 0.05) is (delay == GOOD)
+    assert found.verdict.word == "undecided"
+    assert 0.01 < found.probability < 0.99
+    assert explained(test, found)
+    (said,) = [reason for reason in found.verdict.reasons if "cannot tell which" in reason]
+    assert words in said
+    assert "ms between command and measured displacement" in said
+    assert any("Measure the skew" in remedy for remedy in found.verdict.would_decide)
+    assert not any("> 0.99" in reason for reason in found.verdict.reasons)
+
+
+@pytest.mark.parametrize("channels", ["ground", "ground force", "ground force mass", "force"])
+@pytest.mark.parametrize("delay", [BAD, GOOD])
+def test_sound_channels_lose_nothing(judged_with_skew, channels, delay):
+    test, found = judged_with_skew(channels, delay=delay)
+    assert found.equation.contradictions == ()
+    assert found.error.alternatives == ()
+    assert found.verdict.word == ("reliable" if delay == GOOD else "not_reliable")
+    assert found.error.rebuilt.rms.value == pytest.approx(test.rms, rel=0.01)
+
+
+def test_a_force_that_alone_is_late_changes_nothing_where_the_ground_shows_it(judged_with_skew):
+    test, found = judged_with_skew("ground force", delay=GOOD, force_late=4)
+    assert found.verdict.word == "reliable"
+    shown, cause = found.equation.contradictions
+    assert "behind the measured displacement" in shown
+    assert cause == "The cause may be a skew of the force's channel alone."
+    assert found.error.rebuilt.rms.value == pytest.approx(test.rms, rel=0.01)
+
+
+@pytest.mark.parametrize("stated_ratio", [0.014, 0.027])
+@pytest.mark.parametrize("delay", [BAD, GOOD])
+def test_a_wrong_damping_ratio_is_never_a_wrong_verdict(judged_with_skew, stated_ratio, delay):
+    test, found = judged_with_skew("ground force mass", delay=delay, stated_ratio=stated_ratio)
+    assert found.verdict.word in ("undecided", "reliable" if delay == GOOD else "not_reliable")
+    assert explained(test, found)

@@ -1,0 +1,136 @@
+"""A recorded force that is reversed, in another unit or of another column is refused in a sentence."""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+import scipy
+
+from reliab.assessment import Recording, assess
+from reliab.assessment.plausibility import require_plausible
+from reliab.errors import InputError
+from reliab.stated_value import StatedValue
+from reliab.structures.structure import Structure
+
+RATE, CIRCULAR = 512.0, 2.0 * np.pi
+STIFFNESS = 1000.0 * CIRCULAR**2  # 1 Hz, 1000 kg
+
+
+def yielding(moved, limit):
+    """Force of an elastic-perfectly-plastic spring of unit stiffness."""
+    force = np.zeros_like(moved)
+    for i, step in enumerate(np.diff(moved)):
+        force[i + 1] = np.clip(force[i] + step, -limit, limit)
+    return force
+
+
+class Motion(NamedTuple):
+    """Displacement, velocity and acceleration of a specimen."""
+
+    x: np.ndarray
+    v: np.ndarray
+    a: np.ndarray
+
+
+SPECIMENS = {
+    "spring": lambda m: m.x,
+    "spring and dashpot": lambda m: m.x + 0.05 * m.v,
+    "dashpot": lambda m: m.v,
+    "spring and mass": lambda m: m.x + 0.01 * m.a,
+    "mass": lambda m: 0.03 * m.a,
+    "friction": lambda m: np.sign(m.v),
+    "hardening": lambda m: m.x + 0.5 * (m.x / np.abs(m.x).max()) ** 2 * m.x,
+    "yielding": lambda m: yielding(m.x, 0.25 * np.abs(m.x).max()) + 0.02 * m.x,
+    "preloaded spring": lambda m: m.x + 3.0 * np.abs(m.x).max(),
+}
+
+
+@pytest.fixture(scope="module")
+def moved():
+    """The response of a 1 Hz structure to coloured noise that swells and fades, and its derivatives."""
+    time = np.arange(0.0, 30.0, 1.0 / RATE)
+    ground = np.random.default_rng(4).normal(size=time.size) * np.sin(np.pi * time / 30.0) ** 2
+    structure = scipy.signal.StateSpace(
+        [[0.0, 1.0], [-(CIRCULAR**2), -0.04 * CIRCULAR]], [[0.0], [-1.0]], np.eye(2), np.zeros((2, 1))
+    )
+    _, states, _ = scipy.signal.lsim(structure, ground, time)
+    x, v = states.T / np.abs(states[:, 0]).max()
+    return time, 0.02 * x, 0.02 * v
+
+
+def recorded(moved, specimen, *, sign=1.0, late=0.006, noise=1e-3):
+    """A test whose rig is late, with the force of its specimen in newtons."""
+    time, x, v = moved
+    reached, speed = np.interp(time - late, time, x), np.interp(time - late, time, v)
+    shape = SPECIMENS[specimen](Motion(reached, speed, np.gradient(speed, time)))
+    generator = np.random.default_rng(1)
+    force = sign * STIFFNESS * shape
+    return Recording(
+        command=x,
+        measured=reached + noise * np.std(x) * generator.normal(size=x.size),
+        force=force + 0.01 * np.std(force) * generator.normal(size=x.size),
+        time_step=1.0 / RATE,
+    )
+
+
+@pytest.mark.parametrize("specimen", SPECIMENS)
+def test_a_force_that_resists_is_accepted_and_its_reverse_refused(moved, specimen):
+    require_plausible(recorded(moved, specimen))
+    with pytest.raises(InputError, match=r"must resist the motion.*sign were reversed.*Reverse the sign"):
+        require_plausible(recorded(moved, specimen, sign=-1.0))
+
+
+@pytest.mark.parametrize("mass", [None, 1000.0])
+def test_a_reversed_force_is_refused_with_and_without_a_mass(moved, mass):
+    stated = {} if mass is None else {"mass": StatedValue(mass)}
+    with pytest.raises(InputError, match="must resist the motion"):
+        assess(
+            recorded(moved, "spring", sign=-1.0), Structure(frequency=1.0, damping_ratio=0.02), stated=stated
+        )
+
+
+@pytest.mark.parametrize(
+    ("factor", "words"),
+    [
+        (1e3, "kilonewtons"),
+        (1e-3, "kilonewtons"),
+        (1e-6, "meganewtons"),
+        (4.4482, "pounds-force"),
+        (9.81, "kilograms-force"),
+        (4448.0, "kips"),
+        (60.0, "60 times the stated one"),
+    ],
+)
+def test_a_force_in_another_unit_is_refused(moved, factor, words):
+    test = recorded(moved, "spring")
+    with pytest.raises(InputError, match=f"must be that of the stated specimen.*{words}"):
+        require_plausible(replace(test, force=factor * test.force), stiffness=STIFFNESS)
+
+
+@pytest.mark.parametrize("share", [0.05, 0.3, 1.0, 2.0])
+def test_a_share_that_is_stated_wrongly_is_no_wrong_unit(moved, share):
+    test = recorded(moved, "spring")
+    require_plausible(replace(test, force=share * test.force), stiffness=STIFFNESS)
+
+
+@pytest.mark.parametrize("specimen", ["spring", "hardening", "preloaded spring"])
+@pytest.mark.parametrize("noise", [0.0, 1e-3])
+def test_exchanged_columns_show_in_the_force(moved, specimen, noise):
+    test = recorded(moved, specimen, noise=noise)
+    with pytest.raises(InputError, match=r"follows the command instead.*exchanged"):
+        require_plausible(replace(test, command=test.measured, measured=test.command))
+
+
+@pytest.mark.parametrize(
+    ("force", "words"),
+    [
+        (lambda test: np.full_like(test.force, 3.0), "must change during the test"),
+        (lambda test: np.random.default_rng(2).normal(size=test.force.size), "must follow the measured"),
+        (lambda test: np.sin(17.0 * np.arange(test.force.size) / RATE), "must follow the measured"),
+    ],
+)
+def test_a_force_of_nothing_is_refused(moved, force, words):
+    test = recorded(moved, "spring")
+    with pytest.raises(InputError, match=words):
+        require_plausible(replace(test, force=force(test)))

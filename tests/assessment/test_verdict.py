@@ -1,0 +1,92 @@
+"""Three verdicts, each with its reasons; and which length of window a criterion is taken from."""
+
+import pytest
+
+from reliab.assessment import Recording, assess
+from reliab.assessment.criterion_window import window_for
+from reliab.assessment.doubts import probability_text
+from reliab.assessment.verdict import Word, verdict_by_index
+from reliab.criterion import published_criterion
+from reliab.stated_value import StatedValue
+from reliab.structures.structure import Structure
+
+ONE_HERTZ = Structure(frequency=1.0, damping_ratio=0.02)
+
+
+@pytest.fixture(scope="module")
+def near(ground_motions, simulate_rig):
+    """A test whose error lies close below 5 %."""
+    motion = ground_motions[3]
+    test = simulate_rig(motion.acceleration, motion.time_step, seconds=30.0, delay=0.0018, db=45.0)
+    assert 0.043 < test.rms < 0.0499
+    return Recording(command=test.command, measured=test.measured, time_step=1.0 / 256.0)
+
+
+def test_a_tolerance_of_the_frequency_leaves_a_close_test_undecided_and_says_so(near):
+    sure = assess(near, ONE_HERTZ, threshold=0.035)
+    assert sure.verdict.word is Word.NOT_RELIABLE
+    stated = {"f": StatedValue(1.0, 0.05), "xi": StatedValue(0.02)}
+    unsure = assess(near, ONE_HERTZ, threshold=0.035, stated=stated)
+    assert unsure.verdict.word is Word.UNDECIDED
+    assert "natural frequency" in unsure.verdict.would_decide[0]
+    assert unsure.error.rebuilt.rms.low < 0.035 < unsure.error.rebuilt.rms.high
+
+
+def test_the_threshold_turns_the_verdict(near):
+    strict = assess(near, ONE_HERTZ, threshold=0.03)
+    assert strict.verdict.word is Word.NOT_RELIABLE
+    assert strict.probability < 0.05
+    assert not strict.reliable
+
+
+def test_a_disagreement_of_error_and_index_is_explained(near):
+    found = assess(near, ONE_HERTZ, criterion=published_criterion("guo_2017_15"))
+    assert (found.verdict.word, found.verdict_by_index.word) == (Word.RELIABLE, Word.NOT_RELIABLE)
+    assert any("disagree" in warning for warning in found.warnings)
+
+
+@pytest.mark.parametrize(
+    ("index", "interval", "probability", "own", "word"),
+    [
+        (0.5, (0.4, 0.6), 0.99, False, Word.RELIABLE),
+        (0.9, (0.7, 1.1), 0.95, False, Word.UNDECIDED),
+        (1.6, (1.4, 1.8), 0.78, False, Word.UNDECIDED),
+        (1.6, (1.4, 1.8), 0.0, True, Word.NOT_RELIABLE),
+        (9.0, (8.0, 9.9), 0.02, False, Word.NOT_RELIABLE),
+        (9.0, (8.0, 9.9), None, False, Word.NOT_RELIABLE),
+        (None, None, None, False, Word.UNDECIDED),
+    ],
+)
+def test_an_index_has_three_verdicts(index, interval, probability, own, word):
+    found = verdict_by_index(
+        index=index, interval=interval, probability=probability, confidence=0.95, own_motion=own
+    )
+    assert found.word is word
+    assert found.reasons
+    assert bool(found.would_decide) is (word is Word.UNDECIDED)
+
+
+def test_no_probability_is_written_as_certain():
+    assert [probability_text(value) for value in (1.0, 0.9999, 0.0, 0.5)] == [
+        "> 0.99",
+        "> 0.99",
+        "< 0.01",
+        "0.50",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("seconds", "below", "above", "words"),
+    [
+        (20.1, "20", "20", "20 s"),
+        (25.0, "20", "30", "between"),
+        (90.0, "40", "40", "the longest that ships"),
+        (6.0, "10", "10", "the shortest that ships"),
+        (None, "record", "record", "record"),
+    ],
+)
+def test_a_criterion_is_of_tests_as_long_as_the_test(seconds, below, above, words):
+    found = window_for(seconds, ["record", "arias", "10", "15", "20", "30", "40"])
+    assert (found.below, found.above) == (below, above)
+    assert words in found.label
+    assert 0.0 <= found.weight < 1.0

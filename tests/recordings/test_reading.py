@@ -1,0 +1,199 @@
+"""Every format, delimiter, unit and way to give the time yields the same test."""
+
+import h5py
+import numpy as np
+import pytest
+from scipy.io import netcdf_file, savemat
+
+from reliab.assessment import read_recording
+from reliab.errors import InputError
+
+RATE = 200.0
+TIME = np.arange(2000) / RATE
+COMMAND = 0.02 * np.sin(6.0 * TIME) * np.exp(-TIME / 8.0)
+MEASURED = 0.0199 * np.sin(6.0 * (TIME - 0.004)) * np.exp(-TIME / 8.0)
+COLUMNS = {"time_s": TIME, "command_m": COMMAND, "measured_m": MEASURED}
+
+
+def text(path, header, columns, delimiter=",", *, decimal="."):
+    rows = [
+        delimiter.join(f"{cell:.9f}".replace(".", decimal) for cell in row)
+        for row in zip(*columns, strict=True)
+    ]
+    path.write_text("\n".join([*header, *rows]), encoding="utf-8")
+    return path
+
+
+def of_csv(folder):
+    return text(folder / "t.csv", ["time_s,command_m,measured_m"], COLUMNS.values())
+
+
+def of_decimal_comma(folder):
+    return text(folder / "t.csv", ["time;cmd;meas"], COLUMNS.values(), ";", decimal=",")
+
+
+def of_tabs_with_units_below(folder):
+    millimetres = [TIME, 1e3 * COMMAND, MEASURED]
+    return text(folder / "t.txt", ["# rig 3", "Time\tCommand\tMeasured", "s\tmm\tm"], millimetres, "\t")
+
+
+def of_blanks(folder):
+    return text(folder / "t.dat", ["% t x_c x_m", "t x_c x_m"], COLUMNS.values(), " ")
+
+
+def of_milliseconds_and_inches(folder):
+    columns = [1e3 * TIME, COMMAND / 0.0254, MEASURED / 0.0254]
+    return text(folder / "t.csv", ['"Time [ms]","Target disp (in)","Actual disp (in)"'], columns)
+
+
+def of_no_header(folder):
+    return text(folder / "t.csv", [], COLUMNS.values())
+
+
+def of_rounded_times(folder):
+    rows = [f"{t:.3f},{c:.9f},{m:.9f}" for t, c, m in zip(TIME, COMMAND, MEASURED, strict=True)]
+    (folder / "t.csv").write_text("\n".join(["time,command,measured", *rows]), encoding="utf-8")
+    return folder / "t.csv"
+
+
+def of_matlab(folder):
+    savemat(folder / "t.mat", {"test": {"time": TIME, "command": COMMAND, "measured": MEASURED}})
+    return folder / "t.mat"
+
+
+def of_matlab_rate(folder):
+    savemat(folder / "t.mat", {"fs": RATE, "cmd": COMMAND, "meas": MEASURED, "name": "rig"})
+    return folder / "t.mat"
+
+
+def of_matlab_73(folder):
+    with h5py.File(folder / "t.mat", "w", userblock_size=512) as file:
+        for name, values in (("t", TIME), ("xc", COMMAND), ("xm", MEASURED)):
+            file[name] = values[np.newaxis]
+    with (folder / "t.mat").open("r+b") as file:
+        file.write(b"MATLAB 7.3 MAT-file".ljust(512, b" "))
+    return folder / "t.mat"
+
+
+def of_hdf5(folder):
+    with h5py.File(folder / "t.h5", "w") as file:
+        for name, values in (("rig/time", TIME), ("rig/command", 1e3 * COMMAND), ("rig/measured", MEASURED)):
+            file[name] = values
+        file["rig/command"].attrs["units"] = "mm"
+        file["rig/measured"].attrs["units"] = "m"
+    return folder / "t.h5"
+
+
+def of_netcdf_4(folder):
+    import xarray as xr
+
+    dataset = xr.Dataset(
+        {"command": ("time", COMMAND), "measured": ("time", MEASURED)}, coords={"time": TIME}
+    )
+    dataset["time"].attrs["units"] = "s"
+    dataset.to_netcdf(folder / "t.nc", engine="h5netcdf")
+    return folder / "t.nc"
+
+
+def of_netcdf_classic(folder):
+    with netcdf_file(folder / "t.nc", "w") as file:
+        file.createDimension("time", TIME.size)
+        for name, values in (("time", TIME), ("command", COMMAND), ("measured", MEASURED)):
+            file.createVariable(name, "d", ("time",))[:] = values
+    return folder / "t.nc"
+
+
+@pytest.mark.parametrize(
+    "write",
+    [
+        of_csv, of_decimal_comma, of_tabs_with_units_below, of_blanks, of_milliseconds_and_inches,
+        of_no_header, of_rounded_times, of_matlab, of_matlab_rate, of_matlab_73, of_hdf5, of_netcdf_4,
+        of_netcdf_classic,
+    ],
+)  # fmt: skip
+def test_the_same_test_comes_back(tmp_path, write):
+    found = read_recording(write(tmp_path))
+    assert found.time_step == pytest.approx(1.0 / RATE)
+    np.testing.assert_allclose(found.measured, MEASURED, atol=2e-9)
+    np.testing.assert_allclose(found.command, COMMAND, atol=2e-9)
+
+
+def test_columns_and_rate_can_be_declared(tmp_path):
+    path = text(tmp_path / "t.csv", ["a,b,c"], [COMMAND, TIME, MEASURED])
+    found = read_recording(path, command="a", measured="c", rate_hz=100.0)
+    assert found.time_step == pytest.approx(0.01)
+    timed = read_recording(path, command="a", measured="c", time="b", units="mm")
+    assert timed.time_step == pytest.approx(1.0 / RATE)
+    np.testing.assert_allclose(timed.command, 1e-3 * COMMAND, atol=1e-12)
+
+
+def test_times_that_are_rounded_coarser_than_a_step_are_understood(tmp_path):
+    times = (np.arange(2000) / 1024.0).round(3)
+    path = text(tmp_path / "t.csv", ["time,command,measured"], [times, COMMAND, MEASURED])
+    assert read_recording(path).time_step == pytest.approx(1.0 / 1024.0, rel=1e-3)
+
+
+def test_unit_stated_for_one_column_is_taken_for_both_and_said(tmp_path):
+    path = text(tmp_path / "t.csv", ["time,command [mm],measured"], [TIME, 1e3 * COMMAND, 1e3 * MEASURED])
+    found = read_recording(path)
+    np.testing.assert_allclose(found.measured, MEASURED, atol=2e-9)
+    assert any("measured displacement states no unit" in note for note in found.notes)
+
+
+def test_order_of_nameless_columns_is_said(tmp_path):
+    assert any("by their order" in note for note in read_recording(of_no_header(tmp_path)).notes)
+
+
+@pytest.mark.parametrize(
+    ("header", "message"),
+    [
+        ("time,command,command_filtered,measured", None),
+        ("time,cmd_1,cmd_2,measured", "One column must be the command"),
+        ("time,command,command,measured", "A column must stand once only"),
+    ],
+)
+def test_ambiguous_columns_are_said(tmp_path, header, message):
+    path = text(tmp_path / "t.csv", [header], [TIME, COMMAND, 0.5 * COMMAND, MEASURED])
+    if message is None:
+        np.testing.assert_allclose(read_recording(path).command, COMMAND, atol=2e-9)
+        return
+    with pytest.raises(InputError, match=message):
+        read_recording(path)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"", "rows of at least two numbers"),
+        (b"time,command\n", "rows of at least two numbers"),
+        (b"\x00\x01\x02\x03binary", "must be text in columns"),
+        (b"MATLAB 5.0 broken", "must be readable"),
+        (b"\x89HDF\r\n\x1a\nbroken", "must be readable"),
+        (b"CDF\x01broken", "must be readable"),
+        (b"time,command,measured\n0,1,2\n1,2\n", "Every line must have 3 columns"),
+        (b"time,command,measured\n0,1,2\n1,x,2\n", "line 3, column command: Every value must be a number"),
+        (b"time,command,measured\n0,1,2\n1,2,2\n", "at least 64 samples"),
+    ],
+)
+def test_broken_files_are_explained(tmp_path, content, message):
+    path = tmp_path / "t.csv"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=message):
+        read_recording(path)
+
+
+def test_a_file_that_is_not_there_is_said(tmp_path):
+    with pytest.raises(InputError, match="readable; found No such file"):
+        read_recording(tmp_path / "none.csv")
+
+
+def test_no_time_is_said(tmp_path):
+    path = text(tmp_path / "t.csv", ["command,measured"], [COMMAND, MEASURED])
+    with pytest.raises(InputError, match="at what times"):
+        read_recording(path)
+    assert read_recording(path, rate_hz=RATE).time_step == pytest.approx(1.0 / RATE)
+
+
+def test_rate_that_disagrees_with_the_times_is_said(tmp_path):
+    with pytest.raises(InputError, match="agree with the sampling rate"):
+        read_recording(of_csv(tmp_path), rate_hz=1024.0)

@@ -1,0 +1,97 @@
+"""The march of the whole loop against the spectral solution, and against its own blocks run alone."""
+
+import numpy as np
+import pytest
+
+from reliab.effects import find_effect
+from reliab.errors import InputError
+from reliab.simulation.actuator import Actuator
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.hybrid_test import HybridTest, drive, load, read_force, run_closed_loop
+from reliab.simulation.hybrid_test.open_loop import Motion3
+from reliab.simulation.linear_loop import spectral
+from reliab.structures.structure import Structure
+
+STEP = 1.0 / 512.0
+TIME = np.arange(0.0, 20.0, STEP)
+GROUND = np.sin(2.0 * np.pi * 0.8 * TIME) * np.exp(-(((TIME - 6.0) / 3.0) ** 2))
+STRUCTURE = Structure(frequency=1.0, damping_ratio=0.05, experimental_fraction=0.6)
+
+
+@pytest.mark.parametrize(("gain", "delay"), [(1.0, 0.0), (1.02, 0.004), (0.98, 0.0125)])
+def test_loop_agrees_with_the_spectral_engine(gain, delay):
+    test = HybridTest(structure=STRUCTURE, actuator=Actuator(gain=gain, delay=delay))
+    found = run_closed_loop(test, GROUND, STEP)
+    excitation = Excitation(acceleration=GROUND, time_step=STEP)
+    exact, fine = spectral.response(excitation, STRUCTURE, gain, delay)
+    sampled = np.interp(TIME, fine * np.arange(exact.size), exact)
+    assert np.abs(found.measured - sampled).max() < 2e-3 * np.abs(sampled).max()
+
+
+def test_blocks_alone_repeat_what_they_did_in_the_loop():
+    effects = (
+        find_effect("first_order_lag")(time_constant_s=0.01),
+        find_effect("coulomb_friction")(force_n=0.05, regularisation_velocity_m_per_s=0.01),
+        find_effect("force_bias")(bias_n=0.02),
+    )
+    test = HybridTest(structure=STRUCTURE, actuator=Actuator(gain=1.01, delay=0.006), effects=effects)
+    whole = run_closed_loop(test, GROUND, STEP)
+    piston = drive(test, whole.command)
+    np.testing.assert_allclose(piston.values[0], whole.piston.values[0], atol=1e-12)
+    np.testing.assert_allclose(read_force(test, piston, load(test, piston)), whole.force, atol=1e-9)
+
+
+def damping_of(test):
+    """Damping ratio from the decay of a free vibration."""
+    pulse = np.where(TIME < 0.04, 1.0, 0.0)
+    swing = np.abs(run_closed_loop(test, pulse, STEP).command.values[0])
+    early, late = swing[512:1024].max(), swing[1536:2048].max()
+    return np.log(early / late) / (4.0 * np.pi)
+
+
+@pytest.mark.parametrize("added", [0.005, 0.03, -0.01])
+def test_integration_error_adds_the_damping_that_it_states(added):
+    effect = find_effect("integration_error")(numerical_damping_ratio=added)
+    plain = HybridTest(structure=STRUCTURE)
+    assert damping_of(plain.adding(effect)) - damping_of(plain) == pytest.approx(added, rel=0.01)
+
+
+def test_loop_without_a_structure():
+    with pytest.raises(InputError, match="needs a numerical substructure"):
+        _ = HybridTest().substructure
+    with pytest.raises(InputError, match="mass must be positive"):
+        HybridTest(mass=-1.0)
+
+
+def test_a_delay_of_just_a_step_is_the_limit_of_shorter_ones():
+    time = np.arange(4096) / 512.0
+    ground = np.sin(2.0 * np.pi * time) * np.exp(-0.3 * time)
+    friction = find_effect("hysteresis")(force_n=20.0, displacement_m=0.01, gamma=0.5, exponent=1.5)
+    readings = []
+    for delay in (0.999999 / 512.0, 1.000001 / 512.0):
+        late = HybridTest(
+            structure=Structure(frequency=1.0, damping_ratio=0.05), actuator=Actuator(delay=delay),
+            effects=(friction,),
+        )  # fmt: skip
+        readings.append(run_closed_loop(late, ground, 1.0 / 512.0))
+    for name in ("measured", "force"):
+        shorter, longer = (getattr(one, name) for one in readings)
+        np.testing.assert_allclose(longer, shorter, atol=1e-4 * np.abs(shorter).max())
+
+
+@pytest.mark.parametrize("parts", [1, 4])
+def test_a_motion_through_samples_of_a_cubic_is_that_cubic(parts):
+    time = 0.01 * np.arange(30)
+    motion = Motion3.through(2.0 * time**3 - time, 0.01, parts=parts)
+    fine = 0.01 / parts * np.arange(29 * parts + 1)
+    assert motion.step == pytest.approx(0.01 / parts)
+    expected = np.stack([2.0 * fine**3 - fine, 6.0 * fine**2 - 1.0, 12.0 * fine])
+    np.testing.assert_allclose(motion.values, expected, atol=1e-9)
+    coarse = motion.at_each(parts)
+    assert coarse.step == pytest.approx(0.01)
+    np.testing.assert_allclose(coarse.values[0], 2.0 * time**3 - time, atol=1e-12)
+
+
+def test_effects_of_a_test_without_specimen_meet_no_stiffness_and_no_damping():
+    setting = HybridTest().setting(0.001)
+    assert (setting.step, setting.stiffness, setting.damping) == (0.001, 0.0, 0.0)

@@ -1,0 +1,149 @@
+"""The three engines solve one loop: each is the others' oracle."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from reliab.errors import InputError
+from reliab.indices.response_error import relative_error
+from reliab.motions import load_motions
+from reliab.simulation.engine import Engine, Loop
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.linear_loop import delay_stepper
+from reliab.simulation.linear_loop.cells import Cells
+from reliab.structures.stability import critical_delay
+from reliab.structures.structure import Structure
+from reliab.vocabulary import Metric
+
+
+def random_case(rng: np.random.Generator, acceleration, time_step) -> tuple[Loop, Cells]:
+    xi = float(rng.choice([0.02, 0.05, 0.1]))
+    structure = Structure(
+        frequency=float(rng.choice([0.25, 0.5, 1.0, 1.5, 2.0])),
+        damping_ratio=xi,
+        experimental_fraction=float(rng.choice([1.0, 1.0, 0.6])),
+    )
+    gain = 1.0 + xi * rng.uniform(-1.0, 1.0)
+    delay = rng.uniform(0.0, 0.9) * min(0.3, float(critical_delay(structure, gain)))
+    loop = Loop(excitation=Excitation(acceleration=acceleration, time_step=time_step), structure=structure)
+    return loop, loop.cells(gain=gain, delay=delay)
+
+
+def differences(loop: Loop, cells: Cells, other: Engine) -> dict[Metric, float]:
+    """Largest relative difference of each error between two engines, each of which runs once."""
+    ours, oracle = loop.deviation(cells), replace(loop, engine=other).deviation(cells)
+    return {
+        metric: float(np.abs(relative_error(ours, metric) / relative_error(oracle, metric) - 1.0).max())
+        for metric in Metric
+    }
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_automatic_engine_agrees_with_the_spectral_one(random_record, seed):
+    rng = np.random.default_rng(seed)
+    loop, cells = random_case(rng, *random_record(rng))
+    found = differences(loop, cells, Engine.SPECTRAL)
+    assert found[Metric.RMS] < 1e-4
+    assert found[Metric.MTE] < 2e-3
+
+
+@pytest.mark.parametrize("count", [40, pytest.param(300, marks=pytest.mark.slow)])
+def test_engines_agree_on_many_cells_of_the_real_records(real_motions_folder, count):
+    rng = np.random.default_rng(2017)
+    motions = load_motions(real_motions_folder)
+    for index in rng.integers(0, len(motions), count):
+        motion = motions[int(index)]
+        found = differences(*random_case(rng, motion.acceleration, motion.time_step), Engine.SPECTRAL)
+        assert found[Metric.RMS] < 1e-4
+        assert found[Metric.MTE] < 1e-3
+
+
+@pytest.mark.parametrize("delay", [0.0, 1e-4, 0.001, 0.004, 0.0149, 0.016, 0.05])
+def test_delay_stepper_agrees_with_the_spectral_engine_on_both_sides_of_a_block(random_record, delay):
+    rng = np.random.default_rng(5)
+    acceleration, time_step = random_record(rng)
+    loop = Loop(
+        excitation=Excitation(acceleration=acceleration, time_step=time_step),
+        structure=Structure(frequency=0.3, damping_ratio=0.08),
+        engine=Engine.DELAY,
+    )
+    cells = loop.cells(gain=[0.97, 1.02], delay=delay)
+    assert differences(loop, cells, Engine.SPECTRAL)[Metric.RMS] < 1e-4
+
+
+@pytest.mark.parametrize("window", [(0.0, -1.0), (3.003, 9.0047)])
+def test_delays_shorter_than_a_block_follow_the_history_of_the_general_stepper(random_record, window):
+    acceleration, time_step = random_record(np.random.default_rng(6))
+    excitation = Excitation(acceleration=acceleration, time_step=time_step, window=window)
+    structure = Structure(frequency=1.0, damping_ratio=0.05, experimental_fraction=0.7)
+    loop = Loop(excitation=excitation, structure=structure, engine=Engine.DELAY)
+    blocks, delays = loop.blocks, [0.0, 0.004, 0.0099]
+    found = loop.deviation(loop.cells(gain=1.02, delay=delays))
+    for cell, delay in enumerate(delays):
+        _, measured = delay_stepper.response(blocks, structure, 1.02, delay)
+        inside = (measured - blocks.ideal)[blocks.before :]
+        inside[-1] = inside[-2] + blocks.end * (inside[-1] - inside[-2])
+        squares = np.trapezoid(inside[:-1] ** 2) + 0.5 * blocks.end * (inside[-2] ** 2 + inside[-1] ** 2)
+        assert found.mean_square[cell] == pytest.approx(squares / blocks.intervals, rel=1e-9)
+        assert found.peak[cell] == pytest.approx(np.abs(inside).max(), rel=2e-3)
+
+
+def test_pole_and_delay_engines_agree_beyond_the_stability_limit(random_record):
+    rng = np.random.default_rng(8)
+    acceleration, time_step = random_record(rng)
+    structure = Structure(frequency=1.5, damping_ratio=0.02)
+    loop = Loop(
+        excitation=Excitation(acceleration=acceleration, time_step=time_step),
+        structure=structure,
+        engine=Engine.POLE,
+    )
+    cells = loop.cells(gain=1.0, delay=1.5 * critical_delay(structure))
+    assert differences(loop, cells, Engine.DELAY)[Metric.RMS] < 1e-4
+
+
+def test_result_does_not_depend_on_the_company_of_a_cell(random_record):
+    rng = np.random.default_rng(3)
+    acceleration, time_step = random_record(rng)
+    loop = Loop(
+        excitation=Excitation(acceleration=acceleration, time_step=time_step),
+        structure=Structure(frequency=0.25, damping_ratio=0.1),
+    )
+    gain, delay = rng.uniform(0.9, 1.1, 150), rng.uniform(0.0, 0.12, 150)
+    together = loop.deviation(loop.cells(gain=gain, delay=delay))
+    for cell in (0, 70, 149):
+        alone = loop.deviation(loop.cells(gain=gain[cell], delay=delay[cell]))
+        assert alone.mean_square[0] == pytest.approx(together.mean_square[cell], rel=1e-10)
+        assert alone.peak[0] == pytest.approx(together.peak[cell], rel=1e-10)
+
+
+def test_window_inside_the_record_is_the_same_for_all_engines(random_record):
+    rng = np.random.default_rng(4)
+    acceleration, time_step = random_record(rng)
+    excitation = Excitation(acceleration=acceleration, time_step=time_step, window=(3.21, 11.47))
+    loop = Loop(excitation=excitation, structure=Structure(frequency=1.0, damping_ratio=0.03))
+    cells = loop.cells(gain=[0.99, 1.01], delay=[0.001, 0.002])
+    for engine in (Engine.DELAY, Engine.SPECTRAL):
+        assert differences(loop, cells, engine)[Metric.RMS] < 1e-4
+
+
+def test_spectral_engine_refuses_an_unstable_loop_and_names_the_limit(random_record):
+    acceleration, time_step = random_record(np.random.default_rng(0))
+    loop = Loop(
+        excitation=Excitation(acceleration=acceleration, time_step=time_step),
+        structure=Structure(frequency=1.0, damping_ratio=0.02),
+        engine=Engine.SPECTRAL,
+    )
+    with pytest.raises(InputError, match=r"6\.3679 ms"):
+        loop.deviation(loop.cells(gain=1.0, delay=0.0065))
+
+
+def test_pole_engine_refuses_delays_for_which_it_is_not_valid(random_record):
+    acceleration, time_step = random_record(np.random.default_rng(0))
+    loop = Loop(
+        excitation=Excitation(acceleration=acceleration, time_step=time_step),
+        structure=Structure(frequency=1.0, damping_ratio=0.1),
+        engine=Engine.POLE,
+    )
+    with pytest.raises(InputError, match="dominant pole"):
+        loop.deviation(loop.cells(gain=1.0, delay=0.2))

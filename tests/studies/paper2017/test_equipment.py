@@ -1,0 +1,32 @@
+"""The paper's cases with other integrators and compensators than the paper's."""
+
+import pytest
+from reliab_studies.paper2017.cases import printed_cases, run_paper_cases
+from reliab_studies.paper2017.equipment import COMPENSATORS, INTEGRATORS
+
+from reliab.errors import InputError
+from reliab.motions import truncate
+from reliab.motions.synthetic import synthetic_suite
+
+
+@pytest.fixture(scope="module")
+def outcome():
+    motion, case = truncate(synthetic_suite(count=1)[0], 12.0), printed_cases()[0]
+    return lambda **names: run_paper_cases(motion, [case], **names)[0]
+
+
+def test_every_choice_changes_the_errors(outcome):
+    errors = {name: outcome(integrator=name).rms for name in INTEGRATORS}
+    assert len(set(errors.values())) == len(INTEGRATORS)
+    assert max(errors.values()) / min(errors.values()) < 1.01  # 1024 Hz is fine enough for all of them
+    delays = {name: outcome(compensator=name).equivalent_delay for name in COMPENSATORS}
+    assert len({round(delay, 7) for delay in delays.values()}) >= 3
+    assert delays["none"] == pytest.approx(3.0 / 1024.0, rel=0.1)  # the record ends before the response
+    assert all(abs(delays[name]) < 0.4 * delays["none"] for name in COMPENSATORS if name != "none")
+
+
+def test_unknown_names_are_refused(outcome):
+    with pytest.raises(InputError, match="chen_ricles"):
+        outcome(integrator="magic")
+    with pytest.raises(InputError, match="feedforward"):
+        outcome(compensator="magic")
