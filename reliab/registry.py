@@ -47,6 +47,10 @@ class Registry(Mapping[str, Item]):
         self._noun, self._base, self._group = noun, base, group
         self._shipped, self._name_of = shipped, name_of
 
+    def add(self, item: Item) -> None:
+        """Offer an item in this process, in place of one of the same name."""
+        self._items[self._name_of(item)] = item
+
     def find(self, name: object) -> Item:
         """Return the item of a name.
 

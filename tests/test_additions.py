@@ -97,7 +97,7 @@ ADDITIONS = {
         "KIND",
         """
         from reliab.study.description import Study
-        from reliab.study.kinds.kind import Kind
+        from reliab.study.kind import Kind
 
         KIND = Kind(
             name="nothing", tables=Study, stages=lambda study, show: (), report=lambda study, folder: {}

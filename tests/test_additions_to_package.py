@@ -89,7 +89,7 @@ FILES = {
     "kind": {
         "study/kinds/nothing.py": """
             from reliab.study.description import Study
-            from reliab.study.kinds.kind import Kind
+            from reliab.study.kind import Kind
 
 
             def report(study, folder):

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.assessment.rebuilt_error.size import LARGEST_READING
 from reliab.errors import InputError
 from reliab.stated_value import StatedValue
 
@@ -15,6 +14,9 @@ FEWEST_SAMPLES = 64
 
 MOST_SAMPLES = 10_000_000
 """Largest number of samples; the statistics of so many take about 4 GB."""
+
+LARGEST_READING = 1e30
+"""What no sensor reads in any unit, and whose square is still a number."""
 
 _SMALLEST = 1e-30  # what no sensor reads in any unit, and whose square is still a number
 

@@ -8,8 +8,8 @@ from pydantic import ValidationError
 
 from reliab.described_files import read_toml
 from reliab.errors import InputError
-from reliab.shipped import shipped
 from reliab.study.description import Study
+from reliab.study.folders import FILE, kind_of, shipped_folders
 from reliab.study.kinds import KINDS
 
 DEFAULT_STUDY: Final = "quick"
@@ -83,12 +83,14 @@ def study_from(content: Mapping[str, Any], *, where: str = "") -> Study:
 
 
 def open_study(name: str | Path) -> Study:
-    """Read a study from its file, or one that ships by its name.
+    """Read a study from its folder or its file, or one that ships by its name.
+
+    The code in the folder of a study, `kind.py`, is imported.
 
     Parameters
     ----------
     name : str or pathlib.Path
-        A TOML file, or a name such as ``quick``.
+        A folder that holds `study.toml`, a TOML file, or a name such as ``quick``.
 
     Returns
     -------
@@ -98,29 +100,28 @@ def open_study(name: str | Path) -> Study:
     Raises
     ------
     InputError
-        If there is none, or its file is not allowed.
+        If there is none, its file is not allowed, or its code cannot be imported.
     """
     path = Path(name)
     if not path.exists() and not path.suffix and len(path.parts) == 1:
-        present = _shipped_files()
+        present = shipped_folders()
         if path.name not in present:
             raise InputError(
-                "A study is a TOML file, or the name of one that ships",
+                "A study is a folder with study.toml, a TOML file, or the name of one that ships",
                 value=str(name),
                 remedy=f"Choose among {', '.join(present)}",
             )
         path = present[path.name]
+    if path.is_dir():
+        path = path / FILE
+    if path.name == FILE and (kind := kind_of(path.parent)) is not None:
+        KINDS.add(kind)
     return read_study(path)
 
 
 def shipped_studies() -> dict[str, Study]:
     """Return every study that ships, by its name."""
-    return {name: read_study(path) for name, path in _shipped_files().items()}
-
-
-def _shipped_files() -> dict[str, Path]:
-    folder = shipped("studies", f"{DEFAULT_STUDY}.toml").parent
-    return {path.stem: path for path in sorted(folder.glob("*.toml"))}
+    return {name: read_study(folder / FILE) for name, folder in shipped_folders().items()}
 
 
 def _fault(error: object) -> str:

@@ -16,9 +16,8 @@ from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, known
 from reliab.criterion.methods import Quantile, method_of
 from reliab.errors import InputError
 from reliab.files import written_whole
-from reliab.motions import load_motions
 from reliab.study.description import CriterionStudy, CriterionTable, ErrorsTable, SimulatedStudy
-from reliab.study.material import RESULTS, Material, Show, named
+from reliab.study.material import RESULTS, Material, Show
 from reliab.study.stages import Stage, read_result
 from reliab.sweep import open_ellipses, write_ellipses
 from reliab.sweep.netcdf import read_netcdf, write_netcdf
@@ -35,9 +34,7 @@ from reliab.vocabulary import Metric
 ELLIPSES: Final = "ellipses.nc"
 CRITERIA: Final = "criteria.json"
 VALIDATION: Final = "validation.json"
-CASES: Final = "cases.nc"
 
-_HELD_OUT = "held_out"
 _PAPER_ERROR = (0.05, str(Metric.RMS))
 
 
@@ -243,18 +240,6 @@ def _refused(folder: Path) -> dict[str, str]:
 
 def _counts_file(scheme: str) -> str:
     return f"validation_{scheme}.nc"
-
-
-def paper_cases(sources: tuple[str, ...], name: str) -> Stage:
-    """Run the paper's four cases under a motion that is held out."""
-    motion = named(load_motions(*sources, sets=[_HELD_OUT]), name)
-
-    def work(folder: Path) -> None:
-        from reliab_studies.paper2017.cases import cases_dataset, run_paper_cases
-
-        write_netcdf(cases_dataset(run_paper_cases(motion), motion), folder / CASES)
-
-    return Stage(name="cases", inputs={"motion": motion.checksum}, writes=(CASES,), work=work)
 
 
 def opened(path: Path) -> xr.Dataset:

@@ -7,19 +7,14 @@ from typing import Final
 from reliab.errors import InputError
 from reliab.report import Document
 from reliab.study.description import SimulatedStudy
-from reliab.study.kinds.kind import Kind
+from reliab.study.kind import Kind
 from reliab.study.material import Material, Show, named
 from reliab.study.stages import Stage, made_with
-from reliab.study.steps import (
-    CASES,
-    ELLIPSES,
-    opened,
-    paper_cases,
-    simulation,
-    tracing,
-)
+from reliab.study.steps import ELLIPSES, opened, simulation, tracing
 from reliab.sweep import open_ellipses
 from reliab.sweep.netcdf import write_netcdf
+
+from .cases_stage import CASES, paper_cases
 
 EXAMPLE: Final = "example.nc"
 

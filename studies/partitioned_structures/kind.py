@@ -10,7 +10,7 @@ from pydantic import Field
 from reliab.files import written_whole
 from reliab.report import Document
 from reliab.study.description import RecordsStudy, Table
-from reliab.study.kinds.kind import Kind
+from reliab.study.kind import Kind
 from reliab.study.material import Records, Show
 from reliab.study.stages import Stage, made_with
 

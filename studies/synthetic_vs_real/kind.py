@@ -15,7 +15,7 @@ from reliab.report import Document
 from reliab.shipped import shipped
 from reliab.study.description import CriterionTable, SimulatedStudy, TransferTable
 from reliab.study.digests import digest
-from reliab.study.kinds.kind import Kind
+from reliab.study.kind import Kind
 from reliab.study.material import SYNTHETIC, Material, Show
 from reliab.study.stages import Stage, made_with
 from reliab.study.steps import (

@@ -12,7 +12,7 @@ from reliab.report import Document
 from reliab.shipped import shipped
 from reliab.study.description import RecordsStudy
 from reliab.study.digests import digest
-from reliab.study.kinds.kind import Kind
+from reliab.study.kind import Kind
 from reliab.study.material import Records, Show
 from reliab.study.stages import Stage, made_with
 

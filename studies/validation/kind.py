@@ -7,6 +7,7 @@ from typing import Annotated, Final
 
 import pandas as pd
 from pydantic import Field
+from reliab_studies.paper2017.cases_stage import CASES, paper_cases
 
 from reliab.criterion.provenance import records_checksum
 from reliab.files import written_whole
@@ -14,18 +15,16 @@ from reliab.motions import Motion, MotionSuite, load_motions
 from reliab.report import Document
 from reliab.structures.structure import Structure
 from reliab.study.description import CriterionStudy, ValidationTable
-from reliab.study.kinds.kind import Kind
+from reliab.study.kind import Kind
 from reliab.study.material import SYNTHETIC, Material, Show
 from reliab.study.stages import Stage, made_with
 from reliab.study.steps import (
-    CASES,
     CRITERIA,
     ELLIPSES,
     derivation,
     derivation_of,
     judgement,
     opened,
-    paper_cases,
     refusals_of,
     simulation,
     tracing,

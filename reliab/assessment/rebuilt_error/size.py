@@ -4,9 +4,6 @@ from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.errors import InputError
 from reliab.significant import significant
 
-LARGEST_READING = 1e30
-"""What no sensor reads in any unit, and whose square is still a number."""
-
 MOST_DRAWN = 1_000_000
 """Largest number of samples at which a history is drawn; 256 draws then take about 5 GB with their copies."""
 

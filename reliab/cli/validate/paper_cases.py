@@ -51,15 +51,16 @@ class PaperCases:
         InputError
             If there is no such motion, integrator or compensator.
         """
-        from reliab_studies.paper2017.cases import RECORD_SECONDS
+        from reliab.study.folders import study_module
 
+        record_seconds = study_module("paper2017", "cases").RECORD_SECONDS
         integrator, compensator = self.integrator or "chen_ricles", self.compensator or "inverse"
         motion = _motion(self.motions, self.sets, self.case)
         event, verdicts = _verdicts(motion, integrator, compensator)
         content = {
             "motion": motion.name,
             "held_out": event,
-            "window": f"{min(RECORD_SECONDS, motion.duration):g}",
+            "window": f"{min(record_seconds, motion.duration):g}",
             "integrator": integrator,
             "compensator": compensator,
             "cases": verdicts.astype(object).where(verdicts.notna(), None).to_dict(orient="records"),
@@ -70,18 +71,17 @@ class PaperCases:
 
 def _verdicts(motion: "Motion", integrator: str, compensator: str) -> "tuple[str | None, pd.DataFrame]":
     """Judge the cases by the printed and the recommended criterion; name the held-out earthquake."""
-    from reliab_studies.paper2017.case_verdicts import case_verdicts
-
     from reliab.assessment import default_criterion
     from reliab.criterion import published_criterion
     from reliab.shipped import shipped
+    from reliab.study.folders import study_module
     from reliab.sweep import open_ellipses
     from reliab.validation.earthquakes import earthquakes_among
 
     printed = published_criterion("guo_2017_18")
     learned = open_ellipses(shipped("datasets", "real_suite/ellipses.nc"))
     (event,) = earthquakes_among([motion.event], [motion.checksum], learned)
-    verdicts = case_verdicts(
+    verdicts = study_module("paper2017", "case_verdicts").case_verdicts(
         motion,
         {
             "guo_2017_18": lambda f, xi: printed,  # noqa: ARG005 - one law for all structures

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from reliab.assessment.rebuilt_error.size import LARGEST_READING
+from reliab.recordings.recording import LARGEST_READING
 from reliab.discrepancy.campaign.campaign import Channel
 from reliab.encodings import encoding_of_file
 from reliab.errors import InputError

@@ -60,10 +60,12 @@ class FrameLoop:
 
     Examples
     --------
-    >>> from reliab_studies.rths_benchmark.benchmark import benchmark_partition
+    >>> from reliab.shipped import shipped
+    >>> from reliab.simulation.frames.frame_file import read_frame
+    >>> frame = read_frame(shipped("datasets", "frames/benchmark_case_1.toml"))
     >>> record = np.sin(2 * np.pi * np.arange(0, 20, 0.01))
     >>> excitation = Excitation(acceleration=record, time_step=0.01)
-    >>> loop = FrameLoop(excitation=excitation, partition=benchmark_partition(1))
+    >>> loop = FrameLoop(excitation=excitation, partition=frame.partition)
     >>> found = loop.deviation(loop.cells(gain=1.0, delay=0.002))
     >>> (found.peak / found.ideal_peak).round(3)
     array([0.018])

@@ -115,9 +115,11 @@ def stable_with(partition: Partition, transfer_system: TransferSystem) -> bool:
 
     Examples
     --------
-    >>> from reliab_studies.rths_benchmark.benchmark import benchmark_partition
+    >>> from reliab.shipped import shipped
+    >>> from reliab.simulation.frames.frame_file import read_frame
     >>> from reliab.simulation.transfer_systems import gain_and_delay
-    >>> [stable_with(benchmark_partition(1), gain_and_delay(delay=delay)) for delay in (0.0146, 0.0147)]
+    >>> partition = read_frame(shipped("datasets", "frames/benchmark_case_1.toml")).partition
+    >>> [stable_with(partition, gain_and_delay(delay=delay)) for delay in (0.0146, 0.0147)]
     [True, False]
     """
     s = (2j * np.pi * _frequencies(partition)).astype(np.complex128)

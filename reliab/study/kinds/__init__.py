@@ -1,21 +1,17 @@
-"""Kinds of studies: every file of this folder holds one, its `KIND`; `kind.py` says what that is."""
+"""Kinds of studies: those of this folder, those that studies bring with them, and those of other packages."""
 
-from importlib import import_module
-from pkgutil import iter_modules
 from typing import Final
 
 from reliab.registry import Registry
-from reliab.study.kinds.kind import Kind
+from reliab.study.folders import shipped_kinds
+from reliab.study.kind import Kind
+from reliab.study.kinds import criterion, discrepancy
 
 KINDS: Final[Registry[Kind]] = Registry(
     noun="kind of study",
     base=Kind,
     group="reliab.study_kinds",
-    shipped=tuple(
-        import_module(f"{__name__}.{file.name}").KIND
-        for file in iter_modules(__path__)
-        if file.name != "kind"
-    ),
+    shipped=(criterion.KIND, discrepancy.KIND, *shipped_kinds()),
     name_of=lambda kind: kind.name,
 )
 """Every kind by the name that a study's file gives it; other packages register a `Kind`."""

@@ -6,7 +6,7 @@ from typing import Final
 
 from reliab.report import Document
 from reliab.study.description import CriterionStudy
-from reliab.study.kinds.kind import Kind
+from reliab.study.kind import Kind
 from reliab.study.material import Material, Show
 from reliab.study.real_motions import REAL_MOTIONS, on_real_motions, real_share
 from reliab.study.stages import Stage, made_with

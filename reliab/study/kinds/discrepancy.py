@@ -11,7 +11,7 @@ from reliab.report import Document, save_content, saved_content
 from reliab.shipped import shipped
 from reliab.study.description import Study, Table
 from reliab.study.digests import digest
-from reliab.study.kinds.kind import Kind
+from reliab.study.kind import Kind
 from reliab.study.material import Show
 from reliab.study.stages import Stage, made_with
 
