@@ -10,6 +10,7 @@ from pathlib import Path
 import reliab
 
 PACKAGE = Path(reliab.__file__).parent
+STUDIES = PACKAGE.parent / "studies"
 LINES_OF_A_MODULE = 300
 LINES_OF_A_FUNCTION = 40
 VAGUE = frozenset({"found", "each", "one", "made", "told", "apart", "left", "there", "own", "other"})
@@ -84,9 +85,9 @@ def names_a_side(path: Path, name: str) -> bool:
 
 @cache
 def uses() -> Counter[str]:
-    """Count how often each name is read anywhere in the package, not only imported."""
+    """Count how often each name is read anywhere in the package and its studies, not only imported."""
     names: Counter[str] = Counter()
-    for path in modules():
+    for path in (*modules(), *STUDIES.rglob("*.py")):
         for node in ast.walk(source(path)[1]):
             if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load):
                 names[node.id] += 1
@@ -145,12 +146,6 @@ def test_public_code_has_a_user_in_the_package():
         if uses()[node.name] == 0 and node.name not in offered()
     }
     assert unused == set(WITHOUT_USER_INSIDE)
-
-
-def test_a_kind_of_study_has_one_name_for_its_file_and_its_report():
-    kinds = {path.stem for path in (PACKAGE / "study/kinds").glob("*.py")} - {"__init__", "kind"}
-    reports = {path.parent.name for path in (PACKAGE / "report/kinds").glob("*/report.py")}
-    assert reports == kinds | {"assessment"}  # the report of `reliab assess` belongs to no study
 
 
 WRITING = frozenset({"write_text", "write_bytes", "to_csv", "to_netcdf", "savefig"})

@@ -33,7 +33,7 @@ import pandas as pd
 from scipy.stats import beta
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tests"))
+sys.path.insert(0, str(ROOT / "tests/assessment"))
 
 from rebuilt_error import laboratory as lab  # noqa: E402
 

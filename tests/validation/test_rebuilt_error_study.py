@@ -35,7 +35,7 @@ from reliab.validation.rebuilt_error_study.conditions import CONDITIONS, PLAIN
 from reliab.validation.rebuilt_error_study.rigs import RIGS, Scales
 from reliab.vocabulary import Metric
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "assessment"))
 
 from rebuilt_error import laboratory
 
