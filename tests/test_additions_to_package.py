@@ -86,26 +86,25 @@ FILES = {
                     return float(logarithms.min())
         """,
     },
-    "kind": {
-        "study/kinds/nothing.py": """
+    "study": {
+        "../studies/nothing/study.toml": """
+            title = "A study"
+            kind = "nothing"
+        """,
+        "../studies/nothing/kind.py": """
             from reliab.study.description import Study
             from reliab.study.kind import Kind
 
+            from .pages import nothing_report
+
 
             def report(study, folder):
-                from reliab.report.kinds.nothing import nothing_report
-
                 return nothing_report(study.title)
 
 
             KIND = Kind(name="nothing", tables=Study, stages=lambda study, show: (), report=report)
         """,
-        "report/kinds/nothing/__init__.py": """
-            from reliab.report.kinds.nothing.report import nothing_report
-
-            __all__ = ["nothing_report"]
-        """,
-        "report/kinds/nothing/report.py": """
+        "../studies/nothing/pages.py": """
             from reliab.report.document import Document
 
 
@@ -155,7 +154,7 @@ REGISTRIES = {
 }
 """The registry of an addition: its file, where the import goes and what it is, the same for the name."""
 
-MOST_FILES = {"reader": 2, "effect": 2, "compensator": 2, "law": 2, "method": 2, "kind": 3}
+MOST_FILES = {"reader": 2, "effect": 2, "compensator": 2, "law": 2, "method": 2, "study": 3}
 
 USE = """
     import json
@@ -171,15 +170,14 @@ USE = """
     from reliab.motions import load_motions
     from reliab.report.wording import meaning_of_confidence
     from reliab.study.kinds import KINDS
-    from reliab.study.reading import read_study
+    from reliab.study import open_study
 
     folder = Path(sys.argv[1])
     t = 0.01 * np.arange(600)
     rows = "\\n".join(f"{x:.2f} {np.sin(x):.6e}" for x in t)
     (folder / "shake.pairs").write_text(rows + "\\n", encoding="utf-8")
-    (folder / "study.toml").write_text('title = "A study"\\nkind = "nothing"\\n', encoding="utf-8")
     law = FITTED.find("constant").fit([1.0, 2.0], [0.02, 0.05], np.full((2, 2), 1e-4), np.full((2, 2), 2.0))
-    study = read_study(folder / "study.toml")
+    study = open_study("nothing")
     answer = {
         "reader": load_motions(folder / "shake.pairs", units="m/s2")[0].acceleration.size,
         "effect": find_effect("thermal_bias").description,
@@ -187,7 +185,7 @@ USE = """
         "law": law_from_dict(law_to_dict(law)).limits(1.5, 0.03)[1].round(6).tolist(),
         "method": method_of("least").lower_bound(np.array([3.0, 1.0]), np.array(["p", "q"]), 0.9),
         "meaning": meaning_of_confidence("least"),
-        "kind": KINDS[study.kind].report(study, folder).verdict,
+        "study": KINDS[study.kind].report(study, folder).verdict,
     }
     print(json.dumps(answer))
 """
@@ -197,7 +195,7 @@ def add(thing: str, package: Path) -> set[Path]:
     """Add a thing to a package, and return the files that were written for it."""
     touched = set()
     for path, text in FILES[thing].items():
-        (package / path).parent.mkdir(exist_ok=True)
+        (package / path).parent.mkdir(exist_ok=True, parents=True)
         (package / path).write_text(dedent(text).lstrip(), encoding="utf-8")
         touched.add(package / path)
     if thing in REGISTRIES:
@@ -213,11 +211,12 @@ def add(thing: str, package: Path) -> set[Path]:
 
 @pytest.fixture(scope="module")
 def copy(tmp_path_factory):
-    """Return a folder with a copy of the package."""
+    """Return a folder with a copy of the package, and an empty one for studies."""
     folder = tmp_path_factory.mktemp("checkout")
     shutil.copytree(
         Path(reliab.__file__).parent, folder / "reliab", ignore=shutil.ignore_patterns("__pycache__")
     )
+    (folder / "studies").mkdir()
     return folder
 
 
@@ -240,5 +239,5 @@ def test_additions_touch_few_files_and_are_then_found(copy, tmp_path):
         "law": 2.0,
         "method": 1.0,
         "meaning": "the least of the motions at hand",
-        "kind": "Nothing was asked.",
+        "study": "Nothing was asked.",
     }

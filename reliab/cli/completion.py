@@ -16,7 +16,9 @@ def studies(incomplete: str) -> list[str]:
     """Complete the name of a study that ships."""
     from reliab.shipped import shipped
 
-    return _begun(incomplete, sorted(file.parent.name for file in shipped("studies", "").glob("*/study.toml")))
+    return _begun(
+        incomplete, sorted(file.parent.name for file in shipped("studies", "").glob("*/study.toml"))
+    )
 
 
 def samples(incomplete: str) -> list[str]:

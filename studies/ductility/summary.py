@@ -27,7 +27,7 @@ def compare_levels(tests: pd.DataFrame) -> pd.DataFrame:
     Parameters
     ----------
     tests : pandas.DataFrame
-        As :func:`reliab_studies.ductility.tolerances` gives it.
+        As `tolerances` gives it.
 
     Returns
     -------
@@ -75,7 +75,7 @@ def compare_limits(tests: pd.DataFrame) -> pd.DataFrame:
     Parameters
     ----------
     tests : pandas.DataFrame
-        As :func:`reliab_studies.ductility.tolerances` gives it.
+        As `tolerances` gives it.
 
     Returns
     -------

@@ -58,8 +58,8 @@ def audit(
     ellipses : xarray.Dataset, optional
         Ellipses of the 100 records over f, ξ, threshold and metric, motions named as in Table 2.
     example, cases : xarray.Dataset, optional
-        From :func:`reliab_studies.paper2017.example.run_paper_example` and
-        :func:`reliab_studies.paper2017.cases.cases_dataset`. Numbers that need what is not given are NaN.
+        From `run_paper_example` and `cases_dataset`.
+        Numbers that need what is not given are NaN.
 
     Returns
     -------

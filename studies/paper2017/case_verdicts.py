@@ -31,7 +31,7 @@ def case_verdicts(
     criteria : mapping of str to callable
         Criteria by name.
     integrator, compensator : str, optional
-        Names of :mod:`reliab_studies.paper2017.equipment`; the paper's by default.
+        Names of `equipment`; the paper's by default.
 
     Returns
     -------

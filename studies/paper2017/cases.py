@@ -141,7 +141,7 @@ def run_paper_cases(
     cases : sequence of PaperCase, optional
         The cases; those of Table 5 by default.
     integrator, compensator : str, optional
-        Names of :mod:`reliab_studies.paper2017.equipment`; the paper's by default.
+        Names of `equipment`; the paper's by default.
 
     Returns
     -------

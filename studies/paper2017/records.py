@@ -28,9 +28,9 @@ class Records:
         `a` [-] and `b` [ms²] (and `sse` [ms⁴]) over (motion, f, xi, threshold, metric, curve), motions
         named as in Table 2.
     example : xarray.Dataset, optional
-        From :func:`reliab_studies.paper2017.example.run_paper_example`.
+        From `run_paper_example`.
     cases : xarray.Dataset, optional
-        From :func:`reliab_studies.paper2017.cases.cases_dataset`.
+        From `cases_dataset`.
     """
 
     ellipses: xr.Dataset | None = None
@@ -127,7 +127,7 @@ def contour_with_ends(example: xr.Dataset) -> Contour:
     Parameters
     ----------
     example : xarray.Dataset
-        From :func:`reliab_studies.paper2017.example.run_paper_example`.
+        From `run_paper_example`.
 
     Returns
     -------

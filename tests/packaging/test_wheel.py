@@ -69,7 +69,7 @@ def test_contents_and_sizes(built):
     begin = "reliab/shipped/datasets/"
     inside = {name.removeprefix(begin) for name in names if name.startswith(begin)}
     assert without_caches(shipped_files("datasets")) - inside == NOT_IN_WHEEL
-    assert {name for name in names if name.endswith("quick.toml")} == {"reliab/shipped/studies/quick.toml"}
+    assert {f"reliab/shipped/studies/{name}" for name in without_caches(shipped_files("studies"))} <= names
     assert {"reliab/py.typed", "reliab/explore/web/main.js"} <= names
     assert not [name for name in names if "__pycache__" in name or name.startswith("tests/")]
     assert wheel.stat().st_size < LARGEST_WHEEL * MEGABYTE

@@ -37,9 +37,9 @@ def ductility_report(
     title : str
         Title of the report.
     levels : pandas.DataFrame
-        As :func:`reliab_studies.ductility.compare_levels` gives it.
+        As `compare_levels` gives it.
     limits : pandas.DataFrame
-        As :func:`reliab_studies.ductility.compare_limits` gives it, with `alpha` and `threshold` [-].
+        As `compare_limits` gives it, with `alpha` and `threshold` [-].
     provenance : mapping
         What the report can be made again from, by name.
     purpose : str, optional

@@ -32,7 +32,7 @@ def tolerance_over_level(levels: pd.DataFrame) -> Figure:
     Parameters
     ----------
     levels : pandas.DataFrame
-        As :func:`reliab_studies.ductility.compare_levels` gives it.
+        As `compare_levels` gives it.
 
     Returns
     -------

@@ -15,7 +15,7 @@ def case_histories(cases: xr.Dataset, *, caption: Prose, label: str, errors: boo
     Parameters
     ----------
     cases : xarray.Dataset
-        The four cases, from :func:`reliab_studies.paper2017.cases.cases_dataset`.
+        The four cases, from `cases_dataset`.
     caption : Prose
         What the figure shows.
     label : str

@@ -43,7 +43,7 @@ def errata_section(numbers: pd.DataFrame) -> Section:
     Parameters
     ----------
     numbers : pandas.DataFrame
-        Every number of the paper, as :func:`reliab_studies.paper2017.audit.tabulate` makes it.
+        Every number of the paper, as `tabulate` makes it.
 
     Returns
     -------

@@ -52,12 +52,12 @@ def paper_report(
     title : str
         Title of the report.
     example : xarray.Dataset
-        The example, from :func:`reliab_studies.paper2017.example.run_paper_example`.
+        The example, from `run_paper_example`.
     ellipses : xarray.Dataset
         Ellipses of 5 % RMS^R (other thresholds and metrics are left aside) of the 100 motions, named as in
         Table 2, over frequencies and damping ratios that include 1 Hz and 0.02.
     cases : xarray.Dataset
-        The four cases, from :func:`reliab_studies.paper2017.cases.cases_dataset`.
+        The four cases, from `cases_dataset`.
     provenance : mapping
         What the report can be made again from, by name.
     notes : sequence of Prose, optional

@@ -37,9 +37,9 @@ def partitioned_structures_report(
     title : str
         Title of the report.
     tests : pandas.DataFrame
-        As :func:`reliab_studies.partitioned_structures.run_tests` returns them.
+        As `run_tests` returns them.
     shares : pandas.DataFrame
-        As :func:`reliab_studies.partitioned_structures.shares_of_structures` returns them.
+        As `shares_of_structures` returns them.
     provenance : mapping
         What the report can be made again from, by name.
     purpose : str, optional

@@ -40,10 +40,9 @@ def rths_benchmark_report(
     title : str
         Title of the report.
     tests : sequence of mapping
-        As :func:`reliab_studies.rths_benchmark.outcomes.run_benchmark` returns them.
+        As `run_benchmark` returns them.
     published : pandas.DataFrame or None
-        As :func:`reliab_studies.rths_benchmark.outcomes.beside_published` returns it; None without its
-        motion.
+        As `beside_published` returns it; None without its motion.
     threshold : float
         Error up to which a test is good [-].
     provenance : mapping

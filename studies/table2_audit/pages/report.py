@@ -33,7 +33,7 @@ def table_audit_report(
     title : str
         Title of the report.
     rows : pandas.DataFrame
-        As :func:`reliab_studies.table2_audit.audit.audit_table2` makes it.
+        As `audit_table2` makes it.
     provenance : mapping
         What the report can be made again from, by name.
     notes : sequence of Prose, optional

@@ -14,7 +14,7 @@ def table_rows(rows: pd.DataFrame) -> Figure:
     Parameters
     ----------
     rows : pandas.DataFrame
-        As :func:`reliab_studies.table2_audit.audit.audit_table2` makes it.
+        As `audit_table2` makes it.
 
     Returns
     -------

@@ -19,7 +19,7 @@ def cases_section(cases: xr.Dataset) -> Section:
     Parameters
     ----------
     cases : xarray.Dataset
-        The four cases, from :func:`reliab_studies.paper2017.cases.cases_dataset`.
+        The four cases, from `cases_dataset`.
 
     Returns
     -------

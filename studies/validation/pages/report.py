@@ -71,7 +71,7 @@ def validation_report(
     threshold : float, optional
         Error up to which these tests are good [-].
     cases : xarray.Dataset, optional
-        The paper's four cases, from :func:`reliab_studies.paper2017.cases.cases_dataset`.
+        The paper's four cases, from `cases_dataset`.
     provenance : mapping
         What the report can be made again from, by name.
     notes : sequence of Prose, optional

@@ -1,0 +1,77 @@
+"""A study is a folder: with code of its own where no kind does what it needs, and removable."""
+
+import doctest
+import re
+import shutil
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+from reliab.errors import InputError
+from reliab.shipped import shipped
+from reliab.study import open_study, run_study
+from reliab.study.folders import kind_of, shipped_folders
+from reliab.study.kinds import KINDS
+
+STUDIES = shipped("studies", "")
+
+
+def written(folder: Path) -> Path:
+    """Write the study of one's own that studies/README.md shows."""
+    text = (STUDIES / "README.md").read_text(encoding="utf-8")
+    (code,) = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
+    (table,) = re.findall(r"```toml\n(.*?)```", text, flags=re.DOTALL)
+    folder.mkdir()
+    (folder / "kind.py").write_text(code, encoding="utf-8")
+    (folder / "study.toml").write_text(table, encoding="utf-8")
+    return folder
+
+
+def test_the_study_that_the_page_shows_runs(tmp_path, text_of):
+    study = open_study(written(tmp_path / "my_study"))
+    run_study(study, tmp_path / "run")
+    text = text_of(KINDS[study.kind].report(study, tmp_path / "run"))
+    assert re.search(r"The strongest of \d+ motions has \d+\.\d m/s", text)
+
+
+@pytest.mark.parametrize("name", [name for name, folder in shipped_folders().items() if kind_of(folder)])
+def test_a_copy_under_another_name_is_a_study_of_its_own(name, tmp_path):
+    """Its modules import one another relatively, so that the copy's own code is used."""
+    copied = tmp_path / f"my_{name}"
+    shutil.copytree(STUDIES / name, copied, ignore=shutil.ignore_patterns("__pycache__"))
+    kind = kind_of(copied)
+    assert kind.name == KINDS[kind.name].name
+    assert Path(kind.stages.__code__.co_filename).parent == copied.resolve()
+
+
+@pytest.mark.parametrize(
+    ("code", "said"),
+    [
+        ("KIND = 1", "holds its KIND"),
+        ("import nothing_of_this_name", "must be importable"),
+        ("KIND = (", "must be importable"),
+    ],
+)
+def test_code_that_is_no_study_is_refused_with_its_place(code, said, tmp_path):
+    folder = written(tmp_path / "my_study")
+    (folder / "kind.py").write_text(code, encoding="utf-8")
+    with pytest.raises(InputError, match=said) as refusal:
+        open_study(folder)
+    assert str(folder) in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    "module",
+    [
+        ".".join(["reliab_studies", *file.relative_to(STUDIES).with_suffix("").parts])
+        for file in sorted(STUDIES.rglob("*.py"))
+        if ">>>" in file.read_text(encoding="utf-8")
+    ],
+)
+def test_examples_in_studies_run(module):
+    failed, tried = doctest.testmod(
+        import_module(module), optionflags=doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS
+    )
+    assert tried > 0
+    assert failed == 0
