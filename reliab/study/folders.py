@@ -1,7 +1,7 @@
 """Folders of studies: a file `study.toml`, and beside it the code and pages that only this study needs.
 
-A folder may hold `kind.py`, whose `KIND` says what is done. Its modules import one another relatively, so that
-a copy of the folder under another name is a study of its own; studies that ship are importable as
+A folder may hold `kind.py`, whose `KIND` says what is done. Its modules import one another relatively, so
+that a copy of the folder under another name is a study of its own; studies that ship are importable as
 `reliab_studies.NAME` too. A folder is a program: `reliab run FOLDER` runs it, and nothing else
 does; a run that somebody sent is never a reason to load code.
 """

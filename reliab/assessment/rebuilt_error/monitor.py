@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 from reliab.assessment.rebuilt_error.channels import FEWEST_SAMPLES
 from reliab.assessment.rebuilt_error.rebuild import DRAWS as DRAWS_AT_END
 from reliab.assessment.rebuilt_error.running_error import RunningError
-from reliab.assessment.rebuilt_error.size import LARGEST_READING
 from reliab.assessment.rebuilt_error.stability_indicator import Damping, EnergyAlarm, NetDamping
 from reliab.assessment.rebuilt_error.stretches import (
     ErrorSoFar,
@@ -32,6 +31,7 @@ from reliab.assessment.rebuilt_error.stretches import (
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, whole_structure
 from reliab.errors import InputError
+from reliab.recordings.recording import LARGEST_READING
 from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure
 from reliab.vocabulary import Metric
