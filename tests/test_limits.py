@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from reliab.assessment import Recording, assess
+from reliab.assessment import assess
 from reliab.assessment.rebuilt_error import rebuild
 from reliab.assessment.rebuilt_error.monitor import Monitor
 from reliab.assessment.rebuilt_error.size import MOST_DRAWN
@@ -15,10 +15,10 @@ from reliab.discrepancy import read_campaign
 from reliab.discrepancy.campaign import reading
 from reliab.errors import InputError
 from reliab.files import require_small
-from reliab.motions import Motion
-from reliab.motions import motion as motion_module
+from reliab.motions import Motion, motion as motion_module
 from reliab.motions.faults import Report
 from reliab.motions.readers.source import open_source
+from reliab.recordings import Recording
 from reliab.recordings.readers import hierarchical, matlab, read_columns
 from reliab.structures.structure import Structure
 

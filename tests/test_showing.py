@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import reliab
-from reliab.assessment import default_criterion, read_recording
+from reliab.assessment import default_criterion
+from reliab.recordings import read_recording
 from reliab.shipped import shipped
 from reliab.sweep import open_ellipses
 

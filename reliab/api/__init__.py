@@ -1,14 +1,5 @@
 """What Python users and commands ask for: one function for each question, in one vocabulary."""
 
-from reliab.lazy_exports import exports
+import lazy_loader
 
-_HOMES = {
-    "assess": "reliab.api.assessment",
-    "design_test": "reliab.api.design",
-    "ellipses": "reliab.api.boundaries",
-    "simulate": "reliab.api.simulation",
-}
-
-__all__ = ["assess", "design_test", "ellipses", "simulate"]
-
-__getattr__ = exports(__name__, _HOMES)
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

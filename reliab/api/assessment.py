@@ -7,17 +7,15 @@ from typing import TypedDict, Unpack, overload
 from reliab.api.arguments import Quantity, stated_values
 from reliab.api.channels import Channels, Test
 from reliab.api.judging import Judge, Terms
-from reliab.assessment.assessment import Assessment
-from reliab.assessment.frame_assessment import FrameAssessment
-from reliab.assessment.several import Assessments
+from reliab.assessment import Assessment, Assessments, FrameAssessment
 from reliab.criterion import Criterion
 from reliab.errors import InputError
 from reliab.motions import Motion
 from reliab.progress import Progress, silent
-from reliab.recordings.recording import Recording
-from reliab.simulation.frames.frame_file import FrameUnderTest
-from reliab.simulation.hybrid_test.model_file import UpdatedModel
-from reliab.structures.structure import Structure
+from reliab.recordings import Recording
+from reliab.simulation.frames import FrameUnderTest
+from reliab.simulation.hybrid_test import UpdatedModel
+from reliab.structures import Structure
 
 
 class Stated(TypedDict, total=False):

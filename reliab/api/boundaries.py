@@ -5,23 +5,26 @@ from pathlib import Path
 
 import xarray as xr
 
-from reliab.boundary import Curve
+from reliab.boundary.curves import Curve
 from reliab.errors import InputError
-from reliab.indices.window import Window
+from reliab.indices import Window
 from reliab.progress import Progress, silent
 from reliab.simulation.hybrid_test import HybridTest
-from reliab.sweep import CURVES, EllipseRequest, predict_ellipses, trace_ellipses
-from reliab.sweep.plain import (
+from reliab.sweep import (
+    CURVES,
+    REAL,
     WHOLLY_EXPERIMENTAL,
+    EllipseRequest,
     Motions,
     Names,
     Numbers,
     StatedStructures,
     one_of,
+    predict_ellipses,
     several,
     suite_of,
+    trace_ellipses,
 )
-from reliab.sweep.real_suite import REAL
 from reliab.vocabulary import Metric, Side
 
 

@@ -7,8 +7,7 @@ import pandas as pd
 
 from reliab.api.arguments import unused
 from reliab.errors import InputError
-from reliab.recordings.reading import read_recording
-from reliab.recordings.recording import Recording
+from reliab.recordings import Recording, read_recording
 from reliab.shipped import or_shipped
 
 Test = str | Path | pd.DataFrame | Recording

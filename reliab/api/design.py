@@ -6,15 +6,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from reliab.api.arguments import Quantity, stated_values, unused
-from reliab.assessment.design import (
-    CONFIDENCES,
-    Tolerance,
-    chart_frequencies,
-    tolerable_errors,
-)
+from reliab.assessment import CONFIDENCES, Tolerance, chart_frequencies, tolerable_errors
 from reliab.criterion import Criterion
 from reliab.errors import InputError
-from reliab.sweep.plain import Numbers, several
+from reliab.sweep import Numbers, several
 from reliab.vocabulary import Metric
 
 if TYPE_CHECKING:

@@ -5,18 +5,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from reliab.api.arguments import require_positive, unused
+from reliab.assessment import Assessment, FrameAssessment, assess_frame
 from reliab.assessment.assess import assess as assess_structure
-from reliab.assessment.assessment import Assessment
-from reliab.assessment.frame_assessment import FrameAssessment
-from reliab.assessment.frame_test import assess_frame
 from reliab.criterion import Criterion
 from reliab.errors import InputError
 from reliab.motions import Motion, read_motion
-from reliab.recordings.recording import Recording
-from reliab.simulation.frames.frame_file import FrameUnderTest, read_frame
-from reliab.simulation.hybrid_test.model_file import UpdatedModel, read_model
+from reliab.recordings import Recording
+from reliab.simulation.frames import FrameUnderTest, read_frame
+from reliab.simulation.hybrid_test import UpdatedModel, read_model
 from reliab.stated_value import StatedValue
-from reliab.structures.structure import Structure
+from reliab.structures import Structure
 from reliab.vocabulary import Metric
 
 Judge = Callable[[Recording], Assessment | FrameAssessment]

@@ -6,7 +6,7 @@ import xarray as xr
 
 from reliab.progress import Progress, silent
 from reliab.simulation.hybrid_test import HybridTest
-from reliab.sweep.plain import WHOLLY_EXPERIMENTAL, Motions, Names, Numbers, suite_of, sweep_request
+from reliab.sweep import WHOLLY_EXPERIMENTAL, Motions, Names, Numbers, suite_of, sweep_request
 
 
 def simulate(

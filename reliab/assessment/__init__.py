@@ -1,18 +1,5 @@
 """The verdict on a real test, and what is tolerable before one."""
 
-from reliab.assessment.assess import assess
-from reliab.assessment.assessment import Assessment
-from reliab.assessment.default_criterion import default_criterion
-from reliab.assessment.design import Tolerance, tolerable_errors
-from reliab.recordings.reading import read_recording
-from reliab.recordings.recording import Recording
+import lazy_loader
 
-__all__ = [
-    "Assessment",
-    "Recording",
-    "Tolerance",
-    "assess",
-    "default_criterion",
-    "read_recording",
-    "tolerable_errors",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -13,10 +13,10 @@ import scipy
 from numpy.typing import NDArray
 
 from reliab.motions import Motion
-from reliab.recordings.recording import Recording
-from reliab.simulation.excitation import Excitation
-from reliab.simulation.linear_loop.blocks import cut
-from reliab.structures.structure import Structure
+from reliab.recordings import Recording
+from reliab.simulation import Excitation
+from reliab.simulation.linear_loop import cut
+from reliab.structures import Structure
 
 Array = NDArray[np.float64]
 

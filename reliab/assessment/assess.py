@@ -32,11 +32,10 @@ from reliab.assessment.tracking_measures import measure_tracking
 from reliab.assessment.verdict import Verdict, word_of_probability
 from reliab.criterion import Criterion
 from reliab.motions import Motion
-from reliab.recordings.recording import Recording
-from reliab.recordings.spikes import without_spikes
-from reliab.simulation.hybrid_test.model_file import UpdatedModel
+from reliab.recordings import Recording, without_spikes
+from reliab.simulation.hybrid_test import UpdatedModel
 from reliab.stated_value import StatedValue
-from reliab.structures.structure import Structure
+from reliab.structures import Structure
 from reliab.vocabulary import Metric
 
 _FEW_DRAWS = 2

@@ -6,7 +6,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reliab.recordings.recording import Recording
+from reliab.recordings import Recording
 
 Array = NDArray[np.float64]
 

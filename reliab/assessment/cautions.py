@@ -7,7 +7,7 @@ import numpy as np
 from reliab.assessment.doubts import ERROR_NAMES, sizes_otherwise
 from reliab.assessment.findings import FaultEffect, Findings
 from reliab.assessment.verdict import Word
-from reliab.criterion.experimental_share import whole_is_worst
+from reliab.criterion import whole_is_worst
 from reliab.significant import significant
 from reliab.vocabulary import Metric
 

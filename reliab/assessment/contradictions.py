@@ -10,7 +10,7 @@ from reliab.assessment.band import noise_floor, periodogram
 from reliab.assessment.own_motion import OwnPlacement
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.verdict import Verdict, Word
-from reliab.recordings.recording import Recording
+from reliab.recordings import Recording
 from reliab.significant import significant
 
 _OFF_RESONANCE = (0.5, 1.7)

@@ -8,8 +8,8 @@ import numpy as np
 from reliab.assessment.default_criterion import default_criterion, shipped_frequencies
 from reliab.assessment.placement import carried_limits
 from reliab.criterion import Criterion
+from reliab.structures import Structure
 from reliab.structures.stability import critical_delay
-from reliab.structures.structure import Structure
 
 CONFIDENCES = (0.80, 0.90, 0.95, 0.99)
 """Shares of ground motions for which tolerable errors are stated."""

@@ -12,11 +12,11 @@ from reliab.assessment.rebuilt_error import Estimate, Parts, RebuiltError, Toler
 from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen
 from reliab.assessment.rebuilt_error.whole_structure import whole_structure
 from reliab.assessment.verdict import word_of_probability
-from reliab.recordings.recording import Recording
+from reliab.recordings import Recording
 from reliab.significant import significant
-from reliab.simulation.hybrid_test.model_file import UpdatedModel
+from reliab.simulation.hybrid_test import UpdatedModel
 from reliab.stated_value import StatedValue
-from reliab.structures.structure import Structure
+from reliab.structures import Structure
 from reliab.vocabulary import Metric
 
 Array = NDArray[np.float64]

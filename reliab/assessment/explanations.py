@@ -13,10 +13,10 @@ import numpy as np
 import scipy
 
 from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
-from reliab.recordings.recording import Recording
+from reliab.recordings import Recording
 from reliab.significant import significant
 from reliab.stated_value import StatedValue
-from reliab.structures.structure import Structure
+from reliab.structures import Structure
 
 _MILLISECONDS = 1e3
 _SIGNIFICANT = 3.0  # standard errors

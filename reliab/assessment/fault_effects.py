@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.faults import Fault, repaired
 from reliab.assessment.findings import FaultEffect
-from reliab.recordings.recording import Recording
+from reliab.recordings import Recording
 
 
 def error_with_faults(

@@ -14,8 +14,7 @@ import scipy
 from numpy.typing import NDArray
 
 from reliab.assessment.tracking_index import TrackingIndex
-from reliab.recordings.recording import Recording
-from reliab.recordings.spikes import without_spikes
+from reliab.recordings import Recording, without_spikes
 from reliab.significant import significant
 
 Array = NDArray[np.float64]

@@ -16,10 +16,10 @@ from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.tracking_measures import TrackingMeasures
 from reliab.assessment.verdict import Verdict, Word, verdict_by_index
 from reliab.criterion import Criterion
-from reliab.recordings.recording import Recording
+from reliab.recordings import Recording
 from reliab.stated_value import StatedValue
-from reliab.structures.stability import critical_delay, stability_margin
-from reliab.structures.structure import Structure
+from reliab.structures import Structure, stability_margin
+from reliab.structures.stability import critical_delay
 from reliab.vocabulary import Metric
 
 LARGEST_PROBABILITY: Final = 0.99

@@ -16,10 +16,10 @@ from reliab.assessment.rebuilt_error.spread import LEVEL as ERROR_LEVEL
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.verdict import Verdict, Word, verdict_by_index
 from reliab.criterion import Criterion
-from reliab.indices.tracking_over_frequency import TrackingOverFrequency
-from reliab.recordings.recording import Recording
-from reliab.simulation.frames.frame_file import FrameUnderTest
-from reliab.structures.structure import Structure
+from reliab.indices import TrackingOverFrequency
+from reliab.recordings import Recording
+from reliab.simulation.frames import FrameUnderTest
+from reliab.structures import Structure
 from reliab.vocabulary import Metric
 
 _MILLISECONDS = 1e3

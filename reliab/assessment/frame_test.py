@@ -19,15 +19,14 @@ from reliab.assessment.rebuilt_error import Part, Tolerances, WholeStructure, re
 from reliab.assessment.tracking_index import track
 from reliab.criterion import Criterion
 from reliab.errors import InputError
-from reliab.indices.tracking_over_frequency import TrackingOverFrequency, tracking_over_frequency
-from reliab.recordings.recording import Recording
-from reliab.recordings.spikes import without_spikes
-from reliab.simulation.frames.frame_file import FrameUnderTest
+from reliab.indices import TrackingOverFrequency
+from reliab.indices.tracking_over_frequency import tracking_over_frequency
+from reliab.recordings import Recording, without_spikes
+from reliab.simulation.frames import FrameUnderTest
 from reliab.stated_value import StatedValue
+from reliab.structures import Partition, Structure
 from reliab.structures.critical_delay import critical_delay
-from reliab.structures.partition import Partition
-from reliab.structures.structure import Structure
-from reliab.sweep.frame_table import governing_mode
+from reliab.sweep import governing_mode
 from reliab.vocabulary import Metric
 
 _MILLISECONDS = 1e3

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from reliab.assessment.tracking_index import TrackingIndex, track
 from reliab.errors import ReliabError
-from reliab.recordings.recording import FEWEST_SAMPLES, Recording
+from reliab.recordings import FEWEST_SAMPLES, Recording
 
 _PERIODS = 8.0  # of the equivalent frequency in a window
 _MOST_WINDOWS = 40

@@ -6,12 +6,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.boundary import Contour, InscribedEllipse, motion_contours
+from reliab.boundary import Contour, motion_contours
+from reliab.boundary.curves import InscribedEllipse
 from reliab.errors import InputError
-from reliab.indices.response_error import relative_error
-from reliab.simulation.engine import Loop
-from reliab.simulation.excitation import Excitation
-from reliab.structures.structure import Structure
+from reliab.indices import relative_error
+from reliab.simulation import Excitation, Loop
+from reliab.structures import Structure
 from reliab.vocabulary import Metric, Side
 
 

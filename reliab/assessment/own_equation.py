@@ -16,10 +16,10 @@ from reliab.assessment.rebuilt_error.identification import Identification, Ident
 from reliab.assessment.rebuilt_error.kernel import Kernel
 from reliab.assessment.rebuilt_error.specimen_check import examine_specimen
 from reliab.assessment.rebuilt_error.specimen_spring import fit_spring
-from reliab.recordings.recording import Recording
+from reliab.recordings import Recording
 from reliab.significant import significant
 from reliab.stated_value import StatedValue
-from reliab.structures.structure import Structure
+from reliab.structures import Structure
 
 Array = NDArray[np.float64]
 

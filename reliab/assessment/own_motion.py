@@ -9,7 +9,7 @@ from reliab.assessment.error_of_test import Question
 from reliab.assessment.own_boundary import OwnBoundary
 from reliab.assessment.tracking_index import LEVEL, TrackingIndex
 from reliab.motions import Motion
-from reliab.simulation.excitation import Excitation
+from reliab.simulation import Excitation
 from reliab.vocabulary import Side
 
 _DRAWS = 200

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.criterion import Criterion
-from reliab.criterion.laws.validity import Validity
-from reliab.structures.structure import Structure
+from reliab.criterion.laws import Validity
+from reliab.structures import Structure
 from reliab.vocabulary import Side
 
 _DRAWS = 200

@@ -9,8 +9,7 @@ from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_ste
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.assessment.recorded_force import require_order, require_restoring_force
 from reliab.errors import InputError
-from reliab.recordings.recording import Recording
-from reliab.recordings.spikes import without_spikes
+from reliab.recordings import Recording, without_spikes
 from reliab.significant import significant
 
 _OPPOSITE = -0.8

@@ -21,8 +21,9 @@ from numpy.typing import NDArray
 
 from reliab.assessment.band import Band, in_band, noise_floor, periodogram
 from reliab.assessment.block_bootstrap import index_errors
-from reliab.indices.frequency_evaluation import FrequencyEvaluation, frequency_evaluation
-from reliab.recordings.recording import Recording
+from reliab.indices import FrequencyEvaluation
+from reliab.indices.frequency_evaluation import frequency_evaluation
+from reliab.recordings import Recording
 
 Array = NDArray[np.float64]
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reliab.indices.tracking import (
+from reliab.indices import (
     delay_by_cross_correlation,
     energy_error,
     maximum_tracking_error,
@@ -12,7 +12,7 @@ from reliab.indices.tracking import (
     rms_tracking_error,
     tracking_indicator,
 )
-from reliab.recordings.recording import Recording
+from reliab.recordings import Recording
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.errors import InputError
-from reliab.structures.stability import longest_lead
-from reliab.structures.structure import Structure
+from reliab.structures import Structure, longest_lead
 from reliab.vocabulary import Side
 
 ErrorOfCells = Callable[[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]], NDArray[np.float64]]

@@ -14,10 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.simulation.deviation import peak_of_history
-from reliab.simulation.excitation import Excitation
-from reliab.simulation.linear_loop.spectral import respond
-from reliab.structures.structure import Structure
+from reliab.simulation import Excitation, peak_of_history
+from reliab.simulation.linear_loop import respond
+from reliab.structures import Structure
 
 _MILLISECONDS_SQUARED = 1e6
 

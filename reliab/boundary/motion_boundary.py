@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.boundary.contour import AMPLITUDE_STEP, Contour, trace_contours
-from reliab.indices.response_error import relative_error
-from reliab.simulation.deviation import Deviation
-from reliab.simulation.linear_loop.cells import Cells
-from reliab.structures.structure import Structure
+from reliab.indices import relative_error
+from reliab.simulation import Deviation
+from reliab.simulation.linear_loop import Cells
+from reliab.structures import Structure
 from reliab.vocabulary import Metric, Side
 
 

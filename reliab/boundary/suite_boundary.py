@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 
 from reliab.boundary.contour import Contour, trace_contours
 from reliab.boundary.motion_boundary import motion_contours
-from reliab.simulation.engine import Engine, Loop
-from reliab.simulation.linear_loop.blocks import block_length
-from reliab.simulation.linear_loop.cells import Cells
-from reliab.simulation.linear_loop.pole_plane.plane import mean_squares
+from reliab.simulation import Engine, Loop
+from reliab.simulation.linear_loop import Cells, block_length
+from reliab.simulation.linear_loop.pole_plane import mean_squares
 from reliab.vocabulary import Metric, Side
 
 

@@ -24,11 +24,11 @@ from reliab.cli import (
     monitor,
     motions,
     report,
+    run as run_command,
     samples,
     simulate,
     validate,
 )
-from reliab.cli import run as run_command
 from reliab.cli.defaults import read_defaults
 from reliab.cli.examples import example_of
 from reliab.cli.interruption import interruption, noticed_interruption

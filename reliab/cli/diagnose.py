@@ -22,7 +22,8 @@ from reliab.errors import InputError
 from reliab.significant import significant
 
 if TYPE_CHECKING:
-    from reliab.discrepancy import Addition, BlockDiagnosis, Diagnosis
+    from reliab.discrepancy.adding import Addition
+    from reliab.discrepancy.result import BlockDiagnosis, Diagnosis
     from reliab.report import Setting
 
 RESULT_FILE = "diagnosis.json"
@@ -61,8 +62,9 @@ def diagnose(
     json_target: JsonTarget = None,
 ) -> None:
     """Find where simulation and measurement disagree, name what is missing, prove it on held-out tests."""
-    from reliab.discrepancy import add, campaign_folder, read_campaign
     from reliab.discrepancy import diagnose as diagnose_campaign
+    from reliab.discrepancy.adding import add
+    from reliab.discrepancy.campaign import campaign_folder, read_campaign
 
     setting = setting_of(title, date, paper, laboratory, logo)
     if out is None:
@@ -113,7 +115,7 @@ def _report(addition: "Addition", campaign: Path, out: Path, setting: "Setting")
 
     from reliab.report import write_pdf
     from reliab.report.kinds.discrepancy import discrepancy_report
-    from reliab.study.digests import digest
+    from reliab.study import digest
 
     newest = max(path.stat().st_mtime for path in campaign.iterdir())
     document = discrepancy_report(

@@ -170,7 +170,7 @@ class EllipseSource:
             return of_fractions(self._traced_in(self.results), self.alpha, self.results)
         if self.structure is not None:
             return self._of_frame(self.structure)
-        from reliab.api.boundaries import ellipses
+        from reliab.api import ellipses
         from reliab.motions import load_motions
 
         suite = load_motions(*(self.motions or []), sets=self.sets)
@@ -212,8 +212,7 @@ class EllipseSource:
 
     def _traced_in(self, path: Path) -> "xr.Dataset":
         """Trace the boundaries in stored results."""
-        from reliab.sweep import open_results
-        from reliab.sweep.real_suite import stored_results
+        from reliab.sweep import open_results, stored_results
 
         stored = open_results(stored_results(path, self.f, self.xi), window=self.window or _RECORD)
         chosen = among(stored, self.f, self.xi)
@@ -225,10 +224,10 @@ class EllipseSource:
 
     def _of_frame(self, path: Path) -> "xr.Dataset":
         """Trace the boundaries of a frame under records."""
-        from reliab.indices.window import Window
+        from reliab.indices import Window
         from reliab.motions import load_motions
-        from reliab.simulation.frames.frame_file import read_frame
-        from reliab.sweep.frame_table import FrameRequest, trace_frame_ellipses
+        from reliab.simulation.frames import read_frame
+        from reliab.sweep import FrameRequest, trace_frame_ellipses
 
         excluded = {"--f": self.f, "--xi": self.xi, "--alpha": self.alpha, "--model": self.model}
         given = [name for name, value in excluded.items() if value is not None]

@@ -119,7 +119,7 @@ def _rows(dataset: "xr.Dataset") -> "Iterator[dict[str, Any]]":
     of the inscribed ellipse in `_inscribed` and `_lead_inscribed`. Null where there is none, for the reason
     in `no_ellipse`; 0 where effects leave no room.
     """
-    from reliab.sweep.shares import share_of
+    from reliab.sweep import share_of
 
     if "alpha" not in dataset.dims:
         dataset = dataset.expand_dims(alpha=[share_of(dataset)])

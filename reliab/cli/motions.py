@@ -80,7 +80,7 @@ def check(
     json_target: JsonTarget = None,
 ) -> None:
     """Read every record; report all faults (exit code 2), and note what deserves a look."""
-    from reliab.motions.checking import inspect
+    from reliab.motions import inspect
 
     inspections = [inspect(source, sets=sets, time_step=time_step, units=units) for source in sources]
     faults = [fault for inspection in inspections for fault in inspection.faults]
@@ -111,8 +111,7 @@ def import_motions(
     json_target: JsonTarget = None,
 ) -> None:
     """Rewrite motions as a suite: one text format in m/s² and a catalogue."""
-    from reliab.motions import load_motions
-    from reliab.motions.writing import write_suite
+    from reliab.motions import load_motions, write_suite
 
     suite = load_motions(*sources, sets=sets, time_step=time_step, units=units)
     events = {event} if event is not None else set(suite.events)
@@ -129,15 +128,15 @@ def synthesize(
     json_target: JsonTarget = None,
 ) -> None:
     """Write the synthetic suite, which needs no record."""
+    from reliab.motions import write_suite
     from reliab.motions.synthetic import synthetic_suite
-    from reliab.motions.writing import write_suite
 
     suite = synthetic_suite(count=count) if seed is None else synthetic_suite(count=count, seed=seed)
     _report_written(write_suite(suite, out), suite.names, len(set(suite.events)), json_target)
 
 
 def _describe(suite: "MotionSuite") -> list[dict[str, Any]]:
-    from reliab.motions.intensity import measure
+    from reliab.motions import measure
     from reliab.vocabulary import STANDARD_GRAVITY
 
     rows = []

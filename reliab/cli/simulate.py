@@ -58,9 +58,7 @@ def simulate(
     results are those of its actuator alone.
     """
     from reliab.motions import load_motions
-    from reliab.sweep.plain import sweep_request
-    from reliab.sweep.run import run_sweep
-    from reliab.sweep.store_layout import attributes
+    from reliab.sweep import attributes, run_sweep, sweep_request
 
     suite = load_motions(*(motions or ["synthetic"]), sets=sets)
     request = sweep_request(

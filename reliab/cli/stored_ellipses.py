@@ -75,7 +75,7 @@ def of_fractions(dataset: "xr.Dataset", alpha: list[float] | None, path: Path) -
         carries them does not hold.
     """
     from reliab.progress import silent
-    from reliab.sweep.shares import for_each_share
+    from reliab.sweep import for_each_share
 
     if alpha is None:
         return dataset
@@ -84,8 +84,8 @@ def of_fractions(dataset: "xr.Dataset", alpha: list[float] | None, path: Path) -
 
 def _of_fraction(dataset: "xr.Dataset", alpha: float, path: Path) -> "xr.Dataset":
     """Choose one share, or carry the boundaries of α = 1 to it."""
-    from reliab.criterion.experimental_share import carry_to_share
-    from reliab.sweep.shares import at_share, shares_of
+    from reliab.criterion import carry_to_share
+    from reliab.sweep import at_share, shares_of
     from reliab.vocabulary import SHARE_ATTRIBUTE
 
     shares = shares_of(dataset)

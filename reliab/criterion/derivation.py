@@ -22,7 +22,7 @@ from reliab.criterion.sample_grid import SampleGrid
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
 from reliab.renamed import renamed
-from reliab.sweep.shares import at_share, share_of
+from reliab.sweep import at_share, share_of
 from reliab.vocabulary import CurveName, Metric, Side
 
 

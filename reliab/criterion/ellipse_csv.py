@@ -16,7 +16,7 @@ from reliab.criterion.laws.checks import LARGEST
 from reliab.encodings import encoding_of_file
 from reliab.errors import InputError
 from reliab.files import decoding
-from reliab.sweep.shares import at_share
+from reliab.sweep import at_share
 from reliab.vocabulary import LABELS, Dimension, Metric
 
 _OTHER_NAMES = {"record": "motion", "f_hz": "f"}

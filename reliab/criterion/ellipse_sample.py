@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from reliab.criterion.laws.checks import LARGEST
 from reliab.errors import InputError
-from reliab.sweep.shares import at_share
+from reliab.sweep import at_share
 from reliab.vocabulary import LABELS, CurveName, Dimension, Side
 
 FEWEST_MOTIONS = 3

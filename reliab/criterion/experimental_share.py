@@ -16,7 +16,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from reliab.errors import InputError
-from reliab.sweep.shares import share_of
+from reliab.sweep import share_of
 
 LEAST_SHARE_OVER_DAMPING: Final = 10.0
 """Least α/ξ for which limits are carried: the limit that 95 % of 20 real motions keep then lay between 0.88

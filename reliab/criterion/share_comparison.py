@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from reliab.boundary.contour import REACH
+from reliab.boundary import REACH
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.experimental_share import LEAST_SHARE_OVER_DAMPING, growth
 

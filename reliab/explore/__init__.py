@@ -1,5 +1,5 @@
 """The explorer: one page with sliders for the tolerable region, which also judges a test file."""
 
-from reliab.explore.page import Settings, write_page
+import lazy_loader
 
-__all__ = ["Settings", "write_page"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

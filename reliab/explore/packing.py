@@ -15,10 +15,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.criterion.ellipse_sample import is_ellipse, names_along
-from reliab.criterion.meaning import MOST_AT_REST, REST
+from reliab.criterion import MOST_AT_REST, REST, is_ellipse, names_along
 from reliab.errors import InputError
-from reliab.sweep.shares import at_share, share_of
+from reliab.sweep import at_share, share_of
 from reliab.vocabulary import CurveName
 
 _DROPPED_BITS = 12

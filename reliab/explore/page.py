@@ -21,15 +21,7 @@ import xarray as xr
 from reliab.errors import InputError
 from reliab.explore.packing import pack
 from reliab.files import written_whole
-from reliab.recordings.recognition import (
-    ACCELERATIONS,
-    EXTRAS,
-    FORCES,
-    LENGTHS,
-    NAMES,
-    OTHER_QUANTITIES,
-    TIMES,
-)
+from reliab.recordings import ACCELERATIONS, EXTRAS, FORCES, LENGTHS, NAMES, OTHER_QUANTITIES, TIMES
 from reliab.version import __version__
 
 _FOLDER: Final = Path(__file__).parent / "web"

@@ -21,7 +21,7 @@ import scipy
 from numpy.typing import NDArray
 
 from reliab.errors import InputError
-from reliab.simulation.linear_loop.tracking_sums import TrackingSums
+from reliab.simulation.linear_loop import TrackingSums
 
 _FEWEST_SAMPLES = 16
 

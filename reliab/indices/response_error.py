@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.errors import InputError
-from reliab.simulation.deviation import Deviation, peak_of_history
+from reliab.simulation import Deviation, peak_of_history
 from reliab.vocabulary import Metric
 
 

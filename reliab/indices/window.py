@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.errors import InputError
-from reliab.motions.intensity import arias_times
+from reliab.motions import arias_times
 
 
 class _Kind(StrEnum):

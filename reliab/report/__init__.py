@@ -1,8 +1,5 @@
 """Figures and PDF reports of finished results; nothing is simulated here."""
 
-from reliab.report.document import Document
-from reliab.report.pdf import write_pdf
-from reliab.report.saved import save_content, saved_content
-from reliab.report.setting import Setting
+import lazy_loader
 
-__all__ = ["Document", "Setting", "save_content", "saved_content", "write_pdf"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from reliab.criterion.provenance import Provenance, installed_versions
+from reliab.criterion import Provenance, installed_versions
 
 
 def provenance_of(given: Mapping[str, object], criterion: Provenance | None = None) -> dict[str, str]:

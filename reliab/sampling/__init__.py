@@ -3,19 +3,6 @@
 Nothing here knows what the parameters mean; criteria and diagnoses bring their own models.
 """
 
-from reliab.sampling.diagnostics import ConvergenceWarning, Diagnostics
-from reliab.sampling.ensembles import Ensembles, sample
-from reliab.sampling.model import Model, Parameter
-from reliab.sampling.normal_values import NormalValues
-from reliab.sampling.posterior_sample import PosteriorSample
+import lazy_loader
 
-__all__ = [
-    "ConvergenceWarning",
-    "Diagnostics",
-    "Ensembles",
-    "Model",
-    "NormalValues",
-    "Parameter",
-    "PosteriorSample",
-    "sample",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -14,7 +14,7 @@ from reliab.simulation.deviation import Deviation, peak_of_history
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
 from reliab.simulation.linear_loop.cells import Cells
-from reliab.structures.structure import Structure
+from reliab.structures import Structure
 
 Array = NDArray[np.float64]
 

@@ -33,7 +33,7 @@ from reliab.simulation.linear_loop.pole_plane.basis import pole_basis
 from reliab.simulation.linear_loop.pole_plane.responses import Responses
 from reliab.simulation.linear_loop.shared_drives import shared_drives
 from reliab.simulation.linear_loop.structure_batch import Prepared
-from reliab.structures.structure import Structure
+from reliab.structures import Structure
 
 REDUCTION_TOLERANCE = 3e-5
 """Largest relative error of RMS^R that the reduction to the dominant pole may cause [-]; the peak,

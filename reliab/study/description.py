@@ -14,7 +14,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validat
 from reliab.criterion.laws import FITTED, known
 from reliab.criterion.methods import RECOMMENDED, method_of
 from reliab.errors import InputError
-from reliab.indices.window import Window
+from reliab.indices import Window
 
 _Value = TypeVar("_Value")
 

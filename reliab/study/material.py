@@ -9,14 +9,12 @@ from typing import Final
 import xarray as xr
 
 from reliab.errors import InputError
-from reliab.indices.window import Window
+from reliab.indices import Window
 from reliab.motions import Motion, MotionSuite, load_motions
 from reliab.progress import Progress, silent
 from reliab.study.description import RecordsStudy, SimulatedStudy
 from reliab.study.digests import digest
-from reliab.sweep import open_results
-from reliab.sweep.real_suite import REAL, stored_results
-from reliab.sweep.shares import at_share
+from reliab.sweep import REAL, at_share, open_results, stored_results
 from reliab.validation.cross_validation import StoredTruth
 
 Show = Callable[[str], AbstractContextManager[Progress]]

@@ -15,10 +15,9 @@ from reliab.study.digests import digest
 from reliab.study.material import Material
 from reliab.study.stages import Stage, read_result
 from reliab.study.steps import CRITERIA, ELLIPSES, derivation_of
-from reliab.sweep import open_ellipses, open_results
-from reliab.sweep.real_suite import REAL, real_results
+from reliab.sweep import REAL, open_ellipses, open_results, real_results
+from reliab.validation import earthquakes_among
 from reliab.validation.cross_validation import CrossValidation, Fold, Printed, StoredTruth, cross_validate
-from reliab.validation.earthquakes import earthquakes_among
 
 REAL_MOTIONS: Final = "real_motions.json"
 

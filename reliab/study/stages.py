@@ -18,7 +18,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from reliab.criterion.provenance import installed_versions
+from reliab.criterion import installed_versions
 from reliab.described_files import read_json
 from reliab.errors import IncompleteError, InputError
 from reliab.files import written_by_one_process, written_whole

@@ -8,10 +8,8 @@ from typing import Final
 import numpy as np
 import xarray as xr
 
-from reliab.api.boundaries import ellipses
-from reliab.api.simulation import simulate
-from reliab.criterion import Criterion
-from reliab.criterion.derivation import Derivation
+from reliab.api import ellipses, simulate
+from reliab.criterion import Criterion, Derivation
 from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, known
 from reliab.criterion.methods import Quantile, method_of
 from reliab.errors import InputError
@@ -19,8 +17,7 @@ from reliab.files import written_whole
 from reliab.study.description import CriterionStudy, CriterionTable, ErrorsTable, SimulatedStudy
 from reliab.study.material import RESULTS, Material, Show
 from reliab.study.stages import Stage, read_result
-from reliab.sweep import open_ellipses, write_ellipses
-from reliab.sweep.netcdf import read_netcdf, write_netcdf
+from reliab.sweep import open_ellipses, read_netcdf, write_ellipses, write_netcdf
 from reliab.validation.cross_validation import (
     Candidate,
     CrossValidation,

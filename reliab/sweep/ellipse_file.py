@@ -9,7 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from reliab.errors import InputError
-from reliab.indices.window import Window
+from reliab.indices import Window
 from reliab.sweep.labels import with_labels
 from reliab.sweep.netcdf import read_netcdf, write_netcdf
 from reliab.vocabulary import ELLIPSE_DIMENSIONS, SHARE_ATTRIBUTE, CurveName, Dimension, Side

@@ -7,16 +7,15 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.boundary import Curve, motion_contours, suite_contours
+from reliab.boundary import motion_contours, suite_contours
+from reliab.boundary.curves import Curve
 from reliab.errors import InputError
-from reliab.indices.response_error import relative_error
-from reliab.indices.window import Window
+from reliab.indices import Window, relative_error
 from reliab.motions import Motion
 from reliab.progress import Progress, silent
-from reliab.simulation.effect_loop import EffectLoop
-from reliab.simulation.engine import Engine, Loop
+from reliab.simulation import EffectLoop, Engine, Loop
 from reliab.simulation.hybrid_test import HybridTest
-from reliab.structures.structure import Structure
+from reliab.structures import Structure
 from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_dataset
 from reliab.sweep.excitation import excitation_of
 from reliab.sweep.records import joined_coordinates, motion_coordinates

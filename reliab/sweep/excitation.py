@@ -1,8 +1,8 @@
 """A ground motion as the excitation of a test, with the window over which its error is taken."""
 
-from reliab.indices.window import Window
+from reliab.indices import Window
 from reliab.motions import Motion
-from reliab.simulation.excitation import Excitation
+from reliab.simulation import Excitation
 
 
 def excitation_of(motion: Motion, window: Window) -> Excitation:

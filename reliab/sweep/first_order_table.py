@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from reliab.boundary import Ellipse
-from reliab.boundary.first_order import first_order_ellipse
+from reliab.boundary import first_order_ellipse
+from reliab.boundary.curves import Ellipse
 from reliab.errors import InputError
 from reliab.motions import Motion
 from reliab.progress import Progress, silent

@@ -8,23 +8,22 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.boundary import Curve, motion_contours
+from reliab.boundary import motion_contours
+from reliab.boundary.curves import Curve
 from reliab.errors import InputError
-from reliab.indices.response_error import relative_error
-from reliab.indices.window import Window
+from reliab.indices import Window, relative_error
 from reliab.motions import Motion
 from reliab.progress import Progress, silent
-from reliab.simulation.frames.frame_file import FrameUnderTest
-from reliab.simulation.frames.frame_loop import FrameLoop
+from reliab.simulation.frames import FrameLoop, FrameUnderTest
+from reliab.structures import Structure
 from reliab.structures.critical_delay import critical_delay
-from reliab.structures.structure import Structure
 from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_dataset
 from reliab.sweep.excitation import excitation_of
 from reliab.sweep.records import joined_coordinates, motion_coordinates
 from reliab.vocabulary import Metric, Side
 
 if TYPE_CHECKING:
-    from reliab.boundary.motion_boundary import SolvedLoop
+    from reliab.boundary import SolvedLoop
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

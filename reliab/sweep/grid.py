@@ -9,11 +9,10 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.boundary.contour import REACH, furthest_lead
-from reliab.boundary.surface import DELAY_SCALE, GAIN_SCALE, stretched
+from reliab.boundary import DELAY_SCALE, GAIN_SCALE, REACH, furthest_lead, stretched
 from reliab.errors import InputError
-from reliab.simulation.linear_loop.cells import Cells
-from reliab.structures.structure import Structure
+from reliab.simulation.linear_loop import Cells
+from reliab.structures import Structure
 from reliab.vocabulary import Dimension
 
 _FEWEST_GAINS, _FEWEST_DELAYS = 5, 4

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any, Final, TypeVar, overload
 
 from reliab.errors import InputError
-from reliab.indices.window import Window
+from reliab.indices import Window
 from reliab.motions import Motion, MotionSuite, load_motions
-from reliab.simulation.engine import Engine
+from reliab.simulation import Engine
 from reliab.simulation.hybrid_test import HybridTest
 from reliab.sweep.grid import ExplicitGrid, Grid, ScaledGrid
 from reliab.sweep.request import SweepRequest
@@ -132,7 +132,7 @@ class StatedStructures:
 def _test(model: str | Path | HybridTest) -> HybridTest:
     if isinstance(model, HybridTest):
         return model
-    from reliab.simulation.hybrid_test.model_file import read_model
+    from reliab.simulation.hybrid_test import read_model
 
     return read_model(model).test
 

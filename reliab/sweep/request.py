@@ -8,13 +8,11 @@ from dataclasses import asdict, dataclass, field
 import numpy as np
 
 from reliab.errors import InputError
-from reliab.indices.window import Window
-from reliab.simulation.effect_loop import EffectLoop
-from reliab.simulation.engine import LEAD_TOLERANCE, REDUCTION_TOLERANCE, Engine, Loop
-from reliab.simulation.excitation import Excitation
+from reliab.indices import Window
+from reliab.simulation import LEAD_TOLERANCE, REDUCTION_TOLERANCE, EffectLoop, Engine, Excitation, Loop
 from reliab.simulation.hybrid_test import HybridTest
-from reliab.simulation.linear_loop.structure_batch import Prepared
-from reliab.structures.structure import Structure
+from reliab.simulation.linear_loop import Prepared
+from reliab.structures import Structure
 from reliab.sweep.grid import Grid, ScaledGrid
 from reliab.vocabulary import Dimension
 

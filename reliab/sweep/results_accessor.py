@@ -7,11 +7,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.boundary import Contour, Curve
+from reliab.boundary import Contour
+from reliab.boundary.curves import Curve
 from reliab.errors import InputError
 from reliab.files import decoding
 from reliab.progress import Progress, silent
-from reliab.structures.structure import Structure
+from reliab.structures import Structure
 from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_dataset
 from reliab.sweep.labels import with_labels
 from reliab.sweep.shares import at_share, for_each_share, share_of, shares_of

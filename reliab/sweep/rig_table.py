@@ -6,13 +6,12 @@ import numpy as np
 import pandas as pd
 
 from reliab.errors import InputError
+from reliab.indices import Window
 from reliab.indices.frequency_evaluation import frequency_evaluation
 from reliab.indices.response_error import response_error
-from reliab.indices.window import Window
 from reliab.motions import Motion
 from reliab.progress import Progress, silent
-from reliab.simulation.frames.frame_file import FrameUnderTest
-from reliab.simulation.frames.rig_loop import rig_response, stable_with
+from reliab.simulation.frames import FrameUnderTest, rig_response, stable_with
 from reliab.sweep.excitation import excitation_of
 from reliab.vocabulary import Metric
 

@@ -6,17 +6,13 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.indices.frequency_evaluation import evaluate_sums
-from reliab.indices.response_error import relative_error
-from reliab.indices.window import Window
+from reliab.indices import Window, evaluate_sums, relative_error
 from reliab.motions import Motion
-from reliab.simulation.engine import Engine
-from reliab.simulation.excitation import Excitation
-from reliab.simulation.linear_loop.cells import Cells
-from reliab.simulation.linear_loop.structure_batch import Prepared, StructureBatch
-from reliab.simulation.linear_loop.tracking_sums import QuadraturePair, TrackedCells, tracking_sums
+from reliab.simulation import Engine, Excitation
+from reliab.simulation.linear_loop import Cells, Prepared, QuadraturePair, StructureBatch, TrackedCells
+from reliab.simulation.linear_loop.tracking_sums import tracking_sums
+from reliab.structures import Structure
 from reliab.structures.stability import critical_delay
-from reliab.structures.structure import Structure
 from reliab.sweep.excitation import excitation_of
 from reliab.sweep.grid import Grid
 from reliab.sweep.request import SweepRequest, loop_of

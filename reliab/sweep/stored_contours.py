@@ -6,10 +6,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.boundary import Contour, trace_contours
-from reliab.boundary.contour import REACH, furthest_lead
-from reliab.boundary.surface import ErrorSurfaces
-from reliab.structures.structure import Structure
+from reliab.boundary import REACH, Contour, ErrorSurfaces, furthest_lead, trace_contours
+from reliab.structures import Structure
 from reliab.vocabulary import Metric, Side
 
 _TOGETHER = 32  # motions

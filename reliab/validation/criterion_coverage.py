@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from reliab.criterion.ellipse_sample import EllipseSample
+from reliab.criterion import EllipseSample
 from reliab.criterion.methods import BoundMethod, limits
 from reliab.progress import Progress, silent
 

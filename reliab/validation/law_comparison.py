@@ -9,10 +9,9 @@ import scipy
 import xarray as xr
 from numpy.typing import NDArray
 
+from reliab.criterion import Population, scales
 from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, FittedLaw, Law
 from reliab.criterion.methods import Scatter
-from reliab.criterion.population import Population
-from reliab.criterion.scaling import scales
 from reliab.errors import InputError
 from reliab.validation.distribution_comparison import leave_one_event_out
 from reliab.vocabulary import CurveName

@@ -8,8 +8,8 @@ import scipy
 import xarray as xr
 from numpy.typing import NDArray
 
+from reliab.criterion import Population
 from reliab.criterion.laws import Dimensionless
-from reliab.criterion.population import Population
 from reliab.errors import InputError
 from reliab.validation.distribution_comparison import leave_one_event_out
 

@@ -8,7 +8,7 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.criterion.population import Population
+from reliab.criterion import Population
 from reliab.progress import Progress, silent
 from reliab.validation.cross_validation import Cell, EllipseTruth, Truth, folds_of
 from reliab.validation.cross_validation.intervals import event_bootstrap

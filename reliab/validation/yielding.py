@@ -20,9 +20,8 @@ from reliab.compiled import compiled
 from reliab.motions import Motion
 from reliab.progress import Progress, silent
 from reliab.shipped import shipped
-from reliab.simulation.engine import Loop
-from reliab.simulation.excitation import Excitation
-from reliab.structures.structure import Structure
+from reliab.simulation import Excitation, Loop
+from reliab.structures import Structure
 from reliab.validation.cross_validation.intervals import event_bootstrap
 
 HARDENING: Final = 0.02

@@ -7,11 +7,7 @@ from typing import Final
 
 from reliab.report import Document
 from reliab.shipped import shipped
-from reliab.study.description import Study
-from reliab.study.digests import digest
-from reliab.study.kind import Kind
-from reliab.study.material import Show
-from reliab.study.stages import Stage, made_with, read_result
+from reliab.study import Kind, Show, Stage, Study, digest, made_with, read_result
 
 EVALUATION: Final = "evaluation.json"
 

@@ -2,9 +2,7 @@
 
 from dataclasses import dataclass
 
-from reliab.effects.effect import Role, SteppedEffect
-from reliab.effects.kernel import Kernel, Numbers
-from reliab.effects.parameter import Parameter
+from reliab.effects import Kernel, Numbers, Parameter, Role, SteppedEffect
 from reliab.vocabulary import Block
 
 

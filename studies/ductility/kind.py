@@ -12,11 +12,18 @@ from reliab.errors import InputError
 from reliab.files import written_whole
 from reliab.report import Document
 from reliab.shipped import or_shipped
-from reliab.study.description import MotionsTable, RecordsStudy, StructuresTable, Table
-from reliab.study.digests import digest
-from reliab.study.kind import Kind
-from reliab.study.material import Records, Show
-from reliab.study.stages import Stage, made_with
+from reliab.study import (
+    Kind,
+    MotionsTable,
+    Records,
+    RecordsStudy,
+    Show,
+    Stage,
+    StructuresTable,
+    Table,
+    digest,
+    made_with,
+)
 
 TESTS: Final = "tests.csv"
 LEVELS: Final = "levels.csv"
@@ -46,7 +53,7 @@ def stages(study: DuctilityStudy, show: Show) -> Sequence[Stage]:
     records = Records(study)
 
     def work(folder: Path) -> None:
-        from reliab.structures.structure import Structure
+        from reliab.structures import Structure
 
         from . import compare_levels, compare_limits, tolerances
 

@@ -4,12 +4,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
-from reliab.effects import Effect
-from reliab.effects.coulomb_friction import CoulombFriction
-from reliab.effects.cubic_stiffness import CubicStiffness
-from reliab.effects.hysteresis import Hysteresis
+from reliab.effects import CoulombFriction, CubicStiffness, Effect, Hysteresis
 from reliab.errors import InputError
-from reliab.structures.structure import Structure
+from reliab.structures import Structure
 
 from .elastoplastic import Elastoplastic
 

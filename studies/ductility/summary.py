@@ -5,7 +5,7 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from reliab.validation.cross_validation.intervals import event_bootstrap
+from reliab.validation.cross_validation import event_bootstrap
 
 from .tolerances import DIRECTIONS
 

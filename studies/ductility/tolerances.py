@@ -15,14 +15,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from reliab.boundary.first_order import first_order_ellipse
+from reliab.boundary import first_order_ellipse
 from reliab.motions import Motion
 from reliab.progress import Progress, silent
-from reliab.simulation.deviation import peak_of_history
-from reliab.simulation.effect_loop import EffectLoop
-from reliab.simulation.excitation import Excitation
+from reliab.simulation import EffectLoop, Excitation, peak_of_history
 from reliab.simulation.hybrid_test import HybridTest
-from reliab.structures.structure import Structure
+from reliab.structures import Structure
 
 from .specimens import SPECIMENS, NonlinearSpecimen
 

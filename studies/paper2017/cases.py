@@ -18,10 +18,9 @@ from reliab.criterion.laws import OF_MANY_MOTIONS
 from reliab.indices.frequency_evaluation import frequency_evaluation
 from reliab.indices.response_error import response_error
 from reliab.motions import Motion, resample, truncate
-from reliab.simulation.actuator import Actuator
-from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
-from reliab.simulation.hybrid_test.model import HybridTest
-from reliab.structures.structure import Structure
+from reliab.simulation import Actuator
+from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
+from reliab.structures import Structure
 
 from .equipment import compensator_of, integrator_of
 from .printed import (

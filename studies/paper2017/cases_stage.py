@@ -4,9 +4,8 @@ from pathlib import Path
 from typing import Final
 
 from reliab.motions import load_motions
-from reliab.study.material import named
-from reliab.study.stages import Stage
-from reliab.sweep.netcdf import write_netcdf
+from reliab.study import Stage, named
+from reliab.sweep import write_netcdf
 
 CASES: Final = "cases.nc"
 

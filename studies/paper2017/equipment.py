@@ -4,10 +4,20 @@ from collections.abc import Callable, Mapping
 from typing import Final, TypeVar
 
 from reliab.errors import InputError
-from reliab.simulation.compensators import Feedforward, InverseCompensation, PolynomialExtrapolation
-from reliab.simulation.hybrid_test import Compensator, ExactIntegrator, Integrator
-from reliab.simulation.integrators import CentralDifference, ChenRicles, OperatorSplitting
-from reliab.structures.structure import Structure
+from reliab.simulation.compensators import (
+    Compensator,
+    Feedforward,
+    InverseCompensation,
+    PolynomialExtrapolation,
+)
+from reliab.simulation.integrators import (
+    CentralDifference,
+    ChenRicles,
+    ExactIntegrator,
+    Integrator,
+    OperatorSplitting,
+)
+from reliab.structures import Structure
 
 from .printed import RATE_HZ
 

@@ -13,13 +13,12 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from reliab.boundary import Contour, motion_contours
-from reliab.indices.response_error import relative_error
+from reliab.indices import relative_error
 from reliab.motions import Motion
-from reliab.simulation.engine import Loop
-from reliab.simulation.excitation import Excitation
+from reliab.simulation import Excitation, Loop
 from reliab.simulation.linear_loop import spectral
+from reliab.structures import Structure
 from reliab.structures.stability import critical_delay
-from reliab.structures.structure import Structure
 from reliab.vocabulary import Metric
 
 from .printed import (

@@ -6,13 +6,20 @@ from typing import Final
 
 from reliab.errors import InputError
 from reliab.report import Document
-from reliab.study.description import SimulatedStudy
-from reliab.study.kind import Kind
-from reliab.study.material import Material, Show, named
-from reliab.study.stages import Stage, made_with
-from reliab.study.steps import ELLIPSES, opened, simulation, tracing
-from reliab.sweep import open_ellipses
-from reliab.sweep.netcdf import write_netcdf
+from reliab.study import (
+    ELLIPSES,
+    Kind,
+    Material,
+    Show,
+    SimulatedStudy,
+    Stage,
+    made_with,
+    named,
+    opened,
+    simulation,
+    tracing,
+)
+from reliab.sweep import open_ellipses, write_netcdf
 
 from .cases_stage import CASES, paper_cases
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.stats import gmean, shapiro
 
-from reliab.criterion.goodness_of_fit import SIGNIFICANCE
+from reliab.criterion import SIGNIFICANCE
 from reliab.significant import significant
 
 from .fits import exponential, quantile

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from reliab.structures import Structure
 from reliab.structures.stability import critical_delay
-from reliab.structures.structure import Structure
 
 from .fits import exponential, proportional
 from .item import MISSING, Item

@@ -7,9 +7,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.boundary import Contour, Cosine, Curve, Ellipse, Parabola
-from reliab.criterion import EllipseSample
-from reliab.criterion.ellipse_sample import is_ellipse
+from reliab.boundary import Contour
+from reliab.boundary.curves import Cosine, Curve, Ellipse, Parabola
+from reliab.criterion import EllipseSample, is_ellipse
 from reliab.vocabulary import CurveName, Metric, Side
 
 from .fits import quantile

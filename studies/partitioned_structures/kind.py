@@ -9,10 +9,7 @@ from pydantic import Field
 
 from reliab.files import written_whole
 from reliab.report import Document
-from reliab.study.description import RecordsStudy, Table
-from reliab.study.kind import Kind
-from reliab.study.material import Records, Show
-from reliab.study.stages import Stage, made_with
+from reliab.study import Kind, Records, RecordsStudy, Show, Stage, Table, made_with
 
 TESTS: Final = "tests.csv"
 SHARES: Final = "shares.csv"

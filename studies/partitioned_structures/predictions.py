@@ -6,21 +6,19 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.assessment.frame_test import whole_structure
+from reliab.assessment import whole_structure
 from reliab.assessment.rebuilt_error import rebuild
-from reliab.criterion.experimental_share import growth
-from reliab.criterion.laws import Dimensionless
-from reliab.criterion.laws.guo_2017 import Equation18
+from reliab.criterion import growth
+from reliab.criterion.laws import Dimensionless, Equation18
 from reliab.errors import InputError
 from reliab.indices.tracking_over_frequency import tracking_over_frequency
 from reliab.motions import Motion
 from reliab.shipped import shipped
-from reliab.simulation.excitation import Excitation
-from reliab.simulation.frames.frame_loop import FrameLoop
-from reliab.simulation.laboratory.laboratory import Run
-from reliab.simulation.linear_loop.spectral import respond
-from reliab.structures.partition import Partition
-from reliab.structures.structure import Structure
+from reliab.simulation import Excitation
+from reliab.simulation.frames import FrameLoop
+from reliab.simulation.laboratory import Run
+from reliab.simulation.linear_loop import respond
+from reliab.structures import Partition, Structure
 from reliab.sweep import open_ellipses
 
 from .drawing import RATE

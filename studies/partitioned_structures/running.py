@@ -12,11 +12,10 @@ from reliab.criterion.laws import Dimensionless
 from reliab.indices.frequency_evaluation import frequency_evaluation
 from reliab.progress import Progress, silent
 from reliab.simulation.compensators import ModelInverse
-from reliab.simulation.frames.frame_file import FrameUnderTest
-from reliab.simulation.laboratory.laboratory import run_laboratory
-from reliab.simulation.laboratory.rig import Rig, Sensors
-from reliab.structures.partition import Partition
-from reliab.sweep.frame_table import governing_mode
+from reliab.simulation.frames import FrameUnderTest
+from reliab.simulation.laboratory import Rig, Sensors, run_laboratory
+from reliab.structures import Partition
+from reliab.sweep import governing_mode
 
 from .drawing import RATE, PartitionedTest
 from .predictions import (

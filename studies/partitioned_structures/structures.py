@@ -5,11 +5,9 @@ import pandas as pd
 from numpy.typing import NDArray
 from reliab_studies.rths_benchmark.benchmark import benchmark_partition
 
+from reliab.structures import Partition, Specimen, Structure, drift_interface, floor_interface, with_specimen
 from reliab.structures.critical_delay import critical_delay
 from reliab.structures.frames import Frame, modal_damping, shear_frame
-from reliab.structures.partition import Partition, drift_interface, floor_interface, with_specimen
-from reliab.structures.specimen import Specimen
-from reliab.structures.structure import Structure
 
 Array = NDArray[np.float64]
 

@@ -16,17 +16,16 @@ from reliab.simulation.compensators import (
     AdaptiveInverse,
     AdaptiveModelBased,
     AdaptiveTimeSeries,
+    Compensator,
     Feedforward,
     InverseCompensation,
     ModelInverse,
     PhaseLeadControl,
 )
-from reliab.simulation.compensators.compensator import Compensator
-from reliab.simulation.laboratory.rig import Rig, Sensors
+from reliab.simulation.laboratory import Rig, Sensors
 from reliab.simulation.transfer_systems import ServoHydraulic
+from reliab.structures import Partition, Specimen, floor_interface
 from reliab.structures.frames import Frame, PlanarFrame, modal_damping
-from reliab.structures.partition import Partition, floor_interface
-from reliab.structures.specimen import Specimen
 
 RATE: Final = 4096.0
 """Sampling rate [Hz]."""

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.simulation.laboratory.laboratory import Run
+from reliab.simulation.laboratory import Run
 
 Array = NDArray[np.float64]
 

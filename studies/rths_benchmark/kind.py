@@ -12,11 +12,18 @@ from reliab.errors import InputError
 from reliab.files import written_whole
 from reliab.report import Document
 from reliab.shipped import shipped
-from reliab.study.description import Names, RecordsStudy, Table
-from reliab.study.digests import digest
-from reliab.study.kind import Kind
-from reliab.study.material import Records, Show
-from reliab.study.stages import Stage, made_with, read_result
+from reliab.study import (
+    Kind,
+    Names,
+    Records,
+    RecordsStudy,
+    Show,
+    Stage,
+    Table,
+    digest,
+    made_with,
+    read_result,
+)
 
 from .benchmark import benchmark_compensator
 from .outcomes import STANDARD

@@ -11,15 +11,14 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from reliab.assessment.frame_test import whole_structure
+from reliab.assessment import whole_structure, word_of_probability
 from reliab.assessment.rebuilt_error import rebuild
-from reliab.assessment.verdict import word_of_probability
 from reliab.errors import InputError
 from reliab.indices.frequency_evaluation import frequency_evaluation
 from reliab.motions import Motion
 from reliab.progress import Progress, silent
-from reliab.simulation.laboratory.laboratory import Run, run_laboratory
-from reliab.structures.partition import Partition
+from reliab.simulation.laboratory import Run, run_laboratory
+from reliab.structures import Partition
 
 from .benchmark import (
     CASES,

@@ -6,11 +6,10 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from reliab.motions import Motion
-from reliab.motions.intensity import measure
-from reliab.simulation.excitation import Excitation
+from reliab.motions import Motion, measure
+from reliab.simulation import Excitation
 from reliab.simulation.linear_loop import spectral
-from reliab.structures.structure import Structure
+from reliab.structures import Structure
 
 PERIODS: tuple[float, ...] = tuple(np.geomspace(0.1, 4.0, 24).round(3).tolist())
 """Periods at which spectra are compared [s]."""

@@ -8,36 +8,34 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from reliab.criterion.provenance import records_checksum
+from reliab.criterion import records_checksum
 from reliab.errors import InputError
 from reliab.files import written_whole
 from reliab.report import Document
 from reliab.shipped import shipped
-from reliab.study.description import CriterionTable, SimulatedStudy, TransferTable
-from reliab.study.digests import digest
-from reliab.study.kind import Kind
-from reliab.study.material import SYNTHETIC, Material, Show
-from reliab.study.stages import Stage, made_with
-from reliab.study.steps import (
+from reliab.study import (
     CRITERIA,
     ELLIPSES,
+    SYNTHETIC,
+    CriterionTable,
+    Kind,
+    Material,
+    Show,
+    SimulatedStudy,
+    Stage,
+    TransferTable,
     candidates,
     derivation,
     derivation_of,
+    digest,
+    made_with,
     opened,
     simulation,
     tracing,
 )
-from reliab.sweep import open_ellipses, open_results
-from reliab.sweep.netcdf import write_netcdf
-from reliab.sweep.real_suite import REAL, real_results
-from reliab.validation.cross_validation import (
-    CrossValidation,
-    StoredTruth,
-    cross_validate,
-    from_another,
-)
-from reliab.validation.earthquakes import earthquakes_among
+from reliab.sweep import REAL, open_ellipses, open_results, real_results, write_netcdf
+from reliab.validation import earthquakes_among
+from reliab.validation.cross_validation import CrossValidation, StoredTruth, cross_validate, from_another
 
 MEASURES: Final = "measures.csv"
 SPECTRA: Final = "spectra.nc"
@@ -67,7 +65,7 @@ def stages(study: SuitesStudy, show: Show) -> Sequence[Stage]:
 
 def report(study: SuitesStudy, folder: Path) -> Document:
     """Compare the suites."""
-    from reliab.report.sections.rates import rates_table
+    from reliab.report.sections import rates_table
 
     from .pages import suites_report
 

@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 from reliab_studies.paper2017.item import CLOSE
 from reliab_studies.paper2017.printed import ONE_HERTZ, TWO_PERCENT
 
-from reliab.boundary import Ellipse
+from reliab.boundary.curves import Ellipse
 from reliab.errors import InputError
 from reliab.motions import Motion
 from reliab.progress import Progress, silent
-from reliab.structures.structure import Structure
+from reliab.structures import Structure
 
 from .hidden_difference import Difference, differences, logarithms, simulated_ellipse
 

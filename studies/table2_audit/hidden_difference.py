@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.boundary import Ellipse, motion_contours
+from reliab.boundary import motion_contours
+from reliab.boundary.curves import Ellipse
 from reliab.motions import Motion
 from reliab.significant import significant
-from reliab.simulation.engine import Loop
-from reliab.simulation.excitation import Excitation
-from reliab.structures.structure import Structure
+from reliab.simulation import Excitation, Loop
+from reliab.structures import Structure
 
 Array = NDArray[np.float64]
 Pair = tuple[float, float]

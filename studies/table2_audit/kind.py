@@ -10,11 +10,7 @@ from reliab.errors import InputError
 from reliab.files import written_whole
 from reliab.report import Document
 from reliab.shipped import shipped
-from reliab.study.description import RecordsStudy
-from reliab.study.digests import digest
-from reliab.study.kind import Kind
-from reliab.study.material import Records, Show
-from reliab.study.stages import Stage, made_with
+from reliab.study import Kind, Records, RecordsStudy, Show, Stage, digest, made_with
 
 ROWS: Final = "table2.csv"
 

@@ -9,21 +9,25 @@ import pandas as pd
 from pydantic import Field
 from reliab_studies.paper2017.cases_stage import CASES, paper_cases
 
-from reliab.criterion.provenance import records_checksum
+from reliab.criterion import records_checksum
 from reliab.files import written_whole
 from reliab.motions import Motion, MotionSuite, load_motions
 from reliab.report import Document
-from reliab.structures.structure import Structure
-from reliab.study.description import CriterionStudy, ValidationTable
-from reliab.study.kind import Kind
-from reliab.study.material import SYNTHETIC, Material, Show
-from reliab.study.stages import Stage, made_with
-from reliab.study.steps import (
+from reliab.structures import Structure
+from reliab.study import (
     CRITERIA,
     ELLIPSES,
+    SYNTHETIC,
+    CriterionStudy,
+    Kind,
+    Material,
+    Show,
+    Stage,
+    ValidationTable,
     derivation,
     derivation_of,
     judgement,
+    made_with,
     opened,
     refusals_of,
     simulation,
@@ -72,8 +76,8 @@ def stages(study: ValidationStudy, show: Show) -> Sequence[Stage]:
 def report(study: ValidationStudy, folder: Path) -> Document:
     """Report containment, false-safe rate and accepted share of every scheme, and what lies beyond."""
     from reliab.report.kinds.criterion import no_criterion_report
-    from reliab.report.sections.rates import rates_table
-    from reliab.validation.cross_validation.tabulation import tabulate
+    from reliab.report.sections import rates_table
+    from reliab.validation.cross_validation import tabulate
 
     from .pages import validation_report
 
@@ -119,7 +123,7 @@ def _beyond(study: ValidationStudy, material: Material, show: Show) -> Stage:
     structure = _structure(study)
 
     def work(folder: Path) -> None:
-        from reliab.validation.beyond_the_model import TEST_COLUMNS, rigs_of_delay, try_rigs
+        from reliab.validation import TEST_COLUMNS, rigs_of_delay, try_rigs
 
         criteria = derivation_of(folder).criteria
         if not criteria:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from reliab.assessment import Recording, assess, default_criterion
+from reliab.assessment import assess, default_criterion
 from reliab.assessment.findings import LARGEST_PROBABILITY
 from reliab.assessment.improvement import improvement
 from reliab.assessment.own_boundary import OwnBoundary
@@ -14,6 +14,7 @@ from reliab.assessment.placement import carried_limits
 from reliab.criterion import published_criterion
 from reliab.effects.backlash import Backlash
 from reliab.motions import resample
+from reliab.recordings import Recording
 from reliab.simulation.actuator import Actuator
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from reliab.assessment import Recording
 from reliab.assessment.moving_windows import track_windows
 from reliab.assessment.tracking_index import track
+from reliab.recordings import Recording
 
 
 def changing(test, gain, delay):

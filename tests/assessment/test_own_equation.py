@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from reliab.assessment import Recording, assess
+from reliab.assessment import assess
+from reliab.recordings import Recording
 from reliab.stated_value import StatedValue
 from reliab.structures.structure import Structure
 

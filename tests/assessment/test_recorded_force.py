@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 import scipy
 
-from reliab.assessment import Recording, assess
+from reliab.assessment import assess
 from reliab.assessment.plausibility import require_plausible
 from reliab.errors import InputError
+from reliab.recordings import Recording
 from reliab.stated_value import StatedValue
 from reliab.structures.structure import Structure
 

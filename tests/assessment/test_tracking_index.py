@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from reliab.assessment import Recording
 from reliab.assessment.tracking_index import track
 from reliab.indices.frequency_evaluation import frequency_evaluation
+from reliab.recordings import Recording
 
 
 @pytest.mark.parametrize("f", [0.5, 1.0, 2.0])

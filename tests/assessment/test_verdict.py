@@ -2,11 +2,12 @@
 
 import pytest
 
-from reliab.assessment import Recording, assess
+from reliab.assessment import assess
 from reliab.assessment.criterion_window import window_for
 from reliab.assessment.doubts import probability_text
 from reliab.assessment.verdict import Word, verdict_by_index
 from reliab.criterion import published_criterion
+from reliab.recordings import Recording
 from reliab.stated_value import StatedValue
 from reliab.structures.structure import Structure
 

@@ -7,9 +7,7 @@ import typer
 from scipy.interpolate import CubicSpline
 from typer.testing import CliRunner, Result
 
-from reliab.cli import app as commands
-from reliab.cli import run as run_command
-from reliab.cli import spread
+from reliab.cli import app as commands, run as run_command, spread
 from reliab.cli.assess import assess
 from reliab.criterion import published_criterion
 from reliab.errors import InputError

@@ -6,8 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import xarray as xr
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from reliab.criterion import Criterion, derive_criterion
 from reliab.criterion.distributions import DISTRIBUTIONS

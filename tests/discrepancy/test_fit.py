@@ -18,7 +18,8 @@ from reliab.discrepancy.spectra.scales import motions_of, scales_of
 from reliab.discrepancy.spectra.segment import cut_segments
 from reliab.effects import find_effect
 from reliab.simulation.actuator import Actuator
-from reliab.simulation.hybrid_test import HybridTest, Motion3, Specimen, load, read_force
+from reliab.simulation.hybrid_test import HybridTest, Motion3, load, read_force
+from reliab.structures import Specimen
 
 RATE, NOISE = 1024.0, 2.0
 SPECIMEN = Specimen(stiffness=2000.0)

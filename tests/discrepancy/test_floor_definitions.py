@@ -9,7 +9,7 @@ from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.spectra.floor import Source, _close, _period, floors
 from reliab.discrepancy.spectra.scales import motions_of, scales_of
 from reliab.errors import InputError
-from reliab.simulation.hybrid_test import Specimen
+from reliab.structures import Specimen
 
 RATE = 400.0
 TIME = np.arange(0.0, 20.0, 1.0 / RATE)

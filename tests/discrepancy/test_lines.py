@@ -5,7 +5,7 @@ import pytest
 
 from reliab.discrepancy import diagnose
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.simulation.hybrid_test import Specimen
+from reliab.structures import Specimen
 
 RATE = 200.0
 TIME = np.arange(0.0, 40.0, 1.0 / RATE)

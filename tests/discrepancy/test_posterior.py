@@ -20,7 +20,8 @@ from reliab.effects import find_effect
 from reliab.errors import InputError
 from reliab.sampling import Ensembles
 from reliab.sampling.ensembles import draw
-from reliab.simulation.hybrid_test import HybridTest, Motion3, Specimen, load
+from reliab.simulation.hybrid_test import HybridTest, Motion3, load
+from reliab.structures import Specimen
 
 RATE, NOISE = 256.0, 2.0
 SPECIMEN = Specimen(stiffness=2000.0)

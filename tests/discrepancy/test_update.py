@@ -9,8 +9,9 @@ from reliab.discrepancy import Campaign, Channel, MeasuredTest, diagnose, read_c
 from reliab.discrepancy.adding.update import updated_model
 from reliab.effects import find_effect
 from reliab.simulation.actuator import Actuator
-from reliab.simulation.hybrid_test import HybridTest, Motion3, Specimen, drive, load
+from reliab.simulation.hybrid_test import HybridTest, Motion3, drive, load
 from reliab.simulation.hybrid_test.model_file import read_model, write_model
+from reliab.structures import Specimen
 from reliab.structures.structure import Structure
 
 RATE = 256.0

@@ -10,7 +10,8 @@ from scipy.interpolate import CubicSpline
 from reliab.effects import LinearEffect, Role, Scales, Setting, find_effect, library
 from reliab.errors import InputError
 from reliab.simulation.actuator import Actuator
-from reliab.simulation.hybrid_test import HybridTest, Motion3, Specimen, drive, load, read_displacement
+from reliab.simulation.hybrid_test import HybridTest, Motion3, drive, load, read_displacement
+from reliab.structures import Specimen
 
 STEP = 1e-3
 TIME = np.arange(0.0, 8.0, STEP)

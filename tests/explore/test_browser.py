@@ -8,8 +8,9 @@ import time
 import pandas as pd
 import pytest
 
-from reliab.assessment import assess, read_recording
+from reliab.assessment import assess
 from reliab.explore import write_page
+from reliab.recordings import read_recording
 from reliab.shipped import shipped
 from reliab.structures.structure import Structure
 

@@ -6,11 +6,12 @@ from scipy.interpolate import CubicSpline
 from scipy.special import ndtr, ndtri, owens_t
 from scipy.stats import t as student
 
-from reliab.assessment import assess, read_recording
+from reliab.assessment import assess
 from reliab.assessment.default_criterion import default_criterion
 from reliab.assessment.placement import carried_limits
 from reliab.criterion import published_criterion
 from reliab.errors import InputError
+from reliab.recordings import read_recording
 from reliab.shipped import shipped
 from reliab.stated_value import StatedValue
 from reliab.structures.structure import Structure

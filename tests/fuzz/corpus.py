@@ -24,8 +24,9 @@ from reliab.motions import Motion, MotionSuite
 from reliab.sampling import Ensembles, NormalValues
 from reliab.sampling.ensembles import draw
 from reliab.simulation.actuator import Actuator
-from reliab.simulation.hybrid_test import HybridTest, Specimen
+from reliab.simulation.hybrid_test import HybridTest
 from reliab.simulation.hybrid_test.model_file import UpdatedModel, write_model
+from reliab.structures import Specimen
 from reliab.structures.structure import Structure
 from reliab.sweep import ScaledGrid, SweepRequest, run_sweep, write_ellipses
 from reliab.sweep.ellipse_file import with_sides

@@ -1,8 +1,7 @@
 """Damaged files give a result or one clear error; `run.py` tries many more of them."""
 
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 from fuzz.damage import damaged
 from fuzz.targets import TARGETS, examine

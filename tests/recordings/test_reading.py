@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from scipy.io import netcdf_file, savemat
 
-from reliab.assessment import read_recording
 from reliab.errors import InputError
+from reliab.recordings import read_recording
 
 RATE = 200.0
 TIME = np.arange(2000) / RATE

@@ -19,7 +19,8 @@ from reliab.report.kinds.discrepancy import discrepancy_report
 from reliab.report.kinds.discrepancy.figures import posterior_figure
 from reliab.report.pdf import compiled_report
 from reliab.report.style import svg
-from reliab.simulation.hybrid_test import HybridTest, Motion3, Specimen, load
+from reliab.simulation.hybrid_test import HybridTest, Motion3, load
+from reliab.structures import Specimen
 from reliab.vocabulary import Block
 
 pytestmark = pytest.mark.usefixtures("blank_figures")

@@ -9,8 +9,7 @@ import zlib
 import pandas as pd
 import pytest
 import typst
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from matplotlib.figure import Figure as Drawing
 
 from reliab.errors import InputError

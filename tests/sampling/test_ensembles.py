@@ -8,13 +8,7 @@ import pytest
 from emcee.backends import HDFBackend
 
 from reliab.errors import IncompleteError, InputError
-from reliab.sampling import (
-    ConvergenceWarning,
-    Ensembles,
-    NormalValues,
-    chain_file,
-    sample,
-)
+from reliab.sampling import ConvergenceWarning, Ensembles, NormalValues, chain_file, sample
 
 MODEL = NormalValues(values=np.random.default_rng(1).normal(size=30))
 QUICK = Ensembles(steps=40, thin=2, walkers=8)

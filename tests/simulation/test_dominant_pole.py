@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from scipy.special import lambertw
 
 from reliab.simulation.linear_loop.dominant_pole import dominant_pole, modal_loop, transfer

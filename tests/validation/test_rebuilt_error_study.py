@@ -25,12 +25,12 @@ from reliab.validation.rebuilt_error_study import (
     STUDY_COLUMNS,
     WITH_MODEL,
     Design,
+    bench as simulated,
     shares,
     study,
     summarised,
     try_tests,
 )
-from reliab.validation.rebuilt_error_study import bench as simulated
 from reliab.validation.rebuilt_error_study.conditions import CONDITIONS, PLAIN
 from reliab.validation.rebuilt_error_study.rigs import RIGS, Scales
 from reliab.vocabulary import Metric

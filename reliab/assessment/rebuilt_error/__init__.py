@@ -33,34 +33,6 @@ in time, or a force that is fed back late looks exactly like an actuator error: 
 and the interval includes it.
 """
 
-from reliab.assessment.rebuilt_error.force_form import Form
-from reliab.assessment.rebuilt_error.identification import Identification, Identified, identify
-from reliab.assessment.rebuilt_error.monitor import Monitor
-from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen
-from reliab.assessment.rebuilt_error.parts import Part, Parts
-from reliab.assessment.rebuilt_error.rebuild import rebuild
-from reliab.assessment.rebuilt_error.rebuilt import RebuiltError
-from reliab.assessment.rebuilt_error.specimen_check import SpecimenCheck, examine_specimen
-from reliab.assessment.rebuilt_error.spread import Estimate
-from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
-from reliab.assessment.rebuilt_error.widenings import Widening
+import lazy_loader
 
-__all__ = [
-    "Estimate",
-    "Form",
-    "Identification",
-    "Identified",
-    "Monitor",
-    "Part",
-    "Parts",
-    "RebuiltError",
-    "SpecimenCheck",
-    "Tolerances",
-    "WholeStructure",
-    "Widening",
-    "examine_specimen",
-    "identify",
-    "rebuild",
-    "rebuild_with_specimen",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

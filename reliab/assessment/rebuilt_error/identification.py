@@ -30,7 +30,7 @@ from reliab.assessment.rebuilt_error.kernel import Kernel
 from reliab.assessment.rebuilt_error.specimen_spring import fit_spring
 from reliab.errors import InputError
 from reliab.significant import significant
-from reliab.structures.structure import Structure
+from reliab.structures import Structure
 
 Array = NDArray[np.float64]
 

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.errors import InputError
-from reliab.structures.partition import Partition
-from reliab.structures.structure import Structure
+from reliab.structures import Partition, Structure
 
 Array = NDArray[np.float64]
 

@@ -1,9 +1,5 @@
 """Curves that are fitted to a contour of equal error, one per file."""
 
-from reliab.boundary.curves.cosine import Cosine
-from reliab.boundary.curves.curve import Curve
-from reliab.boundary.curves.ellipse import Ellipse
-from reliab.boundary.curves.inscribed import InscribedEllipse
-from reliab.boundary.curves.parabola import Parabola
+import lazy_loader
 
-__all__ = ["Cosine", "Curve", "Ellipse", "InscribedEllipse", "Parabola"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,5 +1,5 @@
 """`reliab assess`: the verdict on a test, or what is tolerable before one."""
 
-from reliab.cli.assess.command import assess
+import lazy_loader
 
-__all__ = ["assess"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

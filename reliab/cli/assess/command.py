@@ -185,7 +185,7 @@ def assess(
     refuse_idle(context, design=design)
     asked: dict[str, Any] = {"xi": xi, "threshold": threshold, "metric": metric, "criterion": criterion}
     if design:
-        from reliab.api.design import design_test
+        from reliab.api import design_test
         from reliab.cli.assess.design import answer_design
 
         tolerable = design_test(**applicable(context, {**asked, "f": f, "confidence": confidence}))

@@ -10,7 +10,7 @@ from reliab.files import written_whole
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from reliab.api.design import Design
+    from reliab.api import Design
     from reliab.assessment import Tolerance
 
 _NINETY_FIVE = 0.95
@@ -37,8 +37,8 @@ def answer_design(design: "Design", figure: Path | None, json_target: str | None
 
 
 def _draw(chart: "Sequence[Tolerance]", path: Path) -> None:
-    from reliab.report.figures.tolerable_errors import tolerable_errors_over_frequency
-    from reliab.report.style import picture
+    from reliab.report import picture
+    from reliab.report.figures import tolerable_errors_over_frequency
 
     drawn = tolerable_errors_over_frequency(chart)
     try:

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 from reliab.shipped import or_shipped
 
 if TYPE_CHECKING:
-    from reliab.assessment import Assessment
-    from reliab.assessment.frame_assessment import FrameAssessment
+    from reliab.assessment import Assessment, FrameAssessment
     from reliab.report import Setting
 
 

@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 
 import typer
 
-from reliab.api.arguments import unused
+from reliab.api import unused
 from reliab.cli.options import OF_REPORT, given_options
 from reliab.errors import InputError
 

@@ -7,7 +7,7 @@ from reliab.cli.output import console, table
 from reliab.significant import significant
 
 if TYPE_CHECKING:
-    from reliab.assessment.frame_assessment import FrameAssessment
+    from reliab.assessment import FrameAssessment
 
 
 def show_frame(assessment: "FrameAssessment") -> None:
@@ -70,7 +70,7 @@ def _modes(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
 
 
 def _sentences(content: dict[str, Any]) -> Iterator[str]:
-    from reliab.assessment.error_of_test import PART_NAMES
+    from reliab.assessment import PART_NAMES
 
     yield from content["reasons"]
     yield from (f"What would decide: {remedy}" for remedy in content["would_decide"])

@@ -40,7 +40,7 @@ def show_assessment(assessment: "Assessment") -> None:
 
 
 def _headline(assessment: "Assessment") -> str:
-    from reliab.assessment.doubts import ERROR_NAMES, probability_text
+    from reliab.assessment import ERROR_NAMES, probability_text
 
     name = ERROR_NAMES[assessment.metric]
     return (
@@ -51,7 +51,7 @@ def _headline(assessment: "Assessment") -> str:
 
 
 def _asked(assessment: "Assessment") -> str:
-    from reliab.assessment.doubts import ERROR_NAMES
+    from reliab.assessment import ERROR_NAMES
 
     stated = ", ".join(
         f"{symbol} = {assessment.stated[name]}{unit}"
@@ -67,7 +67,7 @@ def _asked(assessment: "Assessment") -> str:
 
 
 def _errors(summary: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
-    from reliab.assessment.error_of_test import PART_NAMES
+    from reliab.assessment import PART_NAMES
 
     shown = table(
         f"Error of {summary['test']}, rebuilt from its command and measured displacement",
@@ -115,8 +115,7 @@ def _range(ends: list[float], digits: int) -> str:
 
 
 def _sentences(assessment: "Assessment", summary: dict[str, Any]) -> Iterator[str]:
-    from reliab.assessment.doubts import probability_text
-    from reliab.assessment.error_of_test import PART_NAMES
+    from reliab.assessment import PART_NAMES, probability_text
 
     if assessment.placement is not None:
         yield (

@@ -13,9 +13,7 @@ from reliab.files import written_whole
 from reliab.significant import significant
 
 if TYPE_CHECKING:
-    from reliab.assessment import Assessment
-    from reliab.assessment.frame_assessment import FrameAssessment
-    from reliab.assessment.several import Assessments
+    from reliab.assessment import Assessment, Assessments, FrameAssessment
     from reliab.cli.assess.filed_report import Report
 
 _PERCENT = 100.0
@@ -66,8 +64,7 @@ def answer(
     InputError
         If no test is named or one cannot be judged; of several, after the others are answered.
     """
-    from reliab.api.arguments import unused
-    from reliab.api.assessment import assess
+    from reliab.api import assess, unused
 
     if len(tests) == 1:
         assessment = assess(tests[0], **asked)
@@ -154,7 +151,7 @@ def _show(contents: list[dict[str, Any]]) -> None:
 def _row(content: dict[str, Any]) -> list[str]:
     if "fault" in content:
         return [content["file"], "not judged", *[""] * (len(_COLUMNS) - 2)]
-    from reliab.assessment.doubts import probability_text
+    from reliab.assessment import probability_text
 
     error = content["error"][content["metric"]]
     return [

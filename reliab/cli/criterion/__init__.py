@@ -1,5 +1,5 @@
 """`reliab criterion`: how much amplitude error and delay a test may have."""
 
-from reliab.cli.criterion.command import criterion
+import lazy_loader
 
-__all__ = ["criterion"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

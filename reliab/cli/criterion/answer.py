@@ -54,8 +54,8 @@ def row(
     dict
         Ready for JSON.
     """
-    from reliab.criterion.summary import describe_sample, summarise
-    from reliab.sweep.shares import at_share
+    from reliab.criterion import describe_sample, summarise
+    from reliab.sweep import at_share
 
     summary = summarise(criterion, frequency, damping_ratio)
     if criterion.population is None:

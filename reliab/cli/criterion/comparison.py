@@ -81,9 +81,8 @@ def _distributions(
 ) -> list[dict[str, Any]]:
     from dataclasses import asdict
 
-    from reliab.criterion import sample_of
-    from reliab.criterion.goodness_of_fit import lognormality
-    from reliab.validation.distribution_comparison import compare_distributions
+    from reliab.criterion import lognormality, sample_of
+    from reliab.validation import compare_distributions
 
     sample = sample_of(
         dataset, frequency=f, damping_ratio=xi, threshold=threshold, metric=metric, curve=curve
@@ -106,7 +105,7 @@ def _distributions(
 def _laws(
     dataset: "xr.Dataset", threshold: float, metric: str, confidence: float, curve: str
 ) -> list[dict[str, Any]]:
-    from reliab.validation.law_comparison import compare_laws
+    from reliab.validation import compare_laws
 
     scores = compare_laws(dataset, threshold=threshold, metric=metric, confidence=confidence, curve=curve)
     return [

@@ -14,8 +14,7 @@ from reliab.errors import InputError
 if TYPE_CHECKING:
     import xarray as xr
 
-    from reliab.criterion import Criterion
-    from reliab.criterion.derivation import Derivation
+    from reliab.criterion import Criterion, Derivation
 
 _NINETY_FIVE = 0.95
 
@@ -64,10 +63,10 @@ def derived(demand: Demand) -> Derived:
     InputError
         If an option is wrong or would have no effect.
     """
-    from reliab.criterion.derivation import Derivation
+    from reliab.criterion import Derivation
     from reliab.criterion.laws import FITTED, known
     from reliab.criterion.methods import RECOMMENDED, method_of
-    from reliab.sweep.shares import at_share, shares_of
+    from reliab.sweep import at_share, shares_of
 
     law = known(FITTED, demand.law)
     method = method_of(demand.method or RECOMMENDED, **demand.settings)

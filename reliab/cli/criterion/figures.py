@@ -12,8 +12,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from reliab.criterion import Criterion
-    from reliab.criterion.derivation import Derivation
+    from reliab.criterion import Criterion, Derivation
     from reliab.sampling import PosteriorSample
 
 
@@ -102,9 +101,8 @@ def _listed(dataset: "xr.Dataset", name: str) -> str:
 
 def _plane(dataset: "xr.Dataset", alike: "Sequence[Criterion]", f: float, xi: float) -> "Figure":
     from reliab.criterion import sample_of
+    from reliab.report import VERMILION, percent
     from reliab.report.figures.ellipses_and_criterion import ellipses_and_criterion
-    from reliab.report.style import VERMILION
-    from reliab.report.wording import percent
 
     first = alike[0]
     sample = sample_of(
@@ -128,7 +126,7 @@ def _plane(dataset: "xr.Dataset", alike: "Sequence[Criterion]", f: float, xi: fl
 
 
 def _posterior_figures(posterior: "PosteriorSample") -> Mapping[str, "Figure"]:
-    from reliab.report.figures.posterior_diagnostics import pairs, ranks, traces
+    from reliab.report.figures import pairs, ranks, traces
 
     chief = [
         *("a: constant", "b: constant", "event: log spread of a", "motion: log spread of a"),
@@ -143,7 +141,7 @@ def _posterior_figures(posterior: "PosteriorSample") -> Mapping[str, "Figure"]:
 
 
 def _write(folder: Path, name: str, drawn: Any) -> str:  # noqa: ANN401 - matplotlib's figure
-    from reliab.report.style import svg
+    from reliab.report import svg
 
     try:
         folder.mkdir(parents=True, exist_ok=True)

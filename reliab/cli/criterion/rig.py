@@ -24,10 +24,10 @@ def rig_beside(demand: Demand) -> dict[str, Any]:
     """
     if demand.structure is None or not demand.motions:
         return {}
-    from reliab.indices.window import Window
+    from reliab.indices import Window
     from reliab.motions import load_motions
-    from reliab.simulation.frames.frame_file import read_frame
-    from reliab.sweep.rig_table import errors_of_rig, summary_of_rig
+    from reliab.simulation.frames import read_frame
+    from reliab.sweep import errors_of_rig, summary_of_rig
 
     frame = read_frame(demand.structure)
     if frame.transfer_system is None:

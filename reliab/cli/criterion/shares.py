@@ -39,7 +39,7 @@ def shares_beside(
     """
     if dataset is None or "alpha" not in dataset.dims or "caution" in dataset.attrs:
         return {}
-    from reliab.criterion.share_comparison import compare_shares
+    from reliab.criterion import compare_shares
 
     return {"share_law": compare_shares(criteria, structures)}
 

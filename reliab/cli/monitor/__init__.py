@@ -1,5 +1,5 @@
 """`reliab monitor`: the error of a test while it runs."""
 
-from reliab.cli.monitor.command import monitor
+import lazy_loader
 
-__all__ = ["monitor"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -60,7 +60,7 @@ def monitor(
     from reliab.cli.monitor.followed_rows import chunks_of_text, rows_of
     from reliab.cli.monitor.stated_test import StatedTest
     from reliab.cli.monitor.watch import Watch
-    from reliab.recordings.recognition import Part
+    from reliab.recordings import Part
     from reliab.vocabulary import Metric
 
     if f is None:

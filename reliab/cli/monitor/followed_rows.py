@@ -20,8 +20,8 @@ from reliab.cli.printable import printable
 from reliab.encodings import pieces_as_utf8
 from reliab.errors import InputError
 from reliab.files import ordinary
+from reliab.recordings import DISPLACEMENTS, LENGTHS, TIMES, Part, recognise
 from reliab.recordings.readers import Columns
-from reliab.recordings.recognition import DISPLACEMENTS, LENGTHS, TIMES, Part, recognise
 
 _POLL = 0.05  # s between two looks at a file that does not grow
 _BYTES = 1 << 16

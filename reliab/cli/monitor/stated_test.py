@@ -2,11 +2,10 @@
 
 from dataclasses import dataclass
 
-from reliab.assessment.rebuilt_error import Tolerances
-from reliab.assessment.rebuilt_error.monitor import Monitor
+from reliab.assessment.rebuilt_error import Monitor, Tolerances
 from reliab.errors import InputError
 from reliab.stated_value import StatedValue
-from reliab.structures.structure import Structure
+from reliab.structures import Structure
 
 _MILLISECONDS = 1e-3
 

@@ -7,9 +7,7 @@ from typing import Any, TextIO
 
 from rich.live import Live
 
-from reliab.assessment.rebuilt_error.monitor import Monitor
-from reliab.assessment.rebuilt_error.rebuild import DRAWS
-from reliab.assessment.rebuilt_error.stretches import ErrorSoFar
+from reliab.assessment.rebuilt_error import DRAWS, ErrorSoFar, Monitor
 from reliab.cli.monitor.followed_rows import Rows
 from reliab.cli.monitor.sample_times import at_equal_steps, time_step
 from reliab.cli.monitor.stated_test import StatedTest

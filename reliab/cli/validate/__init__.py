@@ -1,5 +1,5 @@
 """`reliab validate`: whether criteria hold on motions that they have not seen."""
 
-from reliab.cli.validate.command import validate
+import lazy_loader
 
-__all__ = ["validate"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -44,7 +44,7 @@ def answer(validation: "CrossValidation", ellipses: "xr.Dataset", recognised: in
     dict
         The answer, for JSON.
     """
-    from reliab.sweep.shares import share_of
+    from reliab.sweep import share_of
 
     counts = validation.counts
     return {
@@ -68,7 +68,7 @@ def answer(validation: "CrossValidation", ellipses: "xr.Dataset", recognised: in
 
 def _rows(validation: "CrossValidation", over: tuple[str, ...], side: str = "lag") -> list[dict[str, Any]]:
     """Rates with intervals and the confusion matrix, one row for each candidate and confidence."""
-    from reliab.validation.cross_validation.tabulation import RATES, tabulate
+    from reliab.validation.cross_validation import RATES, tabulate
     from reliab.vocabulary import Side
 
     rows = []

@@ -10,9 +10,9 @@ from reliab.cli.ellipse_source import EllipseSource
 from reliab.cli.validate.judged_motions import DEFAULT_SCHEME, REAL
 from reliab.errors import InputError
 from reliab.motions import load_motions
-from reliab.sweep.shares import share_of
+from reliab.sweep import share_of
+from reliab.validation import earthquakes_among
 from reliab.validation.cross_validation import Fold, folds_of, from_another, leave_structures_out, transfer
-from reliab.validation.earthquakes import earthquakes_among
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -67,7 +67,7 @@ class JudgedMotions(SourceOptions):
         InputError
             If the source is wrong, or does not hold the structures that are asked for.
         """
-        from reliab.sweep.shares import at_share
+        from reliab.sweep import at_share
 
         dataset = at_share(self.source.dataset())
         for name, wanted in (("f", self.f), ("xi", self.xi)):
@@ -95,11 +95,11 @@ class JudgedMotions(SourceOptions):
         Truth
             The errors.
         """
-        from reliab.sweep.shares import at_share, share_of
+        from reliab.sweep import at_share, share_of
         from reliab.validation.cross_validation import EllipseTruth, SimulatedTruth, StoredTruth
 
         if self.motions is not None:
-            from reliab.indices.window import Window as Stretch
+            from reliab.indices import Window as Stretch
             from reliab.motions import load_motions
 
             return SimulatedTruth(
@@ -107,8 +107,7 @@ class JudgedMotions(SourceOptions):
                 window=Stretch.parse(str(dataset.attrs["window"])),
                 experimental_fraction=share_of(dataset),
             )
-        from reliab.sweep import open_results
-        from reliab.sweep.real_suite import stored_results
+        from reliab.sweep import open_results, stored_results
 
         stored = self.results or (self.ellipses if str(self.ellipses) == REAL else None)
         if stored is None:

@@ -51,7 +51,7 @@ class PaperCases:
         InputError
             If there is no such motion, integrator or compensator.
         """
-        from reliab.study.folders import study_module
+        from reliab.study import study_module
 
         record_seconds = study_module("paper2017", "cases").RECORD_SECONDS
         integrator, compensator = self.integrator or "chen_ricles", self.compensator or "inverse"
@@ -74,9 +74,9 @@ def _verdicts(motion: "Motion", integrator: str, compensator: str) -> "tuple[str
     from reliab.assessment import default_criterion
     from reliab.criterion import published_criterion
     from reliab.shipped import shipped
-    from reliab.study.folders import study_module
+    from reliab.study import study_module
     from reliab.sweep import open_ellipses
-    from reliab.validation.earthquakes import earthquakes_among
+    from reliab.validation import earthquakes_among
 
     printed = published_criterion("guo_2017_18")
     learned = open_ellipses(shipped("datasets", "real_suite/ellipses.nc"))

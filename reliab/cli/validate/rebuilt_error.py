@@ -85,7 +85,7 @@ class RebuiltErrors:
     def _design(self) -> "Design":
         """Choose the motions and structures of the tests."""
         from reliab.motions import load_motions
-        from reliab.structures.structure import Structure
+        from reliab.structures import Structure
         from reliab.validation.rebuilt_error_study import Design
 
         metric, trials = Metric.parse(self.metric), self.trials or _TRIALS

@@ -6,38 +6,6 @@ and `bootstrap` keep it with an assurance, at the price of a smaller region. `co
 needs most earthquakes. `hierarchical` learns all structures together, from a posterior that is sampled.
 """
 
-from reliab.criterion.methods.bootstrap import Bootstrap
-from reliab.criterion.methods.bound import BoundMethod, limits
-from reliab.criterion.methods.conformal import Conformal
-from reliab.criterion.methods.dirichlet import Dirichlet
-from reliab.criterion.methods.hierarchical import HierarchicalNormal, HierarchicalRobust
-from reliab.criterion.methods.joint import Scatter
-from reliab.criterion.methods.method import Learned, Method
-from reliab.criterion.methods.order_statistic import OrderStatistic
-from reliab.criterion.methods.posterior import Posterior
-from reliab.criterion.methods.predictive import Predictive
-from reliab.criterion.methods.quantile import Quantile
-from reliab.criterion.methods.registry import METHODS, RECOMMENDED, method_of
-from reliab.criterion.methods.tolerance import Tolerance, tolerance_factor
+import lazy_loader
 
-__all__ = [
-    "METHODS",
-    "RECOMMENDED",
-    "Bootstrap",
-    "BoundMethod",
-    "Conformal",
-    "Dirichlet",
-    "HierarchicalNormal",
-    "HierarchicalRobust",
-    "Learned",
-    "Method",
-    "OrderStatistic",
-    "Posterior",
-    "Predictive",
-    "Quantile",
-    "Scatter",
-    "Tolerance",
-    "limits",
-    "method_of",
-    "tolerance_factor",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

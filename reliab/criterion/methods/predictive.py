@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.criterion.methods.bound import BoundMethod
-from reliab.sampling.normal_inverse_chi_squared import NormalInverseChiSquared
+from reliab.sampling import NormalInverseChiSquared
 
 
 @dataclass(frozen=True, kw_only=True)

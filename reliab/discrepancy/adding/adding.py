@@ -14,7 +14,7 @@ from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.discrepancy.result.missing_effect import MissingEffect
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
-from reliab.simulation.hybrid_test.model_file import MODEL_FILE, UpdatedModel, write_model
+from reliab.simulation.hybrid_test import MODEL_FILE, UpdatedModel, write_model
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -7,12 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm
 
-from reliab.boundary import Ellipse, motion_contours
+from reliab.boundary import motion_contours
+from reliab.boundary.curves import Ellipse
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.errors import InputError
 from reliab.motions import load_motions
-from reliab.simulation.effect_loop import EffectLoop
-from reliab.simulation.excitation import Excitation
+from reliab.simulation import EffectLoop, Excitation
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
 
 Array = NDArray[np.float64]

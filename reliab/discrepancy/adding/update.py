@@ -5,10 +5,8 @@ from dataclasses import replace
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
 from reliab.discrepancy.result.diagnosis import Diagnosis
-from reliab.effects import library
-from reliab.effects.excitation_scale import ExcitationScale
-from reliab.simulation.hybrid_test import HybridTest
-from reliab.simulation.hybrid_test.model_file import UpdatedModel
+from reliab.effects import ExcitationScale, library
+from reliab.simulation.hybrid_test import HybridTest, UpdatedModel
 
 _WITHOUT_FRAME = (
     "This file holds the actuator, the specimen and the effects; the frame of these tests stands in their"

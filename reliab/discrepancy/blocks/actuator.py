@@ -11,8 +11,7 @@ from reliab.discrepancy.blocks.calibration import delay, gain
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.discrepancy.terms import outside_terms
-from reliab.effects import Role, Scales, library
-from reliab.effects.sensor_bias import SensorBias
+from reliab.effects import Role, Scales, SensorBias, library
 from reliab.simulation.hybrid_test import HybridTest, Motion3, drive, read_displacement
 from reliab.vocabulary import Block
 

@@ -22,8 +22,7 @@ from reliab.discrepancy.blocks.calibration import structure_damping, structure_f
 from reliab.discrepancy.blocks.curved_ground import curvature_between_samples
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.effects import RecordEffect, Role, Scales, library
-from reliab.effects.integration_error import IntegrationError
+from reliab.effects import IntegrationError, RecordEffect, Role, Scales, library
 from reliab.simulation.hybrid_test import HybridTest, Motion3
 from reliab.vocabulary import Block
 

@@ -3,9 +3,8 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from reliab.effects import Parameter
-from reliab.effects.excitation_scale import ExcitationScale
-from reliab.simulation.actuator import Actuator
+from reliab.effects import ExcitationScale, Parameter
+from reliab.simulation import Actuator
 from reliab.simulation.hybrid_test import HybridTest
 
 

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.discrepancy.blocks.calibration import Calibration
-from reliab.effects import Parameter
-from reliab.effects.effect import RecordEffect, Role
+from reliab.effects import Parameter, RecordEffect, Role
 from reliab.vocabulary import Block
 
 _PER_SECOND_DIFFERENCE = 1.0 / 12.0  # of the second derivative of a cubic spline, to first order

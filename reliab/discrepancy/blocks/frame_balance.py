@@ -24,8 +24,8 @@ from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.effects import RecordEffect, Role, Scales, library
 from reliab.errors import InputError
 from reliab.simulation.hybrid_test import HybridTest
-from reliab.structures.frames.response import exact_step
-from reliab.structures.partition import Partition
+from reliab.structures import Partition
+from reliab.structures.frames import exact_step
 from reliab.vocabulary import Block
 
 Array = NDArray[np.float64]

@@ -13,12 +13,17 @@ from reliab.discrepancy.blocks.calibration import damping, delay, gain, scale_of
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.discrepancy.terms import outside_terms
-from reliab.effects import Effect, Role, Scales, library
-from reliab.effects.added_mass import AddedMass
-from reliab.effects.excitation_scale import ExcitationScale
-from reliab.effects.force_bias import ForceBias
-from reliab.effects.sensor_bias import SensorBias
-from reliab.effects.viscous_damping import ViscousDamping
+from reliab.effects import (
+    AddedMass,
+    Effect,
+    ExcitationScale,
+    ForceBias,
+    Role,
+    Scales,
+    SensorBias,
+    ViscousDamping,
+    library,
+)
 from reliab.simulation.hybrid_test import HybridTest, Motion3, read_displacement, run_closed_loop
 from reliab.vocabulary import Block
 

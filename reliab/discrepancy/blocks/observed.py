@@ -10,9 +10,7 @@ from scipy.interpolate import CubicSpline
 from reliab.discrepancy.blocks.calibration import Calibration
 from reliab.discrepancy.campaign.campaign import Channel, MeasuredTest
 from reliab.discrepancy.spectra.smoothing import highest_frequency
-from reliab.effects import Effect, Scales
-from reliab.effects.added_mass import AddedMass
-from reliab.effects.viscous_damping import ViscousDamping
+from reliab.effects import AddedMass, Effect, Scales, ViscousDamping
 from reliab.simulation.hybrid_test import HybridTest, Motion3
 from reliab.vocabulary import Block
 

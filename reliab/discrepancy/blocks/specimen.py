@@ -13,19 +13,19 @@ from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.discrepancy.spectra.smoothing import harmonics_up_to, reliable_frequency, velocity_spread
 from reliab.discrepancy.terms import outside_terms
-from reliab.effects import Effect, Kernel, Role, Scales, SteppedEffect, library
-from reliab.effects.force_bias import ForceBias
-from reliab.effects.quadratic_damping import QuadraticDamping
-from reliab.effects.sensor_drift import SensorDrift
-from reliab.simulation.hybrid_test import (
-    HybridTest,
-    Motion3,
-    Specimen,
-    follow,
-    load,
-    read_displacement,
-    read_force,
+from reliab.effects import (
+    Effect,
+    ForceBias,
+    Kernel,
+    QuadraticDamping,
+    Role,
+    Scales,
+    SensorDrift,
+    SteppedEffect,
+    library,
 )
+from reliab.simulation.hybrid_test import HybridTest, Motion3, follow, load, read_displacement, read_force
+from reliab.structures import Specimen
 from reliab.vocabulary import Block
 
 Array = NDArray[np.float64]

@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.errors import InputError
-from reliab.simulation.actuator import Actuator
-from reliab.simulation.hybrid_test import HybridTest, Specimen
-from reliab.structures.partition import Partition
-from reliab.structures.structure import Structure
+from reliab.simulation import Actuator
+from reliab.simulation.hybrid_test import HybridTest
+from reliab.structures import Partition, Specimen, Structure
 
 
 class Channel(StrEnum):

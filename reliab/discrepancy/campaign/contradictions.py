@@ -12,12 +12,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.assessment.faults import plain_faults
-from reliab.assessment.plausibility import require_plausible
-from reliab.assessment.recorded_force import require_restoring_force
+from reliab.assessment import plain_faults, require_plausible, require_restoring_force
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.errors import InputError
-from reliab.recordings.recording import Recording
+from reliab.recordings import Recording
 from reliab.significant import significant
 
 Spectrum = NDArray[np.complex128]

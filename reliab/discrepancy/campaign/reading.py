@@ -41,11 +41,9 @@ from reliab.discrepancy.campaign.folder import CAMPAIGN_FILE, campaign_folder
 from reliab.discrepancy.campaign.table import read_table
 from reliab.errors import InputError
 from reliab.received import named_within
-from reliab.simulation.actuator import Actuator
-from reliab.simulation.frames.frame_file import frame_of_tables
-from reliab.simulation.hybrid_test import Specimen
-from reliab.structures.partition import Partition
-from reliab.structures.structure import Structure
+from reliab.simulation import Actuator
+from reliab.simulation.frames import frame_of_tables
+from reliab.structures import Partition, Specimen, Structure
 
 MOST_SAMPLES = 3_000_000
 """Largest number of samples of all tests, a thousand tests of 23 s at 128 Hz. By extrapolation from 4 and 16

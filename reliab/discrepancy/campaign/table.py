@@ -11,7 +11,7 @@ from reliab.discrepancy.campaign.campaign import Channel
 from reliab.encodings import encoding_of_file
 from reliab.errors import InputError
 from reliab.files import ordinary, require_small
-from reliab.recordings.recording import LARGEST_READING
+from reliab.recordings import LARGEST_READING
 
 TIME = "time_s"
 _FEWEST_SAMPLES = 64

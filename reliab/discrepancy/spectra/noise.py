@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.assessment.rebuilt_error.logarithmic_bins import binned
+from reliab.assessment.rebuilt_error import binned
 from reliab.compiled import compiled
 
 Array = NDArray[np.float64]

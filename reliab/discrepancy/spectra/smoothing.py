@@ -14,7 +14,7 @@ from scipy import fft, signal
 
 from reliab.discrepancy.spectra.noise import NoiseModel, Periodogram, fit_noise
 from reliab.simulation.hybrid_test import Motion3
-from reliab.structures.structure import Structure
+from reliab.structures import Structure
 
 Array = NDArray[np.float64]
 

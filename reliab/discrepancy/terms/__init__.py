@@ -1,6 +1,5 @@
 """Physical terms outside the library, which give an unknown effect an expression."""
 
-from reliab.discrepancy.terms.outside_term import OutsideTerm, is_outside
-from reliab.discrepancy.terms.outside_terms import outside_terms
+import lazy_loader
 
-__all__ = ["OutsideTerm", "is_outside", "outside_terms"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 
 from reliab.compiled import compiled
 from reliab.discrepancy.terms.outside_term import OutsideTerm
-from reliab.effects import Kernel, Parameter, Role, Setting
-from reliab.effects.kernel import Numbers
+from reliab.effects import Kernel, Numbers, Parameter, Role, Setting
 from reliab.vocabulary import Block
 
 _SYMBOLS = ("t", "x", "|x|", "v", "|v|")

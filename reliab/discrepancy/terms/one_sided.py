@@ -4,8 +4,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from reliab.discrepancy.terms.outside_term import OutsideTerm
-from reliab.effects import Kernel, Parameter, Role
-from reliab.effects.kernel import Numbers
+from reliab.effects import Kernel, Numbers, Parameter, Role
 from reliab.vocabulary import Block
 
 

@@ -16,7 +16,6 @@ and `marginals` scatter them, `modulation`, `filtered_noise` and `pulse` make th
 it, `recording` and `event` put the pieces together and `suite` names the result.
 """
 
-from reliab.motions.synthetic.scenario import Mechanism, Scenario
-from reliab.motions.synthetic.suite import SyntheticEntry, synthetic_entries, synthetic_suite
+import lazy_loader
 
-__all__ = ["Mechanism", "Scenario", "SyntheticEntry", "synthetic_entries", "synthetic_suite"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -10,7 +10,7 @@ import scipy
 from reliab.recordings.readers.arrays import columns_of_arrays
 from reliab.recordings.readers.columns import Columns
 from reliab.recordings.recording import require_few_samples
-from reliab.simulation.transfer_systems.matlab_structure import require_sound_structure
+from reliab.simulation.transfer_systems import require_sound_structure
 
 
 def read_matlab(path: Path) -> Columns:

@@ -1,1 +1,5 @@
 """Figures, one file each: from finished results to a matplotlib figure."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

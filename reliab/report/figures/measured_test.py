@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from reliab.assessment.moving_windows import Windows
+from reliab.assessment import Windows
 from reliab.report.axes import MILLI, TIME, legend_below, name_axes, plain
 from reliab.report.style import BLUE, GREY, INK, PALE, blank, line, panels, styled
 

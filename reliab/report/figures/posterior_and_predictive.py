@@ -5,11 +5,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from reliab.criterion import EllipseSample
-from reliab.criterion.motion_predictive import MotionPredictive
+from reliab.criterion import EllipseSample, MotionPredictive
 from reliab.report.axes import A_PARAMETER, B_PARAMETER, label_logarithmic, legend_below, name_axes
 from reliab.report.style import BLUE, GREEN, GREY, INK, PALE, VERMILION, letters, panels, styled
-from reliab.sampling.normal_inverse_chi_squared import NormalInverseChiSquared
+from reliab.sampling import NormalInverseChiSquared
 from reliab.significant import significant
 
 _HEIGHT = 88.0

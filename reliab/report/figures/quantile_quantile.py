@@ -3,9 +3,8 @@
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from reliab.criterion import EllipseSample
+from reliab.criterion import EllipseSample, QuantilePlot, quantile_plot
 from reliab.criterion.distributions import Distribution, Lognormal
-from reliab.criterion.goodness_of_fit import QuantilePlot, quantile_plot
 from reliab.report.axes import label_logarithmic, legend_below, name_axes
 from reliab.report.style import BLUE, INK, PALE, letters, panels, styled
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from reliab.indices.tracking_over_frequency import TrackingOverFrequency
+from reliab.indices import TrackingOverFrequency
 from reliab.report.axes import MILLI, legend_below
 from reliab.report.style import BLUE, GREY, PALE, VERMILION, panels, styled
 

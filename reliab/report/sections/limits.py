@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from reliab.report.document import Points, Section
 from reliab.report.prose import Prose, prose
 from reliab.report.wording import listed, percent
-from reliab.validation.yielding import HARDENING, measured_yielding
+from reliab.validation import HARDENING, measured_yielding
 
 
 def limits_section(sentences: Sequence[Prose]) -> Section:

@@ -11,8 +11,7 @@ from reliab.report.figures.rates import calibration_curve, coverage_by_frequency
 from reliab.report.numbers import Fixed, Shortest
 from reliab.report.prose import prose
 from reliab.report.wording import PERCENT, law_in_words, percent
-from reliab.validation.cross_validation import CrossValidation
-from reliab.validation.cross_validation.tabulation import tabulate
+from reliab.validation.cross_validation import CrossValidation, tabulate
 
 _MEANINGS = {
     "containment": ("contained", "motions that contain the criterion"),

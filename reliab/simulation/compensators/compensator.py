@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.effects.kernel import Kernel
+from reliab.effects import Kernel
 
 
 class Compensator(ABC):

@@ -1,7 +1,7 @@
 """The low-pass filter that adaptive compensators share: second-order sections, one sample at a time."""
 
 from reliab.compiled import compiled
-from reliab.effects.kernel import Numbers
+from reliab.effects import Numbers
 
 SECTIONS = 2
 """Second-order sections of the filter: one of order four."""

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from reliab.errors import InputError
 from reliab.simulation.frames.loop_poles import PoleLoop, pole_loop, transfer
+from reliab.structures import Partition
 from reliab.structures.critical_delay import critical_delay
-from reliab.structures.partition import Partition
 
 Array = NDArray[np.float64]
 

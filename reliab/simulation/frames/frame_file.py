@@ -59,8 +59,8 @@ from reliab.described_files import read_toml
 from reliab.errors import InputError
 from reliab.simulation.frames.frame_tables import FrameDescription
 from reliab.simulation.transfer_systems import TransferSystem
+from reliab.structures import Partition, with_specimen
 from reliab.structures.frames import Frame
-from reliab.structures.partition import Partition, with_specimen
 
 Array = NDArray[np.float64]
 

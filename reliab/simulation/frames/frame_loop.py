@@ -21,10 +21,9 @@ from reliab.simulation.frames.frame_cells import FrameCells
 from reliab.simulation.frames.loop_poles import transfer
 from reliab.simulation.frames.mode_recursion import LANES, recursion, track
 from reliab.simulation.linear_loop.spectral import respond
+from reliab.structures import Partition, Structure
 from reliab.structures.critical_delay import critical_delay
 from reliab.structures.frames import undivided_response
-from reliab.structures.partition import Partition
-from reliab.structures.structure import Structure
 
 Array = NDArray[np.float64]
 

@@ -11,9 +11,8 @@ from reliab.effects import Effect, find_effect
 from reliab.errors import InputError
 from reliab.simulation.frames.described_table import DescribedTable
 from reliab.simulation.frames.transfer_table import TransferTable
+from reliab.structures import Specimen, drift_interface, floor_interface
 from reliab.structures.frames import Frame, PlanarFrame, modal_damping, rayleigh_damping, shear_frame
-from reliab.structures.partition import drift_interface, floor_interface
-from reliab.structures.specimen import Specimen
 
 Array = NDArray[np.float64]
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.errors import InputError
-from reliab.structures.partition import Partition
+from reliab.structures import Partition
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

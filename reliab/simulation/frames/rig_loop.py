@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.spectral import respond
 from reliab.simulation.transfer_systems import TransferSystem
-from reliab.structures.partition import Partition
+from reliab.structures import Partition
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

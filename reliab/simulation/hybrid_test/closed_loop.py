@@ -11,8 +11,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reliab.effects import RecordEffect, Role, Setting
-from reliab.effects.integration_error import IntegrationError
+from reliab.effects import IntegrationError, RecordEffect, Role, Setting
 from reliab.simulation.compensators.compensator import Compensator
 from reliab.simulation.hybrid_test.marching import march
 from reliab.simulation.hybrid_test.model import HybridTest

@@ -8,8 +8,7 @@ from reliab.effects import Effect, Role, Setting, library
 from reliab.errors import InputError
 from reliab.simulation.actuator import Actuator
 from reliab.simulation.integrators.integrator import LinearSubstructure
-from reliab.structures.specimen import Specimen
-from reliab.structures.structure import Structure
+from reliab.structures import Specimen, Structure
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,8 +17,8 @@ from reliab.effects import Effect, Parameter, find_effect
 from reliab.errors import InputError
 from reliab.files import written_whole
 from reliab.simulation.actuator import Actuator
-from reliab.simulation.hybrid_test import HybridTest, Specimen
-from reliab.structures.structure import Structure
+from reliab.simulation.hybrid_test import HybridTest
+from reliab.structures import Specimen, Structure
 
 MODEL_FILE = "model.toml"
 _FORMAT = 1

@@ -1,8 +1,5 @@
 """Integration schemes that laboratories use, one per file."""
 
-from reliab.simulation.integrators.central_difference import CentralDifference
-from reliab.simulation.integrators.chen_ricles import ChenRicles
-from reliab.simulation.integrators.coarse import CoarseExplicit
-from reliab.simulation.integrators.operator_splitting import OperatorSplitting
+import lazy_loader
 
-__all__ = ["CentralDifference", "ChenRicles", "CoarseExplicit", "OperatorSplitting"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

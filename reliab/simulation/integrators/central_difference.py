@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.effects.kernel import Kernel, Numbers
+from reliab.effects import Kernel, Numbers
 from reliab.simulation.integrators.integrator import Integrator, LinearSubstructure
 
 

@@ -6,9 +6,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.effects.kernel import Kernel, Numbers
+from reliab.effects import Kernel, Numbers
 from reliab.simulation.integrators.integrator import Integrator, LinearSubstructure
-from reliab.structures.structure import Structure
+from reliab.structures import Structure
 
 
 def _advance(motion: Numbers, _early: float, late: float, coefficients: Numbers, _scratch: Numbers) -> float:

@@ -15,7 +15,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reliab.effects.kernel import Kernel, Numbers
+from reliab.effects import Kernel, Numbers
 
 
 @dataclass(frozen=True, kw_only=True)

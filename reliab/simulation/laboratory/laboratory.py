@@ -12,8 +12,8 @@ from reliab.simulation.hybrid_test.plan import STATES, Plan, plan
 from reliab.simulation.laboratory.march import Events, NumericalStep, PlantStep, march
 from reliab.simulation.laboratory.rig import Rig
 from reliab.simulation.transfer_systems import Plant
-from reliab.structures.frames.response import exact_step, undivided_response
-from reliab.structures.partition import Partition
+from reliab.structures import Partition
+from reliab.structures.frames import exact_step, undivided_response
 
 Array = NDArray[np.float64]
 

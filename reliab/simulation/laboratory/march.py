@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.compiled import compiled
-from reliab.effects.kernel import call_kernel, pointer_to
+from reliab.effects import call_kernel, pointer_to
 from reliab.simulation.hybrid_test.plan import Plan
 from reliab.simulation.hybrid_test.stepping import call_all
 

@@ -15,8 +15,8 @@ from reliab.simulation.linear_loop.pole_plane.basis import pole_basis
 from reliab.simulation.linear_loop.pole_plane.expansion import Expansion, expansions
 from reliab.simulation.linear_loop.pole_recursion import Recursion, recursions
 from reliab.simulation.linear_loop.shared_drives import shared_drives
-from reliab.structures.stability import critical_delay, refuse_long_leads
-from reliab.structures.structure import Structure
+from reliab.structures import Structure, refuse_long_leads
+from reliab.structures.stability import critical_delay
 
 
 @dataclass(frozen=True, kw_only=True)

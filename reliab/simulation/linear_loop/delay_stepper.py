@@ -18,7 +18,7 @@ from reliab.compiled import compiled, copy_rows
 from reliab.simulation.deviation import LATEST, TRACKS, Deviation, end_weight, follow, summary
 from reliab.simulation.linear_loop import short_delay
 from reliab.simulation.linear_loop.blocks import Blocks, ramp_weights
-from reliab.structures.structure import Structure
+from reliab.structures import Structure
 
 LANES = 48
 """Cells that advance side by side; their state fits the first-level cache."""

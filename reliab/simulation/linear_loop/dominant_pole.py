@@ -20,7 +20,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.structures.structure import Structure
+from reliab.structures import Structure
 
 _NEWTON_STEPS = 60
 _CONVERGED = 1e-14

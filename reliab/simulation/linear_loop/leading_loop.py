@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.simulation.linear_loop.dominant_pole import dominant_pole
-from reliab.structures.structure import Structure
+from reliab.structures import Structure
 
 
 @dataclass(frozen=True, kw_only=True)

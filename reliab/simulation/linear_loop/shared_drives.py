@@ -22,7 +22,7 @@ from reliab.compiled import compiled, copy_rows
 from reliab.simulation.linear_loop.blocks import Blocks
 from reliab.simulation.linear_loop.dominant_pole import modal_loop
 from reliab.simulation.linear_loop.pole_recursion import recursion
-from reliab.structures.structure import Structure
+from reliab.structures import Structure
 
 DRIVES = 6
 """Number of shared drives."""

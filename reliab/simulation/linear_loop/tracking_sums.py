@@ -27,7 +27,7 @@ from reliab.simulation.linear_loop.pole_recursion import (
     recursion,
     recursions,
 )
-from reliab.structures.structure import Structure
+from reliab.structures import Structure
 
 _LARGEST_PHASE_STEP = 0.2
 _LONGEST_BLOCK = 0.025

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.structures.specimen import Specimen
+from reliab.structures import Specimen
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from reliab.errors import InputError
 from reliab.simulation.transfer_systems.plant import Plant, TransferSystem
-from reliab.structures.specimen import Specimen
+from reliab.structures import Specimen
 
 Array = NDArray[np.float64]
 

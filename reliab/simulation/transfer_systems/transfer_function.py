@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from reliab.errors import InputError
 from reliab.simulation.transfer_systems.plant import Plant, TransferSystem
-from reliab.structures.specimen import Specimen
+from reliab.structures import Specimen
 
 Array = NDArray[np.float64]
 

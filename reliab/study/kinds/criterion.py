@@ -38,7 +38,7 @@ def stages(study: CriterionStudy, show: Show) -> Sequence[Stage]:
 def report(study: CriterionStudy, folder: Path) -> Document:
     """Report the criteria with the containment on held-out earthquakes."""
     from reliab.report.kinds.criterion import criterion_report, no_criterion_report
-    from reliab.report.sections.rates import rates_table
+    from reliab.report.sections import rates_table
 
     population = Material(study, results=study.motions.results).population
     derived, traced = derivation_of(folder), open_ellipses(folder / ELLIPSES)

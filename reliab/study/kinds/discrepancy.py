@@ -16,7 +16,7 @@ from reliab.study.material import Show
 from reliab.study.stages import Stage, made_with
 
 if TYPE_CHECKING:
-    from reliab.discrepancy import Addition
+    from reliab.discrepancy.adding import Addition
 
 DIAGNOSIS: Final = "diagnosis.json"
 CONTENT: Final = "report"
@@ -84,7 +84,9 @@ def _folder(study: DiscrepancyStudy) -> Path:
 def _diagnosed(campaign: Path, checksum: str) -> "Addition":
     """Diagnose a campaign of a checksum, once in a process."""
     del checksum
-    from reliab.discrepancy import add, diagnose, read_campaign
+    from reliab.discrepancy import diagnose
+    from reliab.discrepancy.adding import add
+    from reliab.discrepancy.campaign import read_campaign
 
     return add(diagnose(read_campaign(campaign)))
 

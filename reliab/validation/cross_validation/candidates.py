@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import xarray as xr
 
-from reliab.criterion.derivation import Derivation
+from reliab.criterion import Derivation
 from reliab.criterion.laws import FittedLaw, Law, Table
 from reliab.criterion.methods import Method
 from reliab.errors import InputError

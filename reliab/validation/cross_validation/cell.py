@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.criterion.ellipse_sample import is_ellipse, of_curve
+from reliab.criterion import is_ellipse, of_curve
 from reliab.vocabulary import CurveName, Side
 
 

@@ -20,8 +20,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.criterion.ellipse_sample import names_along
-from reliab.criterion.meaning import require_meaning
+from reliab.criterion import names_along, require_meaning
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
 from reliab.validation.cross_validation.candidates import Candidate, Limits

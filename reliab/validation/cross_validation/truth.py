@@ -16,14 +16,13 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.boundary.surface import ErrorSurfaces
-from reliab.criterion.ellipse_sample import names_along
-from reliab.indices.response_error import relative_error
-from reliab.indices.window import Window
+from reliab.boundary import ErrorSurfaces
+from reliab.criterion import names_along
+from reliab.indices import Window, relative_error
 from reliab.motions import Motion
-from reliab.simulation.engine import Loop
-from reliab.structures.structure import Structure
-from reliab.sweep.excitation import excitation_of
+from reliab.simulation import Loop
+from reliab.structures import Structure
+from reliab.sweep import excitation_of
 from reliab.validation.cross_validation.cell import Cell
 from reliab.vocabulary import Metric, Side
 

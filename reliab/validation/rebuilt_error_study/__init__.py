@@ -14,24 +14,6 @@ sees the ground motion. `rebuild_with_specimen` marches its own reference with t
 specimen's force, under the demand that the recorded displacement reveals.
 """
 
-from reliab.validation.rebuilt_error_study.conditions import PLAIN, RIGHT
-from reliab.validation.rebuilt_error_study.design import Design
-from reliab.validation.rebuilt_error_study.judges import CERTAIN, OWN_BOUNDARY, REBUILT, WITH_MODEL
-from reliab.validation.rebuilt_error_study.rigs import LINEAR
-from reliab.validation.rebuilt_error_study.shares import shares, summarised
-from reliab.validation.rebuilt_error_study.study import STUDY_COLUMNS, try_tests
+import lazy_loader
 
-__all__ = [
-    "CERTAIN",
-    "LINEAR",
-    "OWN_BOUNDARY",
-    "PLAIN",
-    "REBUILT",
-    "RIGHT",
-    "STUDY_COLUMNS",
-    "WITH_MODEL",
-    "Design",
-    "shares",
-    "summarised",
-    "try_tests",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

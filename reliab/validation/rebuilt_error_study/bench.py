@@ -8,14 +8,18 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.assessment.rebuilt_error import RebuiltError, examine_specimen, rebuild, rebuild_with_specimen
-from reliab.assessment.rebuilt_error.specimen_check import FEWEST_PERIODS
+from reliab.assessment.rebuilt_error import (
+    FEWEST_PERIODS,
+    RebuiltError,
+    examine_specimen,
+    rebuild,
+    rebuild_with_specimen,
+)
 from reliab.indices.response_error import response_error
 from reliab.motions import Motion, resample
-from reliab.simulation.excitation import Excitation
-from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
-from reliab.simulation.hybrid_test.closed_loop import Histories
-from reliab.structures.structure import Structure
+from reliab.simulation import Excitation
+from reliab.simulation.hybrid_test import Histories, HybridTest, run_closed_loop
+from reliab.structures import Structure
 from reliab.validation.beyond_the_model import Rig
 from reliab.validation.rebuilt_error_study.conditions import CONDITIONS, PLAIN, RIGHT, Condition
 from reliab.validation.rebuilt_error_study.design import Design

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.assessment.rebuilt_error import Tolerances
-from reliab.structures.structure import Structure
+from reliab.structures import Structure
 
 Array = NDArray[np.float64]
 

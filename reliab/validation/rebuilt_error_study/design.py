@@ -9,7 +9,7 @@ from importlib.metadata import version
 from reliab.errors import InputError
 from reliab.motions import Motion
 from reliab.shipped import shipped
-from reliab.structures.structure import Structure
+from reliab.structures import Structure
 from reliab.sweep import open_ellipses
 from reliab.validation.earthquakes import earthquakes_among
 from reliab.validation.rebuilt_error_study.judges import (

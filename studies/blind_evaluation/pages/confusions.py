@@ -6,8 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reliab.report.axes import name_axes, plain
-from reliab.report.style import BLUE, GREY, INK, blank, panels, styled
+from reliab.report import BLUE, GREY, INK, blank, name_axes, panels, plain, styled
 
 _HEIGHT = 76.0
 _ROW, _EDGE = 4.6, 42.0

@@ -6,11 +6,23 @@ from typing import Any
 import pandas as pd
 
 from reliab.effects import library
-from reliab.report.document import Column, Document, Figure, Paragraph, Points, Section, Table
-from reliab.report.numbers import Fixed, Whole
-from reliab.report.prose import Prose, prose
-from reliab.report.provenance import provenance_of
-from reliab.report.wording import PERCENT, percent, spelled_out
+from reliab.report import (
+    PERCENT,
+    Column,
+    Document,
+    Figure,
+    Fixed,
+    Paragraph,
+    Points,
+    Prose,
+    Section,
+    Table,
+    Whole,
+    percent,
+    provenance_of,
+    spelled_out,
+)
+from reliab.report.prose import prose
 
 from ..pages.confusions import discrepancy_confusion, discrepancy_reliability
 

@@ -4,11 +4,24 @@ from collections.abc import Mapping
 
 import pandas as pd
 
-from reliab.report.document import Column, Document, Figure, Paragraph, Points, Section, Table
-from reliab.report.numbers import Fixed, Shortest, Whole
-from reliab.report.prose import Prose, prose
-from reliab.report.provenance import provenance_of
-from reliab.report.wording import PERCENT, percent, values
+from reliab.report import (
+    PERCENT,
+    Column,
+    Document,
+    Figure,
+    Fixed,
+    Paragraph,
+    Points,
+    Prose,
+    Section,
+    Shortest,
+    Table,
+    Whole,
+    percent,
+    provenance_of,
+    values,
+)
+from reliab.report.prose import prose
 
 from .. import FARTHEST
 from ..pages.tolerance_over_level import tolerance_over_level

@@ -5,8 +5,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from reliab.report.axes import label_logarithmic, legend_below, name_axes
-from reliab.report.style import INK, letters, line, panels, styled
+from reliab.report import INK, label_logarithmic, legend_below, letters, line, name_axes, panels, styled
 
 _HEIGHT = 122.0
 _DIRECTIONS = {"late": "delay alone", "large": "gain above 1 alone", "small": "gain below 1 alone"}

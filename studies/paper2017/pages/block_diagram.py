@@ -4,7 +4,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyBboxPatch
 
-from reliab.report.style import BLUE, INK, VERMILION, blank, styled
+from reliab.report import BLUE, INK, VERMILION, blank, styled
 
 _HEIGHT = 52.0
 _LINE = 1.0

@@ -2,9 +2,7 @@
 
 import xarray as xr
 
-from reliab.report.document import Figure
-from reliab.report.prose import Prose
-from reliab.report.wording import PERCENT
+from reliab.report import PERCENT, Figure, Prose
 
 from ..pages.displacement_histories import HistoryPanel, displacement_histories
 

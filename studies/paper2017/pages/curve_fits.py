@@ -5,9 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from reliab.boundary import Contour, Curve
-from reliab.report.axes import AMPLITUDE, DELAY, MILLI, name_axes
-from reliab.report.style import INK, line, panels, styled
+from reliab.boundary import Contour
+from reliab.boundary.curves import Curve
+from reliab.report import AMPLITUDE, DELAY, INK, MILLI, line, name_axes, panels, styled
 from reliab.significant import significant
 
 _HEIGHT = 68.0

@@ -12,8 +12,21 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from reliab.report.axes import DISPLACEMENT, MILLI, TIME, legend_below, mark, plain
-from reliab.report.style import BLUE, INK, PALE, VERMILION, letters, panels, styled
+from reliab.report import (
+    BLUE,
+    DISPLACEMENT,
+    INK,
+    MILLI,
+    PALE,
+    TIME,
+    VERMILION,
+    legend_below,
+    letters,
+    mark,
+    panels,
+    plain,
+    styled,
+)
 
 _PANEL_HEIGHT, _MARGIN = 32.0, 16.0
 _HEADROOM = 1.45

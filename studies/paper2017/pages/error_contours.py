@@ -7,8 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from reliab.boundary import Contour
-from reliab.report.axes import AMPLITUDE, DELAY, ERRORS, MILLI, mark, name_axes
-from reliab.report.style import letters, line, panels, styled
+from reliab.report import AMPLITUDE, DELAY, ERRORS, MILLI, letters, line, mark, name_axes, panels, styled
 from reliab.vocabulary import Metric
 
 _HEIGHT = 62.0

@@ -7,8 +7,20 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from reliab.report.axes import AMPLITUDE, ERRORS, MILLI, label_logarithmic, legend_below, mark
-from reliab.report.style import GREY, INK, letters, line, panels, styled
+from reliab.report import (
+    AMPLITUDE,
+    ERRORS,
+    GREY,
+    INK,
+    MILLI,
+    label_logarithmic,
+    legend_below,
+    letters,
+    line,
+    mark,
+    panels,
+    styled,
+)
 from reliab.vocabulary import Metric
 
 _HEIGHT = 62.0

@@ -10,8 +10,7 @@ from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d.axes3d import Axes3D  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
-from reliab.report.axes import AMPLITUDE, ERRORS, MILLI, name_axes
-from reliab.report.style import INK, SEQUENTIAL, blank, styled
+from reliab.report import AMPLITUDE, ERRORS, INK, MILLI, SEQUENTIAL, blank, name_axes, styled
 from reliab.vocabulary import Metric
 
 _HEIGHT = 124.0

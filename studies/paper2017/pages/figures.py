@@ -8,24 +8,20 @@ from numpy.typing import NDArray
 
 from reliab.boundary import Contour
 from reliab.criterion.distributions import Lognormal
-from reliab.criterion.laws import Law
-from reliab.criterion.laws.guo_2017 import (
+from reliab.criterion.laws import (
     Equation12,
     Equation14,
     Equation15,
     Equation15Corrected,
     Equation17,
     Equation17Corrected,
+    Law,
 )
-from reliab.report.document import Block, Figure, Section
+from reliab.report import Block, Figure, Section
+from reliab.report.figures import ParameterSeries, parameters_over_damping_ratio, parameters_over_frequency
 from reliab.report.figures.ellipses_and_criterion import ellipses_and_criterion
 from reliab.report.figures.parameter_correlation import parameter_correlation
 from reliab.report.figures.parameter_distributions import parameter_distributions
-from reliab.report.figures.parameters_over_structure import (
-    ParameterSeries,
-    parameters_over_damping_ratio,
-    parameters_over_frequency,
-)
 from reliab.report.prose import prose
 from reliab.vocabulary import Metric
 

@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from reliab.report.style import BLUE, INK, PALE, VERMILION, blank, styled
+from reliab.report import BLUE, INK, PALE, VERMILION, blank, styled
 
 _HEIGHT = 48.0
 _COILS = 7

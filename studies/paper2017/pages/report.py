@@ -5,17 +5,27 @@ from collections.abc import Mapping, Sequence
 import pandas as pd
 import xarray as xr
 
-from reliab.criterion.provenance import records_checksum
+from reliab.criterion import records_checksum
 from reliab.errors import InputError
-from reliab.report.document import Column, Document, Paragraph, Section, Table
-from reliab.report.numbers import Fixed, Shortest, Significant, in_line
-from reliab.report.prose import Prose, prose
-from reliab.report.provenance import provenance_of
-from reliab.report.sections.limits import limits_section
-from reliab.report.sections.method import method_section
-from reliab.report.sources import SOURCES
-from reliab.report.wording import PERCENT, percent
-from reliab.sweep.shares import share_of
+from reliab.report import (
+    PERCENT,
+    SOURCES,
+    Column,
+    Document,
+    Fixed,
+    Paragraph,
+    Prose,
+    Section,
+    Shortest,
+    Significant,
+    Table,
+    in_line,
+    percent,
+    provenance_of,
+)
+from reliab.report.prose import prose
+from reliab.report.sections import limits_section, method_section
+from reliab.sweep import share_of
 
 from ..audit import items_of, tabulate
 from ..containment import LAWS, containment

@@ -5,11 +5,19 @@ from collections.abc import Mapping
 import pandas as pd
 from reliab_studies.validation.pages.actuators_beyond_the_model import error_beyond_the_model
 
-from reliab.report.document import Column, Document, Figure, Section, Table
-from reliab.report.numbers import Fixed, Whole
-from reliab.report.prose import Prose, prose
-from reliab.report.provenance import provenance_of
-from reliab.report.wording import PERCENT
+from reliab.report import (
+    PERCENT,
+    Column,
+    Document,
+    Figure,
+    Fixed,
+    Prose,
+    Section,
+    Table,
+    Whole,
+    provenance_of,
+)
+from reliab.report.prose import prose
 
 from .. import PREDICTIONS, ratios
 

@@ -4,8 +4,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reliab.report.axes import label_logarithmic, legend_below, name_axes, plain
-from reliab.report.style import line, panels, styled
+from reliab.report import label_logarithmic, legend_below, line, name_axes, panels, plain, styled
 
 _HEIGHT = 80.0
 _WIDTH = 120.0

@@ -5,11 +5,23 @@ from typing import Any
 
 import pandas as pd
 
-from reliab.report.document import Block, Column, Document, Figure, Paragraph, Section, Table
-from reliab.report.numbers import Fixed, Whole
-from reliab.report.prose import Prose, prose
-from reliab.report.provenance import provenance_of
-from reliab.report.wording import PERCENT, percent, spelled_out
+from reliab.report import (
+    PERCENT,
+    Block,
+    Column,
+    Document,
+    Figure,
+    Fixed,
+    Paragraph,
+    Prose,
+    Section,
+    Table,
+    Whole,
+    percent,
+    provenance_of,
+    spelled_out,
+)
+from reliab.report.prose import prose
 
 from ..outcomes import NOMINAL, summary
 from ..pages.errors_by_compensator import benchmark_spread

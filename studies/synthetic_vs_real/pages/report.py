@@ -7,15 +7,26 @@ import pandas as pd
 import xarray as xr
 from scipy.stats import ks_2samp
 
-from reliab.report.document import Block, Column, Document, Figure, Paragraph, Section, Table
-from reliab.report.numbers import Fixed, Shortest, Significant
-from reliab.report.prose import Prose, prose
-from reliab.report.provenance import provenance_of
-from reliab.report.sections.limits import limits_section
-from reliab.report.sections.method import method_section
-from reliab.report.sections.rates import rates_section
-from reliab.report.sources import SOURCES
-from reliab.report.wording import PERCENT, listed, percent
+from reliab.report import (
+    PERCENT,
+    SOURCES,
+    Block,
+    Column,
+    Document,
+    Figure,
+    Fixed,
+    Paragraph,
+    Prose,
+    Section,
+    Shortest,
+    Significant,
+    Table,
+    listed,
+    percent,
+    provenance_of,
+)
+from reliab.report.prose import prose
+from reliab.report.sections import limits_section, method_section, rates_section
 
 from ..pages.suite_comparison import MEASURES, suite_measures, suite_spectra
 

@@ -9,8 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from reliab.report.axes import label_logarithmic, legend_below, name_axes, plain
-from reliab.report.style import letters, line, panels, styled
+from reliab.report import label_logarithmic, legend_below, letters, line, name_axes, panels, plain, styled
 
 MEASURES: Final = {
     "peak_acceleration": "Peak acceleration [m/s²]",

@@ -6,14 +6,24 @@ import numpy as np
 import pandas as pd
 from reliab_studies.paper2017.item import CLOSE
 
-from reliab.report.document import Column, Document, Figure, Paragraph, Section, Table
-from reliab.report.numbers import Fixed, Scientific, Significant
-from reliab.report.prose import Prose, prose
-from reliab.report.provenance import provenance_of
-from reliab.report.sections.limits import limits_section
-from reliab.report.sections.method import method_section
-from reliab.report.sources import SOURCES
-from reliab.report.wording import PERCENT, percent
+from reliab.report import (
+    PERCENT,
+    SOURCES,
+    Column,
+    Document,
+    Figure,
+    Fixed,
+    Paragraph,
+    Prose,
+    Scientific,
+    Section,
+    Significant,
+    Table,
+    percent,
+    provenance_of,
+)
+from reliab.report.prose import prose
+from reliab.report.sections import limits_section, method_section
 
 from ..audit import LARGEST_CHANCE, NONE_FOUND
 from ..pages.table_rows import table_rows

@@ -3,8 +3,18 @@
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reliab.report.axes import label_logarithmic, legend_below, name_axes
-from reliab.report.style import BLUE, GREY, INK, VERMILION, letters, panels, styled
+from reliab.report import (
+    BLUE,
+    GREY,
+    INK,
+    VERMILION,
+    label_logarithmic,
+    legend_below,
+    letters,
+    name_axes,
+    panels,
+    styled,
+)
 
 
 @styled

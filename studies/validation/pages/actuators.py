@@ -2,10 +2,8 @@
 
 import pandas as pd
 
-from reliab.report.document import Column, Figure, Paragraph, Section, Table
-from reliab.report.numbers import Fixed, Whole
+from reliab.report import PERCENT, Column, Figure, Fixed, Paragraph, Section, Table, Whole
 from reliab.report.prose import prose
-from reliab.report.wording import PERCENT
 
 from ..pages.actuators_beyond_the_model import error_beyond_the_model
 

@@ -3,8 +3,7 @@
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reliab.report.axes import label_logarithmic, legend_below, name_axes, plain
-from reliab.report.style import GREY, line, panels, styled
+from reliab.report import GREY, label_logarithmic, legend_below, line, name_axes, panels, plain, styled
 
 _HEIGHT = 76.0
 _WIDTH = 120.0

@@ -5,10 +5,8 @@ import xarray as xr
 from reliab_studies.paper2017.cases import case_table
 from reliab_studies.paper2017.pages.case_histories import case_histories
 
-from reliab.report.document import Column, Paragraph, Section, Table
-from reliab.report.numbers import Fixed, Shortest, Whole
+from reliab.report import PERCENT, Column, Fixed, Paragraph, Section, Shortest, Table, Whole
 from reliab.report.prose import prose
-from reliab.report.wording import PERCENT
 
 _MILLISECONDS = 1e3
 

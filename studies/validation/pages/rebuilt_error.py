@@ -4,10 +4,8 @@ from collections.abc import Mapping
 
 import pandas as pd
 
-from reliab.report.document import Column, Figure, Paragraph, Section, Table
-from reliab.report.numbers import Fixed, Whole
-from reliab.report.prose import Prose, prose
-from reliab.report.wording import PERCENT, percent
+from reliab.report import PERCENT, Column, Figure, Fixed, Paragraph, Prose, Section, Table, Whole, percent
+from reliab.report.prose import prose
 from reliab.validation.rebuilt_error_study import (
     LINEAR,
     OWN_BOUNDARY,

@@ -4,8 +4,18 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reliab.report.axes import label_logarithmic, legend_below, name_axes, plain
-from reliab.report.style import GREY, INK, letters, line, panels, styled
+from reliab.report import (
+    GREY,
+    INK,
+    label_logarithmic,
+    legend_below,
+    letters,
+    line,
+    name_axes,
+    panels,
+    plain,
+    styled,
+)
 
 _HEIGHT = 92.0
 _ROW = 11.0

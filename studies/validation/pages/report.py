@@ -6,14 +6,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from reliab.report.document import Block, Document
-from reliab.report.prose import Prose, prose
-from reliab.report.provenance import provenance_of
-from reliab.report.sections.limits import limits_section
-from reliab.report.sections.method import method_section
-from reliab.report.sections.rates import rates_section
-from reliab.report.sources import SOURCES
-from reliab.report.wording import percent
+from reliab.report import SOURCES, Block, Document, Prose, percent, provenance_of
+from reliab.report.prose import prose
+from reliab.report.sections import limits_section, method_section, rates_section
 
 from ..pages.actuators import actuators_section
 from ..pages.cases import cases_section

@@ -3,10 +3,8 @@
 import numpy as np
 import pandas as pd
 
-from reliab.report.document import Column, Section, Table
-from reliab.report.numbers import Whole
+from reliab.report import Column, Section, Table, Whole, law_in_words, percent
 from reliab.report.prose import prose
-from reliab.report.wording import law_in_words, percent
 
 
 def verdicts_section(verdicts: pd.DataFrame, confidence: float) -> Section:

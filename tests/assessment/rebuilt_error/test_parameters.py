@@ -22,7 +22,8 @@ from reliab.assessment.rebuilt_error.specimen_check import examine_specimen
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.effects import find_effect
 from reliab.errors import InputError
-from reliab.simulation.hybrid_test import HybridTest, Specimen
+from reliab.simulation.hybrid_test import HybridTest
+from reliab.structures import Specimen
 from reliab.structures.structure import Structure
 
 STEP = 1.0 / RATE

@@ -15,7 +15,8 @@ from reliab.assessment.rebuilt_error.specimen_check import _left_over, examine_s
 from reliab.assessment.rebuilt_error.whole_structure import first_mode, whole_structure
 from reliab.effects import find_effect
 from reliab.errors import InputError
-from reliab.simulation.hybrid_test import HybridTest, Specimen
+from reliab.simulation.hybrid_test import HybridTest
+from reliab.structures import Specimen
 from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure
 

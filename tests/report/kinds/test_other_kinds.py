@@ -8,10 +8,11 @@ from reliab_studies.paper2017.cases import cases_dataset, run_paper_cases
 from reliab_studies.synthetic_vs_real.pages import suites_report
 from reliab_studies.validation.pages import validation_report
 
-from reliab.assessment import Recording, assess
+from reliab.assessment import assess
 from reliab.criterion import derive_criterion
 from reliab.criterion.methods import method_of
 from reliab.motions import Motion
+from reliab.recordings import Recording
 from reliab.report.document import Table
 from reliab.report.kinds.assessment import assessment_report
 from reliab.report.sections.rates import rates_section

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from reliab_studies.rths_benchmark.benchmark import benchmark_partition
 from scipy.integrate import solve_ivp
 from scipy.signal import lsim

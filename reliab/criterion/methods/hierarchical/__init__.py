@@ -1,13 +1,5 @@
 """All structures learned together: a model of earthquakes, motions and structures, sampled by MCMC."""
 
-from reliab.criterion.methods.hierarchical.fit import HierarchicalFit, hierarchical_model
-from reliab.criterion.methods.hierarchical.method import HierarchicalNormal, HierarchicalRobust
-from reliab.criterion.methods.hierarchical.model import Hierarchical
+import lazy_loader
 
-__all__ = [
-    "Hierarchical",
-    "HierarchicalFit",
-    "HierarchicalNormal",
-    "HierarchicalRobust",
-    "hierarchical_model",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

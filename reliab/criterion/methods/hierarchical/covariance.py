@@ -7,7 +7,7 @@ thousands of them are handled at once.
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.sampling.model import Parameter
+from reliab.sampling import Parameter
 
 
 def covariance_parameters(prefix: str, typical_spread: float, doubt: float = 0.8) -> tuple[Parameter, ...]:

@@ -17,8 +17,7 @@ from reliab.criterion.population import Population
 from reliab.criterion.sample_grid import SampleGrid
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
-from reliab.sampling.ensembles import Ensembles, draw, width_of
-from reliab.sampling.posterior_sample import PosteriorSample
+from reliab.sampling import Ensembles, PosteriorSample, draw, width_of
 from reliab.vocabulary import Side
 
 _THIN = 2

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from reliab.criterion.methods.hierarchical.model import Hierarchical
 from reliab.criterion.methods.hierarchical.strata import weights_of_motion, weights_of_motion_mean
 from reliab.criterion.methods.joint import Scatter
-from reliab.sampling.bivariate_normal import both_below
+from reliab.sampling import both_below
 
 _NODES = 24  # normal distributions that make up a Student's t
 _WIDER = 1e-9  # of a bracket, so that rounding leaves the root inside

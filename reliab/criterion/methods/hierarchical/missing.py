@@ -20,7 +20,7 @@ from reliab.criterion.methods.hierarchical.strata import (
     REMAINDER,
     Grid,
 )
-from reliab.sampling.laplace import Laplace
+from reliab.sampling import Laplace
 
 _ROUNDS = 2
 

@@ -26,7 +26,7 @@ from reliab.criterion.methods.hierarchical.strata import (
     weights_of_motion_mean,
 )
 from reliab.errors import InputError
-from reliab.sampling.model import Model, Parameter
+from reliab.sampling import Model, Parameter
 
 _TYPICAL = {EVENT: 0.3, MOTION: 0.4, MOTION_SLOPE: 0.2, FREQUENCY: 0.4, FREQUENCY_SLOPE: 0.2, REMAINDER: 0.1}
 _PAIR = 2

@@ -7,7 +7,7 @@ from reliab.criterion.methods.hierarchical.further_motions import FurtherMotions
 from reliab.criterion.methods.hierarchical.model import Hierarchical
 from reliab.criterion.methods.joint import Scatter
 from reliab.criterion.scaling import scales
-from reliab.sampling.posterior_sample import PosteriorSample
+from reliab.sampling import PosteriorSample
 
 _DRAWS = 2000
 _MOTIONS = 40  # for each draw, each of an earthquake of its own

@@ -1,6 +1,5 @@
 """Reports of one measured test, of one mass or of a frame."""
 
-from reliab.report.kinds.assessment.frame import frame_assessment_report
-from reliab.report.kinds.assessment.report import assessment_report
+import lazy_loader
 
-__all__ = ["assessment_report", "frame_assessment_report"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

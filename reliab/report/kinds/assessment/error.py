@@ -5,12 +5,9 @@ from typing import Final, Literal
 
 import numpy as np
 
-from reliab.assessment.assessment import Assessment
-from reliab.assessment.doubts import probability_text
-from reliab.assessment.error_of_test import PART_NAMES, ErrorOfTest
+from reliab.assessment import PART_NAMES, Assessment, ErrorOfTest, Word, probability_text
 from reliab.assessment.rebuilt_error import Estimate
-from reliab.assessment.verdict import Word
-from reliab.recordings.recording import Recording
+from reliab.recordings import Recording
 from reliab.report.document import Figure, Table
 from reliab.report.figures.measured_test import error_over_time
 from reliab.report.kinds.assessment.quantities import quantities_table

@@ -4,9 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from reliab.assessment.frame_assessment import FrameAssessment, ModeOfTest
-from reliab.assessment.tracking_index import LEVEL
-from reliab.assessment.verdict import Word
+from reliab.assessment import LEVEL, FrameAssessment, ModeOfTest, Word
 from reliab.report.document import Block, Document, Figure, Paragraph, Points, Section, Table
 from reliab.report.figures.tracking_over_frequency import amplitude_and_delay_over_frequency
 from reliab.report.kinds.assessment.error import (

@@ -4,9 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from reliab.assessment.assessment import Assessment
-from reliab.assessment.tracking_index import LEVEL
-from reliab.assessment.verdict import Word
+from reliab.assessment import LEVEL, Assessment, Word
 from reliab.report.document import Document, Figure, Paragraph, Points, Section, Table
 from reliab.report.figures.measured_test import tracking_overview
 from reliab.report.kinds.assessment.error import TONES, advice, error_sentence, errors_table, histories_figure

@@ -1,6 +1,5 @@
 """Report of criteria for tests, and of why there is none."""
 
-from reliab.report.kinds.criterion.refusal import no_criterion_report
-from reliab.report.kinds.criterion.report import criterion_report
+import lazy_loader
 
-__all__ = ["criterion_report", "no_criterion_report"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -26,7 +26,7 @@ from reliab.report.wording import (
     values,
     window_in_words,
 )
-from reliab.sweep.shares import share_of
+from reliab.sweep import share_of
 from reliab.vocabulary import Metric
 
 _NEXT = (

@@ -1,5 +1,5 @@
 """Report of a measured campaign: where the model fails, what is missing, and the proof."""
 
-from reliab.report.kinds.discrepancy.report import discrepancy_report
+import lazy_loader
 
-__all__ = ["discrepancy_report"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.discrepancy import BlockDiagnosis, Channel, Diagnosis
-from reliab.discrepancy.adding.posterior import Posterior
+from reliab.discrepancy.adding import Posterior
+from reliab.discrepancy.campaign import Channel
+from reliab.discrepancy.result import BlockDiagnosis, Diagnosis
 from reliab.effects import find_effect
-from reliab.report.document import Block as DocumentBlock
-from reliab.report.document import Figure, Paragraph
+from reliab.report.document import Block as DocumentBlock, Figure, Paragraph
 from reliab.report.figures.discrepancy_blocks import discrepancy_blocks
 from reliab.report.figures.discrepancy_gap import GapPanel, discrepancy_gap
 from reliab.report.figures.discrepancy_histories import ModelledHistory, discrepancy_histories

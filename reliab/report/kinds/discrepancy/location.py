@@ -4,7 +4,7 @@ from functools import partial
 
 import pandas as pd
 
-from reliab.discrepancy import Diagnosis
+from reliab.discrepancy.result import Diagnosis
 from reliab.report.document import Block, Column, Paragraph, Points, Section, Table
 from reliab.report.kinds.discrepancy.figures import (
     block_figure,

@@ -6,9 +6,8 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from reliab.discrepancy import Diagnosis, MissingEffect
-from reliab.discrepancy.adding.posterior import Posterior
-from reliab.discrepancy.result.missing_effect import Unknown
+from reliab.discrepancy.adding import Posterior
+from reliab.discrepancy.result import Diagnosis, MissingEffect, Unknown
 from reliab.report.document import Block, Column, Paragraph, Section, Table
 from reliab.report.kinds.discrepancy.figures import drawn, posterior_figure
 from reliab.report.numbers import Fixed, Significant

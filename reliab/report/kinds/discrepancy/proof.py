@@ -5,8 +5,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from reliab.discrepancy import BlockDiagnosis, Diagnosis
-from reliab.discrepancy.result.gap import Remainder
+from reliab.discrepancy.result import BlockDiagnosis, Diagnosis, Remainder
 from reliab.report.document import Block, Column, Paragraph, Section, Table
 from reliab.report.kinds.discrepancy.figures import drawn, gap_figure, histories_figure
 from reliab.report.numbers import Fixed, Significant

@@ -2,11 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 
-from reliab.discrepancy import Diagnosis, Verdict
-from reliab.discrepancy.adding.posterior import Posterior
-from reliab.discrepancy.fitting.observations import MOST_OF_A_TEST
-from reliab.discrepancy.naming.unexplained import LARGEST_REMAINDER
-from reliab.discrepancy.result.gap import Remainder
+from reliab.discrepancy.adding import Posterior
+from reliab.discrepancy.fitting import MOST_OF_A_TEST
+from reliab.discrepancy.naming import LARGEST_REMAINDER
+from reliab.discrepancy.result import Diagnosis, Remainder, Verdict
 from reliab.report.document import Block, Document, Paragraph, Points, Section
 from reliab.report.kinds.discrepancy.location import location_section
 from reliab.report.kinds.discrepancy.missing_effects import missing_effects_section

@@ -30,7 +30,7 @@ from reliab.simulation.linear_loop.dominant_pole import (
     dominant_pole,
     modal_loop,
 )
-from reliab.structures.structure import Structure
+from reliab.structures import Structure
 
 FARTHEST, _REGION = 0.5, 0.4
 """Largest |p − p₀|/|p + p̄₀| of a pole that is expanded, and of those from which poles are taken."""

@@ -1,0 +1,21 @@
+from .assess import assess as assess
+from .assessment import Assessment as Assessment
+from .default_criterion import default_criterion as default_criterion
+from .design import (
+    CONFIDENCES as CONFIDENCES,
+    Tolerance as Tolerance,
+    chart_frequencies as chart_frequencies,
+    tolerable_errors as tolerable_errors,
+)
+from .doubts import ERROR_NAMES as ERROR_NAMES, probability_text as probability_text
+from .error_of_test import PART_NAMES as PART_NAMES, ErrorOfTest as ErrorOfTest
+from .faults import plain_faults as plain_faults
+from .frame_assessment import FrameAssessment as FrameAssessment, ModeOfTest as ModeOfTest
+from .frame_test import assess_frame as assess_frame, whole_structure as whole_structure
+from .moving_windows import Windows as Windows
+from .placement import carried_limits as carried_limits
+from .plausibility import require_plausible as require_plausible
+from .recorded_force import require_restoring_force as require_restoring_force
+from .several import Assessments as Assessments
+from .tracking_index import LEVEL as LEVEL
+from .verdict import Word as Word, word_of_probability as word_of_probability

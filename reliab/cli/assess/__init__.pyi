@@ -1,0 +1,1 @@
+from .command import assess as assess

@@ -1,0 +1,33 @@
+from .criterion import Criterion as Criterion
+from .derivation import Derivation as Derivation, derive_criterion as derive_criterion
+from .ellipse_reading import read_ellipses as read_ellipses
+from .ellipse_sample import (
+    EllipseSample as EllipseSample,
+    is_ellipse as is_ellipse,
+    names_along as names_along,
+    of_curve as of_curve,
+    sample_of as sample_of,
+)
+from .experimental_share import (
+    carry_to_share as carry_to_share,
+    growth as growth,
+    whole_is_worst as whole_is_worst,
+)
+from .goodness_of_fit import (
+    SIGNIFICANCE as SIGNIFICANCE,
+    QuantilePlot as QuantilePlot,
+    lognormality as lognormality,
+    quantile_plot as quantile_plot,
+)
+from .meaning import MOST_AT_REST as MOST_AT_REST, REST as REST, require_meaning as require_meaning
+from .motion_predictive import MotionPredictive as MotionPredictive
+from .population import Population as Population
+from .provenance import (
+    Provenance as Provenance,
+    installed_versions as installed_versions,
+    records_checksum as records_checksum,
+)
+from .published import published_criterion as published_criterion
+from .scaling import scales as scales
+from .share_comparison import compare_shares as compare_shares
+from .summary import describe_sample as describe_sample, summarise as summarise

@@ -1,0 +1,1 @@
+from .observations import MOST_OF_A_TEST as MOST_OF_A_TEST

@@ -1,0 +1,1 @@
+from .unexplained import LARGEST_REMAINDER as LARGEST_REMAINDER

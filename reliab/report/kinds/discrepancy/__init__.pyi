@@ -1,0 +1,1 @@
+from .report import discrepancy_report as discrepancy_report

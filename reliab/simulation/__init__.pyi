@@ -1,0 +1,10 @@
+from .actuator import Actuator as Actuator
+from .deviation import Deviation as Deviation, peak_of_history as peak_of_history
+from .effect_loop import EffectLoop as EffectLoop
+from .engine import (
+    LEAD_TOLERANCE as LEAD_TOLERANCE,
+    REDUCTION_TOLERANCE as REDUCTION_TOLERANCE,
+    Engine as Engine,
+    Loop as Loop,
+)
+from .excitation import Excitation as Excitation

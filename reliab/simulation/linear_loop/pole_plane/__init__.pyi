@@ -1,0 +1,1 @@
+from .plane import mean_squares as mean_squares

@@ -1,0 +1,22 @@
+from .candidates import Candidate as Candidate, Derived as Derived, Limits as Limits, Printed as Printed
+from .cell import Cell as Cell
+from .counts import CrossValidation as CrossValidation
+from .folds import (
+    Fold as Fold,
+    from_another as from_another,
+    k_fold as k_fold,
+    leave_one_event_out as leave_one_event_out,
+    leave_structures_out as leave_structures_out,
+    random_halves as random_halves,
+    transfer as transfer,
+)
+from .intervals import event_bootstrap as event_bootstrap
+from .judge import cross_validate as cross_validate
+from .schemes import SCHEMES as SCHEMES, folds_of as folds_of
+from .tabulation import RATES as RATES, tabulate as tabulate
+from .truth import (
+    EllipseTruth as EllipseTruth,
+    SimulatedTruth as SimulatedTruth,
+    StoredTruth as StoredTruth,
+    Truth as Truth,
+)

@@ -1,0 +1,11 @@
+from .conditions import PLAIN as PLAIN, RIGHT as RIGHT
+from .design import Design as Design
+from .judges import (
+    CERTAIN as CERTAIN,
+    OWN_BOUNDARY as OWN_BOUNDARY,
+    REBUILT as REBUILT,
+    WITH_MODEL as WITH_MODEL,
+)
+from .rigs import LINEAR as LINEAR
+from .shares import shares as shares, summarised as summarised
+from .study import STUDY_COLUMNS as STUDY_COLUMNS, try_tests as try_tests
