@@ -4,6 +4,7 @@ import ast
 from collections.abc import Iterator
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -82,6 +83,34 @@ def imported_files(path: Path) -> frozenset[Path]:
         elif isinstance(node, ast.Import):
             files.update(module_file(alias.name) for alias in node.names)
     return frozenset(file for file in files if file is not None and file != path)
+
+
+def is_face(dotted: str, name: str) -> bool:
+    """Tell whether a name is imported from a folder, or from a module that is called as the name is."""
+    path = PACKAGE.joinpath(*dotted.split(".")[1:])
+    return (path / "__init__.py").is_file() or path.stem == name or (path.parent / f"{name}.py").is_file()
+
+
+def test_a_room_is_entered_by_its_face():
+    """What another room uses is named in a folder's `__init__`; the rest may change without telling anybody."""
+    strays = {
+        f"{path.relative_to(PACKAGE)}: {node.module}.{alias.name}"
+        for path in modules()
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("reliab.")
+        if part_of(path) in ROOMS and (node.module or "").split(".")[1] in {*ROOMS} - {part_of(path)}
+        for alias in node.names
+        if not is_face(node.module or "", alias.name)
+    }
+    assert strays == set()
+
+
+def test_a_face_names_only_what_it_has():
+    for stub in sorted(PACKAGE.rglob("__init__.pyi")):
+        package = ".".join(["reliab", *stub.parent.relative_to(PACKAGE).parts])
+        face = import_module(package)
+        for name in face.__all__:
+            assert getattr(face, name) is not None, f"{package}.{name}"
 
 
 def part_of(path: Path) -> str:
