@@ -92,7 +92,7 @@ def is_face(dotted: str, name: str) -> bool:
 
 
 def test_a_room_is_entered_by_its_face():
-    """What another room uses is named in a folder's `__init__`; the rest may change without telling anybody."""
+    """What another room uses is named in the face of a folder; the rest may change and tell nobody."""
     strays = {
         f"{path.relative_to(PACKAGE)}: {node.module}.{alias.name}"
         for path in modules()
