@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 from reliab.errors import InputError
 from reliab.files import decoding, ordinary
 
+_DEEPEST = 32  # every path is as long as its depth, so that all of them take its square
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -107,7 +109,7 @@ def objects_of(file: "h5py.File") -> "Iterator[tuple[str, h5py.HLObject]]":
     Raises
     ------
     InputError
-        If there is a link to another file.
+        If there is a link to another file, or groups lie too deep within each other.
     """
     import h5py
 
@@ -122,6 +124,13 @@ def objects_of(file: "h5py.File") -> "Iterator[tuple[str, h5py.HLObject]]":
             yield path, item
         if not isinstance(item, h5py.Group):
             continue
+        if path.count("/") >= _DEEPEST:
+            raise InputError(
+                f"The groups of an HDF5 file must not be nested more than {_DEEPEST} deep",
+                value="more",
+                remedy="Export it again, with the data near its root",
+                where=str(file.filename),
+            )
         for name in sorted(item, reverse=True):
             inner = f"{path}/{name}".lstrip("/")
             link = item.get(name, getlink=True)

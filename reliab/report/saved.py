@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final
 
+from reliab.described_files import parse_json
 from reliab.files import decoding, ordinary, require_small
 from reliab.received import named_within
 from reliab.report.content import CONTENT_FILE, files_of
@@ -64,7 +65,12 @@ def saved_content(folder: Path) -> dict[str, bytes]:
         If there is no content, or it has a formula or names a file that no report has.
     """
     with decoding(CONTENT_RULE, remedy=CONTENT_REMEDY, where=folder):
-        content = json.loads(_bytes_of(folder, CONTENT_FILE))
+        content = parse_json(
+            _bytes_of(folder, CONTENT_FILE).decode(),
+            rule=CONTENT_RULE,
+            remedy=CONTENT_REMEDY,
+            where=str(folder),
+        )
         parts = list(_parts(content))
         for part in parts:
             if key := _FORMULAS.get(part.get("kind", "")):

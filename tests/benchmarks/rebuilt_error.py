@@ -43,7 +43,8 @@ from reliab.assessment.rebuilt_error.monitor import Monitor  # noqa: E402
 from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen  # noqa: E402
 from reliab.assessment.rebuilt_error.specimen_check import examine_specimen  # noqa: E402
 from reliab.effects import find_effect  # noqa: E402
-from reliab.simulation.hybrid_test import HybridTest, Specimen  # noqa: E402
+from reliab.simulation.hybrid_test import HybridTest  # noqa: E402
+from reliab.structures import Specimen  # noqa: E402
 from reliab.structures.structure import Structure  # noqa: E402
 
 STEP = 1.0 / lab.RATE

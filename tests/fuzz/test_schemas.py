@@ -9,10 +9,13 @@ import scipy
 from scipy.io import savemat
 
 from fuzz import corpus
+from fuzz.corpus import CHAIN_MODEL, CHAIN_SETTINGS
 from fuzz.damage import write
 from fuzz.test_described_files import VALUES, places, with_value
 from reliab.criterion import derive_criterion
 from reliab.errors import InputError
+from reliab.recordings.readers import read_columns
+from reliab.sampling.ensembles import draw
 from reliab.simulation.transfer_systems import TransferFunction, read_matlab
 from reliab.sweep import open_ellipses, open_results
 from reliab.sweep.netcdf import write_netcdf
@@ -120,3 +123,20 @@ def test_errors_at_rest_over_other_dimensions_are_refused(tmp_path, dimensions):
     write({**case, name: json.dumps(described).encode()}, tmp_path)
     with pytest.raises(InputError, match="must be as `reliab simulate` wrote them"):
         open_results(tmp_path / "results.zarr")
+
+
+@pytest.mark.parametrize(
+    "read",
+    [read_columns, open_ellipses, lambda path: draw(CHAIN_MODEL, CHAIN_SETTINGS, file=path, group="run")],
+    ids=["test", "ellipses", "chains"],
+)
+def test_groups_deep_within_each_other_are_refused(tmp_path, read):
+    import h5py
+
+    with h5py.File(tmp_path / "deep.h5", "w") as file:
+        group = file
+        for _ in range(100):
+            group = group.create_group("group")
+        group["a"] = group["b"] = np.arange(99.0)
+    with pytest.raises(InputError, match="must not be nested more than 32 deep"):
+        read(tmp_path / "deep.h5")
