@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from reliab.api.boundaries import ellipses
     from reliab.api.design import design_test
     from reliab.api.simulation import simulate
-    from reliab.assessment import read_recording
+    from reliab.recordings import read_recording
     from reliab.criterion import derive_criterion, published_criterion, read_ellipses
     from reliab.discrepancy import diagnose, read_campaign
     from reliab.errors import InputError
@@ -36,7 +36,7 @@ _HOMES = {
     "derive_criterion": "reliab.criterion",
     "published_criterion": "reliab.criterion",
     "cross_validate": "reliab.validation.cross_validation",
-    "read_recording": "reliab.assessment",
+    "read_recording": "reliab.recordings",
     "assess": "reliab.api.assessment",
     "design_test": "reliab.api.design",
     "read_campaign": "reliab.discrepancy",
