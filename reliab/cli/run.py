@@ -31,9 +31,9 @@ def run(
     study: Annotated[
         str,
         typer.Argument(
-            metavar="[STUDY.toml]",
+            metavar="[STUDY]",
             autocompletion=studies,
-            help="A study's file, or the name of one that ships.",
+            help="A study's folder or file, or the name of one that ships. A folder may hold code, which is run.",
         ),
     ] = _DEFAULT,
     out: Annotated[
@@ -60,7 +60,7 @@ def run(
     chosen = open_study(study)
     if motions or sets:
         chosen = chosen.on(motions, sets)
-    folder = out or _OUT / Path(study).stem
+    folder = out or _OUT / _name_of(Path(study).resolve())
     stages: dict[str, bool] = {}
 
     def tell(name: str, done: bool) -> None:  # noqa: FBT001 - called by position
@@ -72,6 +72,11 @@ def run(
     content = {"study": chosen.title, "folder": str(folder), "report": str(report), "stages": stages}
     if not write_json(content, json_target):
         console().print(f"Report: {report}", highlight=False)
+
+
+def _name_of(study: Path) -> str:
+    """Name of a study: that of its folder, or of its file."""
+    return study.parent.name if study.name == "study.toml" else study.stem
 
 
 def _refuse_beside_list(context: typer.Context) -> None:
