@@ -33,7 +33,8 @@ def run(
         typer.Argument(
             metavar="[STUDY]",
             autocompletion=studies,
-            help="A study's folder or file, or the name of one that ships. A folder may hold code, which is run.",
+            help="A study's folder or file, or the name of one that ships. A folder may hold code, which is
+            run.",
         ),
     ] = _DEFAULT,
     out: Annotated[

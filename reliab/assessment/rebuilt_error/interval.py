@@ -5,7 +5,7 @@ histories of x_c − x_m from those that the noise allows, and the error is rebu
 linearised, and no noise is subtracted from a mean square or a peak.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import scipy
@@ -15,7 +15,7 @@ from reliab.assessment.rebuilt_error.error_statistics import mean_square, sweep_
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.recursion import Recursion, equilibrium, respond
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
-from reliab.assessment.rebuilt_error.spread import Spread
+from reliab.assessment.rebuilt_error.swept import Swept
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, first_mode
 
@@ -51,68 +51,6 @@ class Unknown:
         stated = dict(self.tolerances.items())
         stated["sensor_offset"] = float(np.hypot(stated["sensor_offset"], self.offset))
         return {**stated, "initial_state": self.error_at_start}
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Swept:
-    """Errors of the draws over a test so far, from which a later stretch of it can go on.
-
-    Attributes
-    ----------
-    steps : int
-        Number of steps between its samples.
-    square, peak, ideal : numpy.ndarray
-        Mean square of x_m − x_I [m²], its peak and that of x_I [m] of each draw, shape (draws,).
-    mean, deviation : numpy.ndarray
-        Of x_m − x_I over the draws at the samples of the last stretch [m], shape (n,).
-    states : numpy.ndarray
-        State of the structure at the last sample: of the draws, and as stated by swept samples and by all,
-        shape (draws + 2, 2n).
-    """
-
-    steps: int
-    square: Array
-    peak: Array
-    ideal: Array
-    mean: Array
-    deviation: Array
-    states: Array
-
-    @property
-    def spread(self) -> Spread:
-        """RMS^R and MTE^R of the draws."""
-        return Spread(
-            rms=np.sqrt(self.square) / self.ideal,
-            mte=self.peak / self.ideal,
-            mean=self.mean,
-            deviation=self.deviation,
-        )
-
-    def first(self, draws: int) -> "Swept":
-        """Only the first draws."""
-        return replace(
-            self,
-            square=self.square[:draws],
-            peak=self.peak[:draws],
-            ideal=self.ideal[:draws],
-            states=np.concatenate([self.states[:draws], self.states[-2:]]),
-        )
-
-    def after_rest(self, steps: int) -> "Swept":
-        """Errors of the same test with so many further steps of rest before it."""
-        whole = self.steps + steps
-        return replace(self, steps=whole, square=(self.steps / whole) * self.square)
-
-    def joined(self, later: "Swept") -> "Swept":
-        """Errors over this stretch and a later one, which begins at its last sample."""
-        steps = self.steps + later.steps
-        return replace(
-            later,
-            steps=steps,
-            square=(self.steps / steps) * self.square + (later.steps / steps) * later.square,
-            peak=np.maximum(self.peak, later.peak),
-            ideal=np.maximum(self.ideal, later.ideal),
-        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

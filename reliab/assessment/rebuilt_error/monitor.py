@@ -21,18 +21,19 @@ from numpy.typing import NDArray
 from reliab.assessment.rebuilt_error.channels import FEWEST_SAMPLES
 from reliab.assessment.rebuilt_error.rebuild import DRAWS as DRAWS_AT_END
 from reliab.assessment.rebuilt_error.running_error import RunningError
-from reliab.assessment.rebuilt_error.stability_indicator import Damping, EnergyAlarm, NetDamping
+from reliab.assessment.rebuilt_error.stability_indicator import LOOKS, Damping, EnergyAlarm, NetDamping
 from reliab.assessment.rebuilt_error.stretches import (
     ErrorSoFar,
-    StatedTest,
+    Stated,
     error_of_stretch,
     samples_in_stretch,
 )
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, whole_structure
 from reliab.errors import InputError
-from reliab.recordings import LARGEST_READING
-from reliab.structures import Partition, Structure
+from reliab.recordings.recording import LARGEST_READING
+from reliab.structures.partition import Partition
+from reliab.structures.structure import Structure
 from reliab.vocabulary import Metric
 
 Array = NDArray[np.float64]
@@ -42,7 +43,6 @@ DRAWS = 64
 
 _GROWTH = 0.5  # by which a test must grow before its intervals are computed again
 _PERIODS_BETWEEN = 4.0  # of the structure, at least
-_LOOKS = 4.0  # at the net damping in a period
 _CALM = 12.0  # s for which the peak of the response must not have doubled before an error is judged
 _SHRINKS = 0.5  # share of itself to which an error may still fall then
 
@@ -126,7 +126,7 @@ class Monitor:
         if not (np.isfinite(time_step) and time_step > 0.0):
             raise InputError("The time step must be positive", value=f"{time_step} s")
         self.time_step = time_step
-        self._test = StatedTest(
+        self._test = Stated(
             structure=self.structure,
             time_step=time_step,
             feedback_lag=feedback_lag,
@@ -140,7 +140,7 @@ class Monitor:
         self._running = RunningError(
             self.structure, time_step, feedback_lag, self._damping.forgetting, sensor_offset or 0.0
         )
-        self._look = max(round(self._period / (_LOOKS * time_step)), 1)
+        self._look = max(round(self._period / (LOOKS * time_step)), 1)
         self._energy = EnergyAlarm()
         self.gains_energy_since: float | None = None
         self._asked = self._rest = 0

@@ -22,11 +22,12 @@ from reliab.assessment.rebuilt_error.noise import estimate_noise
 from reliab.assessment.rebuilt_error.rebuilt import RebuiltError, conclude
 from reliab.assessment.rebuilt_error.recursion import Recursion, equilibrium, respond
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
-from reliab.assessment.rebuilt_error.stretches import StatedTest, draw_error, what_is_unknown
+from reliab.assessment.rebuilt_error.stretches import Stated, draw_error, what_is_unknown
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, whole_structure
 from reliab.errors import InputError
-from reliab.structures import Partition, Structure
+from reliab.structures.partition import Partition
+from reliab.structures.structure import Structure
 
 Array = NDArray[np.float64]
 
@@ -96,7 +97,7 @@ def rebuild(
     >>> round(error.rms.value, 3)
     0.06
     """
-    test = StatedTest(
+    test = Stated(
         structure=whole_structure(structure),
         time_step=time_step,
         feedback_lag=feedback_lag,
@@ -116,15 +117,9 @@ def rebuild(
     fed_back = command - delayed(felt, feedback_lag, time_step)
     recursion = Recursion.of_displacement(whole, time_step)
     response = respond(recursion, fed_back, equilibrium(whole, -start.standing))[0]
+    unknown = what_is_unknown(start, test.tolerances, response, command)
     error, drawn = draw_error(
-        command,
-        read,
-        fed_back,
-        test,
-        noise=noise,
-        start=start,
-        unknown=what_is_unknown(start, test.tolerances, response, command),
-        draws=draws,
+        command, read, fed_back, test, noise=noise, start=start, unknown=unknown, draws=draws
     )
     return conclude(
         drawn.histories,
@@ -136,7 +131,7 @@ def rebuild(
         spread=error.swept.spread,
         differences=drawn.differences,
         every=drawn.every,
-        unknown=error.unknown,
+        unknown=unknown,
         start=start,
         seed=seed,
     )

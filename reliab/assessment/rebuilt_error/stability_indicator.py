@@ -13,8 +13,8 @@ motion grows.
 Play feeds energy in as well, and sets a small motion going; but the error that it causes does not grow with
 the motion, and a large motion does not diverge from it. Play of half width δ takes the damping
 (2α/π)(δ/A)(1 − δ/A) away at an amplitude A (its describing function). δ is at most about twice the
-root mean square of the smallest error, apart from a gain and an offset, that the actuator has had since it
-follows its command (A > 2δ); three times are granted.
+root mean square of the smallest error, apart from a gain and an offset, over a window in which the actuator
+followed its command (A > 2δ); 2.2 times are granted.
 
 The alarm is raised where ξ_net, play granted, lies below zero while the motion is among the largest of the
 test, by more standard errors than chance gives to one stable test in a hundred. So many are needed as there
@@ -35,6 +35,9 @@ Array = NDArray[np.float64]
 MEMORY = 2.0
 """Periods after which the window has forgotten all but 1/e."""
 
+LOOKS = 4
+"""Looks at the net damping in a period."""
+
 SETTLED = 1.0
 """Periods of motion before the indicator is trusted."""
 
@@ -44,7 +47,7 @@ FALSE_ALARMS = 0.01
 _INDEPENDENT = 4.0  # samples in a period of which the errors count as independent, at least
 _WHITE = 1.0  # mean square of the steps of white noise, averaged over two samples, over its own
 _LARGE = 0.5  # of the largest power of the motion so far
-_PLAY = 3.0  # times the smallest error that half the width of the play may be
+_PLAY = 2.2  # times the smallest error that half the width of the play may be
 _FOLLOWS = -0.5  # gain of the error above which the piston follows its command
 _SINGULAR = 1e-12
 _GAIN_AND_OFFSET = [0, 2]  # rows of the moments
@@ -86,10 +89,13 @@ class EnergyAlarm:
     Attributes
     ----------
     smallest : float
-        Smallest error of an actuator that follows its command so far [m].
+        Smallest error so far of an actuator that follows its command [m].
+    following : int
+        Looks since which it has followed its command.
     """
 
     smallest: float = np.inf
+    following: int = 0
 
     def look(self, net: NetDamping | None) -> bool:
         """Return whether the loop may diverge.
@@ -106,7 +112,8 @@ class EnergyAlarm:
         """
         if net is None:
             return False
-        if net.follows:
+        self.following = self.following + 1 if net.follows else 0
+        if self.following > 1:  # not while it only begins to move
             self.smallest = min(self.smallest, net.error)
         return net.large and net.high + net.by_play * _PLAY * self.smallest < 0.0
 
@@ -186,9 +193,10 @@ class Damping:
         rough = min(float(residual @ steps @ residual) / rest, _WHITE) if rest > 0.0 else 0.0
         count = float(moments[0, 2, 2])
         independent = max(count * max(rough / (4.0 - rough), _INDEPENDENT / self.samples), 1.0)
+        errors = np.sqrt(np.maximum(np.diag(inverse), 0.0) * rest / independent)
         units = float(self.factor * scale[3] / scale[1])
         ratio = float(self.ratio) - units * float(residual[1])
-        deviation = units * float(np.sqrt(max(float(inverse[1, 1]), 0.0) * rest / independent))
+        deviation = units * float(errors[1])
         window = np.ceil(motion[0] / (MEMORY * self.samples))
         needed = -float(scipy.special.ndtri(FALSE_ALARMS / (window * (window + 1.0))))
         follows = joint[_GAIN_AND_OFFSET, 3]
@@ -202,7 +210,7 @@ class Damping:
             deviation=deviation,
             high=ratio + needed * deviation,
             large=power > _LARGE * float(motion[1]),
-            follows=-float(residual[0] * scale[3]) > _FOLLOWS * float(scale[0]),
+            follows=bool(-(residual[0] + needed * errors[0]) * scale[3] > _FOLLOWS * scale[0]),
             error=float(np.sqrt(max(error, 0.0))),
             by_play=4.0 / np.pi * self.factor / (self.circular_frequency * amplitude),
         )

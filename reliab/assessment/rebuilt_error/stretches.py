@@ -17,18 +17,12 @@ from reliab.assessment.rebuilt_error.difference_draws import draw_differences
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.feedback import delayed
 from reliab.assessment.rebuilt_error.initial import Start
-from reliab.assessment.rebuilt_error.interval import (
-    FEWEST_SWEPT,
-    Histories,
-    Swept,
-    Unknown,
-    samples_in_step,
-    sweep,
-)
+from reliab.assessment.rebuilt_error.interval import FEWEST_SWEPT, Histories, Unknown, samples_in_step, sweep
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
 from reliab.assessment.rebuilt_error.recursion import Recursion, equilibrium, respond
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.spread import Estimate
+from reliab.assessment.rebuilt_error.swept import Swept
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.vocabulary import Metric
@@ -41,7 +35,7 @@ _SAMPLES = 1 << 19  # of a stretch, before they are thinned
 
 
 @dataclass(frozen=True, kw_only=True)
-class StatedTest:
+class Stated:
     """What is stated of a test.
 
     Attributes
@@ -138,7 +132,7 @@ def draw_error(
     command: Array,
     read: Array,
     fed_back: Array,
-    test: StatedTest,
+    test: Stated,
     *,
     noise: SensorNoise,
     start: Start,
@@ -153,7 +147,7 @@ def draw_error(
     command, read, fed_back : numpy.ndarray
         x_c, x_m without the sensor's offset, and x_c minus the displacement whose force was fed back [m],
         shape (n,).
-    test : StatedTest
+    test : Stated
         What is stated of the test.
     noise, start, unknown
         As the attributes of `ErrorSoFar`.
@@ -224,7 +218,7 @@ def what_is_unknown(start: Start, tolerances: Tolerances, response: Array, comma
 
 
 def error_of_stretch(
-    command: Array, measured: Array, test: StatedTest, *, draws: int, before: ErrorSoFar | None = None
+    command: Array, measured: Array, test: Stated, *, draws: int, before: ErrorSoFar | None = None
 ) -> ErrorSoFar:
     """Draw the error of a test up to the end of its first or next stretch.
 

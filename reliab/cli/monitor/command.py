@@ -69,16 +69,10 @@ def monitor(
         raise InputError(
             "A test needs --xi, the structure's damping ratio", remedy="Give 0.02 for 2 %, or 0.02±0.002"
         )
-    for option, number in (
-        ("--threshold", threshold),
-        ("--every", every),
-        ("--wait", wait),
-        ("--start-within", start_within),
-    ):
+    positive = {"--threshold": threshold, "--every": every, "--wait": wait, "--start-within": start_within}
+    for option, number in (positive if rate is None else positive | {"--rate": rate}).items():
         if not 0.0 < number < float("inf"):
             raise InputError(f"{option} must be positive", value=number)
-    if rate is not None and not 0.0 < rate < float("inf"):
-        raise InputError("--rate must be positive", value=rate)
     stated = StatedTest.parse(f=f, xi=xi, alpha=alpha, scale=scale, feedback_lag=feedback_lag)
     columns = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
     declared = {part: name for part, name in columns.items() if name is not None}

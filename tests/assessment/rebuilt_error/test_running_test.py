@@ -70,14 +70,15 @@ def net_of(strayed, share=1.0):
 def test_an_alarm_needs_half_of_the_largest_power(share, large):
     net = net_of(-4.0 * XI / (SHARE * W0) * np.gradient(COMMAND, STEP), share)
     assert net.large is large
-    assert EnergyAlarm(smallest=0.0).look(net) is large
+    assert bool(EnergyAlarm(smallest=0.0).look(net)) is large
 
 
-def test_an_alarm_grants_play_of_three_times_the_smallest_error():
+def test_an_alarm_grants_play_of_twice_the_smallest_error():
     slope = -4.0 * XI / (SHARE * W0) * np.gradient(COMMAND, STEP)
     net = net_of(slope)
-    assert net.error == pytest.approx(np.sqrt(np.mean(slope[-500:] ** 2)), rel=0.1)
-    enough = -net.high / (3.0 * net.by_play)
+    weight = DAMPING.forgetting ** np.arange(TIME.size - 1, -1, -1)
+    assert net.error == pytest.approx(np.sqrt(weight @ slope**2 / weight.sum()), rel=0.02)
+    enough = -net.high / (2.2 * net.by_play)
     assert EnergyAlarm(smallest=0.99 * enough).look(net)
     assert not EnergyAlarm(smallest=1.01 * enough).look(net)
     assert not EnergyAlarm().look(net)  # an error as large as ever may be play
@@ -85,15 +86,17 @@ def test_an_alarm_grants_play_of_three_times_the_smallest_error():
 
 def test_a_piston_that_rests_within_its_play_tells_nothing_of_the_size_of_it():
     alarm = EnergyAlarm()
-    alarm.look(net_of(-0.9 * COMMAND))
+    rests, follows = (net_of(gain * COMMAND + 1e-4 * np.gradient(COMMAND, STEP)) for gain in (-0.9, -0.1))
+    for net in [rests] * 3 + [follows, rests, follows]:  # it may only begin to move
+        alarm.look(net)
     assert alarm.smallest == np.inf
-    alarm.look(net_of(-0.1 * COMMAND + 1e-4 * np.gradient(COMMAND, STEP)))
+    alarm.look(follows)
     assert 0.0 < alarm.smallest < 1e-4
 
 
 @pytest.mark.parametrize("ratio", [2.0, 3.0, 5.0, 10.0, 40.0])
 def test_play_takes_no_more_damping_away_than_is_granted(ratio):
-    """A play operator by its definition: three times its smallest error bound what it does at any size."""
+    """A play operator by its definition: 2.2 times its smallest error bound what it does at any size."""
     half = 1e-3
 
     def of_play(amplitude):
@@ -106,7 +109,7 @@ def test_play_takes_no_more_damping_away_than_is_granted(ratio):
 
     smallest, net = of_play(2.0 * half).error, of_play(ratio * half)
     assert net.ratio < XI
-    assert net.ratio + 3.0 * smallest * net.by_play > XI
+    assert net.ratio + 2.2 * smallest * net.by_play > XI
 
 
 def test_damping_waits_for_one_period_of_motion():
@@ -177,7 +180,7 @@ def long():
     """A noisy test of 6,000 samples, of which one in one is swept."""
     rng = np.random.default_rng(6)
     time = STEP * np.arange(9000)
-    command = 0.01 * np.sin(W0 * time) * (1.2 + np.sin(0.4 * time))
+    command = 0.01 * np.sin(W0 * time) * (1.2 + np.sin(0.4 * time)) * np.clip(time / 3.0 - 1.0, 0.0, 1.0)
     command[6400:8700] = command[6400]  # a piston that rests for more than a stretch
     late = np.interp(time - 0.004, time, command)
     return command, 0.99 * late + 1e-4 * rng.standard_normal(time.size)

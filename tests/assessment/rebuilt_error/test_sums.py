@@ -77,7 +77,8 @@ def test_energies_forget_the_past_by_one_weight_a_step(histories):
     assert test.moments[0] == pytest.approx((weight * between) @ between.T, rel=1e-9, abs=1e-12)
     steps = np.diff(between)
     expected = (weight[1:] * steps) @ steps.T
-    expected += weight[0] * np.outer(between[:, 0], between[:, 0]) * (np.arange(4) != 2)  # from rest
+    first = between[:, 0] * (np.arange(4) != 2)  # from rest; the constant has no step
+    expected += weight[0] * np.outer(first, first)
     assert test.moments[1] == pytest.approx(expected, rel=1e-9, abs=1e-12)
 
 
