@@ -33,8 +33,7 @@ def run(
         typer.Argument(
             metavar="[STUDY]",
             autocompletion=studies,
-            help="A study's folder or file, or the name of one that ships. A folder may hold code, which is
-            run.",
+            help=("A study's folder or file, or the name of one that ships. The code in a folder is run."),
         ),
     ] = _DEFAULT,
     out: Annotated[
