@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     from reliab.api.boundaries import ellipses
     from reliab.api.design import design_test
     from reliab.api.simulation import simulate
-    from reliab.recordings import read_recording
     from reliab.criterion import derive_criterion, published_criterion, read_ellipses
     from reliab.discrepancy import diagnose, read_campaign
     from reliab.errors import InputError
     from reliab.motions import load_motions
+    from reliab.recordings import read_recording
     from reliab.structures.structure import Structure
     from reliab.study import open_study, run_study, write_report
     from reliab.sweep import open_results
