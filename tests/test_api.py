@@ -140,7 +140,7 @@ def test_a_design_is_that_of_the_command(capsys):
         (lambda: reliab.derive_criterion(xr.Dataset()), "must hold ellipses"),
         (lambda: reliab.derive_criterion(pd.DataFrame({"a": [1.0]})), "no column b"),
         (lambda: reliab.open_results("nothing"), "name real_suite"),
-        (lambda: reliab.diagnose("nothing"), "a folder with a readable"),
+        (lambda: reliab.diagnose("nothing"), "a folder with a campaign.toml"),
         (lambda: reliab.assess(pd.DataFrame({"x": [1.0]}), f=1, xi=0.02), "the data frame"),
     ],
 )

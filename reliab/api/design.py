@@ -106,7 +106,7 @@ def design_test(
             )
         )
 
-    stated = [f] if isinstance(f, Quantity) else f
+    stated = [f] if isinstance(f, int | Quantity) else f
     frequencies = [_exact(frequency, "f") for frequency in stated]
     return Design(tolerances=tolerances(frequencies), chart=tolerances(chart_frequencies(read)))
 
@@ -116,7 +116,7 @@ def _exact(quantity: Quantity, name: str) -> float:
     if stated.deviation:
         raise InputError(
             "Tolerable errors before a test are those of an exact structure",
-            value=f"`{name}` = {stated}",
+            value=f"`{name}={stated}`",
             remedy="Leave the tolerance out, or give two values",
         )
     return stated.value

@@ -118,7 +118,8 @@ def run(arguments: Sequence[str]) -> int:
     for library in ("asyncio", "matplotlib"):  # errors are told once, as below; fonts are listed elsewhere
         logging.getLogger(library).addHandler(logging.NullHandler())
     command = typer.main.get_command(app)
-    take_help_literally(command)
+    if "--version" not in arguments:  # which is printed without Rich
+        take_help_literally(command)
     try:
         with noticed_interruption(), warnings.catch_warnings():
             warnings.showwarning = _show_warning

@@ -111,6 +111,6 @@ def test_what_the_system_refuses_is_one_sentence(monkeypatch, capsys):
     def write_suite(*_, **__):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), "/locked/suite")
 
-    monkeypatch.setattr("reliab.motions.writing.write_suite", write_suite)
+    monkeypatch.setattr("reliab.motions.write_suite", write_suite)
     assert run(["motions", "synthesize", "--count", "2", "--out", "suite"]) == 2
     assert capsys.readouterr().err == "Error: /locked/suite: Permission denied\n"

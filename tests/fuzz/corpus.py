@@ -151,7 +151,7 @@ held_out = true
 
 @cache
 def studies() -> list[Case]:
-    return [{"study.toml": path.read_bytes()} for path in sorted((ROOT / "studies").glob("*.toml"))]
+    return [{"study.toml": path.read_bytes()} for path in sorted((ROOT / "studies").glob("*/study.toml"))]
 
 
 @cache

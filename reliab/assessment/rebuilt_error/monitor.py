@@ -31,9 +31,8 @@ from reliab.assessment.rebuilt_error.stretches import (
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, whole_structure
 from reliab.errors import InputError
-from reliab.recordings.recording import LARGEST_READING
-from reliab.structures.partition import Partition
-from reliab.structures.structure import Structure
+from reliab.recordings import LARGEST_READING
+from reliab.structures import Partition, Structure
 from reliab.vocabulary import Metric
 
 Array = NDArray[np.float64]

@@ -26,8 +26,7 @@ from reliab.assessment.rebuilt_error.stretches import Stated, draw_error, what_i
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, whole_structure
 from reliab.errors import InputError
-from reliab.structures.partition import Partition
-from reliab.structures.structure import Structure
+from reliab.structures import Partition, Structure
 
 Array = NDArray[np.float64]
 
