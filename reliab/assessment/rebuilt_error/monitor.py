@@ -134,6 +134,10 @@ class Monitor:
             seed=seed,
         )
         self._stretch = stretch or samples_in_stretch(self.structure, time_step)
+        if feedback_lag > self._stretch * time_step:
+            raise InputError(
+                "The lag of the fed-back force must be shorter than a stretch", value=f"{feedback_lag:g} s"
+            )
         self._damping = Damping.of(self.structure, time_step)
         self._period = 1.0 / (float(self.structure.natural_frequencies[0]) or 1.0)
         self._running = RunningError(

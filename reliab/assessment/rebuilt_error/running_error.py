@@ -167,8 +167,10 @@ class RunningError:
 
     def _fed_back(self, first: int, last: int) -> Array:
         """x_c minus the displacement whose force was fed back, for the new samples."""
-        context = min(first, int(self._lag / self._step) + 4)
-        felt = delayed(self._table[1, first - context : last], self._lag, self._step)[context:]
+        context = int(self._lag / self._step) + 4
+        known = min(first, context)
+        measured = np.pad(self._table[1, first - known : last], (context - known, 0), mode="edge")
+        felt = delayed(measured, self._lag, self._step)[context:]
         return np.asarray(self._table[0, first:last] - felt)
 
     def _reserve(self, size: int) -> None:

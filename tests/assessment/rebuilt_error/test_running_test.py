@@ -215,6 +215,11 @@ def test_a_rest_that_is_forgotten_still_counts_as_time():
     assert monitor.now.rms == pytest.approx(whole.rms.value, rel=0.02)
 
 
+def test_a_lag_longer_than_what_is_kept_is_refused():
+    with pytest.raises(InputError, match="shorter than a stretch"):
+        Monitor(STRUCTURE, STEP, feedback_lag=1e9)
+
+
 def test_more_draws_than_were_kept_are_refused():
     with pytest.raises(InputError, match="256 draws at most"):
         fed(1000).ask(draws=512)
