@@ -50,6 +50,16 @@ def test_predictive_quantiles_are_exact_within_monte_carlo_error(posteriors):
     ).all()
 
 
+@pytest.mark.parametrize("share", [0.1, 0.5, 0.95])
+def test_quantiles_of_the_populations_quantile_are_those_of_draws(share):
+    """Draws of μ and σ need neither Student's nor the non-central distribution."""
+    exact = NormalInverseChiSquared.posterior(VALUES[:6])
+    mu, sigma = exact.draw(40_000, np.random.default_rng(31))
+    drawn = mu + stats.norm.ppf(share) * sigma
+    found = (drawn[:, None] <= exact.quantile_of_quantile(share, SHARES)).mean(axis=0)
+    assert (np.abs(found - SHARES) < 4.0 * error_of_share(SHARES, drawn.size)).all()
+
+
 def test_the_density_is_that_of_the_conjugate_posterior():
     model = NormalValues(values=VALUES)
     exact = NormalInverseChiSquared.posterior(VALUES, WEAK_PRIOR)

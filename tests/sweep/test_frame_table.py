@@ -14,6 +14,7 @@ from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
 from reliab.sweep import EllipseRequest, trace_ellipses
 from reliab.sweep.frame_table import FrameRequest, governing_mode, trace_frame_ellipses
+from reliab.vocabulary import Metric
 
 
 def framed(partition, output=None):
@@ -24,8 +25,9 @@ def test_a_frame_of_one_mass_has_the_ellipses_of_the_one_mode_structure():
     motions = load_motions("synthetic")[:1]
     structure = Structure(frequency=1.0, damping_ratio=0.05)
     frame = framed(Partition.of(structure, mass=20.0))
-    found = trace_frame_ellipses(motions, FrameRequest(frame=frame))
-    expected = trace_ellipses(motions, EllipseRequest(frequencies=(1.0,), damping_ratios=(0.05,)))
+    asked = {"thresholds": (0.03, 0.05), "metrics": (Metric.RMS, Metric.MTE)}
+    found = trace_frame_ellipses(motions, FrameRequest(frame=frame, **asked))
+    expected = trace_ellipses(motions, EllipseRequest(frequencies=(1.0,), damping_ratios=(0.05,), **asked))
     assert found.sizes == expected.sizes
     for name in ("a", "b", "error_at_rest"):
         np.testing.assert_allclose(found[name].values, expected[name].values, rtol=5e-3)

@@ -93,6 +93,19 @@ def test_a_store_whose_sweep_was_killed_is_finished_with_the_same_bytes(tmp_path
     assert contents(path) == reference
 
 
+def test_the_journal_is_written_while_the_sweep_runs(tmp_path, suite, monkeypatch):
+    """A process that is killed closes nothing: what it had solved must be on the disk by then."""
+    monkeypatch.setattr(store, "_JOURNAL_EVERY", 0.0)
+    path, known = tmp_path / "results.zarr", []
+
+    def look(done: int, _: int) -> None:
+        entries = store.array_of(store.open_group(path, "r"), store.JOURNAL)[:]
+        known.append(sum(map(bool, entries)) >= done)
+
+    run_sweep(suite, REQUEST, path, progress=look, workers=1)
+    assert known == [True] * 7
+
+
 @pytest.mark.slow
 def test_fifty_kills_leave_the_same_bytes(tmp_path, reference):
     rng = np.random.default_rng(50)

@@ -6,6 +6,7 @@ import pytest
 from reliab.effects import find_effect
 from reliab.errors import InputError
 from reliab.simulation.actuator import Actuator
+from reliab.simulation.compensators import AdaptiveInverse, InverseCompensation, PhaseLeadControl
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.hybrid_test import HybridTest, drive, load, read_force, run_closed_loop
 from reliab.simulation.hybrid_test.open_loop import Motion3
@@ -39,6 +40,30 @@ def test_blocks_alone_repeat_what_they_did_in_the_loop():
     piston = drive(test, whole.command)
     np.testing.assert_allclose(piston.values[0], whole.piston.values[0], atol=1e-12)
     np.testing.assert_allclose(read_force(test, piston, load(test, piston)), whole.force, atol=1e-9)
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.006])
+@pytest.mark.parametrize(
+    "compensator",
+    [
+        InverseCompensation(steps=3.0),
+        AdaptiveInverse(steps=3.0, proportional=4e5, integral=4e4),
+        PhaseLeadControl(proportional=0.9, integral=20.0, lead=1.1, lead_pole=60.0),
+    ],
+    ids=lambda compensator: compensator.name,
+)
+def test_a_compensator_alone_repeats_what_it_sent_in_the_loop(compensator, delay):
+    """It has the command of each instant, and what was measured an instant before, which is 0 at first."""
+    test = HybridTest(structure=STRUCTURE, actuator=Actuator(delay=delay))
+    run = run_closed_loop(test, 0.05 * GROUND[:1024], STEP, compensator=compensator)
+    measured = np.concatenate([[0.0], run.piston.values[0, :-1]])
+    coefficients, state = compensator.coefficients(STEP), np.zeros(compensator.kernel.states)
+    sent = np.ascontiguousarray(run.command.values.T)
+    for motion, last in zip(sent, measured, strict=True):
+        compensator.kernel(motion, last, STEP, coefficients, state)
+    piston = drive(test, Motion3(values=sent.T, step=STEP))
+    scale = np.abs(run.piston.values[0]).max()
+    np.testing.assert_allclose(piston.values[0], run.piston.values[0], atol=1e-9 * scale)
 
 
 def damping_of(test):
