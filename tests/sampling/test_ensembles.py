@@ -2,6 +2,7 @@
 
 import errno
 import os
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from emcee.backends import HDFBackend
 
 from reliab.errors import IncompleteError, InputError
 from reliab.sampling import ConvergenceWarning, Ensembles, NormalValues, chain_file, sample
+from reliab.sampling.ensembles import width_of
 
 MODEL = NormalValues(values=np.random.default_rng(1).normal(size=30))
 QUICK = Ensembles(steps=40, thin=2, walkers=8)
@@ -105,6 +107,35 @@ def test_a_full_disk_says_that_earlier_draws_are_safe(tmp_path, monkeypatch):
     monkeypatch.setattr(chain_file, "_store", kept)
     resumed = sample(MODEL, QUICK, file=tmp_path / "run.h5")
     np.testing.assert_array_equal(resumed.draws, sample(MODEL, QUICK).draws)
+
+
+@SHORT
+def test_writing_long_chains_takes_a_tenth_of_the_time(tmp_path, monkeypatch):
+    """By a clock on which a step takes a second and a file a second for each ensemble."""
+    now, begun = [0.0], []
+    kept = vars(chain_file)["_store"]
+
+    def store_slowly(group, chain, signature):
+        begun.append(now[0])
+        now[0] += 1.0
+        kept(group, chain, signature)
+
+    def step(*_):
+        now[0] += 1.0
+
+    monkeypatch.setattr(chain_file, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    monkeypatch.setattr(chain_file, "_store", store_slowly)
+    sample(MODEL, Ensembles(steps=200, count=1, walkers=8), file=tmp_path / "run.h5", progress=step)
+    between = np.diff(begun)[1:-1]  # the first and the last writing are owed in any case
+    assert (between >= 1.0 / 0.1).all()
+    assert between.max() < 20.0
+
+
+def test_an_ensemble_has_more_than_twice_as_many_walkers_as_parameters():
+    """With fewer an ensemble stays in a part of the space; emcee wants an even number of at least twice."""
+    widths = [width_of(SimpleNamespace(parameters=[None] * count)) for count in range(1, 60)]
+    assert widths[0] == 32
+    assert all(width % 2 == 0 and width > 2 * count for count, width in enumerate(widths, start=1))
 
 
 @SHORT
