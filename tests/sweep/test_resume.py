@@ -9,6 +9,7 @@ import sys
 import textwrap
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -93,14 +94,23 @@ def test_a_store_whose_sweep_was_killed_is_finished_with_the_same_bytes(tmp_path
     assert contents(path) == reference
 
 
-def test_the_journal_is_written_while_the_sweep_runs(tmp_path, suite, monkeypatch):
-    """A process that is killed closes nothing: what it had solved must be on the disk by then."""
-    monkeypatch.setattr(store, "_JOURNAL_EVERY", 0.0)
+@pytest.mark.parametrize("tick", [0.0, store._JOURNAL_EVERY])
+def test_the_journal_is_written_when_it_is_due(tmp_path, suite, monkeypatch, tick):
+    """A process that is killed closes nothing; by this clock every motion is due, or none before the end."""
+    now = [100.0]
+    monkeypatch.setattr(store, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    write_chunk = store.write_chunk
+
+    def write_later(*arguments):
+        write_chunk(*arguments)
+        now[0] += tick
+
+    monkeypatch.setattr(store, "write_chunk", write_later)
     path, known = tmp_path / "results.zarr", []
 
     def look(done: int, _: int) -> None:
         entries = store.array_of(store.open_group(path, "r"), store.JOURNAL)[:]
-        known.append(sum(map(bool, entries)) >= done)
+        known.append(sum(map(bool, entries)) >= done if tick else not any(entries))
 
     run_sweep(suite, REQUEST, path, progress=look, workers=1)
     assert known == [True] * 7
