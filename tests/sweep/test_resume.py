@@ -94,7 +94,7 @@ def test_a_store_whose_sweep_was_killed_is_finished_with_the_same_bytes(tmp_path
     assert contents(path) == reference
 
 
-@pytest.mark.parametrize("tick", [0.0, store._JOURNAL_EVERY])
+@pytest.mark.parametrize("tick", [0.0, 0.26])
 def test_the_journal_is_written_when_it_is_due(tmp_path, suite, monkeypatch, tick):
     """A process that is killed closes nothing; by this clock every motion is due, or none before the end."""
     now = [100.0]
