@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from reliab.boundary import Ellipse
+from reliab.boundary import Ellipse, InscribedEllipse
 from reliab.errors import InputError
 from reliab.indices.response_error import relative_error
 from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
+from reliab.simulation.frames.frame_file import FrameUnderTest
+from reliab.structures.partition import Partition
+from reliab.structures.structure import Structure
 from reliab.sweep import (
     EllipseRequest,
     ScaledGrid,
@@ -23,7 +26,8 @@ from reliab.sweep import (
     trace_ellipses,
     write_compact,
 )
-from reliab.vocabulary import LABELS, Metric
+from reliab.sweep.frame_table import FrameRequest, trace_frame_ellipses
+from reliab.vocabulary import LABELS, Metric, Side
 
 SHARES = (0.25, 1.0)
 REQUEST = SweepRequest(
@@ -118,3 +122,51 @@ def test_what_is_asked_of_one_share_is_refused_for_several(results):
 def test_shares_that_do_not_increase_are_refused(shares):
     with pytest.raises(InputError, match="increase"):
         replace(REQUEST, experimental_fractions=shares)
+
+
+def traced_frame(motions, request, **options):
+    structure = Structure(frequency=1.0, damping_ratio=0.05)
+    frame = FrameUnderTest(
+        name="frame", partition=Partition.of(structure, mass=20.0), output=None, error_of="interface"
+    )
+    asked = {name: getattr(request, name) for name in ("thresholds", "metrics", "curves", "sides")}
+    return trace_frame_ellipses(motions, FrameRequest(frame=frame, **asked), **options)
+
+
+TABLE = EllipseRequest(
+    frequencies=(0.5, 1.0),
+    damping_ratios=(0.02, 0.05),
+    thresholds=(0.02, 0.05),
+    curves=(InscribedEllipse, Ellipse),
+)
+ALONE = replace(  # the second f, curve and metric, but the first ξ, side and threshold
+    TABLE,
+    frequencies=(1.0,),
+    damping_ratios=(0.02,),
+    thresholds=(0.02,),
+    curves=(Ellipse,),
+    sides=(Side.LAG,),
+)
+BOTH = (Metric.MTE, Metric.RMS)
+
+
+@pytest.mark.parametrize(
+    ("trace", "metrics"), [(trace_ellipses, BOTH), (traced_frame, BOTH), (predict_ellipses, (Metric.RMS,))]
+)
+def test_an_entry_of_a_table_is_what_is_traced_for_it_alone(two, trace, metrics):
+    """Structures, thresholds, metrics, curves and sides stand where the labels say."""
+    whole = trace(two, replace(TABLE, metrics=metrics))
+    one = trace(two[1:], ALONE)
+    for name in ("a", "b", "n", "no_ellipse"):
+        part = whole[name].sel({dimension: one[dimension].values for dimension in one[name].dims})
+        np.testing.assert_allclose(part.values, one[name].values, rtol=1e-4)
+
+
+@pytest.mark.parametrize("trace", [trace_ellipses, traced_frame, predict_ellipses])
+def test_progress_rises_to_its_total(two, trace):
+    steps = []
+    request = replace(ALONE, experimental_fractions=SHARES)
+    trace(two, request, progress=lambda *step: steps.append(step))
+    done, totals = zip(*steps, strict=True)
+    assert list(done) == sorted(set(done))
+    assert set(totals) == {done[-1]}
