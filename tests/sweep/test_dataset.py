@@ -26,6 +26,7 @@ from reliab.sweep import (
     run_sweep,
     trace_ellipses,
 )
+from reliab.sweep.plain import sweep_request
 from reliab.vocabulary import LABELS, RESULT_DIMENSIONS, Metric, Side
 
 
@@ -197,6 +198,12 @@ def test_explicit_grid_of_the_paper_resolves_its_own_boundaries(tmp_path, suite)
 def test_structure_that_was_not_simulated_is_refused(results):
     with pytest.raises(InputError, match=r"0\.5, 1"):
         results.reliab.at_structure(0.7, 0.02)
+
+
+@pytest.mark.parametrize("what", ["grid", "engine", "window"])
+def test_a_name_that_is_no_choice_is_refused_with_those_that_are(what):
+    with pytest.raises(InputError, match=r"(?s)(scaled|automatic|record).*found nothing"):
+        sweep_request(**{what: "nothing"})
 
 
 def test_accessor_refuses_other_datasets():
