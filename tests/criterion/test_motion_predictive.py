@@ -57,6 +57,15 @@ def test_motions_of_one_earthquake_widen_it():
     assert together.quantile(0.01) < apart.quantile(0.01)
 
 
+@pytest.mark.parametrize("power", [-0.6, -0.4, 0.3, 0.6])
+def test_the_skew_normal_has_the_first_three_moments_of_the_sample(power):
+    raw = np.random.default_rng(7).gamma(1.0, size=3000)
+    values = np.sign(power) * raw ** abs(power)
+    found = MotionPredictive.fit(values[:, None], np.arange(values.size).astype(str))
+    moments = stats.skewnorm.stats(found.shape[0], found.location[0], found.scale[0], moments="mvs")
+    np.testing.assert_allclose(moments, (values.mean(), values.var(), stats.skew(values)), rtol=1e-9)
+
+
 def test_equal_values_and_an_outlier_do_no_harm():
     values = np.array([[0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 1e4]]).T
     found = MotionPredictive.fit(values, np.arange(7).astype(str))

@@ -82,3 +82,14 @@ def test_a_table_keeps_a_limit_of_zero():
     table = Table.fit([1.0, 2.0], [0.02], [[0.0], [1e-4]], [[0.0], [1.0]])
     a, _ = table.limits([1.0, 1.5, 2.0], 0.02)
     assert a.tolist() == [0.0, 0.0, pytest.approx(1e-4)]
+
+
+@pytest.mark.parametrize(
+    "law", [law for law in FITTED.values() if law is not Table], ids=lambda law: law.name
+)
+@pytest.mark.parametrize("place", [0, 1])
+def test_a_law_with_logarithms_refuses_a_limit_of_zero(law, place):
+    limits = list(map(np.copy, grid(law)))
+    limits[place][1, 2] = 0.0
+    with pytest.raises(InputError, match="positive at every structure; found limits of zero at 1 structures"):
+        law.fit(F, XI, *limits)
