@@ -131,7 +131,5 @@ def test_limits_that_cannot_be_promised_are_zero_with_a_caution_and_fit_no_law(e
     assert float(found.limits(1.0, 0.02)[0]) == 0.0
     for amplitude, delay in ((1.0, 0.0), (1.0, 1e-4), (1.001, 0.0)):  # the perfect test as well
         assert float(found.index(amplitude, delay, 1.0, 0.02)) == np.inf
-    with pytest.raises(
-        InputError, match="positive at every structure; found too few motions or earthquakes for c"
-    ):
+    with pytest.raises(InputError, match="every structure; found too few motions or earthquakes for c"):
         derive_criterion(ellipses, method="conformal", confidence=0.99, law="dimensionless")
