@@ -90,3 +90,9 @@ def test_the_built_in_suite_is_loaded_by_name() -> None:
     assert len(suite) == 100
     assert len(set(suite.events)) == 50
     assert suite[0].name == suite.names[0]
+
+
+@pytest.mark.parametrize("time_step", [0.0, -0.01, float("inf"), float("nan")])
+def test_a_step_that_is_not_positive_is_refused(folder: Path, time_step: float) -> None:
+    with pytest.raises(InputError, match="time step must be positive; found"):
+        load_motions(folder, time_step=time_step)

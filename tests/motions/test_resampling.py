@@ -52,7 +52,8 @@ def test_an_impossible_rate_is_refused(rate: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("duration", "samples"), [(0.01, 2), (0.3, 31), (0.305, 31), (0.29999999999, 31), (0.4, 41), (9.0, 41)]
+    ("duration", "samples"),
+    [(0.01, 2), (0.3, 31), (0.305, 31), (0.29999999999, 31), (0.4, 41), (9.0, 41)],
 )
 def test_truncation_keeps_what_lies_within_the_duration(duration: float, samples: int) -> None:
     record = motion(list(range(41)), 0.01)
