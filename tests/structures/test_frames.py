@@ -5,6 +5,8 @@ import pytest
 
 from reliab.errors import InputError
 from reliab.structures.frames import Frame, PlanarFrame, modal_damping, rayleigh_damping, shear_frame
+from reliab.structures.frames.matrices import square_matrix
+from reliab.structures.frames.response import exact_step
 
 PUBLISHED = np.array(
     [
@@ -150,3 +152,19 @@ def test_an_unknown_degree_of_freedom_is_refused_with_those_there_are():
 def test_bad_damping_and_storeys_are_refused(build):
     with pytest.raises(InputError):
         build()
+
+
+@pytest.mark.parametrize("unit", [1e-9, 1.0, 1e9])
+def test_symmetry_is_judged_by_the_matrix_s_own_size(unit):
+    stiffness = unit * np.array([[2.0, -1.0], [-1.0 + 1e-7, 1.0]])
+    np.testing.assert_array_equal(square_matrix(stiffness, "matrix"), (stiffness + stiffness.T) / 2.0)
+    with pytest.raises(InputError, match="must be symmetric"):
+        square_matrix(stiffness + unit * np.array([[0.0, 1e-5], [0.0, 0.0]]), "matrix")
+
+
+def test_several_loads_have_the_effects_of_each_alone():
+    dynamics, loads = np.array([[0.0, 1.0], [-9.0, -0.3]]), np.array([[0.0, 1.0, 2.0], [1.0, 0.0, -3.0]])
+    together = exact_step(dynamics, loads, 0.1)
+    alone = [exact_step(dynamics, load[:, np.newaxis], 0.1) for load in loads.T]
+    for place in (1, 2):
+        np.testing.assert_allclose(together[place], np.hstack([each[place] for each in alone]), rtol=1e-12)
