@@ -1,10 +1,14 @@
 """Results say with what they were computed."""
 
+import platform
 import re
 import tomllib
 from importlib.metadata import version
 from pathlib import Path
 
+import pytest
+
+from reliab.study import environment as module
 from reliab.study.environment import environment
 
 PROJECT = Path(__file__).resolve().parents[2] / "pyproject.toml"
@@ -21,3 +25,11 @@ def test_every_dependency_is_listed_with_its_version():
 def test_the_processor_and_the_system_are_named():
     described = environment()
     assert all(described[name] for name in ("python", "system", "processor"))
+
+
+@pytest.mark.parametrize("text", ["vendor: x\nmodel name\t: Quick  3000 \nflags\t: fpu", "no such line\n"])
+def test_the_processor_has_the_name_that_the_system_states(tmp_path, monkeypatch, text):
+    (tmp_path / "cpuinfo").write_text(text, encoding="utf-8")
+    monkeypatch.setattr(module, "_PROCESSORS", tmp_path / "cpuinfo")
+    named = vars(module)["_processor"].__wrapped__()
+    assert named == ("Quick  3000" if "Quick" in text else platform.processor() or platform.machine())

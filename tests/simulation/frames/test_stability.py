@@ -53,6 +53,16 @@ def test_a_pole_crosses_at_the_critical_delay(random_partition, seed):
     assert crossing.imag / (2 * np.pi) == pytest.approx(frequency, rel=1e-6)
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_a_loop_of_poles_answers_a_real_motion_by_a_real_one(random_partition, seed):
+    """At conjugate arguments its transfer function is conjugate: each pole brings its own mirror image."""
+    partition = random_partition(seed)
+    delay, _ = critical_delay(partition, 1.02)
+    loop = pole_loop(partition, np.full(2, 1.02), delay * np.array([0.2, 0.8]))
+    s = 1j * np.geomspace(0.1, 300.0, 25)
+    np.testing.assert_allclose(loop.transfer(s.conj()), loop.transfer(s).conj(), rtol=1e-9)
+
+
 @pytest.mark.parametrize("seed", [0, 3])
 def test_tests_grow_beyond_the_critical_delay_and_decay_below(random_partition, seed):
     partition = random_partition(seed, size=2, mass=False)
