@@ -72,7 +72,7 @@ def test_the_table_of_a_running_test_grows_with_what_is_known():
     command = np.minimum(time, 1.0) * 0.01 * np.sin(6.0 * time)
     monitor = Monitor(Structure(frequency=1.0, damping_ratio=0.05), 1.0 / 256.0)
     watch = Watch.__new__(Watch)
-    watch.alarms, watch.metric, watch.threshold = [], Metric.RMS, 0.05
+    watch.alarms, watch.metric, watch.threshold = {}, Metric.RMS, 0.05
 
     def shown():
         screen = Console(width=100)
@@ -85,7 +85,7 @@ def test_the_table_of_a_running_test_grows_with_what_is_known():
     assert "90 % interval" not in shown()
     monitor.feed(command[100:], 0.99 * command[100:])
     result = monitor.ask(draws=8)
-    watch.alarms.append("the loop has gained energy")
+    watch.alarms["energy"] = "the loop has gained energy"
     text = shown()
     assert f"{result.rms.value:.2%} ({result.rms.low:.2%} to {result.rms.high:.2%})" in text
     assert f"{result.probability(0.05):.3f}" in text
