@@ -21,7 +21,9 @@ print("code", run([*asked, "--report", {report!r}]))
 def absent_packages():
     """Dependencies of the project that the small installation does without."""
     page = (ROOT / "reports/site/getting_started.md").read_text(encoding="utf-8")
-    small = set(re.search(r"^\$ python -m pip install (numpy .*)$", page, re.MULTILINE)[1].split())
+    small = set(
+        re.search(r"^\$ python -m pip install (numpy .*)$", page, re.MULTILINE)[1].replace("-", "_").split()
+    )
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     needed = {re.match(r"[a-z0-9-]+", item)[0].replace("-", "_") for item in project["dependencies"]}
     assert small < needed
