@@ -43,7 +43,6 @@ GROUND = {
     "errors",
     "files",
     "html_table",
-    "lazy_exports",
     "progress",
     "received",
     "registry",

@@ -1,4 +1,4 @@
-"""Validation of the criterion: cross-validation, other rigs, and the verdict on a test."""
+"""Validation: criteria on earthquakes that they were not learned from, other rigs, stated probabilities."""
 
 import lazy_loader
 
