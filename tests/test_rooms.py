@@ -6,6 +6,7 @@ from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -104,12 +105,15 @@ def test_a_room_is_entered_by_its_face():
     assert strays == set()
 
 
-def test_a_face_names_only_what_it_has():
+def test_a_face_names_what_it_has_and_no_module_hides_it():
+    for path in modules():
+        if not path.stem.startswith("__"):
+            import_module(".".join(["reliab", *path.relative_to(PACKAGE).with_suffix("").parts]))
     for stub in sorted(PACKAGE.rglob("__init__.pyi")):
         package = ".".join(["reliab", *stub.parent.relative_to(PACKAGE).parts])
         face = import_module(package)
         for name in face.__all__:
-            assert getattr(face, name) is not None, f"{package}.{name}"
+            assert not isinstance(getattr(face, name), ModuleType), f"{package}.{name}"
 
 
 def part_of(path: Path) -> str:

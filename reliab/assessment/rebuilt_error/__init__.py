@@ -36,3 +36,6 @@ and the interval includes it.
 import lazy_loader
 
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+# modules of these names would hide what they hold
+from reliab.assessment.rebuilt_error.rebuild import rebuild as rebuild  # noqa: E402
