@@ -164,9 +164,10 @@ def test_nothing_of_the_old_test_stays_when_another_file_is_read(page, tmp_path,
     numbers = page.execute_script(  # both errors and A, which the other test does not share
         "return [...document.querySelectorAll('#numbers td')].slice(1, 4).map((cell) => cell.textContent)"
     )
-    page.execute_script(  # what the page says after each change of it
-        "window.seen = []; const look = () => window.seen.push(document.getElementById('test').hidden ? '' :"
-        " document.getElementById('test').innerText); new MutationObserver(look).observe("
+    page.execute_script(  # what the page says after each change of it, from the moment of the file on
+        "document.addEventListener('change', () => { window.seen = []; }, true);"
+        "const test = document.getElementById('test'), look = () => window.seen?.push(test.hidden ? '' :"
+        " test.innerText); new MutationObserver(look).observe("
         "document.body, {subtree: true, childList: true, characterData: true, attributes: true});"
     )
     page.find_element("id", "file").send_keys(str(other))
