@@ -22,18 +22,7 @@ def _compiled(function: _Kernel, *, cache: bool) -> _Kernel:
 
 
 def compiled(function: _Kernel) -> _Kernel:
-    """Compile a numerical kernel with Numba, free of the interpreter lock, and cached where a disk allows it.
-
-    Parameters
-    ----------
-    function : callable
-        A function of arrays and numbers in Numba's nopython subset.
-
-    Returns
-    -------
-    callable
-        The compiled function, with the signature of the original.
-    """
+    """Compile a numerical kernel with Numba, free of the interpreter lock, cached where a disk allows it."""
     try:
         return _compiled(function, cache=True)
     except RuntimeError:  # no folder for compiled kernels can be written
@@ -53,13 +42,7 @@ def _say_that_none_are_kept() -> None:
 
 @compiled
 def copy_rows(source: NDArray[Any], target: NDArray[Any]) -> None:
-    """Copy a table. Compilers take seconds for an assignment to a slice, and nothing for a loop.
-
-    Parameters
-    ----------
-    source, target : numpy.ndarray
-        Shape (rows, columns); the source may have more columns.
-    """
+    """Copy a table. Compilers take seconds for an assignment to a slice, and nothing for a loop."""
     for row in range(target.shape[0]):
         for column in range(target.shape[1]):
             target[row, column] = source[row, column]

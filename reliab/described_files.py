@@ -33,25 +33,7 @@ _LONG_NAME = re.compile(rf"""(?<![\w"'.-])(?:{_PART}[ \t]*+\.[ \t]*+){{{DEEPEST}
 
 
 def read_toml(path: str | Path, *, rule: str, remedy: str) -> dict[str, Any]:
-    """Read a TOML file.
-
-    Parameters
-    ----------
-    path : str or pathlib.Path
-        The file.
-    rule, remedy : str
-        What must hold of it, and what to do where it does not.
-
-    Returns
-    -------
-    dict
-        Its tables; every number is finite, whole ones have 64 bits.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read, is no TOML, or is larger or deeper than any description.
-    """
+    """Read a TOML file."""
     return parse_toml(
         described_text(path, rule=rule, remedy=remedy), rule=rule, remedy=remedy, where=str(path)
     )
@@ -154,22 +136,7 @@ def _too_deep(where: str) -> InputError:
 
 
 def first_fault(error: "ValidationError") -> tuple[str, str | None, list[str]]:
-    """Say in words what a schema first found wrong.
-
-    Parameters
-    ----------
-    error : pydantic.ValidationError
-        All that it found.
-
-    Returns
-    -------
-    rule : str
-        What must hold of the key.
-    value : str or None
-        What was found instead, where it can be shown.
-    place : list of str
-        Names and numbers that lead to the key.
-    """
+    """Say in words what a schema first found wrong."""
     first = error.errors()[0]
     place = [str(part) for part in first["loc"]]
     key = ".".join(place)

@@ -12,18 +12,7 @@ _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 
 
 def encoding_of(head: bytes) -> str:
-    """Name the encoding of a text by its byte order mark: UTF-16, as from Windows, or else UTF-8.
-
-    Parameters
-    ----------
-    head : bytes
-        How the text begins.
-
-    Returns
-    -------
-    str
-        A name for `open`, which takes the mark away.
-    """
+    """Name the encoding of a text by its byte order mark: UTF-16, as from Windows, or else UTF-8."""
     return "utf-16" if head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)) else "utf-8-sig"
 
 
@@ -36,18 +25,6 @@ def encoding_of_file(path: str | Path) -> str:
 def as_utf8(content: bytes) -> bytes:
     r"""Take the byte order mark from a text, and write UTF-16 as UTF-8.
 
-    Parameters
-    ----------
-    content : bytes
-        The text, in any encoding; what has no mark is returned as it is.
-
-    Returns
-    -------
-    bytes
-        The text without a mark; what is no character of UTF-16 is U+FFFD.
-
-    Examples
-    --------
     >>> as_utf8("f = 1 Hz".encode("utf-16")), as_utf8(b"\xef\xbb\xbff = 1 Hz"), as_utf8(b"\xb0")
     (b'f = 1 Hz', b'f = 1 Hz', b'\xb0')
     """
@@ -82,18 +59,8 @@ def decoded(content: bytes) -> str:
 def as_cell(text: str) -> str:
     """Write a text for a cell of a table so that a spreadsheet shows it, and computes nothing.
 
-    Parameters
-    ----------
-    text : str
-        Any text, such as the name of a motion.
+    Returns the text; behind an apostrophe where it would be a formula and is no number.
 
-    Returns
-    -------
-    str
-        The text; behind an apostrophe where it would be a formula and is no number.
-
-    Examples
-    --------
     >>> as_cell("=1+1"), as_cell("-0.5"), as_cell("KOBE"), of_cell(as_cell("=1+1"))
     ("'=1+1", '-0.5', 'KOBE', '=1+1')
     """

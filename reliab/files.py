@@ -24,23 +24,6 @@ _KINDS = {
 def ordinary(path: str | Path) -> Path:
     """Return a path unless a pipe, a device or a socket stands there, which might never end.
 
-    Parameters
-    ----------
-    path : str or pathlib.Path
-        A file that is about to be read; links are followed.
-
-    Returns
-    -------
-    pathlib.Path
-        The same path, also where nothing stands there.
-
-    Raises
-    ------
-    OSError
-        If it is no ordinary file, so that a reader explains it as it explains a missing file.
-
-    Examples
-    --------
     >>> ordinary("/dev/zero")
     Traceback (most recent call last):
     ...
@@ -61,22 +44,8 @@ def ordinary(path: str | Path) -> Path:
 def require_small(path: str | Path, most: int, *, remedy: str) -> None:
     """Refuse a file that would not fit in memory, before it is read.
 
-    Parameters
-    ----------
-    path : str or pathlib.Path
-        The file.
-    most : int
-        Largest size [bytes].
-    remedy : str
-        What to do about a larger one.
+    `most` [bytes].
 
-    Raises
-    ------
-    InputError
-        If it is larger.
-
-    Examples
-    --------
     >>> import tempfile
     >>> with tempfile.NamedTemporaryFile() as file:
     ...     require_small(file.name, 1_000_000, remedy="Cut it")
@@ -96,18 +65,6 @@ def refuse_links(folder: Path, *beside: Path) -> None:
 
     A folder may come from someone else: what is read or written where a link stands would be the file that
     it names, anywhere on this machine.
-
-    Parameters
-    ----------
-    folder : pathlib.Path
-        The folder, which may be a link itself.
-    *beside : pathlib.Path
-        Files beside it that are written too.
-
-    Raises
-    ------
-    InputError
-        If there is a link.
     """
     for part in (*beside, *folder.rglob("*")):
         if part.is_symlink():
@@ -123,22 +80,6 @@ def refuse_links(folder: Path, *beside: Path) -> None:
 def decoding(rule: str, *, remedy: str, where: object) -> Iterator[None]:
     """Turn whatever a library raises while it decodes a file into an error that says what to do.
 
-    Parameters
-    ----------
-    rule : str
-        What must hold of the file.
-    remedy : str
-        What to do about it.
-    where : object
-        The file.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be decoded.
-
-    Examples
-    --------
     >>> with decoding("The file must be sound", remedy="Obtain it again", where="a.mat"):
     ...     raise IndexError("index 7 is out of bounds")
     Traceback (most recent call last):
@@ -170,26 +111,6 @@ def written_whole(path: str | Path, *, synced: bool = True) -> Iterator[Path]:
     Whoever reads the file sees the one before or the new one, also after a crash or on a full disk. What
     killed processes left in the folder is removed.
 
-    Parameters
-    ----------
-    path : str or pathlib.Path
-        The file, replaced if it is there; through a link, the file that the link names.
-    synced : bool, optional
-        Whether to wait until it is on the disk; without that, a crash of the whole machine may lose it, and
-        what killed processes left is not looked for.
-
-    Yields
-    ------
-    pathlib.Path
-        The file to write, in the same folder; removed if an error is raised.
-
-    Raises
-    ------
-    OSError
-        If it cannot be written.
-
-    Examples
-    --------
     >>> import tempfile
     >>> place = Path(tempfile.mkdtemp()) / "numbers.txt"
     >>> with written_whole(place) as unfinished:
@@ -244,20 +165,7 @@ def folder_written_whole(place: Path) -> Iterator[Path]:
 
 @contextlib.contextmanager
 def written_by_one_process(path: Path, rule: str) -> Iterator[None]:
-    """Keep every other process from writing to a folder, with a lock that stands beside it.
-
-    Parameters
-    ----------
-    path : pathlib.Path
-        The folder; the one that it stands in must exist.
-    rule : str
-        That only one process may do it.
-
-    Raises
-    ------
-    InputError
-        If another process does, there are links among the folder's files, or no lock can be made.
-    """
+    """Keep every other process from writing to a folder, with a lock that stands beside it."""
     import filelock
 
     lock = filelock.FileLock(path.with_name(path.name + ".lock"), timeout=0)

@@ -7,22 +7,6 @@ from html import escape
 def html_table(title: str, rows: Mapping[str, str], notes: Iterable[str] = ()) -> str:
     """Write a table of names and values.
 
-    Parameters
-    ----------
-    title : str
-        What stands above it.
-    rows : mapping of str to str
-        Values by name.
-    notes : iterable of str, optional
-        Sentences below it.
-
-    Returns
-    -------
-    str
-        HTML in which every text is escaped.
-
-    Examples
-    --------
     >>> html_table("Test <1>", {"A": "0.997"})
     '<table><caption>Test &lt;1&gt;</caption><tr><th scope="row">A</th><td>0.997</td></tr></table>'
     """

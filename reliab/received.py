@@ -21,27 +21,6 @@ def named_within(folder: Path, name: str, *, where: str) -> Path:
 
     A name that leads out of it, by itself or through a link, would read a file of this machine.
 
-    Parameters
-    ----------
-    folder : pathlib.Path
-        The folder, which may be a link itself.
-    name : str
-        What is written in it: a path from the folder.
-    where : str
-        What names the file.
-
-    Returns
-    -------
-    pathlib.Path
-        The file, also where nothing stands there.
-
-    Raises
-    ------
-    InputError
-        If it lies outside.
-
-    Examples
-    --------
     >>> named_within(Path("campaign"), "../secret.csv", where="campaign.toml")
     Traceback (most recent call last):
     ...
@@ -66,23 +45,6 @@ def opened_hdf5(path: str | Path) -> "Iterator[h5py.File]":
     """Open an HDF5 file that holds its own data.
 
     Links, raw storage and virtual datasets of HDF5 name other files, which would be read as part of it.
-
-    Parameters
-    ----------
-    path : str or pathlib.Path
-        HDF5, NetCDF 4 or MATLAB 7.3.
-
-    Yields
-    ------
-    h5py.File
-        The file, to be read.
-
-    Raises
-    ------
-    InputError
-        If a part of it lies in another file.
-    OSError
-        If it is no HDF5 file.
     """
     import h5py
 
@@ -94,23 +56,7 @@ def opened_hdf5(path: str | Path) -> "Iterator[h5py.File]":
 
 
 def objects_of(file: "h5py.File") -> "Iterator[tuple[str, h5py.HLObject]]":
-    """Go through the groups and datasets of an HDF5 file, each once, a group before what it holds.
-
-    Parameters
-    ----------
-    file : h5py.File
-        The file.
-
-    Yields
-    ------
-    tuple of (str, h5py.HLObject)
-        Path from the root, and the object. Soft links are not followed: what they name has its own path.
-
-    Raises
-    ------
-    InputError
-        If there is a link to another file, or groups lie too deep within each other.
-    """
+    """Go through the groups and datasets of an HDF5 file, each once, a group before what it holds."""
     import h5py
 
     waiting: list[tuple[str, h5py.HLObject]] = [("", file)]

@@ -13,26 +13,6 @@ Item = TypeVar("Item")
 class Registry(Mapping[str, Item]):
     """Items of this package, then those of other packages; these are loaded when a name is first asked for.
 
-    Parameters
-    ----------
-    noun : str
-        What an item is, in words.
-    base : type
-        What an item must be derived from, or be an instance of.
-    group : str
-        Group of entry points under which other packages register theirs.
-    shipped : tuple
-        Items of this package, in their order.
-    name_of : callable
-        Gives the name by which files and commands call an item.
-
-    Raises
-    ------
-    InputError
-        When it is first read: if another package registers something else, or a name that is taken.
-
-    Examples
-    --------
     >>> from fractions import Fraction
     >>> halves = Registry(
     ...     noun="fraction", base=Fraction, group="example", shipped=(Fraction(1, 2),), name_of=str
@@ -52,13 +32,7 @@ class Registry(Mapping[str, Item]):
         self._items[self._name_of(item)] = item
 
     def find(self, name: object) -> Item:
-        """Return the item of a name.
-
-        Raises
-        ------
-        InputError
-            If there is none; the message lists the names that there are.
-        """
+        """Return the item of a name."""
         if not isinstance(name, str) or name not in self:
             raise InputError(
                 f"{self._phrase} must be one of {', '.join(self)}", value=name, remedy="Choose one of these"

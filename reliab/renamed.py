@@ -14,20 +14,6 @@ def renamed(
 ) -> Callable[[Callable[_Parameters, _Result]], Callable[_Parameters, _Result]]:
     """Let a function take arguments by their former names too, with a warning.
 
-    Parameters
-    ----------
-    ends : str
-        Version in which the former names end.
-    **names : str
-        Names by former names.
-
-    Returns
-    -------
-    callable
-        A decorator.
-
-    Examples
-    --------
     >>> @renamed("0.4", frequency="f")
     ... def period(*, f):
     ...     return 1.0 / f

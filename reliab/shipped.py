@@ -30,31 +30,12 @@ _CHECKOUT = Path(__file__).parents[1]
 def shipped(kind: str, name: str) -> Path:
     """Find a file or folder that ships with the project.
 
-    Parameters
-    ----------
-    kind : {"datasets", "studies"}
-        What it is.
-    name : str
-        Its path below the folder of its kind, for example ``"paper/table2.csv"``.
-
-    Returns
-    -------
-    Path
-        Where it lies.
-
-    Raises
-    ------
-    InputError
-        If the kind is unknown or there is nothing of that name; the message lists what there is.
-
-    Examples
-    --------
     >>> shipped("datasets", "paper/table2.csv").name
     'table2.csv'
     """
     if kind not in KINDS:
         raise InputError("What ships is a dataset or a study", value=kind, remedy=f"Use {' or '.join(KINDS)}")
-    folder, known = _folder(kind), checksums(kind)
+    folder, known = shipped_folder(kind), checksums(kind)
     path = folder / name
     if not path.exists() and name in known:
         path = fetched(kind, name)
@@ -81,17 +62,7 @@ def shipped(kind: str, name: str) -> Path:
 def fetched(kind: str, name: str) -> Path:
     """Return where a file lies that is too large for the wheel, once it is fetched.
 
-    Parameters
-    ----------
-    kind : {"datasets", "studies"}
-        What it is.
-    name : str
-        Its path below the folder of its kind.
-
-    Returns
-    -------
-    pathlib.Path
-        Below the folder that the environment variable RELIAB_DATA names, or the user's own data folder.
+    Returns below the folder that the environment variable RELIAB_DATA names, or the user's own data folder.
     """
     home = os.environ.get("LOCALAPPDATA") or os.environ.get("XDG_DATA_HOME") or Path.home() / ".local/share"
     return Path(os.environ.get(DATA_VARIABLE) or Path(home) / "reliab") / kind / name
@@ -101,17 +72,9 @@ def fetched(kind: str, name: str) -> Path:
 def checksums(kind: str) -> dict[str, str]:
     """Read the SHA-256 of the files of a kind.
 
-    Parameters
-    ----------
-    kind : {"datasets", "studies"}
-        What they are.
-
-    Returns
-    -------
-    dict of str to str
-        Checksums in hexadecimal by path below the folder; empty where none are listed.
+    Returns checksums in hexadecimal by path below the folder; empty where none are listed.
     """
-    file = _folder(kind) / CHECKSUMS
+    file = shipped_folder(kind) / CHECKSUMS
     if not file.exists():
         return {}
     pairs = (line.split(maxsplit=1) for line in file.read_text(encoding="utf-8").splitlines())
@@ -145,30 +108,10 @@ def _folder(kind: str) -> Path:
 
 
 def or_shipped(path: Path, kind: str, file: str) -> Path:
-    """Take a path as it is, or as the name of something that ships where there is no such path.
-
-    Parameters
-    ----------
-    path : pathlib.Path
-        A path, or a name such as ``real_suite``.
-    kind : {"datasets", "studies"}
-        What it is.
-    file : str
-        Which file of the shipped folder is meant.
-
-    Returns
-    -------
-    pathlib.Path
-        The path, or that of the shipped file.
-
-    Raises
-    ------
-    InputError
-        If it is neither; the message lists the names that there are.
-    """
+    """Take a path as it is, or as the name of something that ships where there is no such path."""
     if path.exists() or path.suffix or len(path.parts) != 1:
         return path
-    present = {entry.name for entry in _folder(kind).glob("*") if (entry / file).exists()}
+    present = {entry.name for entry in shipped_folder(kind).glob("*") if (entry / file).exists()}
     listed = {name.removesuffix(f"/{file}") for name in checksums(kind) if name.endswith(f"/{file}")}
     if path.name not in present | listed:
         raise InputError(

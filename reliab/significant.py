@@ -6,20 +6,6 @@ _ORDINARY = (1e-4, 1e7)
 def significant(value: float, digits: int = 3) -> str:
     """Write a number with so many significant digits; larger ones to the unit.
 
-    Parameters
-    ----------
-    value : float
-        The number.
-    digits : int, optional
-        Significant digits.
-
-    Returns
-    -------
-    str
-        Without a power of ten from 0.0001 to 10 million.
-
-    Examples
-    --------
     >>> [significant(value) for value in (0.05, 23.268, 999.7, 1234.5)], significant(99.97, 2)
     (['0.05', '23.3', '1000', '1234'], '100')
     """

@@ -20,21 +20,12 @@ _SMALLEST, _LARGEST = 1e-30, 1e30  # whose squares are numbers, and their produc
 class StatedValue:
     """A number with its standard deviation.
 
-    Parameters
-    ----------
-    value : float
-        The number, in the unit of the quantity.
-    deviation : float, optional
-        Standard deviation in the same unit; 0 where the number is taken to be exact.
-
-    Examples
-    --------
     >>> StatedValue.parse("1±0.01"), StatedValue.parse("0.02 +- 10%")
     (StatedValue(value=1.0, deviation=0.01), StatedValue(value=0.02, deviation=0.002))
     """
 
-    value: float
-    deviation: float = 0.0
+    value: float  # The number, in the unit of the quantity
+    deviation: float = 0.0  # Standard deviation in the same unit; 0 where the number is taken to be exact
 
     def __post_init__(self) -> None:
         for number in (self.value, self.deviation):
@@ -50,23 +41,6 @@ class StatedValue:
         """Read "1", "1±0.01", "1+-0.01", "1+/-0.01", "1,0.01" or "1±1%".
 
         After a comma the deviation must have a decimal point: "1,5" may mean 1.5 as well as 1 ± 5.
-
-        Parameters
-        ----------
-        text : str
-            The number as stated.
-        quantity : str, optional
-            What it is, for the message.
-
-        Returns
-        -------
-        StatedValue
-            The number and its standard deviation.
-
-        Raises
-        ------
-        InputError
-            If the text is nothing of the kind, or a number is not finite.
         """
         try:
             # bytes of the command line that its locale could not read come as surrogates

@@ -19,13 +19,7 @@ def unfinished_name(place: Path) -> Path:
 
 
 def remove_abandoned(unfinished: Iterable[Path]) -> None:
-    """Remove what killed processes were writing.
-
-    Parameters
-    ----------
-    unfinished : iterable of pathlib.Path
-        Unfinished files and folders; what a process still writes, which holds a lock on it, stays.
-    """
+    """Remove what killed processes were writing."""
     for path in unfinished:
         with contextlib.suppress(OSError):
             if stat.S_IFMT(path.lstat().st_mode) not in (stat.S_IFREG, stat.S_IFDIR):

@@ -64,13 +64,6 @@ class Metric(StrEnum):
     def parse(cls, name: str) -> "Metric":
         """Return the error of a name.
 
-        Raises
-        ------
-        InputError
-            If it is neither "rms" nor "mte".
-
-        Examples
-        --------
         >>> Metric.parse("mte").name
         'MTE'
         """

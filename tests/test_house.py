@@ -141,6 +141,41 @@ def offered() -> set[str]:
     }
 
 
+def exported(room: Path) -> set[str]:
+    """Return the names that the face of a room (a folder of reliab), or that of reliab itself, exports."""
+    faces = [file for folder in (PACKAGE, room) for file in folder.glob("__init__.py*")]
+    return {
+        alias.name
+        for face in faces
+        for node in ast.walk(source(face)[1])
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
+
+
+SECTIONS = re.compile(r"^(Parameters|Attributes|Returns|Raises)\n---", re.MULTILINE)
+"""Headings of numpydoc that state arguments and results."""
+
+
+def sectioned(node: ast.AST, name: str = "") -> Iterator[str]:
+    """Yield the qualified names below a node whose docstrings hold sections of arguments or results."""
+    for item in ast.iter_child_nodes(node):
+        if isinstance(item, ast.FunctionDef | ast.ClassDef):
+            if SECTIONS.search(ast.get_docstring(item) or ""):
+                yield name + item.name
+            yield from sectioned(item, f"{name}{item.name}.")
+
+
+def test_only_what_a_room_exports_has_sections_in_its_docstring():
+    inside = [
+        f"{path.relative_to(PACKAGE)}:{name}"
+        for path in modules()
+        for name in sectioned(source(path)[1])
+        if name.split(".")[0] not in exported(PACKAGE / path.relative_to(PACKAGE).parts[0])
+    ]
+    assert inside == []
+
+
 def test_public_code_has_a_user_in_the_package():
     unused = {
         f"{path.relative_to(PACKAGE)}:{node.name}"

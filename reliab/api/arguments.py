@@ -16,13 +16,6 @@ Quantity = float | str | StatedValue
 def stated_values(**quantities: Quantity | None) -> dict[str, StatedValue]:
     """Read what is stated; None where nothing is.
 
-    Raises
-    ------
-    InputError
-        If a value is no finite number with a finite standard deviation.
-
-    Examples
-    --------
     >>> stated_values(f="1±0.01", xi=0.02, mass=None)
     {'f': StatedValue(value=1.0, deviation=0.01), 'xi': StatedValue(value=0.02, deviation=0.0)}
     """
@@ -36,13 +29,7 @@ def _value(quantity: Quantity, name: str) -> StatedValue:
 
 
 def require_positive(stated: Mapping[str, StatedValue]) -> None:
-    """Refuse a scale of the sensor or a mass that is not positive.
-
-    Raises
-    ------
-    InputError
-        If one is zero or negative.
-    """
+    """Refuse a scale of the sensor or a mass that is not positive."""
     for name in ("scale", "mass"):
         if name in stated and not stated[name].value > 0.0:
             raise InputError(

@@ -27,13 +27,7 @@ class Channels:
     delimiter: str | None
 
     def read(self, test: Test) -> Recording:
-        """Read a test.
-
-        Raises
-        ------
-        InputError
-            If its file cannot be read, or what is stated has no meaning for it.
-        """
+        """Read a test."""
         given = [name for name, value in asdict(self).items() if value is not None]
         if isinstance(test, Recording):
             if given:

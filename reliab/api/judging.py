@@ -50,13 +50,7 @@ class Terms:
     metric: str | None
 
     def judge(self) -> Judge:
-        """Read what tests share, and return what judges one of them.
-
-        Raises
-        ------
-        InputError
-            If an argument has no meaning beside the others, or a file cannot be read.
-        """
+        """Read what tests share, and return what judges one of them."""
         if self.criterion is not None:
             self._refuse(("threshold", "confidence", "metric"), "beside `criterion`, which brings its own")
         if self.structure is not None:

@@ -28,50 +28,24 @@ _QUIET = 1e-2  # share of the largest energy of a stretch below which it is comp
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Alignment:
-    """The part of a ground motion that a test saw.
+    """The part of a ground motion that a test saw."""
 
-    Attributes
-    ----------
-    begin, end : float
-        Begin and end of the test on the record's time axis [s]; negative, or beyond the record, where the
-        test's file begins before or ends after it.
-    match : float
-        Similarity at that place [-].
-    matched : bool
-        Whether the match suffices; else the stretch of the test's length with the strongest response was
-        taken.
-    by : {"ground acceleration", "response", "shape of the response"}
-        By what it was found.
-    from_rest : bool
-        Whether the test began at rest there, rather than in the motion that the record before it caused.
-    """
-
+    # begin, end: Begin and end of the test on the record's time axis [s]; negative, or beyond the record,
+    # where the test's file begins before or ends after it
     begin: float
     end: float
-    match: float
+    match: float  # Similarity at that place [-]
+    # Whether the match suffices; else the stretch of the test's length with the strongest response was taken
     matched: bool
-    by: str
+    by: str  # By what it was found, shape of the
+    # Whether the test began at rest there, rather than in the motion that the record before it caused
     from_rest: bool
 
 
 def align(recording: Recording, reference: Array, structure: Structure, motion: Motion) -> Alignment:
     """Find a test in the record of its ground motion.
 
-    Parameters
-    ----------
-    recording : Recording
-        The test.
-    reference : numpy.ndarray
-        Response of the structure without actuator errors, computed from the test [m], shape (n,).
-    structure : Structure
-        The structure.
-    motion : Motion
-        The ground motion.
-
-    Returns
-    -------
-    Alignment
-        The place.
+    `reference` [m].
     """
     step, size = recording.time_step, recording.command.size
     record = Padded.around(motion, recording.duration)
@@ -101,21 +75,11 @@ def align(recording: Recording, reference: Array, structure: Structure, motion: 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Padded:
-    """A ground motion with rest before and after it.
+    """A ground motion with rest before and after it."""
 
-    Attributes
-    ----------
-    acceleration : numpy.ndarray
-        Ground acceleration [m/s²], shape (n,).
-    time_step : float
-        Step between samples [s].
-    before : float
-        Rest before the record [s].
-    """
-
-    acceleration: Array
-    time_step: float
-    before: float
+    acceleration: Array  # Ground acceleration [m/s²], shape (n,)
+    time_step: float  # Step between samples [s]
+    before: float  # Rest before the record [s]
 
     @classmethod
     def around(cls, motion: Motion, rest: float) -> "Padded":

@@ -17,22 +17,12 @@ _ROOM = 0.9  # share of the Nyquist frequency up to which a filter is worth whil
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Band:
-    """Histories in the band of the motion, and the noise of the command.
+    """Histories in the band of the motion, and the noise of the command."""
 
-    Attributes
-    ----------
-    command, measured : numpy.ndarray
-        Filtered histories [m], shape (n,).
-    bins : int
-        Bins of a periodogram in which the command rises above its noise.
-    noise : numpy.ndarray
-        Noise in the filtered command by bin, over the command's power [-], shape (n // 2,).
-    """
-
-    command: Array
+    command: Array  # command, measured: Filtered histories [m], shape (n,)
     measured: Array
-    bins: int
-    noise: Array
+    bins: int  # Bins of a periodogram in which the command rises above its noise
+    noise: Array  # Noise in the filtered command by bin, over the command's power [-], shape (n // 2,)
 
 
 def in_band(recording: Recording) -> Band:
@@ -51,18 +41,7 @@ def in_band(recording: Recording) -> Band:
 
 
 def noise_floor(values: Array) -> tuple[float, float]:
-    """Level of the upper half of a periodogram, per bin, and its total.
-
-    Parameters
-    ----------
-    values : numpy.ndarray
-        A history, shape (n,).
-
-    Returns
-    -------
-    floor, total : float
-        In squared units of the history.
-    """
+    """Level of the upper half of a periodogram, per bin, and its total."""
     power = periodogram(values)
     floor = float(np.median(power[power.size // 2 :])) / np.log(2.0)  # of an exponential distribution
     return floor, float(power.sum())

@@ -29,26 +29,8 @@ def index_errors(
 ) -> NDArray[np.complex128]:
     """Draw errors of FEI that noise may have caused.
 
-    Parameters
-    ----------
-    command : numpy.ndarray
-        Command [m], shape (n,).
-    residual : numpy.ndarray
-        What a constant gain and delay leave of the measured displacement [m], shape (n,).
-    window : str, optional
-        Name of a window of :func:`scipy.signal.get_window`.
-    draws : int, optional
-        Number of draws.
-    seed : int, optional
-        Seed of the draws.
+    `command`, `residual` [m]; returns [-].
 
-    Returns
-    -------
-    numpy.ndarray
-        Complex errors of FEI [-], shape (draws,).
-
-    Examples
-    --------
     >>> time = np.arange(0.0, 40.0, 0.01)
     >>> noise = 0.01 * np.random.default_rng(1).normal(size=time.size)
     >>> found = index_errors(np.sin(6.0 * time), noise)

@@ -22,18 +22,7 @@ _MILLISECONDS = 1e3
 
 
 def cautions(findings: Findings) -> tuple[str, ...]:
-    """List what limits a verdict.
-
-    Parameters
-    ----------
-    findings : Findings
-        The assessed test.
-
-    Returns
-    -------
-    tuple of str
-        Sentences; none for a sound test inside the criterion's validity.
-    """
+    """List what limits a verdict."""
     sentences = (
         sentence
         for group in (

@@ -26,18 +26,10 @@ _MILLISECONDS = 1e3
 
 @dataclass(frozen=True, kw_only=True)
 class Contradiction:
-    """A stated quantity that the recording contradicts.
+    """A stated quantity that the recording contradicts."""
 
-    Attributes
-    ----------
-    finding : str
-        What contradicts it, a sentence.
-    remedy : str
-        What would resolve it, a sentence.
-    """
-
-    finding: str
-    remedy: str
+    finding: str  # What contradicts it, a sentence
+    remedy: str  # What would resolve it, a sentence
 
 
 def limited(verdict: Verdict, contradictions: Sequence[Contradiction]) -> Verdict:

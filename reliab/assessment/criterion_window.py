@@ -18,42 +18,21 @@ _SAME = 0.01  # share of a window's length by which a test may differ from it
 
 @dataclass(frozen=True, kw_only=True)
 class CriterionWindow:
-    """Two windows between which ellipses are interpolated, ln a and ln b over the logarithm of the length.
+    """Two windows between which ellipses are interpolated, ln a and ln b over the logarithm of the length."""
 
-    Attributes
-    ----------
-    below, above : str
-        The windows; the same where one suits.
-    weight : float
-        Weight of the second.
-    label : str
-        The choice in words.
-    """
-
-    below: str
+    below: str  # below, above: The windows; the same where one suits
     above: str
-    weight: float
-    label: str
+    weight: float  # Weight of the second
+    label: str  # The choice in words
 
 
 def window_for(duration: float | None, stored: Iterable[str]) -> CriterionWindow:
     """Choose windows for tests of a length.
 
-    Parameters
-    ----------
-    duration : float or None
-        Length of the test [s]; whole records where None.
-    stored : iterable of str
-        Windows for which there are ellipses.
+    `duration` [s].
+    Returns one window, or two between which the length lies. A test longer than the longest is judged by the
+    longest, which is on the safe side; one shorter than the shortest by the shortest, which is not.
 
-    Returns
-    -------
-    CriterionWindow
-        One window, or two between which the length lies. A test longer than the longest is judged by the
-        longest, which is on the safe side; one shorter than the shortest by the shortest, which is not.
-
-    Examples
-    --------
     >>> window_for(25.0, ["record", "20", "30"]).label
     '25 s, between those of 20 s and 30 s'
     >>> window_for(90.0, ["record", "20", "30"]).label

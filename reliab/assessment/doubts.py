@@ -25,25 +25,9 @@ def verdict_of_error(
 ) -> Verdict:
     """Judge a test by its own error.
 
-    Parameters
-    ----------
-    error : ErrorOfTest
-        The error with its interval.
-    effects : tuple of FaultEffect
-        Faults of the recording.
-    equation : OwnEquation
-        What the test's equation of motion shows about the structure.
-    otherwise : tuple of ErrorOfTest
-        Errors of the test with other values of the structure that were stated or are possible.
-    assumed : tuple of ErrorOfTest, optional
-        Errors of the test with damping ratios of structures, where none was stated.
-
-    Returns
-    -------
-    Verdict
-        Undecided where the interval contains the threshold, where a fault of the recording would change the
-        verdict, where the test contradicts its stated structure, and where another damping ratio than the
-        assumed one would change the verdict.
+    Returns undecided where the interval contains the threshold, where a fault of the recording would change
+    the verdict, where the test contradicts its stated structure, and where another damping ratio than the
+    assumed one would change the verdict.
     """
     size = error.of(error.metric)
     word = word_of_probability(error.probability)

@@ -58,31 +58,16 @@ _REMEDIES = {
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Question:
-    """Structure, metric and threshold by which a test is judged.
+    """Structure, metric and threshold by which a test is judged."""
 
-    Attributes
-    ----------
-    structure : Structure
-        The structure under test.
-    stated : mapping of str to StatedValue
-        Frequency "f" [Hz], damping ratio "xi", share "alpha", sensor "scale" [-] and "feedback_lag" [ms],
-        each with its standard deviation.
-    metric : Metric
-        Which error.
-    threshold : float
-        Error of the whole test [-].
-    model : UpdatedModel or None
-        Calibrated model of a nonlinear specimen.
-    seed : int
-        Seed of the draws.
-    """
-
-    structure: Structure
+    structure: Structure  # The structure under test
+    # Frequency "f" [Hz], damping ratio "xi", share "alpha", sensor "scale" [-] and "feedback_lag" [ms], each
+    # with its standard deviation
     stated: Mapping[str, StatedValue]
-    metric: Metric
-    threshold: float
-    model: UpdatedModel | None
-    seed: int
+    metric: Metric  # Which error
+    threshold: float  # Error of the whole test [-]
+    model: UpdatedModel | None  # Calibrated model of a nonlinear specimen
+    seed: int  # Seed of the draws
 
     @property
     def tolerances(self) -> Tolerances:
@@ -183,22 +168,7 @@ def error_of_test(
 ) -> ErrorOfTest:
     """Rebuild the error of a test.
 
-    Parameters
-    ----------
-    recording : Recording
-        The test.
-    question : Question
-        What is asked.
-    sensor_offset : float, optional
-        Offset of the displacement sensor that the loop did not feel [m]; by default it is read from the rest
-        before the test.
-    specimen_damping : float, optional
-        Damping of the linear specimen over its stiffness [s], a part of the structure's damping ratio.
-
-    Returns
-    -------
-    ErrorOfTest
-        The error with its interval.
+    `sensor_offset` [m]; `specimen_damping` [s].
     """
     scale = question.stated.get("scale", StatedValue(1.0)).value
     lag = question.stated.get("feedback_lag", StatedValue(0.0)).value / _MILLISECONDS

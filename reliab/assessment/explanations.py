@@ -24,24 +24,12 @@ _SIGNIFICANT = 3.0  # standard errors
 
 @dataclass(frozen=True, kw_only=True)
 class Explanation:
-    """Causes that together explain what a test shows; 0 where a cause plays no part.
+    """Causes that together explain what a test shows; 0 where a cause plays no part."""
 
-    Attributes
-    ----------
-    damping : float
-        2Δξ/(αω₀) [s], of a damping ratio that is Δξ higher than stated.
-    skew : float
-        Time by which the measured displacement was recorded later than the command [s].
-    feedback_lag : float
-        Time by which the force was fed back later than stated [s].
-    dashpot : float
-        Damping of the specimen over its stiffness [s], a part of the whole structure's.
-    """
-
-    damping: float = 0.0
-    skew: float = 0.0
-    feedback_lag: float = 0.0
-    dashpot: float = 0.0
+    damping: float = 0.0  # 2Δξ/(αω₀) [s], of a damping ratio that is Δξ higher than stated
+    skew: float = 0.0  # Time by which the measured displacement was recorded later than the command [s]
+    feedback_lag: float = 0.0  # Time by which the force was fed back later than stated [s]
+    dashpot: float = 0.0  # Damping of the specimen over its stiffness [s], a part of the whole structure's
 
     def __add__(self, further: "Explanation") -> "Explanation":
         """Both together."""
@@ -83,19 +71,11 @@ def ratio_per_second(structure: Structure) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class VelocityTerm:
-    """A velocity term of an equation over the specimen's stiffness, beside what was stated.
+    """A velocity term of an equation over the specimen's stiffness, beside what was stated."""
 
-    Attributes
-    ----------
-    value, deviation : float
-        The term and its standard error [s].
-    least : float
-        Smallest one that matters [s].
-    """
-
-    value: float
+    value: float  # value, deviation: The term and its standard error [s]
     deviation: float
-    least: float
+    least: float  # Smallest one that matters [s]
 
     @property
     def matters(self) -> bool:
@@ -113,24 +93,8 @@ def explain(
 ) -> tuple[Explanation, ...]:
     """List what may have caused the velocity terms of a test: single causes, or pairs of them.
 
-    Parameters
-    ----------
-    of_equation : VelocityTerm or None
-        Of the loop's equation with the measured displacement, positive where the loop seems damped more than
-        stated; None without ground acceleration.
-    of_force : VelocityTerm or None
-        Of the specimen's force over its displacement, positive where the displacement seems late; None
-        without a force.
-    stated_lag : float
-        Stated lag of the fed-back force [s].
+    `stated_lag` [s].
 
-    Returns
-    -------
-    tuple of Explanation
-        None where the test shows what was stated.
-
-    Examples
-    --------
     >>> seen = VelocityTerm(value=0.001, deviation=1e-5, least=1e-4)
     >>> [(each.damping, each.skew) for each in explain(seen, None, 0.0)]
     [(0.001, 0.0), (0.0, 0.001)]
@@ -170,22 +134,7 @@ def _of_force(late: float, damping: float) -> tuple[Explanation, ...]:
 
 
 def error_under(explanation: Explanation, recording: Recording, question: Question) -> ErrorOfTest:
-    """Rebuild the error of a test as if an explanation held.
-
-    Parameters
-    ----------
-    explanation : Explanation
-        What is taken to hold.
-    recording : Recording
-        The test.
-    question : Question
-        What is asked, of the structure as stated.
-
-    Returns
-    -------
-    ErrorOfTest
-        The error with its interval.
-    """
+    """Rebuild the error of a test as if an explanation held."""
     structure = question.structure
     lag = question.stated.get("feedback_lag", StatedValue(0.0))
     later = replace(lag, value=lag.value + _MILLISECONDS * explanation.feedback_lag)

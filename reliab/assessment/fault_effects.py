@@ -15,21 +15,8 @@ def error_with_faults(
 ) -> tuple[ErrorOfTest, tuple[FaultEffect, ...]]:
     """Error of the test without the faults that the loop did not feel, and the effect of each fault on it.
 
-    Parameters
-    ----------
-    recording : Recording
-        The test as it was recorded.
-    faults : sequence of Fault
-        Its faults.
-    rebuilt : callable
-        Rebuilds the error of a recording, given the offset of its sensor [m] where that is known.
-
-    Returns
-    -------
-    error : ErrorOfTest
-        The error.
-    effects : tuple of FaultEffect
-        For each fault the error without it, or with it where `error` already excludes it.
+    `rebuilt` [m].
+    Returns `effects`: for each fault the error without it, or with it where `error` already excludes it.
     """
     unfelt = [fault for fault in faults if fault.in_loop is False]
     known = 0.0 if any(fault.kind == "offset" for fault in faults) else None

@@ -34,26 +34,16 @@ _PERCENT, _MILLI = 100.0, 1e3
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Fault:
-    """A fault of a recording.
+    """A fault of a recording."""
 
-    Attributes
-    ----------
-    kind : {"offset", "drift", "spike", "standstill", "copy"}
-        What it is.
-    finding : str
-        What was found, a sentence.
-    in_measured, in_command : numpy.ndarray or None
-        What it added to the measured displacement and to the command [m], shape (n,); None where it left
-        a channel as it was, or where nothing can be known of it.
-    in_loop : bool or None
-        Whether the loop felt it: False for spikes, which no actuator follows; otherwise decided from the
-        command; None where the command does not show it.
-    """
-
-    kind: str
-    finding: str
+    kind: str  # What it is
+    finding: str  # What was found, a sentence
+    # in_measured, in_command: What it added to the measured displacement and to the command [m], shape (n,);
+    # None where it left a channel as it was, or where nothing can be known of it
     in_measured: Array | None = None
     in_command: Array | None = None
+    # Whether the loop felt it: False for spikes, which no actuator follows; otherwise decided from the
+    # command; None where the command does not show it
     in_loop: bool | None = None
 
     @property
@@ -63,20 +53,7 @@ class Fault:
 
 
 def repaired(recording: Recording, faults: Iterable[Fault]) -> Recording:
-    """Remove faults from a recording.
-
-    Parameters
-    ----------
-    recording : Recording
-        The test as it was recorded.
-    faults : iterable of Fault
-        Faults of it.
-
-    Returns
-    -------
-    Recording
-        The test without them.
-    """
+    """Remove faults from a recording."""
     command, measured = recording.command, recording.measured
     for fault in faults:
         command = command if fault.in_command is None else command - fault.in_command
@@ -89,21 +66,7 @@ def find_faults(
 ) -> tuple[Fault, ...]:
     """Look for faults of a recording.
 
-    Parameters
-    ----------
-    recording : Recording
-        The test as it was recorded.
-    tracking : TrackingIndex
-        Amplitude and delay of the test without its spikes.
-    threshold : float
-        Error of the whole test [-]; offsets and drifts below a tenth of it are not reported.
-    experimental_fraction : float
-        Share α of the stiffness in the laboratory [-].
-
-    Returns
-    -------
-    tuple of Fault
-        None for a sound recording.
+    `threshold`, `experimental_fraction` [-].
     """
     clean, *_ = without_spikes(recording)
     expected = _expected(clean, tracking)

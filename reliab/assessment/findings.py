@@ -29,8 +29,6 @@ LARGEST_PROBABILITY: Final = 0.99
 def capped(probability: float | None) -> float | None:
     """Probability limited to the range that was validated; None where it is not known.
 
-    Examples
-    --------
     >>> capped(1.0), capped(0.4), capped(None)
     (0.99, 0.4, None)
     """
@@ -41,80 +39,38 @@ def capped(probability: float | None) -> float | None:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FaultEffect:
-    """A fault of the recording with what it does to the error.
+    """A fault of the recording with what it does to the error."""
 
-    Attributes
-    ----------
-    fault : Fault
-        The fault.
-    otherwise : ErrorOfTest or None
-        Error of the test without the fault; where the verdict already excludes the fault because the loop did
-        not feel it, the error with the fault; None where that is not known.
-    """
-
-    fault: Fault
+    fault: Fault  # The fault
+    # Error of the test without the fault; where the verdict already excludes the fault because the loop did
+    # not feel it, the error with the fault; None where that is not known
     otherwise: ErrorOfTest | None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Findings:
-    """What is found about a test.
+    """What is found about a test."""
 
-    Attributes
-    ----------
-    recording : Recording
-        The test.
-    structure : Structure
-        The structure under test.
-    stated : mapping of str to StatedValue
-        Frequency "f", damping ratio "xi", share "alpha" and sensor "scale" with their tolerances.
-    criterion : Criterion
-        The criterion.
-    tracking : TrackingIndex
-        A and d with their uncertainty.
-    measures : TrackingMeasures
-        Established measures of tracking.
-    windows : Windows
-        A and d in moving windows.
-    population : Placement
-        The test against the population of ground motions.
-    placement : OwnPlacement or None
-        The test against its own ground motion's boundary, where that is known.
-    error : ErrorOfTest
-        The error of this test, rebuilt from its command and measured displacement.
-    faults : tuple of FaultEffect
-        Faults of the recording.
-    equation : OwnEquation
-        What the test's equation of motion shows about the structure.
-    otherwise_stated : tuple of ErrorOfTest
-        Error with the structure as stated, or with another damping ratio, where the test contradicts it.
-    verdict : Verdict
-        The verdict on the test, by its error.
-    assumed : tuple of str
-        What was not stated and had to be assumed, in sentences.
-    column_doubts : tuple of Contradiction
-        Why command and measured displacement may be swapped.
-    contradictions : tuple of Contradiction
-        Where the recording contradicts what is stated, so that the verdict is undecided at best; doubts about
-        the columns where the verdict depends on them.
-    """
-
-    recording: Recording
-    structure: Structure
+    recording: Recording  # The test
+    structure: Structure  # The structure under test
+    # Frequency "f", damping ratio "xi", share "alpha" and sensor "scale" with their tolerances
     stated: Mapping[str, StatedValue]
-    criterion: Criterion
-    tracking: TrackingIndex
-    measures: TrackingMeasures
-    windows: Windows
-    population: Placement
-    placement: OwnPlacement | None
-    error: ErrorOfTest
-    faults: tuple[FaultEffect, ...]
-    equation: OwnEquation
+    criterion: Criterion  # The criterion
+    tracking: TrackingIndex  # A and d with their uncertainty
+    measures: TrackingMeasures  # Established measures of tracking
+    windows: Windows  # A and d in moving windows
+    population: Placement  # The test against the population of ground motions
+    placement: OwnPlacement | None  # The test against its own ground motion's boundary, where that is known
+    error: ErrorOfTest  # The error of this test, rebuilt from its command and measured displacement
+    faults: tuple[FaultEffect, ...]  # Faults of the recording
+    equation: OwnEquation  # What the test's equation of motion shows about the structure
+    # Error with the structure as stated, or with another damping ratio, where the test contradicts it
     otherwise_stated: tuple[ErrorOfTest, ...]
-    verdict: Verdict
-    assumed: tuple[str, ...] = ()
-    column_doubts: tuple[Contradiction, ...] = ()
+    verdict: Verdict  # The verdict on the test, by its error
+    assumed: tuple[str, ...] = ()  # What was not stated and had to be assumed, in sentences
+    column_doubts: tuple[Contradiction, ...] = ()  # Why command and measured displacement may be swapped
+    # Where the recording contradicts what is stated, so that the verdict is undecided at best; doubts about
+    # the columns where the verdict depends on them
     contradictions: tuple[Contradiction, ...] = ()
 
     @property

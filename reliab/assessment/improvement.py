@@ -9,43 +9,19 @@ _MILLISECONDS = 1e3
 
 @dataclass(frozen=True, kw_only=True)
 class Improvement:
-    """Which of the two errors weighs more, and what would be tolerable.
+    """Which of the two errors weighs more, and what would be tolerable."""
 
-    Attributes
-    ----------
-    first : {"delay", "amplitude"}
-        The error with the greater part of the index.
-    share_of_delay : float
-        Part of the delay in the index [-].
-    tolerable_delay : float
-        Delay [s] up to which the test is accepted at its own amplitude; 0 where no delay is small enough.
-    tolerable_amplitude_error : float
-        Amplitude error |A − 1| [-] up to which it is accepted at its own delay; likewise.
-    """
-
-    first: str
-    share_of_delay: float
+    first: str  # The error with the greater part of the index
+    share_of_delay: float  # Part of the delay in the index [-]
+    # Delay [s] up to which the test is accepted at its own amplitude; 0 where no delay is small enough
     tolerable_delay: float
+    # Amplitude error |A − 1| [-] up to which it is accepted at its own delay; likewise
     tolerable_amplitude_error: float
 
 
 def improvement(amplitude: float, delay: float, a: float, b: float) -> Improvement:
     """Divide the index of a test between its two errors.
 
-    Parameters
-    ----------
-    amplitude, delay : float
-        A [-] and d [s].
-    a, b : float
-        Limits [-] and [ms²].
-
-    Returns
-    -------
-    Improvement
-        What to improve first.
-
-    Examples
-    --------
     >>> found = improvement(1.003, 0.0012, 5.3e-5, 1.04)
     >>> found.first, round(found.share_of_delay, 2), round(1e3 * found.tolerable_delay, 3)
     ('delay', 0.89, 0.929)

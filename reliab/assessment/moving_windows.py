@@ -59,23 +59,7 @@ def _range(values: NDArray[np.float64], deviations: NDArray[np.float64]) -> floa
 
 
 def track_windows(recording: Recording, whole: TrackingIndex, *, window: str = "hann") -> Windows:
-    """Evaluate A and d in windows that overlap by half.
-
-    Parameters
-    ----------
-    recording : Recording
-        The test.
-    whole : TrackingIndex
-        Index of the whole test, for the length of the windows: eight periods of its equivalent
-        frequency, or more in a long test.
-    window : str, optional
-        Taper of each window.
-
-    Returns
-    -------
-    Windows
-        Indices of the windows; none where the test is shorter than two windows.
-    """
+    """Evaluate A and d in windows that overlap by half."""
     begins, size = _cuts(recording, whole.plain.equivalent_frequency)
     energies = [float(np.var(recording.command[begin : begin + size])) for begin in begins]
     rows = []

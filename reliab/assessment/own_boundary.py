@@ -17,24 +17,12 @@ from reliab.vocabulary import Metric, Side
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class OwnBoundary:
-    """The boundary for one ground motion and structure, against which tests are placed.
+    """The boundary for one ground motion and structure, against which tests are placed."""
 
-    Parameters
-    ----------
-    excitation : Excitation
-        The ground motion of the test, with the window of the error.
-    structure : Structure
-        The structure.
-    threshold : float
-        Error of the whole test [-].
-    metric : Metric
-        Which error.
-    """
-
-    excitation: Excitation
-    structure: Structure
-    threshold: float
-    metric: Metric
+    excitation: Excitation  # The ground motion of the test, with the window of the error
+    structure: Structure  # The structure
+    threshold: float  # Error of the whole test [-]
+    metric: Metric  # Which error
 
     @cached_property
     def _loop(self) -> Loop:
@@ -58,20 +46,7 @@ class OwnBoundary:
     def index(self, amplitude: float, delay: float) -> float:
         """Index of a test, which is 1 on the boundary and grows with the square of the distance.
 
-        Parameters
-        ----------
-        amplitude, delay : float
-            A [-] and d [s], negative where the test leads.
-
-        Returns
-        -------
-        float
-            1/s², the boundary lying at s times the test's distance from the perfect one.
-
-        Raises
-        ------
-        InputError
-            If no such test reaches the threshold.
+        Returns 1/s², the boundary lying at s times the test's distance from the perfect one.
         """
         from scipy.optimize import elementwise
 

@@ -41,31 +41,18 @@ _QUANTITIES = {
 
 @dataclass(frozen=True, kw_only=True)
 class OwnEquation:
-    """What the test shows about its structure.
+    """What the test shows about its structure."""
 
-    Attributes
-    ----------
-    identified : Identification or None
-        Frequency, damping ratio and, with a recorded force, share and lag; None where the ground acceleration
-        is not recorded or does not belong to the test.
-    wrong : tuple of str
-        Names of stated values that the test contradicts: "f", "xi", "alpha", "feedback_lag".
-    contradictions : tuple of str
-        The same in sentences.
-    explanations : tuple of Explanation
-        What the test shows beside its frequency and share, by each of the causes that cannot be told apart.
-    nonlinear : str
-        A sentence, where the recorded force shows a nonlinear specimen; else empty.
-    notes : tuple of str
-        What was found about the recorded ground acceleration, in sentences.
-    """
-
+    # Frequency, damping ratio and, with a recorded force, share and lag; None where the ground acceleration
+    # is not recorded or does not belong to the test
     identified: Identification | None = None
+    # Names of stated values that the test contradicts: "f", "xi", "alpha", "feedback_lag"
     wrong: tuple[str, ...] = ()
-    contradictions: tuple[str, ...] = ()
+    contradictions: tuple[str, ...] = ()  # The same in sentences
+    # What the test shows beside its frequency and share, by each of the causes that cannot be told apart
     explanations: tuple[Explanation, ...] = ()
-    nonlinear: str = ""
-    notes: tuple[str, ...] = ()
+    nonlinear: str = ""  # A sentence, where the recorded force shows a nonlinear specimen; else empty
+    notes: tuple[str, ...] = ()  # What was found about the recorded ground acceleration, in sentences
 
     def structure(self, stated: Structure) -> Structure:
         """Structure with the identified frequency and share, where they contradict the stated ones.
@@ -92,22 +79,8 @@ def examine_equation(
 ) -> OwnEquation:
     """Compare a test with the values stated for it.
 
-    Parameters
-    ----------
-    recording : Recording
-        The test.
-    structure : Structure
-        The structure as stated.
-    stated : mapping of str to StatedValue
-        What is stated, with standard deviations; "feedback_lag" in milliseconds. With the structure's "mass"
-        [kg] a recorded force enters the equation.
-    smoothed : numpy.ndarray
-        Measured displacement without the noise above the motion's band [m], shape (n,).
-
-    Returns
-    -------
-    OwnEquation
-        What was found; nothing where neither ground acceleration nor force is recorded.
+    `stated` [kg]; `smoothed` [m].
+    Returns what was found; nothing where neither ground acceleration nor force is recorded.
     """
     nonlinear = _nonlinear(recording, structure, smoothed)
     lag = stated.get("feedback_lag", StatedValue(0.0))

@@ -17,39 +17,18 @@ _DRAWS = 200
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class OwnPlacement:
-    """A test against the boundary of its own ground motion.
+    """A test against the boundary of its own ground motion."""
 
-    Attributes
-    ----------
-    motion : str
-        The ground motion.
-    alignment : Alignment
-        Where in its record the test began.
-    window : tuple of float
-        Begin and end of the window of the error on the record's time axis [s].
-    error : float
-        Error of a test with this A and d under this motion [-].
-    error_interval : tuple of float
-        Its 95 % interval.
-    index : float
-        1 on the boundary, growing with the square of the distance.
-    index_interval : tuple of float
-        Its 95 % interval, the index growing with the square of the error.
-    probability : float
-        Probability that the error stays below the threshold, over what noise leaves open of A and d.
-    a, b : float
-        Ellipse inscribed in the boundary on the test's side, lag or lead, [-] and [ms²].
-    """
-
-    motion: str
-    alignment: Alignment
-    window: tuple[float, float]
-    error: float
-    error_interval: tuple[float, float]
-    index: float
-    index_interval: tuple[float, float]
+    motion: str  # The ground motion
+    alignment: Alignment  # Where in its record the test began
+    window: tuple[float, float]  # Begin and end of the window of the error on the record's time axis [s]
+    error: float  # Error of a test with this A and d under this motion [-]
+    error_interval: tuple[float, float]  # Its 95 % interval
+    index: float  # 1 on the boundary, growing with the square of the distance
+    index_interval: tuple[float, float]  # Its 95 % interval, the index growing with the square of the error
+    # Probability that the error stays below the threshold, over what noise leaves open of A and d
     probability: float
-    a: float
+    a: float  # a, b: Ellipse inscribed in the boundary on the test's side, lag or lead, [-] and [ms²]
     b: float
 
 
@@ -59,24 +38,7 @@ def place_on_own(
     alignment: Alignment,
     question: Question,
 ) -> OwnPlacement:
-    """Place a test against its own ground motion's boundary.
-
-    Parameters
-    ----------
-    motion : Motion
-        The ground motion.
-    tracking : TrackingIndex
-        A and d of the test.
-    alignment : Alignment
-        Where in the record the test began.
-    question : Question
-        Structure, threshold and metric that are asked about.
-
-    Returns
-    -------
-    OwnPlacement
-        Error, index and probability.
-    """
+    """Place a test against its own ground motion's boundary."""
     excitation, bounds = _excitation(motion, alignment)
     boundary = OwnBoundary(
         excitation=excitation,

@@ -15,29 +15,19 @@ _DRAWS = 200
 
 @dataclass(frozen=True, kw_only=True)
 class Placement:
-    """A test against a criterion.
+    """A test against a criterion."""
 
-    Attributes
-    ----------
-    a, b : float
-        Limits [-] and [ms²] of the structure, on the test's side where the criterion has limits for it.
-    index : float or None
-        (A − 1)²/a + d²/b; the test is accepted up to 1. None where the test leads and the criterion has no
-        limits for leads.
-    index_interval : tuple of float, or None
-        95 % interval of the index; None likewise.
-    probability : float or None
-        Probability that the error stays below the threshold, over ground motions and over what noise
-        leaves open of A and d; None where no motions stand behind the criterion.
-    carried_from : tuple of float or None
-        Structure [Hz, -] from which the criterion was carried over, if the test's lies outside.
-    """
-
+    # a, b: Limits [-] and [ms²] of the structure, on the test's side where the criterion has limits for it
     a: float
     b: float
+    # (A − 1)²/a + d²/b; the test is accepted up to 1. None where the test leads and the criterion has no
+    # limits for leads
     index: float | None
-    index_interval: tuple[float, float] | None
+    index_interval: tuple[float, float] | None  # 95 % interval of the index; None likewise
+    # Probability that the error stays below the threshold, over ground motions and over what noise leaves
+    # open of A and d; None where no motions stand behind the criterion
     probability: float | None
+    # Structure [Hz, -] from which the criterion was carried over, if the test's lies outside
     carried_from: tuple[float, float] | None
 
 
@@ -74,25 +64,7 @@ class _Carried:
 def place(
     criterion: Criterion, structure: Structure, amplitude: float, delay: float, draws: NDArray[np.float64]
 ) -> Placement:
-    """Place a test against a criterion.
-
-    Parameters
-    ----------
-    criterion : Criterion
-        The criterion.
-    structure : Structure
-        The test's structure; outside of the criterion's validity the nearest valid one stands for it,
-        errors keeping their dimensionless size.
-    amplitude, delay : float
-        A [-] and d [s].
-    draws : numpy.ndarray
-        Draws of A [-] and d [s], shape (2, draws).
-
-    Returns
-    -------
-    Placement
-        Limits, index and probability.
-    """
+    """Place a test against a criterion."""
     carried = _Carried.into(criterion.law.validity, structure)
     side = Side.LEAD if delay < 0.0 else Side.LAG
     knows_leads = criterion.knows_leads

@@ -49,17 +49,7 @@ _UNIT_TOLERANCE = 0.1
 def require_length(recording: Recording, frequency: float) -> None:
     """Refuse a test of less than two periods of the structure, or of less than five samples in a period.
 
-    Parameters
-    ----------
-    recording : Recording
-        The test.
-    frequency : float
-        Natural frequency of the structure [Hz].
-
-    Raises
-    ------
-    InputError
-        If the test is too short or sampled too coarsely.
+    `frequency` [Hz].
     """
     periods = recording.duration * frequency
     if periods < _FEWEST_PERIODS:
@@ -79,20 +69,7 @@ def require_length(recording: Recording, frequency: float) -> None:
 
 
 def require_drawable(recording: Recording, structure: WholeStructure) -> None:
-    """Refuse a test that is too long for the intervals of its error, before anything is computed from it.
-
-    Parameters
-    ----------
-    recording : Recording
-        The test.
-    structure : WholeStructure
-        The whole structure under test.
-
-    Raises
-    ------
-    InputError
-        If the test is too long, with the longest duration.
-    """
+    """Refuse a test that is too long for the intervals of its error, before anything is computed from it."""
     step = recording.time_step
     require_fitting(recording.command.size, samples_in_step_of_structure(structure, step), step)
 
@@ -121,19 +98,7 @@ def require_plausible(recording: Recording, *, stiffness: float | None = None) -
 
 
 def _require_following(recording: Recording) -> None:
-    """Refuse a test whose measured displacement has another sign or unit than its command, or is unrelated.
-
-    Parameters
-    ----------
-    recording : Recording
-        The test, without spikes.
-
-    Raises
-    ------
-    InputError
-        If the measured displacement runs against the command, has nothing to do with it, or is larger or
-        smaller by the ratio of two units of length.
-    """
+    """Refuse measured displacement with another sign or unit than its command, or unrelated to it."""
     command, measured = _moving(recording.command), _moving(recording.measured)
     size = float(np.linalg.norm(command) * np.linalg.norm(measured))
     correlation = float(command @ measured) / size

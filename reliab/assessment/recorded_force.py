@@ -104,19 +104,7 @@ def require_restoring_force(
 def require_order(command: Array, measured: Array, force: Array, time_step: float, where: str = "") -> None:
     """Refuse a test whose force follows the command, and comes too late for the measured displacement.
 
-    Parameters
-    ----------
-    command, measured, force : numpy.ndarray
-        Command and measured displacement [m], without spikes, and a force that resists, shape (n,).
-    time_step : float
-        Step between samples [s].
-    where : str, optional
-        What the test is called.
-
-    Raises
-    ------
-    InputError
-        If the columns of command and measured displacement are exchanged.
+    `command`, `measured`, `force` [m]; `time_step` [s].
     """
     kernel = _kernel(measured, force, time_step)
     if kernel is None:

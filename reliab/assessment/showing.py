@@ -46,18 +46,8 @@ def _probability(probability: float) -> str:
 def draw_error(assessment: "Findings", axes: "Axes | None" = None) -> "Axes":
     """Draw the rebuilt error of a test over time.
 
-    Parameters
-    ----------
-    assessment : Findings
-        What is found about the test.
-    axes : matplotlib.axes.Axes, optional
-        Where to draw; new axes by default.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        With time [s] across and x_m − x_I [mm] upwards, its 90 % band, and the threshold times the peak of
-        the exact response.
+    Returns with time [s] across and x_m − x_I [mm] upwards, its 90 % band, and the threshold times the peak
+    of the exact response.
     """
     from matplotlib import pyplot as plt
 

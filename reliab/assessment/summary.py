@@ -19,15 +19,7 @@ _MILLISECONDS = 1e3
 def summarise(findings: Findings) -> dict[str, Any]:
     """Put an assessment into plain numbers.
 
-    Parameters
-    ----------
-    findings : Findings
-        The assessment.
-
-    Returns
-    -------
-    dict
-        Ready for JSON; None where a value is infinite or unknown. Delays are in milliseconds.
+    Returns ready for JSON; None where a value is infinite or unknown. Delays are in milliseconds.
     """
     tracking, structure = findings.tracking, findings.structure
     of_a, of_d = tracking.interval(LEVEL)

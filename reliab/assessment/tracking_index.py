@@ -35,34 +35,18 @@ _REFINEMENTS = 3
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TrackingIndex:
-    """How the actuator of a test tracked its command.
+    """How the actuator of a test tracked its command."""
 
-    Attributes
-    ----------
-    amplitude : float
-        A [-].
-    delay : float
-        Equivalent delay d [s], positive when the measured displacement lags.
-    plain : FrequencyEvaluation
-        Equations (1)–(5) of the filtered histories as they stand.
-    draws : numpy.ndarray
-        Bootstrap draws of A [-] and d [s], shape (2, draws).
-    noise_share : float
-        RMS of what gain and delay leave of the unfiltered measured displacement, over its own RMS [-].
-    attenuation : float
-        Share of noise in the power of the filtered command [-], by which A would be too small had it not
-        been taken off.
-    unexplained_share : float
-        As `noise_share`, in the band of the motion and beyond the noise there [-].
-    """
-
-    amplitude: float
-    delay: float
-    plain: FrequencyEvaluation
-    draws: Array
+    amplitude: float  # A [-]
+    delay: float  # Equivalent delay d [s], positive when the measured displacement lags
+    plain: FrequencyEvaluation  # Equations (1)–(5) of the filtered histories as they stand
+    draws: Array  # Bootstrap draws of A [-] and d [s], shape (2, draws)
+    # RMS of what gain and delay leave of the unfiltered measured displacement, over its own RMS [-]
     noise_share: float
+    # Share of noise in the power of the filtered command [-], by which A would be too small had it not been
+    # taken off
     attenuation: float
-    unexplained_share: float
+    unexplained_share: float  # As `noise_share`, in the band of the motion and beyond the noise there [-]
 
     def interval(self, level: float = LEVEL) -> tuple[tuple[float, float], tuple[float, float]]:
         """Intervals of A [-] and d [s] at a level."""
@@ -81,24 +65,6 @@ class TrackingIndex:
 def track(recording: Recording, *, window: str = "hann", draws: int = 2000, seed: int = 0) -> TrackingIndex:
     """Evaluate how a test tracked its command.
 
-    Parameters
-    ----------
-    recording : Recording
-        The test.
-    window : str, optional
-        Name of a window of :func:`scipy.signal.get_window`.
-    draws : int, optional
-        Number of bootstrap draws.
-    seed : int, optional
-        Seed of the draws.
-
-    Returns
-    -------
-    TrackingIndex
-        A and d with their uncertainty.
-
-    Examples
-    --------
     >>> time = np.arange(0.0, 40.0, 1.0 / 256.0)
     >>> command = np.sin(2.0 * np.pi * time) * np.exp(-time / 15.0)
     >>> late = 0.99 * np.sin(2.0 * np.pi * (time - 0.002)) * np.exp(-(time - 0.002) / 15.0)

@@ -17,54 +17,24 @@ from reliab.recordings import Recording
 
 @dataclass(frozen=True, kw_only=True)
 class TrackingMeasures:
-    """Measures of tracking, which say nothing of how errors accumulate in the loop.
+    """Measures of tracking, which say nothing of how errors accumulate in the loop."""
 
-    Attributes
-    ----------
-    maximum_error : float
-        Largest |x_m − x_c| over largest |x_c| [-].
-    rms_error : float
-        RMS of x_m − x_c over that of x_c [-].
-    tracking_indicator : float
-        Tracking indicator at the end of the test [m²]; positive when the measured displacement lags.
-    phase_error : float
-        Phase lag of the PAEI [rad].
-    amplitude_error : float
-        Amplitude error of the PAEI [-].
-    energy_error : float
-        Energy that the tracking error added by the end of the test, over the largest strain energy of the
-        specimen [-]; with the recorded force, or that of a linear specimen.
-    of_recorded_force : bool
-        Whether the energy is that of a recorded force.
-    delay_by_correlation : float
-        Delay at which the cross-correlation is largest [s].
-    """
-
-    maximum_error: float
-    rms_error: float
+    maximum_error: float  # Largest |x_m − x_c| over largest |x_c| [-]
+    rms_error: float  # RMS of x_m − x_c over that of x_c [-]
+    # Tracking indicator at the end of the test [m²]; positive when the measured displacement lags
     tracking_indicator: float
-    phase_error: float
-    amplitude_error: float
+    phase_error: float  # Phase lag of the PAEI [rad]
+    amplitude_error: float  # Amplitude error of the PAEI [-]
+    # Energy that the tracking error added by the end of the test, over the largest strain energy of the
+    # specimen [-]; with the recorded force, or that of a linear specimen
     energy_error: float
-    of_recorded_force: bool
-    delay_by_correlation: float
+    of_recorded_force: bool  # Whether the energy is that of a recorded force
+    delay_by_correlation: float  # Delay at which the cross-correlation is largest [s]
 
 
 def measure_tracking(recording: Recording) -> TrackingMeasures:
     """Evaluate the measures of tracking of a test.
 
-    Parameters
-    ----------
-    recording : Recording
-        The test.
-
-    Returns
-    -------
-    TrackingMeasures
-        The measures.
-
-    Examples
-    --------
     >>> phase = np.linspace(0.0, 20.0 * np.pi, 20001)
     >>> found = measure_tracking(
     ...     Recording(command=np.sin(phase), measured=0.98 * np.sin(phase - 0.05), time_step=0.001)

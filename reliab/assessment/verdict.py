@@ -26,21 +26,11 @@ class Word(StrEnum):
 
 @dataclass(frozen=True, kw_only=True)
 class Verdict:
-    """A verdict.
+    """A verdict."""
 
-    Attributes
-    ----------
-    word : Word
-        What it says.
-    reasons : tuple of str
-        Why, in sentences.
-    would_decide : tuple of str
-        What would decide an undecided test, in sentences.
-    """
-
-    word: Word
-    reasons: tuple[str, ...]
-    would_decide: tuple[str, ...] = ()
+    word: Word  # What it says
+    reasons: tuple[str, ...]  # Why, in sentences
+    would_decide: tuple[str, ...] = ()  # What would decide an undecided test, in sentences
 
     def doubted(self, reasons: Sequence[str], would_decide: Sequence[str]) -> "Verdict":
         """Return the verdict as undecided for further reasons; unchanged where there are none."""
@@ -76,25 +66,8 @@ def verdict_by_index(
 ) -> Verdict:
     """Judge a test by its index.
 
-    Parameters
-    ----------
-    index : float or None
-        Index of reliability, accepted up to 1; None where the test leads and the criterion has no limits for
-        leads.
-    interval : tuple of float, or None
-        Its 95 % interval.
-    probability : float or None
-        Probability that the error of such a test stays below the threshold, where it is known.
-    confidence : float
-        Share of ground motions that the criterion promises.
-    own_motion : bool
-        Whether the index is that of the test's own ground motion.
-
-    Returns
-    -------
-    Verdict
-        Undecided where the interval holds 1, and where too many ground motions would keep the error below
-        the threshold to call the test bad, and too few to call it good.
+    Returns undecided where the interval holds 1, and where too many ground motions would keep the error below
+    the threshold to call the test bad, and too few to call it good.
     """
     if index is None or interval is None:
         return Verdict(

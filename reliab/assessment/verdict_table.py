@@ -15,21 +15,10 @@ _ENDS: Final = ("value", "low", "high")
 def verdict_table(summaries: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
     """Put the answers about several tests into a table.
 
-    Parameters
-    ----------
-    summaries : iterable of mapping
-        What the `to_dict` of its assessment says of each test, with its `file`; of a test that
-        could not be judged its `file` and the `fault`.
+    Returns `file`, `test`, `verdict`, `probability` [-], `metric`, `threshold` [-], `A` [-], `d_ms` [ms],
+    `index` [-], `stability_margin` [-], `rms`, `rms_low`, `rms_high`, `mte`, `mte_low`, `mte_high` [-],
+    `reasons`, `warnings` and `fault`; empty where a value is unknown.
 
-    Returns
-    -------
-    pandas.DataFrame
-        `file`, `test`, `verdict`, `probability` [-], `metric`, `threshold` [-], `A` [-], `d_ms` [ms],
-        `index` [-], `stability_margin` [-], `rms`, `rms_low`, `rms_high`, `mte`, `mte_low`, `mte_high` [-],
-        `reasons`, `warnings` and `fault`; empty where a value is unknown.
-
-    Examples
-    --------
     >>> verdict_table([{"file": "a.csv", "fault": "It must not be empty."}]).loc[0, "fault"]
     'It must not be empty.'
     """

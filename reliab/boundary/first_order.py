@@ -23,34 +23,16 @@ _MILLISECONDS_SQUARED = 1e6
 
 @dataclass(frozen=True, kw_only=True)
 class FirstOrderEllipse:
-    """Ellipse parameters per squared error, exact in the limit of small errors.
+    """Ellipse parameters per squared error, exact in the limit of small errors."""
 
-    Parameters
-    ----------
-    amplitude : float
-        a/ε² [-], for a small RMS^R ε.
-    delay : float
-        b/ε² [ms²].
-    """
-
-    amplitude: float
-    delay: float
+    amplitude: float  # a/ε² [-], for a small RMS^R ε
+    delay: float  # b/ε² [ms²]
 
     def parameters(self, threshold: float) -> tuple[float, float]:
         """Ellipse parameters of an error.
 
-        Parameters
-        ----------
-        threshold : float
-            RMS^R on the contour [-].
+        `threshold` [-].
 
-        Returns
-        -------
-        a, b : float
-            Parameters [-] and [ms²].
-
-        Examples
-        --------
         >>> FirstOrderEllipse(amplitude=0.05, delay=1000.0).parameters(0.05)
         (0.000125..., 2.5...)
         """

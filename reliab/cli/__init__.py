@@ -159,20 +159,7 @@ def _not_installed(error: ModuleNotFoundError) -> InputError | None:
 
 
 def spread(arguments: Sequence[str], command: Any) -> Iterator[str]:  # noqa: ANN401 - Typer hides its type
-    """Write `--option a b` as `--option a --option b` for options that may be repeated.
-
-    Parameters
-    ----------
-    arguments : sequence of str
-        The arguments as given.
-    command : click.Command
-        The command that they are meant for, or the group of commands.
-
-    Yields
-    ------
-    str
-        The arguments as Click reads them.
-    """
+    """Write `--option a b` as `--option a --option b` for options that may be repeated."""
     repeated: set[str] = set()
     current: str | None = None
     first = numeric = False

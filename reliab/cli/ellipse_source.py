@@ -32,78 +32,34 @@ class SourceOptions:
     alpha: list[float] | None
 
     def ellipse_source(self, **options: Any) -> "EllipseSource":  # noqa: ANN401 - as EllipseSource takes them
-        """Say where the ellipses come from.
-
-        Parameters
-        ----------
-        **options
-            Options that the command has besides, or takes otherwise; see :class:`EllipseSource`.
-
-        Returns
-        -------
-        EllipseSource
-            The source.
-
-        Raises
-        ------
-        InputError
-            If not exactly one source is given, or an option that the source cannot serve.
-        """
+        """Say where the ellipses come from."""
         shared = {field.name: getattr(self, field.name) for field in fields(SourceOptions)}
         return EllipseSource(**(shared | options))
 
 
 @dataclass(frozen=True, kw_only=True)
 class EllipseSource:
-    """Where the ellipses that a command is about come from.
+    """Where the ellipses that a command is about come from."""
 
-    Parameters
-    ----------
-    motions, sets : list of str or None
-        Sources of ground motions and sets of their catalogue.
-    results : pathlib.Path or None
-        Stored results instead.
-    ellipses : pathlib.Path or None
-        A file of ellipses instead, CSV or NetCDF.
-    f, xi : list of float or None
-        Natural frequencies [Hz] and damping ratios [-]; of stored results and ellipses all that they
-        hold, by default and where one that is asked for is not among them.
-    threshold : list of float or None
-        Errors on the boundary [-].
-    metric : str
-        Error of the whole test.
-    window : str or None
-        Part of the record over which the error is computed; None leaves it to the source, which is the whole
-        record for records.
-    alpha : list of float or None
-        Experimental fractions [-]; 1 for records unless given. Stored results and files must be of these
-        fractions, or of 1, from which a law carries them.
-    model : pathlib.Path or None
-        Model with effects instead of structures, for records.
-    structure : pathlib.Path or None
-        Description of a partitioned frame instead of structures, for records.
-    first_order : bool
-        Whether ellipses are predicted from the spectra of records instead of traced.
-
-    Raises
-    ------
-    InputError
-        If not exactly one source is given, or an option that the source cannot serve.
-    """
-
-    motions: list[str] | None = None
+    motions: list[str] | None = None  # motions, sets: Sources of ground motions and sets of their catalogue
     sets: list[str] | None = None
-    results: Path | None = None
-    ellipses: Path | None = None
+    results: Path | None = None  # Stored results instead
+    ellipses: Path | None = None  # A file of ellipses instead, CSV or NetCDF
+    # f, xi: Natural frequencies [Hz] and damping ratios [-]; of stored results and ellipses all that they
+    # hold, by default and where one that is asked for is not among them
     f: list[float] | None = None
     xi: list[float] | None = None
-    threshold: list[float] | None = None
-    metric: str
+    threshold: list[float] | None = None  # Errors on the boundary [-]
+    metric: str  # Error of the whole test
+    # Part of the record over which the error is computed; None leaves it to the source, which is the whole
+    # record for records
     window: str | None = None
+    # Experimental fractions [-]; 1 for records unless given. Stored results and files must be of these
+    # fractions, or of 1, from which a law carries them
     alpha: list[float] | None = None
-    model: Path | None = None
-    structure: Path | None = None
-    first_order: bool = False
+    model: Path | None = None  # Model with effects instead of structures, for records
+    structure: Path | None = None  # Description of a partitioned frame instead of structures, for records
+    first_order: bool = False  # Whether ellipses are predicted from the spectra of records instead of traced
 
     def __post_init__(self) -> None:
         given = [source for source in (self.motions, self.results, self.ellipses) if source is not None]
@@ -152,18 +108,7 @@ class EllipseSource:
         return tuple(self.threshold or (FIVE_PERCENT,))
 
     def dataset(self) -> "xr.Dataset":
-        """Trace the ellipses, or look them up.
-
-        Returns
-        -------
-        xarray.Dataset
-            `a`, `b`, `sse`, `n` over (motion, f, xi, threshold, metric, curve, side).
-
-        Raises
-        ------
-        InputError
-            If the source cannot be read, or does not hold what is asked for.
-        """
+        """Trace the ellipses, or look them up."""
         if self.ellipses is not None:
             return of_fractions(self._read(self.ellipses), self.alpha, self.ellipses)
         if self.results is not None:
@@ -251,15 +196,7 @@ class EllipseSource:
 def check_thresholds(threshold: list[float] | None) -> None:
     """Refuse errors that are not positive and finite.
 
-    Parameters
-    ----------
-    threshold : list of float or None
-        Errors on the boundary [-].
-
-    Raises
-    ------
-    InputError
-        If one is zero, negative or not finite.
+    `threshold` [-].
     """
     for error in threshold or []:
         if not 0.0 < error < math.inf:

@@ -35,11 +35,9 @@ def info(*, json_target: JsonTarget = None) -> None:
 def describe() -> dict[str, Any]:
     """Describe the installation.
 
-    Returns
-    -------
-    dict
-        Versions of reliab, Python and the packages that it uses, the platform, the folder and size [MB] of
-        the shipped datasets and studies, and the folder of compiled code; ready for JSON.
+    Returns [MB].
+    Returns versions of reliab, Python and the packages that it uses, the platform, the folder and size [MB]
+    of the shipped datasets and studies, and the folder of compiled code; ready for JSON.
     """
     return {
         "reliab": __version__,

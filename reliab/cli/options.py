@@ -143,23 +143,7 @@ JsonTarget = Annotated[
 def setting_of(
     title: str | None, date: datetime | None, paper: str, laboratory: str | None, logo: Path | None
 ) -> "Setting":
-    """Take the options about how a report is set.
-
-    Parameters
-    ----------
-    title, date, paper, laboratory, logo
-        Values of the options of the same names.
-
-    Returns
-    -------
-    Setting
-        Checked.
-
-    Raises
-    ------
-    InputError
-        If the paper is not known or the logo cannot be read.
-    """
+    """Take the options about how a report is set."""
     from reliab.report import Setting
 
     return Setting(
@@ -172,18 +156,7 @@ def setting_of(
 
 
 def given_options(context: typer.Context) -> list[str]:
-    """Name the options that the user gave, as Python spells them.
-
-    Parameters
-    ----------
-    context : typer.Context
-        The call.
-
-    Returns
-    -------
-    list of str
-        Names, without those of options that stand at their defaults.
-    """
+    """Name the options that the user gave, as Python spells them."""
     return [
         name
         for name in context.params
@@ -194,37 +167,15 @@ def given_options(context: typer.Context) -> list[str]:
 def options_of(demand: type, context: typer.Context) -> dict[str, Any]:
     """Take the options of a call that a demand has fields for.
 
-    Parameters
-    ----------
-    demand : type
-        A dataclass whose fields are named like the options.
-    context : typer.Context
-        The call.
-
-    Returns
-    -------
-    dict
-        Values of the options by the names of the fields; None for one that may be repeated and is not given.
+    Returns values of the options by the names of the fields; None for one that may be repeated and is not
+    given.
     """
     values = {field.name: context.params[field.name] for field in fields(demand)}
     return {name: None if value == () else value for name, value in values.items()}
 
 
 def refuse_others(context: typer.Context, option: str) -> None:
-    """Refuse options beside one that is used alone.
-
-    Parameters
-    ----------
-    context : typer.Context
-        The call.
-    option : str
-        Name in Python of the option that is used alone.
-
-    Raises
-    ------
-    InputError
-        If another is given.
-    """
+    """Refuse options beside one that is used alone."""
     others = [name for name in given_options(context) if name != option]
     if others:
         raise InputError(

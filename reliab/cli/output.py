@@ -144,20 +144,7 @@ _IN_ASCII: Final = {
 
 
 def table(title: str, headings: Mapping[str, str]) -> "Table":
-    """Make a table with headings and their justification, "left" or "right".
-
-    Parameters
-    ----------
-    title : str
-        What the table shows.
-    headings : mapping of str to str
-        Justification by heading.
-
-    Returns
-    -------
-    rich.table.Table
-        The empty table.
-    """
+    """Make a table with headings and their justification, "left" or "right"."""
     from rich import box
     from rich.table import Table
     from rich.text import Text
@@ -172,22 +159,7 @@ def table(title: str, headings: Mapping[str, str]) -> "Table":
 def write_json(content: Mapping[str, Any] | Sequence[Any], target: str | None) -> bool:
     """Write JSON if it is asked for; return whether nothing else may be printed.
 
-    Parameters
-    ----------
-    content : mapping or sequence
-        What to write.
-    target : str or None
-        A file, "-" for standard output, or None for neither.
-
-    Returns
-    -------
-    bool
-        Whether the JSON went to standard output, so that nothing else may be printed.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
+    Returns whether the JSON went to standard output, so that nothing else may be printed.
     """
     if target is None:
         return False
@@ -208,18 +180,7 @@ def write_json(content: Mapping[str, Any] | Sequence[Any], target: str | None) -
 
 @contextmanager
 def progress_bar(what: str) -> Iterator[Callable[[int, int], None]]:
-    """Show a bar with the time left on a terminal, and nothing in a pipe.
-
-    Parameters
-    ----------
-    what : str
-        What is being done.
-
-    Yields
-    ------
-    callable
-        To be called with pieces done and their total.
-    """
+    """Show a bar with the time left on a terminal, and nothing in a pipe."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 

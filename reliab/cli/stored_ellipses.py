@@ -15,24 +15,7 @@ _WHOLE = 1.0
 def require_column(
     dataset: "xr.Dataset", name: str, wanted: "list[float] | list[str] | None", path: Path
 ) -> None:
-    """Refuse to relabel a table that is of one structure and error.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        The table.
-    name : str
-        A column, f for example.
-    wanted : list or None
-        Values that are asked for.
-    path : pathlib.Path
-        File of the table.
-
-    Raises
-    ------
-    InputError
-        If the table is of another value.
-    """
+    """Refuse to relabel a table that is of one structure and error."""
     import numpy as np
 
     held = dataset[name].values
@@ -54,25 +37,7 @@ def require_column(
 def of_fractions(dataset: "xr.Dataset", alpha: list[float] | None, path: Path) -> "xr.Dataset":
     """Choose shares of the stiffness among stored boundaries, or carry those of α = 1 to a smaller share.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        The boundaries.
-    alpha : list of float or None
-        Fractions that are asked for [-]; all that are stored by default.
-    path : pathlib.Path
-        File or store of the boundaries.
-
-    Returns
-    -------
-    xarray.Dataset
-        The boundaries, with a caution where they were carried.
-
-    Raises
-    ------
-    InputError
-        If they were computed with other fractions, none of which is 1, do not state one, or the law that
-        carries them does not hold.
+    `alpha` [-].
     """
     from reliab.progress import silent
     from reliab.sweep import for_each_share
@@ -109,17 +74,7 @@ def _near(alpha: float, shares: tuple[float, ...]) -> bool:
 def among(dataset: "xr.Dataset", f: list[float] | None, xi: list[float] | None) -> "xr.Dataset":
     """Keep the structures that are asked for, or all where one of them lies between the stored ones.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Boundaries or results over f and xi.
-    f, xi : list of float or None
-        Structures that are asked for [Hz, -].
-
-    Returns
-    -------
-    xarray.Dataset
-        What is kept.
+    `f`, `xi` [Hz, -].
     """
     import numpy as np
 

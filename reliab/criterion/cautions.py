@@ -16,26 +16,7 @@ _SHORTFALL = 0.005  # of a plug-in quantile, from which it is worth a sentence
 def cautions_of(
     ellipses: xr.Dataset, grid: SampleGrid, method: Method, confidence: float, empty: int
 ) -> tuple[str, ...]:
-    """Say what limits the criterion of a grid of structures.
-
-    Parameters
-    ----------
-    ellipses : xarray.Dataset
-        The dataset, which may say something against itself in its attribute `caution`.
-    grid : SampleGrid
-        Motions of every structure.
-    method : Method
-        What the confidence means.
-    confidence : float
-        Stated share of the motions.
-    empty : int
-        Number of structures at which the limits are zero.
-
-    Returns
-    -------
-    tuple of str
-        Sentences, the gravest first.
-    """
+    """Say what limits the criterion of a grid of structures."""
     sentences = (
         _without_promise(grid, method, confidence, empty),
         str(ellipses.attrs.get("caution", "")),
@@ -126,18 +107,6 @@ def _left_out(grid: SampleGrid, method: Method) -> str:
 def few_events(fewest: int) -> str:
     """Say that there are few earthquakes; nothing from thirty on.
 
-    Parameters
-    ----------
-    fewest : int
-        Number of earthquakes.
-
-    Returns
-    -------
-    str
-        A sentence, or nothing.
-
-    Examples
-    --------
     >>> few_events(1)
     'The motions come from one earthquake only, and motions of one earthquake are alike.'
     """

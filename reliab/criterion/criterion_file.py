@@ -25,22 +25,7 @@ def to_text(
     populations: Mapping[str, Population | None],
     provenance: Provenance,
 ) -> str:
-    """Write the parts of a criterion as JSON; numbers that are not finite are refused.
-
-    Parameters
-    ----------
-    plain : mapping
-        Plain values by their keys.
-    laws, populations : mapping
-        Laws and motions by their keys.
-    provenance : Provenance
-        Where the criterion comes from.
-
-    Returns
-    -------
-    str
-        The JSON.
-    """
+    """Write the parts of a criterion as JSON; numbers that are not finite are refused."""
     content = {
         "schema_version": SCHEMA_VERSION,
         **plain,
@@ -52,26 +37,7 @@ def to_text(
 
 
 def from_text(text: str, where: str = "") -> dict[str, Any]:
-    """Read the parts of a criterion.
-
-    Parameters
-    ----------
-    text : str
-        JSON as :func:`to_text` writes it.
-    where : str, optional
-        The file, for messages.
-
-    Returns
-    -------
-    dict
-        Arguments of a criterion.
-
-    Raises
-    ------
-    InputError
-        If the text is no such JSON, of another schema, lacks a key, has an unknown one, or holds a number
-        that is not finite or a value of another type.
-    """
+    """Read the parts of a criterion."""
     rule = "A criterion must be JSON as written by `reliab criterion --out`"
     content = parse_json(text, rule=rule, remedy=_REMEDY, where=where)
     _require_schema(content, where)

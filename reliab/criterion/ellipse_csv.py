@@ -34,24 +34,9 @@ def read_table(
 ) -> xr.Dataset:
     """Read a table of ellipses.
 
-    Parameters
-    ----------
-    source : str, pathlib.Path or pandas.DataFrame
-        The CSV file, or its columns.
-    frequency, damping_ratio, threshold, metric
-        What the ellipses were traced for [Hz, -, -], where the file does not say.
-
-    Returns
-    -------
-    xarray.Dataset
-        `a` and `b` over (motion, f, xi, threshold, metric, curve, side), with the coordinate `event`, and
-        with `alpha` after `xi` where the file has several shares of the stiffness.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, lacks a column, holds a parameter that is not a positive number,
-        or holds one motion twice for one structure and error; the message names the line.
+    `` [Hz, -, -].
+    Returns `a` and `b` over (motion, f, xi, threshold, metric, curve, side), with the coordinate `event`, and
+    with `alpha` after `xi` where the file has several shares of the stiffness.
     """
     path = "the data frame" if isinstance(source, pd.DataFrame) else str(source)
     table = _named(source.astype(str) if isinstance(source, pd.DataFrame) else _cells(Path(source)), path)

@@ -247,27 +247,7 @@ def is_ellipse(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.boo
 
 
 def position(ellipses: xr.Dataset, name: str, value: float) -> int:
-    """Find a value along a dimension.
-
-    Parameters
-    ----------
-    ellipses : xarray.Dataset
-        With that dimension as a coordinate.
-    name : str
-        The dimension, of numbers.
-    value : float
-        The value.
-
-    Returns
-    -------
-    int
-        Its position.
-
-    Raises
-    ------
-    InputError
-        If it is not there; the message lists what is.
-    """
+    """Find a value along a dimension."""
     values = ellipses[name].values.astype(np.float64)
     close = np.flatnonzero(np.isclose(values, value, rtol=1e-9, atol=0.0))
     if close.size == 0:

@@ -10,18 +10,12 @@ _FEWEST_EFFECTIVE = 2.0
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class EventComponents:
-    """Components of variance of values over motions, by analysis of variance.
+    """Components of variance of values over motions, by analysis of variance."""
 
-    Parameters
-    ----------
-    between, within : array of float
-        Variance between earthquakes and between motions of one earthquake.
-    effective_number : array of float
-        Number of independent motions that would leave the mean as uncertain.
-    """
-
+    # between, within: Variance between earthquakes and between motions of one earthquake
     between: NDArray[np.float64]
     within: NDArray[np.float64]
+    # Number of independent motions that would leave the mean as uncertain
     effective_number: NDArray[np.float64]
 
     @property
@@ -40,24 +34,10 @@ def event_components(values: NDArray[np.float64], events: NDArray[np.str_]) -> E
     With one earthquake, or one motion from each, the two cannot be separated, and the motions count as
     independent.
 
-    Parameters
-    ----------
-    values : array of float, shape (motions, ...)
-        Values.
-    events : array of str, shape (motions,)
-        Earthquake of each motion.
+    `values` (motions, ...); `events` (motions,).
 
-    Returns
-    -------
-    EventComponents
-        Components in the trailing shape of `values`.
-
-    References
-    ----------
     Searle, S. R., Casella, G. and McCulloch, C. E. (1992). *Variance components*, section 3.6.
 
-    Examples
-    --------
     >>> values = np.array([1.0, 1.2, 3.0, 3.2, 5.0, 5.2])
     >>> components = event_components(values, np.array(["a", "a", "b", "b", "c", "c"]))
     >>> float(components.event_share.round(3)), float(components.effective_number.round(1))

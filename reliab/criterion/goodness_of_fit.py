@@ -22,14 +22,9 @@ class LognormalityTest:
 
     p-values of the first two are simulated, since mean and spread are fitted to the same motions; all
     three count the motions as independent.
-
-    Parameters
-    ----------
-    kolmogorov_smirnov, anderson_darling, shapiro_wilk : float
-        p-values.
     """
 
-    kolmogorov_smirnov: float
+    kolmogorov_smirnov: float  # kolmogorov_smirnov, anderson_darling, shapiro_wilk: p-values
     anderson_darling: float
     shapiro_wilk: float
 
@@ -37,20 +32,8 @@ class LognormalityTest:
 def objection(values: ArrayLike, parameter: str) -> str:
     """Say that a lognormal distribution does not fit; return nothing where it does.
 
-    Parameters
-    ----------
-    values : array_like
-        Positive values, shape (motions,), at least three.
-    parameter : str
-        What they are, "a" or "b".
+    Returns A sentence, or nothing where the test of Shapiro and Wilk does not reject at 5 %.
 
-    Returns
-    -------
-    str
-        A sentence, or nothing where the test of Shapiro and Wilk does not reject at 5 %.
-
-    Examples
-    --------
     >>> objection(np.exp(np.random.default_rng(1).normal(size=80)), "a")
     ''
     """

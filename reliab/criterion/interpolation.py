@@ -7,20 +7,8 @@ from numpy.typing import NDArray
 def tents(nodes: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.float64]:
     """Weights of nodes in a linear interpolation over ln x.
 
-    Parameters
-    ----------
-    nodes : array of float, shape (nodes,)
-        Increasing and positive.
-    x : array of float, any shape
-        Positive; taken at the outermost node where it lies beyond.
+    `nodes` (nodes,); `x` any shape; returns (..., nodes).
 
-    Returns
-    -------
-    array of float, shape (..., nodes)
-        Weights that sum to 1, at most two of them different from zero.
-
-    Examples
-    --------
     >>> tents(np.array([1.0, 4.0, 16.0]), np.array([2.0, 16.0])).tolist()
     [[0.5, 0.5, 0.0], [0.0, 0.0, 1.0]]
     """

@@ -14,21 +14,7 @@ def contained_alike(kind: FittedLaw, law: Law, grid: SampleGrid, limits: NDArray
     Limits that all motions contain are compared at the depth of the least motion, so that they keep their
     distance from it.
 
-    Parameters
-    ----------
-    kind : type of Law
-        The kind of law.
-    law : Law
-        The law that was fitted.
-    grid : SampleGrid
-        The motions.
-    limits : array of float, shape (F, X, 2)
-        The limits a [-] and b [ms²], positive.
-
-    Returns
-    -------
-    Law
-        The law with all limits times one factor.
+    `limits` (F, X, 2).
     """
     a, b = law.limits(grid.frequencies[:, None], grid.damping_ratios[None, :])
     rooms, rooms_of_law = (
@@ -48,16 +34,7 @@ def contained_alike(kind: FittedLaw, law: Law, grid: SampleGrid, limits: NDArray
 def room(sample: EllipseSample, a: float, b: float) -> NDArray[np.float64]:
     """Factor by which limits could grow before a motion's own ellipse no longer contains theirs.
 
-    Parameters
-    ----------
-    sample : EllipseSample
-        The motions.
-    a, b : float
-        The limits [-] and [ms²], positive.
-
-    Returns
-    -------
-    array of float, shape (motions,)
-        Factors on a and b; a motion contains the limits where its factor is at least 1.
+    Returns (motions,).
+    Returns factors on a and b; a motion contains the limits where its factor is at least 1.
     """
     return np.minimum(sample.a / a, sample.b / b)

@@ -18,20 +18,9 @@ MOST_AT_REST = 0.05
 def share_at_rest(errors: NDArray[np.float64], threshold: float) -> NDArray[np.float64]:
     """Share of motions under which an actuator at rest keeps a threshold.
 
-    Parameters
-    ----------
-    errors : array of float, shape (motions, ...)
-        Errors of the whole test with an actuator that does not move [-]; NaN where unknown.
-    threshold : float
-        Error [-].
+    `errors` (motions, ...) [-]; `threshold` [-].
+    Returns shares of the motions with a known error, in the trailing shape; 0 where none is known.
 
-    Returns
-    -------
-    numpy.ndarray
-        Shares of the motions with a known error, in the trailing shape; 0 where none is known.
-
-    Examples
-    --------
     >>> share_at_rest(np.array([[0.15, 0.3], [0.25, np.nan], [0.4, 0.2]]), 0.2).round(2).tolist()
     [0.33, 0.5]
     """

@@ -14,24 +14,8 @@ def printed_share(
 ) -> dict[str, float]:
     """Count the motions whose own ellipse contains that of a printed law.
 
-    Parameters
-    ----------
-    criterion : Criterion
-        The printed law.
-    ellipses : xarray.Dataset
-        Ellipses of real ground motions, fitted to their boundaries as in the paper.
-    frequency, damping_ratio : float
-        The structure [Hz, -]; the nearest one of the ellipses at which the law holds is taken.
-
-    Returns
-    -------
-    dict
-        `share` of the motions [-], `n_motions`, and the structure, `f` [Hz] and `xi` [-].
-
-    Raises
-    ------
-    InputError
-        If too few motions have an ellipse there.
+    `frequency`, `damping_ratio` [Hz, -].
+    Returns `share` of the motions [-], `n_motions`, and the structure, `f` [Hz] and `xi` [-].
     """
     f, xi = (
         float(values[np.argmin(np.abs(np.log(values / wanted)))])

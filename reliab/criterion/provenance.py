@@ -73,19 +73,9 @@ class Provenance:
 def kind_of_motions(events: Sequence[str]) -> str:
     """Say whether motions are those of the built-in synthetic suite, by the names of their earthquakes.
 
-    Parameters
-    ----------
-    events : sequence of str
-        Names of the earthquakes.
+    Returns "synthetic ground motions" if all are synthetic, "partly synthetic ground motions" if some are,
+    and "ground motions" otherwise.
 
-    Returns
-    -------
-    str
-        "synthetic ground motions" if all are synthetic, "partly synthetic ground motions" if some are, and
-        "ground motions" otherwise.
-
-    Examples
-    --------
     >>> kind_of_motions(["SYN001", "SYN002"]), kind_of_motions(["KOBE", "SYN002"]), kind_of_motions(["KOBE"])
     ('synthetic ground motions', 'partly synthetic ground motions', 'ground motions')
     """

@@ -13,39 +13,20 @@ from reliab.criterion.population import Population
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SampleGrid:
-    """Ellipses at one error, of one curve, on one side of the boundaries.
+    """Ellipses at one error, of one curve, on one side of the boundaries."""
 
-    Parameters
-    ----------
-    samples : tuple of tuple of EllipseSample
-        Motions of each structure, shape (frequencies, damping ratios).
-    population : Population
-        The same motions with gaps where they have no ellipse.
-    n_motions : int
-        Number of motions that were offered.
-    threshold : float
-        Error on the boundaries [-].
-    metric, curve, side : str
-        Which error, which ellipses, and which side.
-    """
-
+    # Motions of each structure, shape (frequencies, damping ratios)
     samples: tuple[tuple[EllipseSample, ...], ...]
-    population: Population
-    n_motions: int
-    threshold: float
-    metric: str
+    population: Population  # The same motions with gaps where they have no ellipse
+    n_motions: int  # Number of motions that were offered
+    threshold: float  # Error on the boundaries [-]
+    metric: str  # metric, curve, side: Which error, which ellipses, and which side
     curve: str
     side: str
 
     @classmethod
     def of(cls, ellipses: xr.Dataset, *, threshold: float, metric: str, curve: str, side: str) -> Self:
-        """Take the ellipses of one error, curve and side from a dataset, in increasing order of f and ξ.
-
-        Raises
-        ------
-        InputError
-            If the dataset has none, or too few motions have an ellipse at some structure.
-        """
+        """Take the ellipses of one error, curve and side from a dataset, in increasing order of f and ξ."""
         chosen = {"threshold": threshold, "metric": metric, "curve": curve, "side": side}
         population = Population.of(ellipses, **chosen)  # type: ignore[arg-type]
         samples = tuple(

@@ -26,32 +26,21 @@ _LOG_STRENGTHS: Final = (-12.0, 24.0)  # natural logarithms between which the st
 
 @dataclass(frozen=True, kw_only=True)
 class ShareRatio:
-    """Limits at a share of the stiffness over those at the largest share.
+    """Limits at a share of the stiffness over those at the largest share."""
 
-    Attributes
-    ----------
-    f, xi, alpha, reference : float
-        Natural frequency [Hz], damping ratio, share, and the largest share [-].
-    threshold, confidence : float
-        What the criteria state [-].
-    a_ratio, b_ratio : float or None
-        Limits over those of the reference [-]; None where a limit is zero, and for a where boundaries reach
-        as far as they are traced.
-    law : float or None
-        The same by the law [-]; None below ten damping ratios, where it is not stated.
-    a_deviation, b_deviation : float or None
-        Ratios over that of the law, less 1 [-]; None where either is missing.
-    """
-
+    # f, xi, alpha, reference: Natural frequency [Hz], damping ratio, share, and the largest share [-]
     f: float
     xi: float
     alpha: float
     reference: float
-    threshold: float
+    threshold: float  # threshold, confidence: What the criteria state [-]
     confidence: float
+    # a_ratio, b_ratio: Limits over those of the reference [-]; None where a limit is zero, and for a where
+    # boundaries reach as far as they are traced
     a_ratio: float | None
     b_ratio: float | None
-    law: float | None
+    law: float | None  # The same by the law [-]; None below ten damping ratios, where it is not stated
+    # a_deviation, b_deviation: Ratios over that of the law, less 1 [-]; None where either is missing
     a_deviation: float | None
     b_deviation: float | None
 
@@ -92,20 +81,8 @@ def fitted_strength(
 ) -> tuple[float, float]:
     """Fit the strength of resonance to ratios of limits, by least squares in their logarithms.
 
-    Parameters
-    ----------
-    shares, ratios : numpy.ndarray
-        Shares [-] and limits over those of the reference [-], shape (shares,).
-    reference : float
-        The share whose limits the others are divided by [-].
+    `shares`, `ratios`, `reference` [-]; returns strength, deviation [-].
 
-    Returns
-    -------
-    strength, deviation : float
-        s [-], and the largest deviation of a ratio from the law with it, relative.
-
-    Examples
-    --------
     >>> shares = np.array([0.25, 0.5])
     >>> strength, deviation = fitted_strength(shares, (1 + 300) / (1 + 300 * shares**2), 1.0)
     >>> round(strength), round(deviation, 6)

@@ -41,18 +41,8 @@ def draw_region(limits: Mapping[Side, tuple[float, float]], axes: "Axes | None" 
     sides meet on d = 0, their largest ellipses need not: the one for leads is a few per cent wider there. A
     test with d = 0 is judged as a lag.
 
-    Parameters
-    ----------
-    limits : mapping of Side to tuple of float
-        Limits a [-] and b [ms²] of each side that is known.
-    axes : matplotlib.axes.Axes, optional
-        Where to draw; new axes by default.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        With A − 1 [%] across and d [ms] upwards; a half of an ellipse for each side, with its limits beside
-        its name.
+    Returns with A − 1 [%] across and d [ms] upwards; a half of an ellipse for each side, with its limits
+    beside its name.
     """
     from matplotlib import pyplot as plt
 

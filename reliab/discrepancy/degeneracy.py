@@ -31,22 +31,7 @@ def telling_test(effect: str, rival: str) -> str:
 
 
 def remark(name: str, probability: float, rival: tuple[str, float] | None) -> str:
-    """State from which other effect an effect cannot be distinguished.
-
-    Parameters
-    ----------
-    name : str
-        An effect.
-    probability : float
-        Its probability.
-    rival : tuple of (str, float) or None
-        The most probable other effect in its place, with its probability.
-
-    Returns
-    -------
-    str
-        One or two sentences.
-    """
+    """State from which other effect an effect cannot be distinguished."""
     words = name.replace("_", " ")
     if rival is None:
         return f"The data hint at {words} without settling it. {_OTHERWISE}."

@@ -16,22 +16,7 @@ Array = NDArray[np.float64]
 
 
 def residuals(proof: Problem, fitted: Fit, *, without: Sequence[type[Effect]] = ()) -> dict[int, Array]:
-    """Measured minus predicted channel on held-out tests.
-
-    Parameters
-    ----------
-    proof : Problem
-        The held-out stretches.
-    fitted : Fit
-        A model fitted to the other tests.
-    without : sequence of type, optional
-        Offsets that count as effects and are therefore left out.
-
-    Returns
-    -------
-    dict of int to numpy.ndarray
-        By index of the test, over the whole test.
-    """
+    """Measured minus predicted channel on held-out tests."""
     return proof.residuals(fitted.space, fitted.space.neutralised(fitted.coordinates, without))
 
 
@@ -52,20 +37,7 @@ def errors_by_test(proof: Problem, residual: dict[int, Array]) -> dict[str, floa
 
 
 def gap(proof: Problem, before: dict[int, Array], after: dict[int, Array]) -> Gap:
-    """Compare residuals before and after with the part of the recordings that is not repeatable.
-
-    Parameters
-    ----------
-    proof : Problem
-        The held-out stretches.
-    before, after : dict of int to numpy.ndarray
-        Residuals by test.
-
-    Returns
-    -------
-    Gap
-        In numbers.
-    """
+    """Compare residuals before and after with the part of the recordings that is not repeatable."""
     block = proof.block
     tests = tuple(dict.fromkeys(segment.test for segment in proof.segments))
     known = floors(

@@ -49,15 +49,7 @@ SHARPEST = 50.0
 def require_followed(exponent: float) -> None:
     """Refuse an exponent that the steps cannot follow.
 
-    Parameters
-    ----------
-    exponent : float
-        Sharpness n of yielding [-].
-
-    Raises
-    ------
-    InputError
-        If it is above 50.
+    `exponent` [-].
     """
     if exponent > SHARPEST:
         raise InputError(

@@ -15,17 +15,6 @@ class DegradingHysteresis(SteppedEffect):
 
     z' = h(z)·(v/(d·η))·(1 − ν·|z|ⁿ(β·sgn(vz) + γ)) with η = 1 + δ_η·ε, ν = 1 + δ_ν·ε and the slip
     h = 1 − ζ·exp(−(z/0.2)²); ε is the energy dissipated in the test so far over f·d.
-
-    Parameters
-    ----------
-    force_n, displacement_m, gamma, exponent, lost_share : float
-        As in :class:`~reliab.effects.hysteresis.Hysteresis`, before anything is lost.
-    stiffness_loss : float
-        δ_η [-], growth of the flexibility with the energy.
-    strength_loss : float
-        δ_ν [-], fall of the strength with the energy.
-    slip : float
-        ζ [-], share of the stiffness that is missing about z = 0, from 0 to 0.95.
     """
 
     name = "degrading_hysteresis"
@@ -68,14 +57,16 @@ class DegradingHysteresis(SteppedEffect):
     )
     kernel = BOUC_WEN
 
+    # force_n, displacement_m, gamma, exponent, lost_share: As in
+    # :class:`~reliab.effects.hysteresis.Hysteresis`, before anything is lost
     force_n: float
     displacement_m: float
     gamma: float = 0.5
     exponent: float = 2.0
     lost_share: float = 0.0
-    stiffness_loss: float = 0.0
-    strength_loss: float = 0.0
-    slip: float = 0.0
+    stiffness_loss: float = 0.0  # δ_η [-], growth of the flexibility with the energy
+    strength_loss: float = 0.0  # δ_ν [-], fall of the strength with the energy
+    slip: float = 0.0  # ζ [-], share of the stiffness that is missing about z = 0, from 0 to 0.95
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -17,17 +17,7 @@ def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _
 
 @dataclass(frozen=True, kw_only=True)
 class DirectionalFriction(SteppedEffect):
-    """A force F·s·(1 + a·s) with s = tanh(v/v_s): F(1 + a) forwards and F(1 − a) backwards.
-
-    Parameters
-    ----------
-    force_n : float
-        Mean friction force F of both directions [N].
-    regularisation_velocity_m_per_s : float
-        Velocity v_s [m/s] over which the force changes sign.
-    asymmetry : float
-        a [-], half the difference of both directions over their mean, between −1 and 1.
-    """
+    """A force F·s·(1 + a·s) with s = tanh(v/v_s): F(1 + a) forwards and F(1 − a) backwards."""
 
     name = "directional_friction"
     block = Block.SPECIMEN
@@ -49,6 +39,6 @@ class DirectionalFriction(SteppedEffect):
     )
     kernel = Kernel(function=_force)
 
-    force_n: float
-    regularisation_velocity_m_per_s: float
-    asymmetry: float = 0.0
+    force_n: float  # Mean friction force F of both directions [N]
+    regularisation_velocity_m_per_s: float  # Velocity v_s [m/s] over which the force changes sign
+    asymmetry: float = 0.0  # a [-], half the difference of both directions over their mean, between −1 and 1

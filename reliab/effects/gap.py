@@ -18,13 +18,7 @@ def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _
 
 @dataclass(frozen=True, kw_only=True)
 class Gap(SteppedEffect):
-    """A two-sided dead zone: the spring's force is k·sgn(x)·max(|x| − g, 0) instead of k·x.
-
-    Parameters
-    ----------
-    gap_m : float
-        Slack g to either side [m].
-    """
+    """A two-sided dead zone: the spring's force is k·sgn(x)·max(|x| − g, 0) instead of k·x."""
 
     name = "gap"
     block = Block.SPECIMEN
@@ -44,7 +38,7 @@ class Gap(SteppedEffect):
     )
     kernel = Kernel(function=_force)
 
-    gap_m: float
+    gap_m: float  # Slack g to either side [m]
 
     def coefficients(self, setting: Setting) -> NDArray[np.float64]:
         """Slack and stiffness of the spring."""

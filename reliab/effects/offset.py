@@ -15,22 +15,8 @@ OFFSET = Kernel(function=_reading)
 def offset_parameter(*, name: str, units: str, quantity: str) -> Parameter:
     """Describe the offset of a reading, of either sign.
 
-    Parameters
-    ----------
-    name : str
-        Name with the unit.
-    units : str
-        Unit for people.
-    quantity : str
-        What is read, as :class:`~reliab.effects.parameter.Scales` names it.
+    Returns the offset, whose prior has a standard deviation of 0.3 of the quantity's peak.
 
-    Returns
-    -------
-    Parameter
-        The offset, whose prior has a standard deviation of 0.3 of the quantity's peak.
-
-    Examples
-    --------
     >>> offset_parameter(name="bias_n", units="N", quantity="force").scale
     (('force', 1.0),)
     """

@@ -19,15 +19,7 @@ def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _
 
 @dataclass(frozen=True, kw_only=True)
 class PowerLawDamping(SteppedEffect):
-    """A force c·sgn(v)·|v|ᵖ with p below one: shear thinning, between dry friction and a linear damper.
-
-    Parameters
-    ----------
-    coefficient : float
-        c [N·(s/m)ᵖ], the force at 1 m/s.
-    exponent : float
-        p [-], between 0.1 and 0.9.
-    """
+    """A force c·sgn(v)·|v|ᵖ with p below one: shear thinning, between dry friction and a linear damper."""
 
     name = "power_law_damping"
     block = Block.SPECIMEN
@@ -59,5 +51,5 @@ class PowerLawDamping(SteppedEffect):
     )
     kernel = Kernel(function=_force)
 
-    coefficient: float
-    exponent: float
+    coefficient: float  # c [N·(s/m)ᵖ], the force at 1 m/s
+    exponent: float  # p [-], between 0.1 and 0.9

@@ -14,13 +14,7 @@ def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _
 
 @dataclass(frozen=True, kw_only=True)
 class QuadraticStiffness(SteppedEffect):
-    """A force k₂x² beside the linear spring, which is stiffer to one side than to the other.
-
-    Parameters
-    ----------
-    quadratic_n_per_m2 : float
-        Coefficient k₂ [N/m²].
-    """
+    """A force k₂x² beside the linear spring, which is stiffer to one side than to the other."""
 
     name = "quadratic_stiffness"
     block = Block.SPECIMEN
@@ -41,4 +35,4 @@ class QuadraticStiffness(SteppedEffect):
     )
     kernel = Kernel(function=_force)
 
-    quadratic_n_per_m2: float
+    quadratic_n_per_m2: float  # Coefficient k₂ [N/m²]

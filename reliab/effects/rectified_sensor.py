@@ -14,13 +14,7 @@ def _reading(motion: Numbers, _time: float, _step: float, coefficients: Numbers,
 
 @dataclass(frozen=True, kw_only=True)
 class RectifiedSensor(SteppedEffect):
-    """A sensor that reads y + r·max(−y, 0): half-wave rectified with r = 1, the modulus with r = 2.
-
-    Parameters
-    ----------
-    rectified_share : float
-        r [-], from 0.5 (below it is a scale that depends on the position) to 2.
-    """
+    """A sensor that reads y + r·max(−y, 0): half-wave rectified with r = 1, the modulus with r = 2."""
 
     name = "rectified_sensor"
     block = Block.SENSOR
@@ -40,4 +34,4 @@ class RectifiedSensor(SteppedEffect):
     )
     kernel = Kernel(function=_reading)
 
-    rectified_share: float
+    rectified_share: float  # r [-], from 0.5 (below it is a scale that depends on the position) to 2

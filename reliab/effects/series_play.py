@@ -25,11 +25,6 @@ class SeriesPlay(SteppedEffect):
     """The linear specimen answers k·y + c·y', where y rests until the piston has crossed the play.
 
     Unlike the two-sided dead zone of a gap the specimen stays where it was pushed to.
-
-    Parameters
-    ----------
-    width_m : float
-        Whole play w [m].
     """
 
     name = "series_play"
@@ -50,7 +45,7 @@ class SeriesPlay(SteppedEffect):
     )
     kernel = Kernel(function=_force, states=2)
 
-    width_m: float
+    width_m: float  # Whole play w [m]
 
     def coefficients(self, setting: Setting) -> NDArray[np.float64]:
         """Play, stiffness and damping of the specimen."""

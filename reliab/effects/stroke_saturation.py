@@ -53,10 +53,8 @@ class StrokeSaturation(SteppedEffect):
 class CommandSaturation(StrokeSaturation):
     """A drive that clips its command, |k_p·u| ≤ S, before the dynamics, which round the corners.
 
-    Parameters
-    ----------
-    stroke_m : float
-        Largest command S to either side [m], after the actuator's gain, in the unit of the piston's motion.
+    `stroke_m`: Largest command S to either side [m], after the actuator's gain, in the unit of the piston's
+    motion.
     """
 
     position: ClassVar[str] = "before the dynamics"

@@ -12,13 +12,7 @@ from reliab.vocabulary import Block
 
 @dataclass(frozen=True, kw_only=True)
 class TimeStepError(RecordEffect):
-    """The ground acceleration that acted was a_g(t/q): the record was played with q times its time step.
-
-    Parameters
-    ----------
-    ratio : float
-        Ratio q of the time steps [-].
-    """
+    """The ground acceleration that acted was a_g(t/q): the record was played with q times its time step."""
 
     name = "time_step_error"
     block = Block.EXCITATION
@@ -38,7 +32,7 @@ class TimeStepError(RecordEffect):
         ),
     )
 
-    ratio: float
+    ratio: float  # Ratio q of the time steps [-]
 
     def applied(self, acceleration: NDArray[np.float64], step: float) -> NDArray[np.float64]:
         """Ground acceleration [m/s²] on the stretched time axis, zero after its end."""

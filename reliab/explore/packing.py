@@ -27,24 +27,7 @@ _ORDER = ("threshold", "metric", "side", "f", "xi", "motion")
 
 
 def pack(ellipses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
-    """Pack the ellipses of windows.
-
-    Parameters
-    ----------
-    ellipses : mapping of str to xarray.Dataset
-        `a` [-] and `b` [ms²] over (motion, f, xi, threshold, metric, curve, side) by window, each over the
-        same motions, structures and errors.
-
-    Returns
-    -------
-    dict
-        Coordinates, offsets and codes, ready for JSON.
-
-    Raises
-    ------
-    InputError
-        If parameters of ellipses span more than 32 powers of two.
-    """
+    """Pack the ellipses of windows."""
     tables = [_inscribed(dataset) for dataset in ellipses.values()]
     first = tables[0]
     bits = [

@@ -92,27 +92,7 @@ def write_page(
 
 
 def render(packed: Mapping[str, Any], settings: Settings, *, source: str) -> str:
-    """Write packed ellipses, scripts and style into the template.
-
-    Parameters
-    ----------
-    packed : mapping
-        As `pack` gives it.
-    settings : Settings
-        Structure and criterion with which the page opens.
-    source : str
-        Where the ellipses come from, in words.
-
-    Returns
-    -------
-    str
-        The page.
-
-    Raises
-    ------
-    InputError
-        If a setting lies outside the range of the ellipses.
-    """
+    """Write packed ellipses, scripts and style into the template."""
     data = {
         "ellipses": dict(packed),
         "settings": _opening(packed, settings),

@@ -57,27 +57,8 @@ def frequency_evaluation(
 ) -> FrequencyEvaluation:
     """Evaluate how an actuator tracked its command, equations (1)–(5).
 
-    Parameters
-    ----------
-    command, measured : numpy.ndarray
-        Command x_c and measured displacement x_m [m] at equal steps, shape (n,), n ≥ 16.
-    time_step : float
-        Step between samples [s].
-    window : str, optional
-        Name of a window of :func:`scipy.signal.get_window`, "hann" by default, "boxcar" for none.
+    `command`, `measured` [m]; `time_step` [s].
 
-    Returns
-    -------
-    FrequencyEvaluation
-        A, φ, f_eq and d.
-
-    Raises
-    ------
-    InputError
-        If the histories differ in length, are too short, or the command does not move.
-
-    Examples
-    --------
     >>> t = np.arange(0.0, 40.0, 1.0 / 1024.0)
     >>> command, measured = np.sin(2 * np.pi * t), 1.01 * np.sin(2 * np.pi * (t - 0.002))
     >>> found = frequency_evaluation(command, measured, 1.0 / 1024.0)

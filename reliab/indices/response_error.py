@@ -52,20 +52,8 @@ def response_error(
 ) -> float:
     """RMS^R or MTE^R of one test from its histories.
 
-    Parameters
-    ----------
-    measured, ideal : numpy.ndarray
-        Measured displacement x_m and exact response x_I [m] at equal steps, shape (n,).
-    metric : Metric, optional
-        Which error; RMS^R by default.
+    `measured`, `ideal` [m]; returns [-].
 
-    Returns
-    -------
-    float
-        The error [-].
-
-    Examples
-    --------
     >>> phase = np.linspace(0.0, 20.0 * np.pi, 2001)
     >>> round(response_error(1.01 * np.sin(phase), np.sin(phase)), 5)
     0.00707

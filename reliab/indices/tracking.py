@@ -76,18 +76,10 @@ def tracking_indicator(command: NDArray[np.float64], measured: NDArray[np.float6
 
 @dataclass(frozen=True, kw_only=True)
 class PhaseAmplitudeErrors:
-    """Phase and amplitude error indices.
+    """Phase and amplitude error indices."""
 
-    Attributes
-    ----------
-    phase : float
-        Phase lag of the measured displacement [rad], negative when it leads.
-    amplitude : float
-        Measured over command amplitude, less one [-].
-    """
-
-    phase: float
-    amplitude: float
+    phase: float  # Phase lag of the measured displacement [rad], negative when it leads
+    amplitude: float  # Measured over command amplitude, less one [-]
 
 
 def phase_amplitude_errors(

@@ -92,25 +92,9 @@ class TrackingOverFrequency:
 def tracking_over_frequency(command: Array, measured: Array, time_step: float) -> TrackingOverFrequency:
     """Estimate A and d over frequency.
 
-    Parameters
-    ----------
-    command, measured : numpy.ndarray
-        Command x_c and measured displacement x_m [m] at equal steps, shape (n,).
-    time_step : float
-        Step between samples [s].
+    `command`, `measured` [m]; `time_step` [s].
+    Returns A(f) and d(f), by stretches of 8 s or, in a shorter test, of two fifths of it.
 
-    Returns
-    -------
-    TrackingOverFrequency
-        A(f) and d(f), by stretches of 8 s or, in a shorter test, of two fifths of it.
-
-    Raises
-    ------
-    InputError
-        If the histories differ in length, or are coherent at fewer than two frequencies.
-
-    Examples
-    --------
     >>> noise = np.random.default_rng(0).standard_normal(40_000).cumsum()
     >>> found = tracking_over_frequency(noise[2:], 0.98 * noise[:-2], 1.0 / 1000.0)
     >>> amplitude, delay = found.at(3.0)

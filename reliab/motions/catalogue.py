@@ -32,22 +32,7 @@ _REQUIRED = ("motion", "file")
 
 
 def read_catalogue(path: Path, report: Report, given: Declared) -> list[RecordFile]:
-    """Read a catalogue.
-
-    Parameters
-    ----------
-    path : Path
-        The catalogue.
-    report : Report
-        Receives every fault of every row.
-    given : Declared
-        Step and units for rows that give none.
-
-    Returns
-    -------
-    list of RecordFile
-        The motions of all rows without a fault, in order.
-    """
+    """Read a catalogue."""
     source = open_source(path, report) if report.within(path.parent, path.name) else None
     if source is None:
         return []

@@ -25,21 +25,12 @@ _FEWEST = 3  # fewest records for which the peaks are compared with their median
 
 @dataclass(frozen=True, kw_only=True)
 class Inspection:
-    """Outcome of checking a source of motions.
+    """Outcome of checking a source of motions."""
 
-    Parameters
-    ----------
-    records : int
-        Number of motions that were checked.
-    faults : list of Fault
-        Everything that is wrong, in the order of the catalogue or of the paths.
-    notes : list of Fault
-        Points to check that are not faults: files in formats that are not read, and peaks that differ
-        much from the others although the files state their units.
-    """
-
-    records: int
-    faults: list[Fault]
+    records: int  # Number of motions that were checked
+    faults: list[Fault]  # Everything that is wrong, in the order of the catalogue or of the paths
+    # Points to check that are not faults: files in formats that are not read, and peaks that differ much from
+    # the others although the files state their units
     notes: list[Fault] = field(default_factory=list)
 
 

@@ -42,15 +42,9 @@ class Fault:
 
 @dataclass(frozen=True, kw_only=True)
 class Report:
-    """The faults of one file, in the order in which they were found.
+    """The faults of one file, in the order in which they were found."""
 
-    Parameters
-    ----------
-    file : str
-        The file, as the user named it.
-    """
-
-    file: str
+    file: str  # The file, as the user named it
     faults: list[Fault] = field(default_factory=list)
 
     def add(self, rule: str, *, line: int | None = None, value: object = "", remedy: str = "") -> None:
@@ -58,22 +52,7 @@ class Report:
         self.faults.append(Fault(file=self.file, line=line, rule=rule, value=str(value), remedy=remedy))
 
     def within(self, folder: Path, name: str, *, line: int | None = None) -> Path | None:
-        """Return the path of a file that a folder names, or record that it lies elsewhere.
-
-        Parameters
-        ----------
-        folder : Path
-            The folder.
-        name : str
-            Path from the folder.
-        line : int, optional
-            Line in which it is named.
-
-        Returns
-        -------
-        Path or None
-            The file; None where it lies outside of the folder.
-        """
+        """Return the path of a file that a folder names, or record that it lies elsewhere."""
         try:
             return named_within(folder, name, where=self.file)
         except InputError as error:
@@ -81,34 +60,12 @@ class Report:
             return None
 
     def raise_first(self) -> None:
-        """Raise the first fault, if there is one.
-
-        Raises
-        ------
-        InputError
-            If there is a fault.
-        """
+        """Raise the first fault, if there is one."""
         if self.faults:
             raise self.faults[0].error()
 
     def require(self, value: T | None) -> T:
-        """Return what was found if the file has no fault.
-
-        Parameters
-        ----------
-        value : T or None
-            What was found; None only after a fault.
-
-        Returns
-        -------
-        T
-            The same.
-
-        Raises
-        ------
-        InputError
-            The first fault, if there is one.
-        """
+        """Return what was found if the file has no fault."""
         if value is None or self.faults:
             raise self.faults[0].error()
         return value

@@ -42,24 +42,7 @@ _NOT_RECORDS = ("readme", "license", "licence", "copying", "changelog")
 
 
 def scan_folder(folder: Path, given: Declared) -> Iterator[tuple[Path, list[RecordFile], Report]]:
-    """Find the records of a folder.
-
-    Parameters
-    ----------
-    folder : Path
-        The folder.
-    given : Declared
-        Step and units for the records.
-
-    Yields
-    ------
-    path : Path
-        A file that is a record or has the extension of one, in the order of paths.
-    records : list of RecordFile
-        The motions in it.
-    report : Report
-        The faults of its header.
-    """
+    """Find the records of a folder."""
     paths = [path for path in sorted(folder.rglob("*")) if _may_be_record(path, folder)]
     names = _names(paths, folder)
     for path in paths:
@@ -73,42 +56,14 @@ class UnreadFileWarning(UserWarning):
 
 
 def unread_files(folder: Path) -> list[Path]:
-    """Find files of a folder that may hold records in a format that is not read.
-
-    Parameters
-    ----------
-    folder : Path
-        The folder.
-
-    Returns
-    -------
-    list of Path
-        The files, in the order of paths.
-    """
+    """Find files of a folder that may hold records in a format that is not read."""
     paths = sorted(path for path in folder.rglob("*") if path.suffix.lower() in UNREAD and path.is_file())
     hidden = (any(part.startswith(".") for part in path.relative_to(folder).parts) for path in paths)
     return [path for path, out_of_sight in zip(paths, hidden, strict=True) if not out_of_sight]
 
 
 def scan_file(path: Path, name: str, given: Declared, report: Report) -> list[RecordFile]:
-    """Find the motions in one file.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    name : str
-        Name of the motion, or of the file whose channels are numbered.
-    given : Declared
-        Step and units for the records.
-    report : Report
-        Receives the faults of the header.
-
-    Returns
-    -------
-    list of RecordFile
-        One entry for each record of the file.
-    """
+    """Find the motions in one file."""
     opened = open_records(path, report, whole=False)
     headers = opened[1] if opened else []
     if len(headers) == 1:
@@ -148,8 +103,6 @@ def motion_name(path: Path) -> str:
 
     Extensions that name a component, such as ``.NS`` and ``.EW`` of K-NET, are kept.
 
-    Examples
-    --------
     >>> motion_name(Path("KOBE/NIS000.AT2")), motion_name(Path("AOM001.EW"))
     ('KOBE/NIS000', 'AOM001.EW')
     """

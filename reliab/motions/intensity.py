@@ -27,24 +27,12 @@ _FREQUENCY_INTERVAL = 0.05  # Hz, the largest that they allow
 
 @dataclass(frozen=True, kw_only=True)
 class Intensity:
-    """Measures of one motion.
+    """Measures of one motion."""
 
-    Parameters
-    ----------
-    peak_acceleration : float
-        Largest absolute acceleration [m/s²].
-    arias_intensity : float
-        Arias intensity [m/s].
-    significant_duration : float
-        Time from 5 % to 95 % of the Arias intensity [s].
-    mean_period : float
-        Mean period [s].
-    """
-
-    peak_acceleration: float
-    arias_intensity: float
-    significant_duration: float
-    mean_period: float
+    peak_acceleration: float  # Largest absolute acceleration [m/s²]
+    arias_intensity: float  # Arias intensity [m/s]
+    significant_duration: float  # Time from 5 % to 95 % of the Arias intensity [s]
+    mean_period: float  # Mean period [s]
 
 
 def measure(motion: Motion) -> Intensity:
@@ -72,20 +60,8 @@ def measure(motion: Motion) -> Intensity:
 def arias_intensity(acceleration: ArrayLike, time_step: float) -> float:
     """Arias intensity, π/2g times the integral of the squared acceleration.
 
-    Parameters
-    ----------
-    acceleration : array of float, shape (n,)
-        Samples [m/s²], linear in between.
-    time_step : float
-        Interval between samples [s].
+    `acceleration` (n,) [m/s²]; `time_step` [s]; returns [m/s].
 
-    Returns
-    -------
-    float
-        Arias intensity [m/s].
-
-    Examples
-    --------
     >>> round(arias_intensity([3.0, 3.0, 3.0], 0.5), 4)  # π/2g · 9 m²/s⁴ · 1 s
     1.4416
     """
@@ -146,27 +122,8 @@ def significant_duration(
 ) -> float:
     """Time between two fractions of the Arias intensity, D5-95 by default.
 
-    Parameters
-    ----------
-    acceleration : array of float, shape (n,)
-        Samples [m/s²], linear in between; not all zeros.
-    time_step : float
-        Interval between samples [s].
-    start, end : float, optional
-        Fractions from 0 to 1.
+    `acceleration` (n,) [m/s²]; `time_step` [s]; returns [s].
 
-    Returns
-    -------
-    float
-        Significant duration [s].
-
-    Raises
-    ------
-    InputError
-        If a fraction lies outside of [0, 1] or the record is all zeros.
-
-    Examples
-    --------
     >>> round(significant_duration([1.0, 1.0], 20.0), 9)
     18.0
     """
@@ -180,25 +137,8 @@ def mean_period(acceleration: ArrayLike, time_step: float) -> float:
     The record is followed by zeros until frequencies lie 0.05 Hz apart or closer, as Rathje and others
     require.
 
-    Parameters
-    ----------
-    acceleration : array of float, shape (n,)
-        Samples [m/s²].
-    time_step : float
-        Interval between samples [s], less than 2 s.
+    `acceleration` (n,) [m/s²]; `time_step` [s]; returns [s].
 
-    Returns
-    -------
-    float
-        Mean period [s], from 0.05 to 4.
-
-    Raises
-    ------
-    InputError
-        If the record has no content between 0.25 and 20 Hz.
-
-    Examples
-    --------
     >>> times = 0.01 * np.arange(4000)
     >>> round(mean_period(np.sin(2 * np.pi * 2.0 * times), 0.01), 9)
     0.5

@@ -129,22 +129,7 @@ def read_motion(
 def declare(time_step: float | None, units: str | None) -> Declared:
     """Check the step and the units that a caller gives.
 
-    Parameters
-    ----------
-    time_step : float or None
-        Step [s].
-    units : str or None
-        Units of acceleration.
-
-    Returns
-    -------
-    Declared
-        The checked step and units.
-
-    Raises
-    ------
-    InputError
-        If the step is not positive or the units are unknown.
+    `time_step` [s].
     """
     if time_step is not None and not 0 < time_step < float("inf"):
         raise InputError("The time step must be positive", value=time_step, remedy="Give it in seconds")

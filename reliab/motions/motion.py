@@ -100,22 +100,6 @@ class Motion:
 def require_short(samples: int, name: str, most: int = MOST_SAMPLES) -> None:
     """Refuse a motion whose simulation would not fit in memory.
 
-    Parameters
-    ----------
-    samples : int
-        Its samples.
-    name : str
-        Its name.
-    most : int, optional
-        Largest number of samples.
-
-    Raises
-    ------
-    InputError
-        If there are more.
-
-    Examples
-    --------
     >>> require_short(10_000_000, "long")
     Traceback (most recent call last):
     ...

@@ -12,39 +12,18 @@ from reliab.motions.readers.registry import open_records
 
 @dataclass(frozen=True, kw_only=True)
 class RecordFile:
-    """An entry of a suite whose record is read from a file.
+    """An entry of a suite whose record is read from a file."""
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    name : str
-        Name of the motion.
-    event : str, optional
-        The earthquake; if empty, it is taken from the header, or else from the name.
-    set_name : str, optional
-        Set of the catalogue.
-    channel : int, optional
-        Which record of a file that holds several, counted from 1.
-    declared : Declared, optional
-        Step and units that a catalogue or a caller gives for the record.
-    """
-
-    path: Path
-    name: str
-    event: str = ""
-    set_name: str = ""
-    channel: int | None = None
+    path: Path  # The file
+    name: str  # Name of the motion
+    event: str = ""  # The earthquake; if empty, it is taken from the header, or else from the name
+    set_name: str = ""  # Set of the catalogue
+    channel: int | None = None  # Which record of a file that holds several, counted from 1
+    # Step and units that a catalogue or a caller gives for the record
     declared: Declared = field(default_factory=Declared)
 
     def load(self) -> Motion:
-        """Read the motion.
-
-        Raises
-        ------
-        InputError
-            If the file breaks a rule, with the file, the line, the rule and the remedy.
-        """
+        """Read the motion."""
         report = Report(file=str(self.path))
         reading = report.require(self.read(report))
         return Motion(

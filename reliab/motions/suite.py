@@ -34,15 +34,9 @@ class MotionEntry(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class MotionInMemory:
-    """An entry whose motion is already in memory.
+    """An entry whose motion is already in memory."""
 
-    Parameters
-    ----------
-    motion : Motion
-        The motion.
-    """
-
-    motion: Motion
+    motion: Motion  # The motion
 
     @property
     def name(self) -> str:

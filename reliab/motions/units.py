@@ -47,18 +47,6 @@ _EQUIVALENT = (
 def find_unit(text: str) -> AccelerationUnit | None:
     """Recognise a spelling of a unit.
 
-    Parameters
-    ----------
-    text : str
-        For example ``"G"``, ``"cm/sec/sec"``, ``"GAL"``, ``"m/s**2"``, ``"cm/s²"``.
-
-    Returns
-    -------
-    AccelerationUnit or None
-        The unit, or None when the text is not a unit of acceleration.
-
-    Examples
-    --------
     >>> find_unit("CM/SEC/SEC"), find_unit("m/s**2"), find_unit("in/s2")
     (<AccelerationUnit.CENTIMETRE: 'cm/s2'>, <AccelerationUnit.METRE: 'm/s2'>, None)
     """
@@ -69,23 +57,7 @@ def find_unit(text: str) -> AccelerationUnit | None:
 
 
 def parse_unit(text: str) -> AccelerationUnit:
-    """Turn what a user or a catalogue wrote into a unit.
-
-    Parameters
-    ----------
-    text : str
-        A spelling of g, cm/s² or m/s².
-
-    Returns
-    -------
-    AccelerationUnit
-        The unit.
-
-    Raises
-    ------
-    InputError
-        If the text is not a known unit of acceleration.
-    """
+    """Turn what a user or a catalogue wrote into a unit."""
     unit = find_unit(text)
     if unit is None:
         raise InputError(

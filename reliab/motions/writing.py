@@ -79,15 +79,7 @@ def _write_all(suite: MotionSuite, folder: Path, event: str | None) -> None:
 
 
 def write_motion(motion: Motion, path: Path) -> None:
-    """Write one motion as text in one column.
-
-    Parameters
-    ----------
-    motion : Motion
-        The motion.
-    path : Path
-        The file; folders above it are made.
-    """
+    """Write one motion as text in one column."""
     header = (
         f"# motion: {_one_line(motion.name)}\n"
         f"# event: {_one_line(motion.event)}\n"

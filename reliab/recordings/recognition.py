@@ -109,18 +109,10 @@ OTHER_QUANTITIES: Final = {
 
 @dataclass(frozen=True, kw_only=True)
 class Recognised:
-    """A column that was recognised.
+    """A column that was recognised."""
 
-    Parameters
-    ----------
-    name : str
-        Its name in the file.
-    unit : str
-        Its unit as stated there; empty where none is.
-    """
-
-    name: str
-    unit: str
+    name: str  # Its name in the file
+    unit: str  # Its unit as stated there; empty where none is
 
 
 def recognise(
@@ -220,18 +212,7 @@ def _by_name(columns: Columns, part: Part) -> str | None:
 
 
 def recognise_extras(columns: Columns) -> dict[Part, Recognised]:
-    """Find ground acceleration and force where exactly one column states each by its name.
-
-    Parameters
-    ----------
-    columns : Columns
-        The file.
-
-    Returns
-    -------
-    dict of Part to Recognised
-        What was found; nothing in columns without names.
-    """
+    """Find ground acceleration and force where exactly one column states each by its name."""
     recognised: dict[Part, Recognised] = {}
     for part in EXTRAS if columns.named else ():
         names = [name for name in columns.values if normal(name.rpartition(".")[2]) in NAMES[part]]

@@ -22,22 +22,7 @@ _SMALLEST = 1e-30  # what no sensor reads in any unit, and whose square is still
 
 
 def require_few_samples(samples: int, where: str, most: int = MOST_SAMPLES) -> None:
-    """Refuse a test whose statistics would not fit in memory.
-
-    Parameters
-    ----------
-    samples : int
-        Samples of the test.
-    where : str
-        What the test is called.
-    most : int, optional
-        Largest number of samples.
-
-    Raises
-    ------
-    InputError
-        If there are more.
-    """
+    """Refuse a test whose statistics would not fit in memory."""
     if samples > most:
         raise InputError(
             f"A test may have {most:,} samples at most",

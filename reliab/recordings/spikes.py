@@ -19,19 +19,9 @@ _RETURN = 0.5  # share of the jump by which the history may differ after it
 def spikes(values: Array) -> NDArray[np.bool_]:
     """Mark the samples of spikes and dropouts.
 
-    Parameters
-    ----------
-    values : numpy.ndarray
-        A history, shape (n,).
+    Returns whether a sample belongs to a stretch of at most eight that a jump leads into and another jump, of
+    about the same size and the other sign, leads out of, shape (n,).
 
-    Returns
-    -------
-    numpy.ndarray
-        Whether a sample belongs to a stretch of at most eight that a jump leads into and another jump, of
-        about the same size and the other sign, leads out of, shape (n,).
-
-    Examples
-    --------
     >>> history = np.sin(np.arange(0.0, 40.0, 0.05))
     >>> history[300] += 3.0
     >>> np.flatnonzero(spikes(history)).tolist()

@@ -16,25 +16,7 @@ _RATE_NAMES = ("rate", "rate_hz", "fs", "sampling_rate", "samplerate", "sample_r
 
 
 def finite(columns: Columns, name: str) -> NDArray[np.float64]:
-    """Take the samples of a column, all of which must be finite numbers.
-
-    Parameters
-    ----------
-    columns : Columns
-        The file.
-    name : str
-        The column.
-
-    Returns
-    -------
-    numpy.ndarray
-        Samples, shape (n,).
-
-    Raises
-    ------
-    InputError
-        If one is missing or infinite; the message names the line.
-    """
+    """Take the samples of a column, all of which must be finite numbers."""
     values = columns.values[name]
     wrong = np.flatnonzero(~np.isfinite(values))
     if wrong.size:
@@ -53,26 +35,7 @@ def time_step_of(
 ) -> float:
     """Step between the samples of a file [s].
 
-    Parameters
-    ----------
-    columns : Columns
-        The file.
-    time : Recognised or None
-        Its column of times.
-    rate_hz : float or None
-        Sampling rate [Hz] that the user states.
-    time_units : str or None
-        Unit of the times that the user states.
-
-    Returns
-    -------
-    float
-        The step [s].
-
-    Raises
-    ------
-    InputError
-        If nothing says it, times do not follow at equal steps, or times and rate disagree.
+    `rate_hz` [Hz]; returns [s].
     """
     if time is not None:
         if time_units is not None and time_units not in TIMES:
@@ -107,26 +70,7 @@ def _agrees(columns: Columns, step: float, rate_hz: float | None) -> None:
 
 
 def equal_step(columns: Columns, name: str) -> float:
-    """Step between times, which must be equal.
-
-    Parameters
-    ----------
-    columns : Columns
-        The file.
-    name : str
-        Its column of times, in any unit.
-
-    Returns
-    -------
-    float
-        The step in the same unit.
-
-    Raises
-    ------
-    InputError
-        If a time does not follow the one before it by the step that most have, within what the times
-        round or 1 % of the step; the message names the line.
-    """
+    """Step between times, which must be equal."""
     times = finite(columns, name)
     if times.size < FEWEST_SAMPLES:
         raise InputError(

@@ -95,20 +95,7 @@ def legend_below(figure: Figure, *axes: Axes, columns: int = 4) -> None:
 
 
 def ellipse_line(a: ArrayLike, b: ArrayLike, *, points: int = 121) -> tuple[NDArray[np.float64], ...]:
-    """Upper halves of ellipses (A − 1)²/a + d²/b = 1.
-
-    Parameters
-    ----------
-    a, b : array_like
-        Ellipse parameters [-] and [ms²], one shape.
-    points : int, optional
-        Points of each line.
-
-    Returns
-    -------
-    amplitude, delay : numpy.ndarray
-        A [-] and d [ms], shape (points, ...).
-    """
+    """Upper halves of ellipses (A − 1)²/a + d²/b = 1."""
     angle = np.linspace(0.0, np.pi, points).reshape(-1, *(1,) * np.ndim(a))
     return 1.0 + np.sqrt(a) * np.cos(angle), np.sqrt(b) * np.sin(angle)
 
@@ -116,8 +103,6 @@ def ellipse_line(a: ArrayLike, b: ArrayLike, *, points: int = 121) -> tuple[NDAr
 def scientific(value: float, digits: int = 3) -> str:
     r"""Write a number for a label, with a power of ten where it is very small or large.
 
-    Examples
-    --------
     >>> scientific(5.29e-5), scientific(1.048), scientific(0.977)
     ('$5.29\\times10^{-5}$', '1.05', '0.977')
     """
@@ -148,20 +133,6 @@ def label_logarithmic(*axes: Axis, most: int = 5) -> None:
 def round_numbers(low: float, high: float, most: int) -> NDArray[np.float64]:
     """Round numbers that lie about evenly on a logarithmic scale.
 
-    Parameters
-    ----------
-    low, high : float
-        Positive ends.
-    most : int
-        Greatest number of them.
-
-    Returns
-    -------
-    array of float
-        Increasing numbers between the ends.
-
-    Examples
-    --------
     >>> round_numbers(0.8, 40.0, 6).tolist(), round_numbers(2.9e-5, 7.1e-5, 5).round(6).tolist()
     ([1.0, 2.0, 5.0, 10.0, 20.0], [3e-05, 4e-05, 5e-05, 6e-05, 7e-05])
     """

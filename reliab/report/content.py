@@ -35,18 +35,7 @@ _MILLIMETRES_PER_INCH: Final = 25.4
 
 
 def files_of(document: Document) -> dict[str, bytes]:
-    """Write what the template reads.
-
-    Parameters
-    ----------
-    document : Document
-        The report.
-
-    Returns
-    -------
-    dict of str to bytes
-        The content as JSON, and each figure as SVG, by file name.
-    """
+    """Write what the template reads."""
     return _Writer(document).files()
 
 

@@ -41,31 +41,17 @@ class Points:
 
 @dataclass(frozen=True, kw_only=True)
 class Remark:
-    """A short text that must not be overlooked.
+    """A short text that must not be overlooked."""
 
-    Parameters
-    ----------
-    text : Prose
-        What it says.
-    """
-
-    text: Prose
+    text: Prose  # What it says
 
 
 @dataclass(frozen=True, kw_only=True)
 class Equation:
-    """A numbered equation.
+    """A numbered equation."""
 
-    Parameters
-    ----------
-    math : str
-        The equation in typst's notation; written by the author of a report, not by its user.
-    label : str, optional
-        What references call it.
-    """
-
-    math: str
-    label: str = ""
+    math: str  # The equation in typst's notation; written by the author of a report, not by its user
+    label: str = ""  # What references call it
 
     def __post_init__(self) -> None:
         require_formula(self.math)
@@ -184,18 +170,10 @@ Block = Paragraph | Points | Remark | Equation | Table | Figure | Section
 
 @dataclass(frozen=True, kw_only=True)
 class Source:
-    """A source that a report refers to.
+    """A source that a report refers to."""
 
-    Parameters
-    ----------
-    label : str
-        What references call it.
-    text : str
-        Authors, year, title and place.
-    """
-
-    label: str
-    text: str
+    label: str  # What references call it
+    text: str  # Authors, year, title and place
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -23,18 +23,6 @@ _KNOWN: Final = frozenset(f"{_GREEK} {_OTHERS}".split())
 def require_formula(source: str) -> None:
     """Refuse what is no formula, before it is evaluated.
 
-    Parameters
-    ----------
-    source : str
-        Mathematics in typst's notation.
-
-    Raises
-    ------
-    ValueError
-        If it has a sign or a word that formulas of reports do not have.
-
-    Examples
-    --------
     >>> require_formula('"RMS"^R = sqrt(x_m - x_I) / (max abs(x_I))')
     >>> require_formula('std.read("/etc/hosts")')
     Traceback (most recent call last):

@@ -9,21 +9,11 @@ from reliab.report.prose import Prose, prose
 
 @dataclass(frozen=True, kw_only=True)
 class Term:
-    """A word that is explained where a report uses it.
+    """A word that is explained where a report uses it."""
 
-    Parameters
-    ----------
-    name : Prose
-        The word, as it stands in the glossary.
-    pattern : str
-        Regular expression of its forms in running text.
-    meaning : Prose
-        What it means.
-    """
-
-    name: Prose
-    pattern: str
-    meaning: Prose
+    name: Prose  # The word, as it stands in the glossary
+    pattern: str  # Regular expression of its forms in running text
+    meaning: Prose  # What it means
 
 
 TERMS: Final = (
@@ -119,18 +109,6 @@ TERMS: Final = (
 def glossary_of(text: str) -> list[Term]:
     """Choose the words that a report uses.
 
-    Parameters
-    ----------
-    text : str
-        Everything that the report says.
-
-    Returns
-    -------
-    list of Term
-        In alphabetical order.
-
-    Examples
-    --------
     >>> [term.name for term in glossary_of("The stability margin of a held-out test")]
     ['held-out test', 'stability margin']
     """

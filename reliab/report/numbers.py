@@ -13,18 +13,10 @@ _LEAST_EXPONENT, _GREATEST_EXPONENT = -4, 7  # without a power of ten
 
 @dataclass(frozen=True, kw_only=True)
 class Written:
-    """A number as it is written.
+    """A number as it is written."""
 
-    Parameters
-    ----------
-    digits : str
-        Its digits, with sign and decimal point.
-    exponent : int, optional
-        Power of ten that follows.
-    """
-
-    digits: str
-    exponent: int | None = None
+    digits: str  # Its digits, with sign and decimal point
+    exponent: int | None = None  # Power of ten that follows
 
     @property
     def decimals(self) -> int:
@@ -36,18 +28,7 @@ class Number(ABC):
     """How the numbers of a column are written."""
 
     def __call__(self, value: float) -> Written:
-        """Write a number; NaN as a dash, infinity by its sign.
-
-        Parameters
-        ----------
-        value : float
-            The number.
-
-        Returns
-        -------
-        Written
-            How it is written.
-        """
+        """Write a number; NaN as a dash, infinity by its sign."""
         if np.isnan(value):
             return Written(digits=MISSING)
         if np.isinf(value):

@@ -61,27 +61,7 @@ def write_pdf(
 def compiled_report(
     document: Document | Mapping[str, bytes], *, date: dt.date, setting: Setting | None = None
 ) -> bytes:
-    """Set a report as PDF.
-
-    Parameters
-    ----------
-    document : Document or mapping of str to bytes
-        The report, or its content.
-    date : datetime.date
-        Its date, unless the setting has another.
-    setting : Setting, optional
-        Paper, title, date, and name and logo of the laboratory.
-
-    Returns
-    -------
-    bytes
-        The PDF.
-
-    Raises
-    ------
-    InputError
-        If the logo is damaged, or the content is not what `reliab run` wrote.
-    """
+    """Set a report as PDF."""
     setting = setting or Setting()
     date = setting.date or date
     _require_sound_logo(setting)

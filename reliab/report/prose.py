@@ -35,15 +35,9 @@ _SET_SCRIPTS: Final = (
 
 @dataclass(frozen=True, kw_only=True)
 class Math:
-    """Mathematics in a line, in typst's notation.
+    """Mathematics in a line, in typst's notation."""
 
-    Parameters
-    ----------
-    source : str
-        For example "(A - 1)^2 / a"; of known words and signs only.
-    """
-
-    source: str
+    source: str  # For example "(A - 1)^2 / a"; of known words and signs only
 
     def __post_init__(self) -> None:
         require_formula(self.source)
@@ -51,28 +45,16 @@ class Math:
 
 @dataclass(frozen=True, kw_only=True)
 class Strong:
-    """Emphasised literal text.
+    """Emphasised literal text."""
 
-    Parameters
-    ----------
-    text : str
-        The text.
-    """
-
-    text: str
+    text: str  # The text
 
 
 @dataclass(frozen=True, kw_only=True)
 class Reference:
-    """Reference to a figure, table, equation, section or source of the same document.
+    """Reference to a figure, table, equation, section or source of the same document."""
 
-    Parameters
-    ----------
-    label : str
-        The label of what is referred to.
-    """
-
-    label: str
+    label: str  # The label of what is referred to
 
 
 Piece = str | Math | Strong | Reference
@@ -87,25 +69,6 @@ def prose(template: str, **values: object) -> tuple[Piece, ...]:
     `{name:format}` the value of that name, which is always literal. Mathematics is evaluated, so that
     only numbers and other mathematics can be put into it.
 
-    Parameters
-    ----------
-    template : str
-        Written by the author of a report, not by its user.
-    **values : object
-        Values by the name that the template has for them.
-
-    Returns
-    -------
-    tuple of str, Math, Strong and Reference
-        The pieces.
-
-    Raises
-    ------
-    TypeError
-        If text is put into mathematics.
-
-    Examples
-    --------
     >>> prose("{share:.0%} of *{name}* lie within $a$, see @fig:limits.", share=0.95, name="a*b$")
     ('95% of ', Strong(text='a*b$'), ' lie within ', Math(source='a'), ', see ',
      Reference(label='fig:limits'), '.')
@@ -118,18 +81,6 @@ def literal(text: str) -> str:
 
     Characters of scripts that the fonts of reports lack, such as Chinese, stand as their numbers.
 
-    Parameters
-    ----------
-    text : str
-        Any text.
-
-    Returns
-    -------
-    str
-        The text as it is set.
-
-    Examples
-    --------
     >>> literal("two\nlines\x00")
     'two lines'
     >>> print(literal("地震"))
@@ -143,8 +94,6 @@ def literal(text: str) -> str:
 def plain_text(text: Prose) -> str:
     """Text without mathematics set and without references, for those who cannot see a figure.
 
-    Examples
-    --------
     >>> plain_text(prose("Where $a$ is small, see @fig:limits."))
     'Where a is small, see fig:limits.'
     """
@@ -164,18 +113,7 @@ def _plain(piece: Piece) -> str:
 
 
 def references(text: Prose) -> Iterator[str]:
-    """Labels that a text refers to.
-
-    Parameters
-    ----------
-    text : str or tuple
-        The text.
-
-    Yields
-    ------
-    str
-        A label.
-    """
+    """Labels that a text refers to."""
     pieces = () if isinstance(text, str) else text
     for piece in pieces:
         if isinstance(piece, Reference):

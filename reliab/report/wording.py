@@ -29,8 +29,6 @@ MEANINGS_OF_ERRORS: Final = {
 def window_in_words(window: str) -> str:
     """Part of the record over which the error is computed.
 
-    Examples
-    --------
     >>> window_in_words("record"), window_in_words("40")
     ('the whole record', 'the first 40 s of the record')
     """
@@ -44,8 +42,6 @@ def window_in_words(window: str) -> str:
 def meaning_of_confidence(method: str) -> str:
     """Say what a stated confidence means by the method of a name; a method of an older file by its name.
 
-    Examples
-    --------
     >>> meaning_of_confidence("order_statistic")
     'a bound by order statistics, free of any distribution'
     """
@@ -66,8 +62,6 @@ def percent(share: float, digits: int = 3) -> str:
 def probability(value: float) -> str:
     """Write a probability in per cent, without claiming that anything is certain.
 
-    Examples
-    --------
     >>> probability(0.988), probability(0.0), probability(1.0)
     ('98.8 %', 'below 0.1 %', 'above 99.9 %')
     """
@@ -134,8 +128,6 @@ def error_below(metric: str, threshold: float) -> tuple[Piece, ...]:
 def number(value: float, digits: int = 3) -> str:
     """Write a number for mathematics in typst's notation.
 
-    Examples
-    --------
     >>> number(5.29e-5), number(1.048), number(0.0)
     ('5.29 dot 10^(-5)', '1.05', '0')
     """

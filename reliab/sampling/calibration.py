@@ -28,26 +28,8 @@ def calibration_ranks(
 ) -> NDArray[np.int64]:
     """Rank true parameters among draws of their posteriors.
 
-    Parameters
-    ----------
-    model : Model
-        The model, for its priors and the shape of its data.
-    fits : int
-        Number of parameter vectors, data sets and posteriors.
-    steps : int
-        Steps of each posterior's one ensemble.
-    seed : int, optional
-        Seed of everything.
-    progress : callable, optional
-        Called after each fit.
+    Returns (fits, parameters).
 
-    Returns
-    -------
-    array of int, shape (fits, parameters)
-        Ranks from 0 to 99.
-
-    Examples
-    --------
     >>> from reliab.sampling import NormalValues
     >>> calibration_ranks(NormalValues(values=np.zeros(10)), fits=2, steps=200).shape
     (2, 2)
@@ -66,18 +48,8 @@ def calibration_ranks(
 def uniformity(ranks: NDArray[np.int64]) -> NDArray[np.float64]:
     """p-values of the hypothesis that ranks are uniform, by the χ² test over ten bins.
 
-    Parameters
-    ----------
-    ranks : array of int, shape (fits, parameters)
-        Ranks from 0 to 99.
+    `ranks` (fits, parameters); returns (parameters,).
 
-    Returns
-    -------
-    array of float, shape (parameters,)
-        One p-value for each parameter.
-
-    Examples
-    --------
     >>> ranks = np.random.default_rng(1).integers(0, 100, (500, 2))
     >>> bool((uniformity(ranks) > 0.01).all()), bool((uniformity(ranks // 2) > 0.01).any())
     (True, False)

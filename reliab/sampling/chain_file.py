@@ -32,15 +32,6 @@ class ChainFile:
     """The file in which the chains of several ensembles are kept while they are drawn.
 
     Use :meth:`opened`, which reads what an earlier run left.
-
-    Parameters
-    ----------
-    path : pathlib.Path
-        The file.
-    signature : str
-        What belongs to this very run: model, data and settings.
-    chains : mapping of str to emcee.backends.Backend
-        Chains in memory by their group in the file.
     """
 
     def __init__(self, path: Path, signature: str, chains: "dict[str, Backend]") -> None:
@@ -54,35 +45,7 @@ class ChainFile:
     def opened(
         cls, path: Path, names: Sequence[str], signature: str, shape: tuple[int, int], *, model: str
     ) -> "Iterator[tuple[ChainFile, list[Backend]]]":
-        """Read the chains of an earlier run, or begin with empty ones; at the end all are written.
-
-        Parameters
-        ----------
-        path : pathlib.Path
-            The file; it need not exist.
-        names : sequence of str
-            Group of each ensemble.
-        signature : str
-            What belongs to this very run.
-        shape : tuple of int
-            Walkers and parameters.
-        model : str
-            Name of the model, for the error.
-
-        Yields
-        ------
-        ChainFile
-            To be asked to `save` now and then.
-        list of emcee.backends.Backend
-            The chains.
-
-        Raises
-        ------
-        InputError
-            If it is no such file, cannot be written, or holds another run.
-        IncompleteError
-            If it can no longer be written at the end.
-        """
+        """Read the chains of an earlier run, or begin with empty ones; at the end all are written."""
         with decoding(_RULE, remedy=_REMEDY, where=path):
             stored = _read(path, names, shape)
         if any(known != signature for known, _ in stored.values() if known is not None):
@@ -104,18 +67,7 @@ class ChainFile:
         file.save(now=True)
 
     def save(self, *, now: bool = False) -> None:
-        """Write the chains if some seconds have passed.
-
-        Parameters
-        ----------
-        now : bool, optional
-            Whether to write them in any case.
-
-        Raises
-        ------
-        IncompleteError
-            If the disk is full or fails; the file is then as before.
-        """
+        """Write the chains if some seconds have passed."""
         if not now and time.monotonic() - self._written < self._pause:
             return
         begun = time.monotonic()

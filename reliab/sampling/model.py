@@ -87,22 +87,8 @@ class Model(ABC):
 def prior_predictive(model: Model, *, count: int = 1000, seed: int = 2017) -> NDArray[np.float64]:
     """Draw data that a model expects before it has seen any.
 
-    Parameters
-    ----------
-    model : Model
-        The model, for its priors and the shape of its data.
-    count : int, optional
-        Number of data sets.
-    seed : int, optional
-        Seed of the draws.
+    Returns (count, ...).
 
-    Returns
-    -------
-    array of float, shape (count, ...)
-        Data sets in the shape of the model's own data.
-
-    Examples
-    --------
     Before any record is seen, 95 % of the motions have an α between 0.0007 and 330; nothing is ruled out
     that a structure could do:
 

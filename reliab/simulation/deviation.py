@@ -86,19 +86,7 @@ def follow_four(track: Track, p: float, q: float, r: float, s: float) -> Track:
 def summary(tracks: NDArray[np.float64], intervals: float, ideal_peak: float) -> Deviation:
     """Turn the tracks of all lanes into the statistics of the window.
 
-    Parameters
-    ----------
-    tracks : numpy.ndarray
-        Shape (tracks, cells).
-    intervals : float
-        Length of the window in steps.
-    ideal_peak : float
-        Largest |x_I| [m].
-
-    Returns
-    -------
-    Deviation
-        Mean square and refined peak of each cell.
+    `ideal_peak` [m].
     """
     inner = refined_peak(tracks[_LEFT], tracks[_PEAK], tracks[_RIGHT])
     peak = np.fmax(inner, np.abs(tracks[LATEST]))

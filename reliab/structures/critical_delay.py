@@ -94,28 +94,11 @@ def crossings(partition: Partition, gain: float = 1.0) -> Array:
 def critical_delay(partition: Partition, gain: float = 1.0) -> tuple[float, float]:
     """Delay at which the hybrid test loses stability, and the frequency at which it then oscillates.
 
-    Parameters
-    ----------
-    partition : Partition
-        The partitioned structure; of a nonlinear specimen its linear part.
-    gain : float, optional
-        Actuator gain k_p [-].
+    `gain` [-]; returns delay [s], frequency [Hz].
+    Returns `delay`: critical delay τ_c [s]; infinite where no delay makes the test unstable, and zero where
+    any does, because k_p m_e γᵀM_n⁻¹γ reaches 1.
+    Returns `frequency`: frequency [Hz] of the oscillation at the limit; NaN where there is no finite one.
 
-    Returns
-    -------
-    delay : float
-        Critical delay τ_c [s]; infinite where no delay makes the test unstable, and zero where any does,
-        because k_p m_e γᵀM_n⁻¹γ reaches 1.
-    frequency : float
-        Frequency [Hz] of the oscillation at the limit; NaN where there is no finite one.
-
-    Raises
-    ------
-    InputError
-        If the test is unstable without any delay.
-
-    Examples
-    --------
     The paper's 6.4 ms for 1 Hz and 2 % damping:
 
     >>> from reliab.structures.structure import Structure
@@ -144,31 +127,13 @@ def critical_delay(partition: Partition, gain: float = 1.0) -> tuple[float, floa
 def predictive_stability_indicator(partition: Partition, gain: float = 1.0) -> float:
     """Predictive stability indicator of a partitioned structure: log₁₀ of its critical delay in ms.
 
-    Parameters
-    ----------
-    partition : Partition
-        The partitioned structure.
-    gain : float, optional
-        Actuator gain k_p [-].
+    `gain` [-]; returns [-].
+    Returns the indicator [-]; larger is more forgiving. Infinite where no delay makes the test unstable.
 
-    Returns
-    -------
-    float
-        The indicator [-]; larger is more forgiving. Infinite where no delay makes the test unstable.
-
-    Raises
-    ------
-    InputError
-        If the test is unstable without any delay, or with every delay.
-
-    References
-    ----------
     Maghareh, A., Dyke, S., Prakash, A. and Rhoads, J. (2014). Establishing a predictive performance indicator
     for real-time hybrid simulation. *Earthquake Eng. Struct. Dyn.* 43(15), 2299-2318; for several degrees of
     freedom *Struct. Control Health Monit.* (2017).
 
-    Examples
-    --------
     >>> from reliab.structures.structure import Structure
     >>> round(predictive_stability_indicator(Partition.of(Structure(frequency=1.0, damping_ratio=0.02))), 3)
     0.804

@@ -40,27 +40,9 @@ def amplification_matrix(
 ) -> Array:
     """Map of one step of the test without ground motion.
 
-    Parameters
-    ----------
-    partition : Partition
-        The partitioned structure, with a linear specimen.
-    step : float
-        Step h of the integration [s].
-    gain, delay : float
-        Actuator gain [-] and delay [s], not negative; the command is linear between steps.
-    scheme : Scheme
-        How the numerical substructure is integrated.
-
-    Returns
-    -------
-    numpy.ndarray
-        Square matrix over displacements, velocities and accelerations of the numerical substructure, and over
-        the interface's motion at the last steps.
-
-    Raises
-    ------
-    InputError
-        If the delay is negative or longer than 400 steps.
+    `step` [s].
+    Returns square matrix over displacements, velocities and accelerations of the numerical substructure, and
+    over the interface's motion at the last steps.
     """
     steps = delay / step
     if not 0.0 <= steps <= _LONGEST_MEMORY:
@@ -162,30 +144,10 @@ def discrete_poles(
 ) -> NDArray[np.complex128]:
     """Poles ln(z)/h of the test as it is integrated [1/s], the least damped first.
 
-    Parameters
-    ----------
-    partition : Partition
-        The partitioned structure.
-    step : float
-        Step of the integration [s].
-    gain, delay : float, optional
-        Actuator gain [-] and delay [s].
-    scheme : Scheme, optional
-        How the numerical substructure is integrated.
+    `step` [s].
+    Returns poles with an imaginary part that is not negative; the test is stable where all real parts are
+    negative.
 
-    Returns
-    -------
-    numpy.ndarray
-        Poles with an imaginary part that is not negative; the test is stable where all real parts are
-        negative.
-
-    Raises
-    ------
-    InputError
-        If the delay is negative or longer than 400 steps.
-
-    Examples
-    --------
     >>> from reliab.structures.structure import Structure
     >>> partition = Partition.of(Structure(frequency=1.0, damping_ratio=0.02))
     >>> poles = discrete_poles(partition, 1 / 1024, delay=0.007)  # beyond the critical 6.4 ms
@@ -220,22 +182,9 @@ def discrete_critical_delay(
 ) -> float:
     """Delay [s] at which the test, integrated in steps, loses stability.
 
-    Parameters
-    ----------
-    partition : Partition
-        The partitioned structure.
-    step : float
-        Step of the integration [s].
-    gain : float, optional
-        Actuator gain [-].
-    scheme : Scheme, optional
-        How the numerical substructure is integrated.
-
-    Returns
-    -------
-    float
-        The critical delay; zero where the integration alone makes the test unstable, infinite where the test
-        is still stable at twice the exact critical delay or, without such a delay, at 400 steps.
+    `step` [s]; `gain` [-].
+    Returns the critical delay; zero where the integration alone makes the test unstable, infinite where the
+    test is still stable at twice the exact critical delay or, without such a delay, at 400 steps.
     """
 
     def growth(delay: float) -> float:

@@ -16,11 +16,8 @@ def environment() -> dict[str, object]:
     Equal input gives equal bytes where all of this is equal; with another processor or other packages the
     last digits of numbers may differ.
 
-    Returns
-    -------
-    dict
-        "python", "system", "processor" and "packages": versions of this package and of all that it needs,
-        directly or through others.
+    Returns "python", "system", "processor" and "packages": versions of this package and of all that it needs,
+    directly or through others.
     """
     return {
         "python": platform.python_version(),

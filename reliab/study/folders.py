@@ -16,7 +16,7 @@ from types import ModuleType
 from typing import Final
 
 from reliab.errors import InputError
-from reliab.shipped import shipped
+from reliab.shipped import shipped_folder
 from reliab.study.kind import Kind
 
 PACKAGE: Final = "reliab_studies"
@@ -31,7 +31,7 @@ _SHIPPED: Final = shipped("studies", "")
 
 def shipped_folders() -> dict[str, Path]:
     """Folders of the studies that ship, by their names."""
-    return {file.parent.name: file.parent for file in sorted(_SHIPPED.glob(f"*/{FILE}"))}
+    return {file.parent.name: file.parent for file in sorted(_shipped().glob(f"*/{FILE}"))}
 
 
 def shipped_kinds() -> list[Kind]:
@@ -51,9 +51,8 @@ def kind_of(folder: Path) -> Kind | None:
             remedy="Rename it",
             where=str(folder),
         )
-    package = _package(folder.parent)
     try:
-        kind = getattr(import_module(f"{package}.{folder.name}.{_CODE}"), "KIND", None)
+        kind = getattr(_module(folder, _CODE), "KIND", None)
     except (ImportError, SyntaxError) as error:
         raise InputError(
             "The code of a study must be importable",
@@ -73,19 +72,30 @@ def kind_of(folder: Path) -> Kind | None:
 
 def study_module(study: str, module: str) -> ModuleType:
     """Import a module of a study that ships; refuse where the studies are not installed."""
-    if study not in shipped_folders():
+    folder = shipped_folders().get(study)
+    if folder is None:
         raise InputError(
             f"This needs the study {study}, which ships with the package",
             value="no such study here",
             remedy="Install reliab with its studies",
         )
-    return import_module(f"{PACKAGE}.{study}.{module}")
+    return _module(folder, module)
+
+
+def _module(folder: Path, module: str) -> ModuleType:
+    """Import a module of the folder of a study."""
+    return import_module(f"{_package(folder.parent)}.{folder.name}.{module}")
+
+
+def _shipped() -> Path:
+    """Return the folder of the studies that ship; it does not exist where they were taken away."""
+    return shipped_folder("studies").resolve()
 
 
 def _package(parent: Path) -> str:
     """Make the folders below a folder importable; return the name of their package."""
     name = PACKAGE
-    if parent != _SHIPPED.resolve():
+    if parent != _shipped():
         name = f"{PACKAGE}_{sha256(str(parent).encode()).hexdigest()[:12]}"
     if name not in sys.modules:
         spec = ModuleSpec(name, None, is_package=True)
@@ -94,4 +104,4 @@ def _package(parent: Path) -> str:
     return name
 
 
-_package(_SHIPPED.resolve())
+_package(_shipped())

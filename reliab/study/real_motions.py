@@ -25,17 +25,7 @@ REAL_MOTIONS: Final = "real_motions.json"
 def on_real_motions(study: CriterionStudy, material: Material) -> list[Stage]:
     """Judge the study's criterion on the real motions that ship, unless it was derived from them.
 
-    Parameters
-    ----------
-    study : CriterionStudy
-        The study.
-    material : Material
-        What it works on.
-
-    Returns
-    -------
-    list of Stage
-        One stage, or none where the shipped results hold no such structure, error or window.
+    Returns one stage, or none where the shipped results hold no such structure, error or window.
     """
     results = _results(study)
     alike = study.errors.window == "record" and study.structures.experimental_fraction == 1.0
@@ -63,16 +53,9 @@ def on_real_motions(study: CriterionStudy, material: Material) -> list[Stage]:
 def real_share(path: Path) -> dict[str, float] | None:
     """Read how many real motions contain the criterion of a run.
 
-    Parameters
-    ----------
-    path : pathlib.Path
-        The file of the stage.
-
-    Returns
-    -------
-    dict or None
-        `rate`, `low`, `high` [-] (95 % interval over earthquakes), `n_motions` and `n_events`; None where it
-        was not judged.
+    Returns [-].
+    Returns `rate`, `low`, `high` [-] (95 % interval over earthquakes), `n_motions` and `n_events`; None where
+    it was not judged.
     """
     return dict(read_result(path)) if path.exists() else None
 

@@ -55,22 +55,7 @@ class Stage:
 
 
 class RunFolder:
-    """A folder in which a study is run.
-
-    Parameters
-    ----------
-    path : pathlib.Path
-        The folder; made if it is not there.
-    study : mapping
-        What is run in it, as plain values.
-
-    Raises
-    ------
-    InputError
-        If the folder holds something else than a run.
-    OSError
-        If it cannot be made.
-    """
+    """A folder in which a study is run."""
 
     def __init__(self, path: Path, *, study: Mapping[str, Any]) -> None:
         self.path = path
@@ -90,25 +75,7 @@ class RunFolder:
     @classmethod
     @contextlib.contextmanager
     def opened(cls, path: Path, *, study: Mapping[str, Any]) -> Iterator["RunFolder"]:
-        """Open a run folder, and keep every other process from running a study in it.
-
-        Parameters
-        ----------
-        path, study
-            As for the class.
-
-        Yields
-        ------
-        RunFolder
-            The folder.
-
-        Raises
-        ------
-        InputError
-            If the folder cannot be used or links to files elsewhere, or another process runs a study in it.
-        IncompleteError
-            If the disk is full or fails; stages that are done are safe.
-        """
+        """Open a run folder, and keep every other process from running a study in it."""
         try:
             path.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -124,18 +91,7 @@ class RunFolder:
                 ) from error
 
     def perform(self, stage: Stage) -> bool:
-        """Do a stage unless it is done; tell whether it was.
-
-        Parameters
-        ----------
-        stage : Stage
-            The stage.
-
-        Returns
-        -------
-        bool
-            Whether work was done.
-        """
+        """Do a stage unless it is done; tell whether it was."""
         inputs = self._digest_inputs(stage)
         entries = self._manifest["stages"]
         entry = entries.get(stage.name, {})
@@ -180,23 +136,7 @@ class RunFolder:
 
 
 def study_of(path: Path) -> dict[str, Any]:
-    """Return what was run in a folder.
-
-    Parameters
-    ----------
-    path : pathlib.Path
-        A run folder.
-
-    Returns
-    -------
-    dict
-        The study as plain values.
-
-    Raises
-    ------
-    InputError
-        If nothing was run there.
-    """
+    """Return what was run in a folder."""
     study = _read(path).get("study")
     if study is None:
         raise InputError(
@@ -231,18 +171,7 @@ def made_with(path: Path) -> dict[str, object]:
 
 
 def date_of(path: Path) -> dt.date:
-    """Return the day on which the last results of a run were made.
-
-    Parameters
-    ----------
-    path : pathlib.Path
-        A run folder.
-
-    Returns
-    -------
-    datetime.date
-        The day.
-    """
+    """Return the day on which the last results of a run were made."""
     days = [entry["date"] for entry in _results(path).values() if "date" in entry]
     return dt.date.fromisoformat(max(days)) if days else dt.datetime.now(tz=dt.UTC).date()
 

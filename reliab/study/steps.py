@@ -86,18 +86,11 @@ def tracing(study: SimulatedStudy, material: Material, show: Show) -> Stage:
 
 @dataclass(frozen=True, kw_only=True)
 class DerivedCriteria:
-    """Criteria of a run, and why others could not be derived.
+    """Criteria of a run, and why others could not be derived."""
 
-    Attributes
-    ----------
-    criteria : tuple of Criterion
-        One for each error and confidence for which the motions suffice; the first is the study's own.
-    refusals : tuple of str
-        A sentence for each error and confidence for which they are too few.
-    """
-
+    # One for each error and confidence for which the motions suffice; the first is the study's own
     criteria: tuple[Criterion, ...]
-    refusals: tuple[str, ...]
+    refusals: tuple[str, ...]  # A sentence for each error and confidence for which they are too few
 
 
 def derivation(errors: ErrorsTable, criterion: CriterionTable) -> Stage:

@@ -26,18 +26,7 @@ def codecs() -> list[Any]:
 
 
 def encoded(values: NDArray[np.generic]) -> bytes:
-    """Encode the values of a chunk.
-
-    Parameters
-    ----------
-    values : numpy.ndarray
-        The chunk, of any shape.
-
-    Returns
-    -------
-    bytes
-        What Zarr stores with `codecs`.
-    """
+    """Encode the values of a chunk."""
     plain = np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<"))
     shuffle = BITSHUFFLE if plain.itemsize == 1 else SHUFFLE
     compressed = Blosc(cname=_COMPRESSOR, clevel=_LEVEL, shuffle=shuffle).encode(plain)
@@ -45,24 +34,7 @@ def encoded(values: NDArray[np.generic]) -> bytes:
 
 
 def write_chunk(folder: Path, array: Any, index: int, values: NDArray[np.generic]) -> None:  # noqa: ANN401
-    """Write the values of one motion to an array whose chunks hold one motion each.
-
-    Parameters
-    ----------
-    folder : pathlib.Path
-        Folder of the array.
-    array : zarr.Array
-        The array, with `codecs`.
-    index : int
-        Index of the motion.
-    values : numpy.ndarray
-        Its values, over all further dimensions.
-
-    Raises
-    ------
-    OSError
-        If the disk is full or fails; the chunk is then as before.
-    """
+    """Write the values of one motion to an array whose chunks hold one motion each."""
     key = array.metadata.encode_chunk_key((index, *(0 for _ in values.shape)))
     place = folder / key
     place.parent.mkdir(parents=True, exist_ok=True)

@@ -16,29 +16,7 @@ _CONNECT_SECONDS = 10
 
 
 def solved(address: str, job: SweepJob, missing: list[int]) -> Iterator[Solved]:
-    """Solve motions on a cluster.
-
-    Parameters
-    ----------
-    address : str
-        Address of the scheduler, such as tcp://host:8786.
-    job : SweepJob
-        Suite and request.
-    missing : list of int
-        Indices of the motions to solve.
-
-    Yields
-    ------
-    tuple
-        Index, motion and results, in the order in which they finish.
-
-    Raises
-    ------
-    InputError
-        If dask.distributed is not installed or no scheduler answers.
-    IncompleteError
-        If the scheduler or all workers are lost on the way.
-    """
+    """Solve motions on a cluster."""
     with _connected(address) as client:
         from distributed import as_completed
 

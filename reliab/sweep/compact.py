@@ -57,20 +57,7 @@ def write_compact(results: xr.Dataset, path: str | Path) -> None:
 def open_compact(path: Path) -> xr.Dataset:
     """Open a file that `write_compact` wrote.
 
-    Parameters
-    ----------
-    path : pathlib.Path
-        The file.
-
-    Returns
-    -------
-    xarray.Dataset
-        `rms` and `mte` over (motion, f, xi, kp, tau), or (motion, f, xi, alpha, kp, tau).
-
-    Raises
-    ------
-    InputError
-        If the file is not one that `write_compact` wrote, or has another schema version.
+    Returns `rms` and `mte` over (motion, f, xi, kp, tau), or (motion, f, xi, alpha, kp, tau).
     """
     dataset = read_netcdf(path, _RULE, _REMEDY)
     if dataset.attrs.get("schema_version") != SCHEMA_VERSION:

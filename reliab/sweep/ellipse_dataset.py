@@ -32,21 +32,7 @@ _FEWEST_POINTS = 3
 
 
 def curve_row(contour: Contour | None, curve: type[Curve]) -> list[float]:
-    """Parameters of the curve fitted to one side of a boundary.
-
-    Parameters
-    ----------
-    contour : Contour or None
-        The side of the boundary; None where it leaves the stored grid.
-    curve : type
-        Type of the curve. One that is fitted by least squares needs a boundary that is closed on this side;
-        the inscribed ellipse does not.
-
-    Returns
-    -------
-    list of float
-        a, b, sse, n and the reason if there is no curve.
-    """
+    """Parameters of the curve fitted to one side of a boundary."""
     if contour is None:
         return _without(NoEllipse.OUTSIDE_GRID, 0)
     points = contour.amplitude.size
@@ -71,17 +57,7 @@ def curve_table(
 ) -> NDArray[np.float64]:
     """Fit curves to contours and put their parameters into one array.
 
-    Parameters
-    ----------
-    contours : sequence of sequence of Contour or None
-        By motion or metric, and by pair of threshold and side; None where one leaves the stored grid.
-    curves : sequence of type
-        Curves fitted to each contour.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (motion or metric, pair, curve, column), the columns those of an ellipse dataset.
+    Returns shape (motion or metric, pair, curve, column), the columns those of an ellipse dataset.
     """
     rows = [[[curve_row(contour, curve) for curve in curves] for contour in row] for row in contours]
     return np.asarray(rows, dtype=np.float64)
@@ -100,24 +76,9 @@ def ellipse_dataset(
 ) -> xr.Dataset:
     """Label a table of curves.
 
-    Parameters
-    ----------
-    table : numpy.ndarray
-        Shape (motion, f, xi, threshold, metric, curve, side, columns).
-    coordinates : mapping
-        Coordinates of motions, f [Hz] and xi [-].
-    thresholds, metrics, curves, sides
-        Coordinates of the table along these dimensions.
-    attributes : mapping
-        Attributes, the window and the experimental fraction among them.
-    error_at_rest : numpy.ndarray, optional
-        Error of an actuator that does not move [-], shape (motion, f, xi, metric).
-
-    Returns
-    -------
-    xarray.Dataset
-        `a` [-], `b` [ms²], `sse` [ms⁴], `n` and `no_ellipse` over (motion, f, xi, threshold, metric, curve,
-        side), and `error_at_rest` [-] over (motion, f, xi, metric) where it is known.
+    `error_at_rest` [-].
+    Returns `a` [-], `b` [ms²], `sse` [ms⁴], `n` and `no_ellipse` over (motion, f, xi, threshold, metric,
+    curve, side), and `error_at_rest` [-] over (motion, f, xi, metric) where it is known.
     """
     variables: dict[str, object] = {
         column: (ELLIPSE_DIMENSIONS, table[..., k]) for k, column in enumerate(COLUMNS)

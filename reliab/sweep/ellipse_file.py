@@ -145,18 +145,7 @@ def _windows(dataset: xr.Dataset) -> tuple[str, ...]:
 
 
 def with_sides(dataset: xr.Dataset) -> xr.Dataset:
-    """Add the dimensions curve and side to ellipses without them: least squares, and delays.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        `a` and `b` over (motion, f, xi, threshold, metric) and perhaps (curve, side).
-
-    Returns
-    -------
-    xarray.Dataset
-        The same over all dimensions of ellipses.
-    """
+    """Add the dimensions curve and side to ellipses without them: least squares, and delays."""
     for name, value in ((Dimension.CURVE, CurveName.ELLIPSE), (Dimension.SIDE, Side.LAG)):
         if name not in dataset.dims:
             within = [str(variable) for variable in dataset if Dimension.THRESHOLD in dataset[variable].dims]

@@ -193,21 +193,7 @@ def labelled(
 ) -> xr.Dataset:
     """Label the tables of all motions.
 
-    Parameters
-    ----------
-    table : numpy.ndarray
-        Curves, shape (motion, f, xi, threshold, metric, curve, side, columns).
-    headers : sequence of dict
-        Coordinates of each motion.
-    request : EllipseRequest
-        The request that the table answers, of one share of the stiffness.
-    error_at_rest : numpy.ndarray, optional
-        Error of an actuator that does not move [-], shape (motion, f, xi, metric).
-
-    Returns
-    -------
-    xarray.Dataset
-        As returned by `trace_ellipses`.
+    `error_at_rest` [-].
     """
     return ellipse_dataset(
         table,

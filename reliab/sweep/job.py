@@ -12,31 +12,12 @@ Solved = tuple[int, Motion, list[MotionResults]]
 
 @dataclass(frozen=True, kw_only=True)
 class SweepJob:
-    """A suite of motions and the request for it.
+    """A suite of motions and the request for it."""
 
-    Parameters
-    ----------
-    motions : MotionSuite
-        The suite.
-    request : SweepRequest
-        Structures, actuators and windows.
-    """
-
-    motions: MotionSuite
-    request: SweepRequest
+    motions: MotionSuite  # The suite
+    request: SweepRequest  # Structures, actuators and windows
 
     def solve(self, index: int) -> Solved:
-        """Read and simulate one motion.
-
-        Parameters
-        ----------
-        index : int
-            Index of the motion.
-
-        Returns
-        -------
-        tuple
-            Index, motion and results.
-        """
+        """Read and simulate one motion."""
         motion = self.motions[index]
         return index, motion, solve_motion(motion, self.request)

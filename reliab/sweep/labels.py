@@ -6,18 +6,7 @@ from reliab.vocabulary import LABELS
 
 
 def with_labels(dataset: xr.Dataset) -> xr.Dataset:
-    """Give every known variable and coordinate its `long_name` and `units`.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        A dataset with names of the vocabulary.
-
-    Returns
-    -------
-    xarray.Dataset
-        The same dataset, labelled.
-    """
+    """Give every known variable and coordinate its `long_name` and `units`."""
     for name, label in LABELS.items():
         if name in dataset.variables:
             dataset[name].attrs.update(long_name=label.long_name, units=label.units)

@@ -12,15 +12,7 @@ from reliab.vocabulary import Dimension
 def motion_coordinates(motions: Sequence[Motion]) -> dict[str, xr.Variable]:
     """Coordinates along the dimension of the motions.
 
-    Parameters
-    ----------
-    motions : sequence of Motion
-        The ground motions, in order.
-
-    Returns
-    -------
-    dict of str to xarray.Variable
-        Names, earthquakes, durations [s], time steps [s], peak accelerations [m/s²] and checksums.
+    Returns names, earthquakes, durations [s], time steps [s], peak accelerations [m/s²] and checksums.
     """
     columns = {
         "motion": np.array([motion.name for motion in motions], dtype=np.str_),
@@ -34,18 +26,7 @@ def motion_coordinates(motions: Sequence[Motion]) -> dict[str, xr.Variable]:
 
 
 def joined_coordinates(batches: Sequence[Mapping[str, xr.Variable]]) -> dict[str, xr.Variable]:
-    """Join the coordinates of several batches of ground motions.
-
-    Parameters
-    ----------
-    batches : sequence of mapping
-        At least one, each as :func:`motion_coordinates` gives it.
-
-    Returns
-    -------
-    dict of str to xarray.Variable
-        The coordinates of all of them, in order.
-    """
+    """Join the coordinates of several batches of ground motions."""
     return {
         name: xr.Variable((Dimension.MOTION,), np.concatenate([batch[name].values for batch in batches]))
         for name in batches[0]

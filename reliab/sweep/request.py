@@ -132,20 +132,7 @@ def structures_of(
 
 
 def check_model(model: HybridTest | None, structures: list[Structure]) -> None:
-    """Refuse a model with effects whose structure is not the one requested.
-
-    Parameters
-    ----------
-    model : HybridTest or None
-        The model, if there is one.
-    structures : list of Structure
-        Structures requested.
-
-    Raises
-    ------
-    InputError
-        If the model's structure is not the only one.
-    """
+    """Refuse a model with effects whose structure is not the one requested."""
     if model is not None and structures != [model.structure]:
         raise InputError(
             "A model with effects holds for its own structure only",

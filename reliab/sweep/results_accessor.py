@@ -38,23 +38,7 @@ class ResultsAccessor:
         self._dataset = at_share(dataset) if len(shares_of(dataset)) == 1 else dataset
 
     def structure(self, f: float, xi: float) -> Structure:
-        """Structure of the dataset with given natural frequency [Hz] and damping ratio [-].
-
-        Parameters
-        ----------
-        f, xi : float
-            They must be among the dataset's.
-
-        Returns
-        -------
-        Structure
-            The structure.
-
-        Raises
-        ------
-        InputError
-            If they are not among the dataset's, or it is of several shares of the stiffness.
-        """
+        """Structure of the dataset with given natural frequency [Hz] and damping ratio [-]."""
         for name, value in ((Dimension.FREQUENCY, f), (Dimension.DAMPING_RATIO, xi)):
             stored = self._dataset[name].values
             if not np.isclose(stored, value, rtol=1e-9).any():
@@ -66,18 +50,7 @@ class ResultsAccessor:
         return Structure(frequency=f, damping_ratio=xi, experimental_fraction=share_of(self._dataset))
 
     def grid(self, f: float, xi: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Gains k_p [-] and delays τ [s] that were simulated for a structure.
-
-        Parameters
-        ----------
-        f, xi : float
-            Natural frequency [Hz] and damping ratio [-] of the dataset.
-
-        Returns
-        -------
-        gains, delays : numpy.ndarray
-            Shapes (kp,) and (tau,).
-        """
+        """Gains k_p [-] and delays τ [s] that were simulated for a structure."""
         self.structure(f, xi)
         at = {
             Dimension.FREQUENCY: int(np.argmin(np.abs(self._dataset["f"].values - f))),
@@ -97,18 +70,7 @@ class ResultsAccessor:
         return decoding(STORED, remedy=MEND, where=self._dataset.encoding.get("source", ""))
 
     def at_structure(self, f: float, xi: float) -> xr.Dataset:
-        """Results of one structure, as float64 with one-dimensional `kp` and `tau` coordinates.
-
-        Parameters
-        ----------
-        f, xi : float
-            Natural frequency [Hz] and damping ratio [-] of the dataset.
-
-        Returns
-        -------
-        xarray.Dataset
-            Over (motion, kp, tau).
-        """
+        """Results of one structure, as float64 with one-dimensional `kp` and `tau` coordinates."""
         gains, delays = self.grid(f, xi)
         chosen = self._dataset.drop_vars([Dimension.GAIN, Dimension.DELAY]).isel(
             {
@@ -122,20 +84,7 @@ class ResultsAccessor:
         return with_labels(chosen.assign(floats).assign_coords(kp=gains, tau=delays))
 
     def nearest(self, *, f: float, xi: float, gain: float, delay: float) -> xr.Dataset:
-        """Results of the cell nearest to a given gain [-] and delay [s], for every motion.
-
-        Parameters
-        ----------
-        f, xi : float
-            Natural frequency [Hz] and damping ratio [-] of the dataset.
-        gain, delay : float
-            Actuator gain [-] and delay [s].
-
-        Returns
-        -------
-        xarray.Dataset
-            Over (motion,), with the cell's own `kp` and `tau`.
-        """
+        """Results of the cell nearest to a given gain [-] and delay [s], for every motion."""
         return self.at_structure(f, xi).sel(kp=gain, tau=delay, method="nearest")
 
     def errors(
@@ -149,19 +98,7 @@ class ResultsAccessor:
     ) -> xr.DataArray:
         """Errors at given gains [-] and delays [s], between the cells, for every motion.
 
-        Parameters
-        ----------
-        f, xi : float
-            Natural frequency [Hz] and damping ratio [-] of the dataset.
-        gain, delay : numpy.ndarray
-            Actuator gains [-] and delays [s], shape (tests,).
-        metric : Metric, optional
-            RMS^R (default) or MTE^R.
-
-        Returns
-        -------
-        xarray.DataArray
-            Error [-] over (motion, test); NaN outside the grid.
+        Returns [-].
         """
         results = self.at_structure(f, xi)
         motions, tests = results.sizes["motion"], np.size(gain)
@@ -186,26 +123,7 @@ class ResultsAccessor:
     ) -> dict[str, Contour | None]:
         """Contour of equal error of each motion, on one side.
 
-        Parameters
-        ----------
-        f, xi : float
-            Natural frequency [Hz] and damping ratio [-] of the dataset.
-        threshold : float
-            Error on the contour [-].
-        metric : Metric, optional
-            RMS^R (default) or MTE^R.
-        side : Side, optional
-            Actuators that are late (default) or early.
-
-        Returns
-        -------
-        dict of str to Contour or None
-            By motion; None where the contour leaves the grid.
-
-        Raises
-        ------
-        InputError
-            If leads are requested that were not simulated.
+        `threshold` [-].
         """
         self._check_sides((side,))
         results = self.at_structure(f, xi)
@@ -223,30 +141,10 @@ class ResultsAccessor:
     ) -> xr.Dataset:
         """Curves fitted to the contours of every motion and structure, at any threshold.
 
-        Parameters
-        ----------
-        thresholds : sequence of float, optional
-            Errors on the contours [-].
-        metrics : sequence of Metric, optional
-            RMS^R, MTE^R or both.
-        curves : sequence of type, optional
-            Curves; the least-squares ellipse and the inscribed ellipse by default.
-        sides : sequence of Side, optional
-            Actuators that are late, early, or both; by default all that were simulated.
-        progress : callable, optional
-            Called after each structure.
-
-        Returns
-        -------
-        xarray.Dataset
-            As returned by `reliab.sweep.trace_ellipses`: `a` [-] and `b` [ms²] over (motion, f, xi,
-            threshold, metric, curve, side), with `alpha` after `xi` where the results have several shares;
-            NaN also where a contour leaves the grid.
-
-        Raises
-        ------
-        InputError
-            If leads are requested that were not simulated.
+        `thresholds` [-].
+        Returns as returned by `reliab.sweep.trace_ellipses`: `a` [-] and `b` [ms²] over (motion, f, xi,
+        threshold, metric, curve, side), with `alpha` after `xi` where the results have several shares; NaN
+        also where a contour leaves the grid.
         """
         sides = self.sides if sides is None else tuple(sides)
         self._check_sides(sides)

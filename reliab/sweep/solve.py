@@ -25,27 +25,14 @@ _CENTRAL = 2.0  # damping ratios of amplitude error within which the nodes lie
 
 @dataclass(frozen=True, kw_only=True)
 class MotionResults:
-    """Results of one ground motion and one window over (f, xi, kp, tau), or (f, xi, alpha, kp, tau).
+    """Results of one ground motion and one window over (f, xi, kp, tau), or (f, xi, alpha, kp, tau)."""
 
-    Attributes
-    ----------
-    rms, mte : numpy.ndarray
-        Errors of the whole test [-].
-    A : numpy.ndarray
-        Amplitude of the evaluation index [-].
-    d : numpy.ndarray
-        Equivalent delay [s].
-    stable : numpy.ndarray
-        Whether the delay is below the critical delay.
-    rms_at_rest : numpy.ndarray
-        RMS^R of an actuator that does not move [-], over the structures; its MTE^R is 1.
-    """
-
-    rms: NDArray[np.float32]
+    rms: NDArray[np.float32]  # rms, mte: Errors of the whole test [-]
     mte: NDArray[np.float32]
-    A: NDArray[np.float32]
-    d: NDArray[np.float32]
-    stable: NDArray[np.bool_]
+    A: NDArray[np.float32]  # Amplitude of the evaluation index [-]
+    d: NDArray[np.float32]  # Equivalent delay [s]
+    stable: NDArray[np.bool_]  # Whether the delay is below the critical delay
+    # RMS^R of an actuator that does not move [-], over the structures; its MTE^R is 1
     rms_at_rest: NDArray[np.float32]
 
 
@@ -70,20 +57,7 @@ def _cells(grid: Grid, structure: Structure) -> Cells:
 
 
 def solve_motion(motion: Motion, request: SweepRequest) -> list[MotionResults]:
-    """Simulate one ground motion for all structures and actuators.
-
-    Parameters
-    ----------
-    motion : Motion
-        The ground motion.
-    request : SweepRequest
-        Structures, grid and windows.
-
-    Returns
-    -------
-    list of MotionResults
-        One for each window.
-    """
+    """Simulate one ground motion for all structures and actuators."""
     return [_solve_window(motion, request, window) for window in request.windows]
 
 
@@ -151,24 +125,15 @@ def _evaluate(
 
 @dataclass(frozen=True, kw_only=True)
 class _Nodes:
-    """Cells at which the evaluation index is computed, and the weights that interpolate it to the grid.
+    """Cells at which the evaluation index is computed, and the weights that interpolate it to the grid."""
 
-    Attributes
-    ----------
-    cells : TrackedCells
-        The nodes, the delay varying fastest.
-    gains, delays : numpy.ndarray
-        Gains [-] and delays [s] of the grid that the nodes serve, shapes (kp,) and (tau,).
-    columns : slice
-        Indices of these delays in the grid.
-    over_gain, over_delay : numpy.ndarray
-        Weights of the nodes along each axis, shapes (kp, gain nodes) and (tau, delay nodes).
-    """
-
-    cells: TrackedCells
+    cells: TrackedCells  # The nodes, the delay varying fastest
+    # gains, delays: Gains [-] and delays [s] of the grid that the nodes serve, shapes (kp,) and (tau,)
     gains: NDArray[np.float64]
     delays: NDArray[np.float64]
-    columns: slice
+    columns: slice  # Indices of these delays in the grid
+    # over_gain, over_delay: Weights of the nodes along each axis, shapes (kp, gain nodes) and (tau, delay
+    # nodes)
     over_gain: NDArray[np.float64]
     over_delay: NDArray[np.float64]
 

@@ -66,30 +66,7 @@ class ResultsStore:
     def opened(
         cls, path: Path, request: SweepRequest, names: Sequence[str], events: Sequence[str], *, resume: bool
     ) -> Iterator["ResultsStore"]:
-        """Create a store, or open an unfinished one, and keep every other process from writing to it.
-
-        Parameters
-        ----------
-        path : pathlib.Path
-            Path of the store.
-        request : SweepRequest
-            The request that the store answers.
-        names, events : sequence of str
-            Ground motions and their earthquakes, in order.
-        resume : bool
-            Whether an existing store is continued; without it one must not exist.
-
-        Yields
-        ------
-        ResultsStore
-            The open store.
-
-        Raises
-        ------
-        InputError
-            If the store exists and is not to be resumed, holds something else or links to files elsewhere, or
-            is being written.
-        """
+        """Create a store, or open an unfinished one, and keep every other process from writing to it."""
         _make_writable(path.parent)
         with written_by_one_process(path, "Only one process may write to a results store"):
             if path.exists():
@@ -109,22 +86,7 @@ class ResultsStore:
             ]
 
     def write(self, index: int, motion: Motion, results: Sequence[MotionResults]) -> None:
-        """Write the results of one motion; may be called from several threads.
-
-        Parameters
-        ----------
-        index : int
-            Index of the motion in the store.
-        motion : Motion
-            The ground motion.
-        results : sequence of MotionResults
-            One for each window.
-
-        Raises
-        ------
-        IncompleteError
-            If the disk is full or fails; results written before remain valid.
-        """
+        """Write the results of one motion; may be called from several threads."""
         entry = {
             "duration": motion.duration,
             "dt": motion.time_step,

@@ -56,22 +56,7 @@ def group_names(request: SweepRequest) -> list[str]:
 
 
 def create_store(path: Path, request: SweepRequest, names: Sequence[str], events: Sequence[str]) -> None:
-    """Create an empty store with all its arrays, under a temporary name that is then changed.
-
-    Parameters
-    ----------
-    path : pathlib.Path
-        Path of the new store.
-    request : SweepRequest
-        The request that the store will answer.
-    names, events : sequence of str
-        Ground motions and their earthquakes, in order.
-
-    Raises
-    ------
-    InputError
-        If there are no ground motions.
-    """
+    """Create an empty store with all its arrays, under a temporary name that is then changed."""
     if not names:
         raise InputError(
             "A sweep needs ground motions", value="none", remedy="Name files, folders or a suite"
@@ -123,20 +108,7 @@ def _sizes_of_variables(request: SweepRequest, motions: int) -> dict[str, dict[s
 
 
 def shapes(request: SweepRequest, motions: int) -> dict[str, tuple[int, ...]]:
-    """Shape of every array of results and records in a store.
-
-    Parameters
-    ----------
-    request : SweepRequest
-        The request that the store answers.
-    motions : int
-        Number of its ground motions.
-
-    Returns
-    -------
-    dict
-        Shapes by name, with the group of the window before it.
-    """
+    """Shape of every array of results and records in a store."""
     of_window: dict[str, tuple[int, ...]] = {
         **{name: tuple(over.values()) for name, over in _sizes_of_variables(request, motions).items()},
         **dict.fromkeys((str(Dimension.MOTION), "event", *RECORD_FIELDS), (motions,)),
@@ -194,23 +166,7 @@ def attributes(request: SweepRequest, window: str) -> dict[str, Any]:
 
 
 def read_attributes(path: Path) -> dict[str, object]:
-    """Attributes of a store, whose schema must be known to this version.
-
-    Parameters
-    ----------
-    path : pathlib.Path
-        The store.
-
-    Returns
-    -------
-    dict
-        Attributes of the root group.
-
-    Raises
-    ------
-    InputError
-        If there is no store, it is something else, or of another schema version.
-    """
+    """Attributes of a store, whose schema must be known to this version."""
     rule = "Results are read from a Zarr store that 'reliab simulate' wrote"
     with decoding(rule, remedy="Check the path, or simulate first", where=path):
         refuse_links(path)

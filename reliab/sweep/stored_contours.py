@@ -16,18 +16,6 @@ _TOGETHER = 32  # motions
 def batches(motions: int) -> Iterator[slice]:
     """Divide motions into some at a time, so that memory does not grow with their number.
 
-    Parameters
-    ----------
-    motions : int
-        How many there are.
-
-    Yields
-    ------
-    slice
-        Places of the motions that are read and traced together.
-
-    Examples
-    --------
     >>> [(some.start, some.stop) for some in batches(70)]
     [(0, 32), (32, 64), (64, 70)]
     """
@@ -38,15 +26,7 @@ def batches(motions: int) -> Iterator[slice]:
 def surfaces_of(errors: xr.DataArray) -> ErrorSurfaces:
     """Interpolate the errors of a dataset between its gains and delays.
 
-    Parameters
-    ----------
-    errors : xarray.DataArray
-        Errors [-] over (motion, kp, tau), as `at_structure` gives them.
-
-    Returns
-    -------
-    ErrorSurfaces
-        One surface per motion.
+    `errors` [-].
     """
     return ErrorSurfaces(
         errors["kp"].values, errors["tau"].values, errors.transpose("motion", "kp", "tau").values
@@ -58,19 +38,7 @@ def contours_of(
 ) -> list[list[Contour | None]]:
     """Contours of equal error of every motion.
 
-    Parameters
-    ----------
-    errors : xarray.DataArray
-        Errors [-] over (motion, kp, tau), as `at_structure` gives them.
-    structure : Structure
-        The structure of these errors.
-    pairs : sequence of (float, Side)
-        Error on the contour [-] and its side.
-
-    Returns
-    -------
-    list of list of Contour or None
-        By motion and pair; None where a contour leaves the grid.
+    `errors`, `pairs` [-].
     """
     surfaces = surfaces_of(errors)
     motions = errors.sizes["motion"]
@@ -111,17 +79,8 @@ def _inside_grid(
 def errors_at_rest(results: xr.Dataset, metrics: Sequence[Metric]) -> NDArray[np.float64] | None:
     """Error of an actuator that does not move.
 
-    Parameters
-    ----------
-    results : xarray.Dataset
-        Results of one share of the stiffness.
-    metrics : sequence of Metric
-        Which errors.
-
-    Returns
-    -------
-    numpy.ndarray or None
-        Error [-], shape (motion, f, xi, metric); None where the results are of an older version.
+    Returns [-].
+    Returns error [-], shape (motion, f, xi, metric); None where the results are of an older version.
     """
     if "rms_at_rest" not in results:
         return None

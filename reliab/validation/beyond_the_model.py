@@ -40,24 +40,12 @@ TEST_COLUMNS = (
 
 @dataclass(frozen=True, kw_only=True)
 class Rig:
-    """An actuator with or without a compensator.
+    """An actuator with or without a compensator."""
 
-    Parameters
-    ----------
-    name : str
-        What it is called in tables.
-    actuator : Actuator, optional
-        Gain and delay.
-    effects : tuple of Effect, optional
-        Further effects of the actuator.
-    compensator : Compensator, optional
-        Compensator that changes the command.
-    """
-
-    name: str
-    actuator: Actuator = field(default_factory=Actuator)
-    effects: tuple[Effect, ...] = ()
-    compensator: Compensator | None = None
+    name: str  # What it is called in tables
+    actuator: Actuator = field(default_factory=Actuator)  # Gain and delay
+    effects: tuple[Effect, ...] = ()  # Further effects of the actuator
+    compensator: Compensator | None = None  # Compensator that changes the command
 
 
 def rigs_of_delay(delay: float) -> tuple[Rig, ...]:

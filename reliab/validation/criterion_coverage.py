@@ -22,25 +22,14 @@ _FURTHER = 200_000  # motions that stand for the population
 
 @dataclass(frozen=True, kw_only=True)
 class Truth:
-    """A population of motions and the size of the suites that are drawn from it.
+    """A population of motions and the size of the suites that are drawn from it."""
 
-    Parameters
-    ----------
-    n_events, motions_per_event : int
-        Size of a suite.
-    event_share : float, optional
-        Share of the variance that lies between earthquakes [-].
-    correlation : float, optional
-        Correlation of ln a and ln b [-].
-    skewness : float, optional
-        k of the transformation (e^{kz} − 1)/k of a normal variable z; 0 is a lognormal population, and
-        0.25 about as skewed as a and b of real records.
-    """
-
-    n_events: int
+    n_events: int  # n_events, motions_per_event: Size of a suite
     motions_per_event: int
-    event_share: float = 0.15
-    correlation: float = 0.98
+    event_share: float = 0.15  # Share of the variance that lies between earthquakes [-]
+    correlation: float = 0.98  # Correlation of ln a and ln b [-]
+    # k of the transformation (e^{kz} − 1)/k of a normal variable z; 0 is a lognormal population, and 0.25
+    # about as skewed as a and b of real records
     skewness: float = 0.0
 
     def draw(self, events: NDArray[np.int64], rng: np.random.Generator) -> NDArray[np.float64]:
@@ -70,18 +59,11 @@ class Truth:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Coverage:
-    """True content of a method's limits over synthetic suites.
+    """True content of a method's limits over synthetic suites."""
 
-    Parameters
-    ----------
-    confidence : float
-        Stated share of the motions.
-    contents : array of float, shape (suites,)
-        Share of the population that exceeds the limits of each suite: in a alone, or in a and b together
-        for joint limits.
-    """
-
-    confidence: float
+    confidence: float  # Stated share of the motions
+    # Share of the population that exceeds the limits of each suite: in a alone, or in a and b together for
+    # joint limits, shape (suites,)
     contents: NDArray[np.float64]
 
     @property
@@ -106,28 +88,6 @@ def simulate_coverage(
 ) -> Coverage:
     """Derive limits from many synthetic suites and find their true content.
 
-    Parameters
-    ----------
-    method : BoundMethod
-        The method, which defines the meaning of the confidence.
-    truth : Truth
-        The population and the size of a suite.
-    confidence : float
-        Stated share of the motions.
-    joint : bool, optional
-        Whether a and b are to hold together.
-    suites : int, optional
-        Number of suites.
-    seed : int, optional
-        Seed of all draws.
-
-    Returns
-    -------
-    Coverage
-        True content of each suite's limits.
-
-    Examples
-    --------
     >>> from reliab.criterion.methods import Predictive, Quantile
     >>> truth = Truth(n_events=20, motions_per_event=1, event_share=0.0)
     >>> for method in (Quantile(), Predictive()):
@@ -156,24 +116,8 @@ def coverage_table(
 ) -> pd.DataFrame:
     """Tabulate the true content of methods beside what they state.
 
-    Parameters
-    ----------
-    methods : iterable of (BoundMethod, bool)
-        Methods, and whether each is used jointly.
-    truths : iterable of Truth
-        Populations and sizes of suites.
-    confidences : iterable of float, optional
-        Stated shares of the motions.
-    suites : int, optional
-        Number of suites for each combination.
-    progress : callable, optional
-        Called after each combination.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns method, joint, n_events, motions_per_event, event_share, skewness, confidence (stated),
-        content (true, mean over suites) and kept (share of suites that contain at least the stated share).
+    Returns columns method, joint, n_events, motions_per_event, event_share, skewness, confidence (stated),
+    content (true, mean over suites) and kept (share of suites that contain at least the stated share).
     """
     combinations = [
         (method, joint, truth, confidence)

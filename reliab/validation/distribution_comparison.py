@@ -15,17 +15,11 @@ TAIL = 0.05
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class HeldOutScores:
-    """Scores of every motion by a distribution fitted without its earthquake.
+    """Scores of every motion by a distribution fitted without its earthquake."""
 
-    Parameters
-    ----------
-    log_score : array of float, shape (motions,)
-        Logarithm of the density of the motion's logarithm; higher is better.
-    tail_score : array of float, shape (motions,)
-        Pinball loss of the 5 % quantile of the logarithm; lower is better.
-    """
-
+    # Logarithm of the density of the motion's logarithm; higher is better, shape (motions,)
     log_score: NDArray[np.float64]
+    # Pinball loss of the 5 % quantile of the logarithm; lower is better, shape (motions,)
     tail_score: NDArray[np.float64]
 
 
@@ -40,19 +34,7 @@ def held_out_scores(
 ) -> HeldOutScores:
     """Score motions by a distribution fitted to those of all other earthquakes.
 
-    Parameters
-    ----------
-    values : array of float, shape (motions,)
-        Positive values.
-    events : array of str, shape (motions,)
-        Earthquake of each motion, at least two different ones.
-    family : type of Distribution
-        The distribution.
-
-    Returns
-    -------
-    HeldOutScores
-        One score of each kind for every motion.
+    `values`, `events` (motions,).
     """
     log_score, tail_score = np.empty(values.size), np.empty(values.size)
     for held_out in leave_one_event_out(events):

@@ -27,30 +27,10 @@ def gain_of_terms(
     fitted to the others, and the log-density of the held-out (ln a, ln b) is compared with that of the law
     alone. A term is worth having where its gain exceeds twice its standard error.
 
-    Parameters
-    ----------
-    ellipses : xarray.Dataset
-        Ellipses over motions, f and ξ.
-    terms : mapping of str to array of float
-        Terms such as the logarithm of the duration: shape (motions,), or (motions, F, X, 2) for a
-        prediction of its own for a and for b at every structure.
-    threshold, metric
-        Which error.
+    Returns one row for each term: gain (nats per motion and structure), standard_error over earthquakes, and
+    the shares of the variance between motions that the term explains in a and in b (`explained_a`,
+    `explained_b`, at one structure on average, with a coefficient for each structure).
 
-    Returns
-    -------
-    pandas.DataFrame
-        One row for each term: gain (nats per motion and structure), standard_error over earthquakes, and
-        the shares of the variance between motions that the term explains in a and in b (`explained_a`,
-        `explained_b`, at one structure on average, with a coefficient for each structure).
-
-    Raises
-    ------
-    InputError
-        If a term has another shape.
-
-    Examples
-    --------
     >>> rng = np.random.default_rng(1)
     >>> dims, length = ("motion", "f", "xi", "threshold", "metric", "curve", "side"), rng.normal(size=60)
     >>> common = 0.7 * length[:, None, None] + rng.normal(0.0, 0.3, (60, 2, 2))

@@ -31,30 +31,9 @@ def probability_calibration(
 ) -> pd.DataFrame:
     """Compare probabilities stated for tests with the share of good tests under unseen motions.
 
-    Parameters
-    ----------
-    ellipses : xarray.Dataset
-        Ellipses over (motion, f, xi, threshold, metric, curve, side).
-    scheme : str, optional
-        How the earthquakes are divided.
-    edges : sequence of float, optional
-        Edges of the bins of probability, from 0 to 1.
-    threshold : float, optional
-        Error on the boundary [-].
-    metric : str, optional
-        Which error.
-    truth : Truth, optional
-        True errors under the same motions; without it only their fitted ellipses are known.
-    trials : int, optional
-        Tests for each structure.
-    progress : callable, optional
-        Called after each structure.
-
-    Returns
-    -------
-    pandas.DataFrame
-        One row a bin: mean `stated` probability, share `observed` of good tests with `low` and `high`
-        ends of its 95 % interval over earthquakes, and number of `tests`.
+    `threshold` [-].
+    Returns one row a bin: mean `stated` probability, share `observed` of good tests with `low` and `high`
+    ends of its 95 % interval over earthquakes, and number of `tests`.
     """
     events, truth = ellipses["event"].values, truth or EllipseTruth(ellipses)
     folds = folds_of(scheme, events)

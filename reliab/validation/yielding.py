@@ -46,25 +46,10 @@ def yielding_tests(
 ) -> pd.DataFrame:
     """Simulate elastoplastic tests on the linear boundaries of ground motions.
 
-    Parameters
-    ----------
-    motions : sequence of Motion
-        The ground motions.
-    structures : iterable of Structure
-        Linear structures; their whole stiffness stands in the laboratory and yields.
-    reductions : sequence of float, optional
-        R, the peak of the linear exact response over the yield displacement; below 1 nothing yields.
-    threshold : float, optional
-        RMS^R on the linear boundary [-].
-    progress : callable, optional
-        Called after each motion.
-
-    Returns
-    -------
-    pandas.DataFrame
-        One row for each test: `motion`, `event`, `f` [Hz], `xi` [-], `R` [-], `A` [-], `d` [s], `error` [-]
-        of the yielding test (RMS^R over the record, relative to the yielding structure's own exact
-        response), and `ratio` of the error to the threshold.
+    `threshold` [-].
+    Returns one row for each test: `motion`, `event`, `f` [Hz], `xi` [-], `R` [-], `A` [-], `d` [s], `error`
+    [-] of the yielding test (RMS^R over the record, relative to the yielding structure's own exact response),
+    and `ratio` of the error to the threshold.
     """
     rows = []
     structures = list(structures)
@@ -100,17 +85,10 @@ def yielding_tests(
 def summarise(tests: pd.DataFrame) -> pd.DataFrame:
     """Count yielding tests that exceed the error of the linear boundary on which they stand.
 
-    Parameters
-    ----------
-    tests : pandas.DataFrame
-        As :func:`yielding_tests` gives it.
-
-    Returns
-    -------
-    pandas.DataFrame
-        One row for each R and structure, and one for each R over all (`f` and `xi` NaN): `tests`,
-        `motions`, `events`, `exceeding` [-] with `low` and `high` ends of its 95 % interval over earthquakes,
-        and median, 95 % quantile and largest `ratio` of the error to the threshold.
+    Returns [-].
+    Returns one row for each R and structure, and one for each R over all (`f` and `xi` NaN): `tests`,
+    `motions`, `events`, `exceeding` [-] with `low` and `high` ends of its 95 % interval over earthquakes, and
+    median, 95 % quantile and largest `ratio` of the error to the threshold.
     """
     over_all = tests.assign(f=np.nan, xi=np.nan).groupby(["R", "f", "xi"], dropna=False)
     parts = [*over_all, *tests.groupby(["R", "f", "xi"])]
@@ -138,25 +116,13 @@ def _summary(part: pd.DataFrame) -> dict[str, float]:
 
 @dataclass(frozen=True, kw_only=True)
 class Yielding:
-    """What was measured on yielding specimens, over all structures.
+    """What was measured on yielding specimens, over all structures."""
 
-    Attributes
-    ----------
-    reduction : float
-        R [-].
-    tests, motions : int
-        How many were simulated, under how many ground motions.
-    exceeding : float
-        Share of the tests whose error exceeds the one of the linear boundary [-].
-    largest_ratio : float
-        Largest error over the one of the linear boundary [-].
-    """
-
-    reduction: float
-    tests: int
+    reduction: float  # R [-]
+    tests: int  # tests, motions: How many were simulated, under how many ground motions
     motions: int
-    exceeding: float
-    largest_ratio: float
+    exceeding: float  # Share of the tests whose error exceeds the one of the linear boundary [-]
+    largest_ratio: float  # Largest error over the one of the linear boundary [-]
 
 
 def measured_yielding() -> tuple[Yielding, ...]:

@@ -24,25 +24,7 @@ def checked_histories(
 ) -> tuple[Array, Array]:
     """Check command and measured displacement.
 
-    Parameters
-    ----------
-    command, measured : numpy.ndarray
-        x_c and x_m [m], shape (n,).
-    step : float
-        Step between samples [s].
-    structure : WholeStructure
-        The structure under test.
-
-    Returns
-    -------
-    tuple of numpy.ndarray
-        Both as contiguous arrays of double precision.
-
-    Raises
-    ------
-    InputError
-        If histories differ in length, are too short, do not move or are not finite, or if the step is too
-        long for the structure.
+    `command`, `measured` [m]; `step` [s].
     """
     command, measured = (np.ascontiguousarray(values, dtype=np.float64) for values in (command, measured))
     if command.ndim != 1 or command.shape != measured.shape or command.size < FEWEST_SAMPLES:
@@ -78,23 +60,7 @@ def stated_start(
 ) -> Start:
     """Examine how a test begins; a stated sensor offset is used as given.
 
-    Parameters
-    ----------
-    command, measured : numpy.ndarray
-        x_c and x_m [m], shape (n,).
-    time_step : float
-        Step between samples [s].
-    structure : WholeStructure
-        The structure under test.
-    noise : SensorNoise
-        The sensor's noise.
-    sensor_offset : float or None
-        Offset [m] that the user states; None to estimate it.
-
-    Returns
-    -------
-    Start
-        Offset and state of motion.
+    `command`, `measured` [m]; `time_step` [s]; `sensor_offset` [m].
     """
     lowest = float(structure.natural_frequencies[0]) or 1.0
     share = float(structure.error_transfer(np.zeros(1, dtype=np.complex128))[0].real)

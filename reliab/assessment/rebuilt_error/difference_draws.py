@@ -50,28 +50,16 @@ _DITHERED = 0.9  # of Δ²/12: more white noise than that makes rounding white t
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Reading:
-    """What a sensor shows, in coefficients over time and frequency.
+    """What a sensor shows, in coefficients over time and frequency."""
 
-    Attributes
-    ----------
-    observed : numpy.ndarray
-        Coefficients of x_c − x_m as read [m], shape (frames, hop).
-    following : numpy.ndarray
-        Coefficients of the histories that follow the command, each of mean square one: acceleration, command
-        and velocity, and the last two times polynomials of time, shape (rows, frames, hop).
-    command_power : numpy.ndarray
-        Power of the command about each of them [m²], shape (frames, hop).
-    noise : numpy.ndarray
-        Variances of the noise [m²] for each factor of its slow part, shape (factors, frames or 1, hop).
-    bands : numpy.ndarray
-        Number of the band of frequencies of each coefficient, shape (hop,).
-    """
-
-    observed: Array
+    observed: Array  # Coefficients of x_c − x_m as read [m], shape (frames, hop)
+    # Coefficients of the histories that follow the command, each of mean square one: acceleration, command
+    # and velocity, and the last two times polynomials of time, shape (rows, frames, hop)
     following: Array
-    command_power: Array
+    command_power: Array  # Power of the command about each of them [m²], shape (frames, hop)
+    # Variances of the noise [m²] for each factor of its slow part, shape (factors, frames or 1, hop)
     noise: Array
-    bands: NDArray[np.int64]
+    bands: NDArray[np.int64]  # Number of the band of frequencies of each coefficient, shape (hop,)
 
 
 def draw_differences(
@@ -79,26 +67,9 @@ def draw_differences(
 ) -> Array:
     """Draw histories of x_c − x_m.
 
-    Parameters
-    ----------
-    command, measured : numpy.ndarray
-        x_c, and x_m as read minus the sensor's offset [m], shape (n,).
-    noise : SensorNoise
-        The sensor's noise.
-    frequency : float
-        Lowest natural frequency of the structure [Hz].
-    every : int
-        Number of samples of which one is drawn.
-    draws : int
-        Number of draws.
-    seed : int
-        Their seed.
-
-    Returns
-    -------
-    numpy.ndarray
-        x_c − x_m [m] at each `every`-th sample, shape (draws, ceil(n/every)); rows 0, 2, … assume that there
-        is no slow noise.
+    `command`, `measured` [m]; `frequency` [Hz]; returns [m].
+    Returns x_c − x_m [m] at each `every`-th sample, shape (draws, ceil(n/every)); rows 0, 2, … assume that
+    there is no slow noise.
     """
     generator = np.random.default_rng(seed)
     reading = _reading(command, measured, noise, frequency, every)

@@ -15,19 +15,8 @@ Array = NDArray[np.float64]
 def fit_equation(columns: Array, target: Array, kernel: Kernel) -> tuple[Array, Array, Array]:
     """Fit an equation that was seen through a kernel.
 
-    Parameters
-    ----------
-    columns : numpy.ndarray
-        Terms of the equation, shape (k, n).
-    target : numpy.ndarray
-        What they add up to, shape (n,).
-    kernel : Kernel
-        The kernel through which both were seen.
-
-    Returns
-    -------
-    values, covariance, residual : numpy.ndarray
-        Coefficients, shape (k,), their covariance, shape (k, k), and what is left over, shape (n,).
+    Returns `values, covariance, residual`: coefficients, shape (k,), their covariance, shape (k, k), and what
+    is left over, shape (n,).
     """
     scale = np.maximum(np.sqrt((columns**2).mean(axis=1)), np.finfo(float).tiny)
     rows = columns / scale[:, np.newaxis]

@@ -39,33 +39,8 @@ def sweep_draws(
 ) -> Array:
     """Statistics of the error for many sets of parameters.
 
-    Parameters
-    ----------
-    decay, early, late, output, feed_through : numpy.ndarray
-        Recursion of each draw, shapes (draws, 2n, 2n), (draws, 2n), (draws, 2n), (draws, 2n), (draws,).
-    state : numpy.ndarray
-        State at the first sample, shape (draws, 2n); changed in place to that at the last one.
-    command : numpy.ndarray
-        x_c [m], shape (n,).
-    differences : numpy.ndarray
-        x_c − x_m [m], shape (rows, n); the draws take the rows in turn.
-    inputs : numpy.ndarray
-        x_m, x_m' and one, shape (3, n).
-    shifts : numpy.ndarray
-        Factors by which each draw adds these inputs to x_c − x_m, shape (draws, 3).
-    fed_back_late : numpy.ndarray
-        What the known lag of the fed-back force adds to the input of the recursion [m], shape (n,).
-    velocity : numpy.ndarray
-        x_m' [m/s], shape (n,).
-    feedback_lag : numpy.ndarray
-        Further lag of the fed-back force [s], shape (draws,).
-    band : numpy.ndarray
-        Receives the sum and the sum of squares of the error over the draws, shape (2, n).
-
-    Returns
-    -------
-    numpy.ndarray
-        Mean square of x_m − x_I [m²], its peak [m], and the peak of x_I [m], shape (draws, 3).
+    `command`, `differences`, `fed_back_late` [m]; `velocity` [m/s]; `feedback_lag` [s].
+    Returns mean square of x_m − x_I [m²], its peak [m], and the peak of x_I [m], shape (draws, 3).
     """
     draws, size = state.shape[0], command.size
     answer = np.empty((draws, 3))

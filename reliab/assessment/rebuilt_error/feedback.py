@@ -13,27 +13,8 @@ _SUPPORT = 3  # samples before the newest that the interpolation uses
 def delayed(values: Array, lag: float, time_step: float) -> Array:
     """History at t − lag, by the cubic through the last samples: causal, so that a running test can use it.
 
-    Parameters
-    ----------
-    values : numpy.ndarray
-        A history, shape (n,); before its first sample it is constant.
-    lag : float
-        Lag [s], not negative.
-    time_step : float
-        Step between samples [s].
+    `lag`, `time_step` [s].
 
-    Returns
-    -------
-    numpy.ndarray
-        The delayed history, shape (n,).
-
-    Raises
-    ------
-    InputError
-        If the lag is negative, not finite or longer than the history.
-
-    Examples
-    --------
     >>> late = delayed(np.arange(8.0) ** 2, 0.25, 1.0)
     >>> late[4:].tolist()
     [14.0625, 22.5625, 33.0625, 45.5625]

@@ -36,27 +36,8 @@ class Form(StrEnum):
 def felt_displacement(force: Array, structure: WholeStructure, time_step: float) -> Array:
     """Displacement under which the linear specimen gives a force, f/Z.
 
-    Parameters
-    ----------
-    force : numpy.ndarray
-        Force of the specimen [N], or per unit mass [m/s²] where the structure is, shape (n,).
-    structure : WholeStructure
-        The structure with its specimen.
-    time_step : float
-        Step between samples [s].
+    `time_step` [s]; returns [m].
 
-    Returns
-    -------
-    numpy.ndarray
-        Displacement [m], shape (n,).
-
-    Raises
-    ------
-    InputError
-        If the specimen has no stiffness.
-
-    Examples
-    --------
     >>> from reliab.structures.structure import Structure
     >>> whole = WholeStructure.of(Structure(frequency=1.0, damping_ratio=0.02))
     >>> force = 39.4784176 * np.sin(np.arange(0.0, 3.0, 0.01))
@@ -79,22 +60,8 @@ def felt_displacement(force: Array, structure: WholeStructure, time_step: float)
 def combined_reading(command: Array, measured: Array, felt: Array, time_step: float) -> Array:
     """Average of two readings of the displacement that has the least noise.
 
-    Parameters
-    ----------
-    command, measured : numpy.ndarray
-        x_c and x_m [m], shape (n,).
-    felt : numpy.ndarray
-        Displacement that follows from the force [m], shape (n,); its scale and zero are taken from x_m.
-    time_step : float
-        Step between samples [s].
+    `command`, `measured`, `felt` [m]; `time_step` [s]; returns [m].
 
-    Returns
-    -------
-    numpy.ndarray
-        The average [m], shape (n,).
-
-    Examples
-    --------
     >>> generator = np.random.default_rng(1)
     >>> time = np.arange(0.0, 40.0, 0.002)
     >>> moved = np.sin(6.0 * time) * np.sin(0.08 * time) ** 2

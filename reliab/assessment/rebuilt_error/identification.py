@@ -41,19 +41,11 @@ _MATTERS = {"frequency": 0.005, "damping_ratio": 0.02, "experimental_fraction": 
 
 @dataclass(frozen=True, kw_only=True)
 class Identified:
-    """A parameter estimated from the test, beside its stated value.
+    """A parameter estimated from the test, beside its stated value."""
 
-    Attributes
-    ----------
-    value, deviation : float
-        Value and standard error, in the parameter's own unit (Hz, -, s).
-    stated : float
-        What the user stated.
-    """
-
-    value: float
+    value: float  # value, deviation: Value and standard error, in the parameter's own unit (Hz, -, s)
     deviation: float
-    stated: float
+    stated: float  # What the user stated
 
     def departs(self, least: float) -> bool:
         """Whether the stated value is wrong by three standard errors and by more than `least`."""
@@ -63,24 +55,16 @@ class Identified:
 
 @dataclass(frozen=True, kw_only=True)
 class Identification:
-    """Parameters of the structure by the loop's equation of motion.
+    """Parameters of the structure by the loop's equation of motion."""
 
-    Attributes
-    ----------
-    frequency, damping_ratio : Identified
-        f [Hz], and ξ [-] if the stated lag of the fed-back force is right.
-    experimental_fraction, feedback_lag : Identified or None
-        α [-], and the lag of the fed-back force [s] if the stated damping ratio is right; None without a
-        recorded force.
-    misfit : float
-        RMS of the equation's residual over the RMS of the ground acceleration, both seen through the
-        kernel [-].
-    """
-
+    # frequency, damping_ratio: f [Hz], and ξ [-] if the stated lag of the fed-back force is right
     frequency: Identified
     damping_ratio: Identified
+    # experimental_fraction, feedback_lag: α [-], and the lag of the fed-back force [s] if the stated damping
+    # ratio is right; None without a recorded force
     experimental_fraction: Identified | None
     feedback_lag: Identified | None
+    # RMS of the equation's residual over the RMS of the ground acceleration, both seen through the kernel [-]
     misfit: float
 
     def disagreements(self) -> tuple[str, ...]:
@@ -105,33 +89,9 @@ def identify(
 ) -> Identification:
     """Estimate frequency, damping ratio, share in the laboratory and feedback lag.
 
-    Parameters
-    ----------
-    command, measured : numpy.ndarray
-        x_c and x_m [m], shape (n,).
-    ground_acceleration : numpy.ndarray
-        a_g [m/s²] as the loop received it, shape (n,).
-    time_step : float
-        Step between samples [s].
-    structure : Structure
-        What the user stated.
-    force : numpy.ndarray, optional
-        Recorded force per unit mass [m/s²], shape (n,).
-    feedback_lag : float, optional
-        Stated lag of the fed-back force [s]; used where no force is recorded.
+    `command`, `measured` [m]; `ground_acceleration` [m/s²]; `time_step` [s]; `force` [m/s²]; `feedback_lag`
+    [s].
 
-    Returns
-    -------
-    Identification
-        Estimates with standard errors.
-
-    Raises
-    ------
-    InputError
-        If histories differ in length or hold fewer than four periods.
-
-    Examples
-    --------
     >>> from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
     >>> structure = Structure(frequency=1.0, damping_ratio=0.05)
     >>> time = np.arange(0.0, 20.0, 0.002)

@@ -39,26 +39,13 @@ class _Answer(Enum):
 
 @dataclass(frozen=True, kw_only=True)
 class Start:
-    """How a recording begins.
+    """How a recording begins."""
 
-    Attributes
-    ----------
-    at_rest : bool
-        Whether the structure stands still at the first sample.
-    amplitude : float
-        Amplitude of its motion there [m].
-    offset : float
-        Offset of the sensor that was taken away, measured minus command at rest [m].
-    offset_deviation : float
-        Standard deviation of the offset that may remain [m].
-    standing : float
-        Measured minus command [m] under which the structure was already at rest before the first sample.
-    """
-
-    at_rest: bool
-    amplitude: float
-    offset: float
-    offset_deviation: float
+    at_rest: bool  # Whether the structure stands still at the first sample
+    amplitude: float  # Amplitude of its motion there [m]
+    offset: float  # Offset of the sensor that was taken away, measured minus command at rest [m]
+    offset_deviation: float  # Standard deviation of the offset that may remain [m]
+    # Measured minus command [m] under which the structure was already at rest before the first sample
     standing: float = 0.0
 
 
@@ -73,28 +60,8 @@ def examine_start(
 ) -> Start:
     """Find the sensor's offset and the state of motion at the start of a recording.
 
-    Parameters
-    ----------
-    command, measured : numpy.ndarray
-        x_c and x_m [m], shape (n,).
-    time_step : float
-        Step between samples [s].
-    frequency : float
-        Lowest natural frequency [Hz].
-    white : float
-        Standard deviation of the sensor's white noise [m].
-    slow : float, optional
-        Root mean square of its slow noise [m].
-    share : float, optional
-        Specimen's share of the static stiffness at the interface [-].
+    `command`, `measured` [m]; `time_step` [s]; `frequency` [Hz]; `white`, `slow` [m]; `share` [-].
 
-    Returns
-    -------
-    Start
-        Offset and amplitude of the motion.
-
-    Examples
-    --------
     >>> time = np.arange(0.0, 10.0, 0.01)
     >>> command = np.where(time > 1.0, np.sin(6.0 * (time - 1.0)), 0.0)
     >>> round(examine_start(command, command + 0.02, 0.01, 1.0, 0.0).offset, 6)

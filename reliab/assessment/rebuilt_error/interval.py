@@ -30,21 +30,11 @@ FEWEST_SWEPT = 4096
 
 @dataclass(frozen=True, kw_only=True)
 class Unknown:
-    """Standard deviations of everything that is uncertain.
+    """Standard deviations of everything that is uncertain."""
 
-    Attributes
-    ----------
-    tolerances : Tolerances
-        Of what is stated.
-    offset : float
-        Of the sensor offset that remains [m].
-    error_at_start : float
-        Of the error at the first sample [m]; zero where the test begins at rest.
-    """
-
-    tolerances: Tolerances
-    offset: float
-    error_at_start: float
+    tolerances: Tolerances  # Of what is stated
+    offset: float  # Of the sensor offset that remains [m]
+    error_at_start: float  # Of the error at the first sample [m]; zero where the test begins at rest
 
     def deviations(self) -> dict[str, float]:
         """Return standard deviations by name, in the order of the draws."""
@@ -55,26 +45,14 @@ class Unknown:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Histories:
-    """Histories from which the error is rebuilt, without the sensor's offset.
+    """Histories from which the error is rebuilt, without the sensor's offset."""
 
-    Attributes
-    ----------
-    command, measured : numpy.ndarray
-        x_c and the smoothed x_m [m], shape (n,).
-    fed_back : numpy.ndarray
-        x_c minus the displacement whose force was fed back [m]: x_c − x_m unless the force was late,
-        shape (n,).
-    time_step : float
-        Step [s].
-    standing : float
-        x_c − x_m [m] under which the structure stood still before the first sample.
-    """
-
-    command: Array
+    command: Array  # command, measured: x_c and the smoothed x_m [m], shape (n,)
     measured: Array
+    # x_c minus the displacement whose force was fed back [m]: x_c − x_m unless the force was late, shape (n,)
     fed_back: Array
-    time_step: float
-    standing: float = 0.0
+    time_step: float  # Step [s]
+    standing: float = 0.0  # x_c − x_m [m] under which the structure stood still before the first sample
 
     @property
     def difference(self) -> Array:
@@ -105,29 +83,7 @@ def sweep(
 ) -> Swept:
     """Rebuild the error for draws of everything that is not known.
 
-    Parameters
-    ----------
-    histories : Histories
-        Command and measured displacement.
-    structure : WholeStructure
-        The structure as stated.
-    unknown : Unknown
-        Standard deviations.
-    differences : numpy.ndarray
-        Draws of x_c − x_m [m] at each `every`-th sample, shape (rows, ceil(n/every)); taken in turn.
-    every : int
-        Number of samples of which one is swept.
-    draws : int
-        Number of draws, a power of two.
-    seed : int
-        Seed of the draws; the same seed draws the same numbers for other standard deviations.
-    before : Swept, optional
-        The same draws up to the first of these samples, where they begin a later stretch of the test.
-
-    Returns
-    -------
-    Swept
-        Errors of the draws from the beginning of the test.
+    `differences` [m].
     """
     thin = histories.thinned(every)
     deviations = unknown.deviations()
@@ -162,22 +118,7 @@ def sweep(
 
 
 def samples_in_step(structure: WholeStructure, noise: SensorNoise, samples: int) -> int:
-    """Return the number of samples of which one is enough while draws are swept.
-
-    Parameters
-    ----------
-    structure : WholeStructure
-        The structure, whose highest mode is resolved.
-    noise : SensorNoise
-        Noise of the sensor, with the band of the motion, which is kept where that is affordable.
-    samples : int
-        Samples of the test.
-
-    Returns
-    -------
-    int
-        At least one.
-    """
+    """Return the number of samples of which one is enough while draws are swept."""
     of_structure = samples_in_step_of_structure(structure, noise.time_step)
     of_band = max(int(_IN_PERIOD_OF_BAND / (noise.band * noise.time_step)), 1)
     return min(of_structure, max(of_band, -(-samples // FEWEST_SWEPT)))

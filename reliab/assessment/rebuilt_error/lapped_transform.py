@@ -14,20 +14,7 @@ Array = NDArray[np.float64]
 
 
 def analyse(values: Array, hop: int) -> Array:
-    """Transform a history.
-
-    Parameters
-    ----------
-    values : numpy.ndarray
-        A history, shape (n,). Beyond its ends it is continued point-symmetrically about them.
-    hop : int
-        Samples from one frame to the next, even, less than n.
-
-    Returns
-    -------
-    numpy.ndarray
-        Coefficients, shape (frames, hop).
-    """
+    """Transform a history."""
     frames = -(-values.size // hop) + 1
     after = frames * hop - values.size
     before, after_end = 2.0 * values[0] - values[hop:0:-1], np.full(after, values[-1])
@@ -45,20 +32,6 @@ def analyse(values: Array, hop: int) -> Array:
 def synthesise(coefficients: Array, size: int) -> Array:
     """Give histories back.
 
-    Parameters
-    ----------
-    coefficients : numpy.ndarray
-        Coefficients of many histories, shape (histories, frames, hop).
-    size : int
-        Samples n of a history.
-
-    Returns
-    -------
-    numpy.ndarray
-        Histories, shape (histories, n).
-
-    Examples
-    --------
     >>> history = np.cumsum(np.random.default_rng(0).standard_normal(100))
     >>> bool(np.allclose(synthesise(analyse(history, 16)[np.newaxis], 100)[0], history))
     True

@@ -14,23 +14,8 @@ _FACTORS_OF_A_LOGARITHM = 8  # each below 1e25, so that their product stays fini
 def level_likelihood(rest: Array, command_power: Array, noise: Array, levels: Array, least: float) -> Array:
     """Logarithm of the likelihood of each level, for each of several spectra of the noise.
 
-    Parameters
-    ----------
-    rest : numpy.ndarray
-        Coefficients of x_c − x_m without what follows the command [m], shape (frames, coefficients).
-    command_power : numpy.ndarray
-        Power of the command about each of them [m²], of the same shape.
-    noise : numpy.ndarray
-        Variances of the noise [m²], positive, shape (factors, frames or 1, coefficients).
-    levels : numpy.ndarray
-        Ratios q of the remaining error's power to that of the command [-], shape (levels,).
-    least : float
-        Least power of the command, as a multiple of the noise [-].
-
-    Returns
-    -------
-    numpy.ndarray
-        Sums of −(ln v + r²/v)/2 with v = q P + s over the coefficients, shape (levels, factors).
+    `rest` [m]; `command_power`, `noise` [m²]; `levels`, `least` [-].
+    Returns sums of −(ln v + r²/v)/2 with v = q P + s over the coefficients, shape (levels, factors).
     """
     factors, frames, _ = noise.shape
     count = levels.size

@@ -9,22 +9,9 @@ Array = NDArray[np.float64]
 def binned(frequency: Array, power: Array, bins: int) -> tuple[Array, Array, Array]:
     """Average a spectrum over bins.
 
-    Parameters
-    ----------
-    frequency : numpy.ndarray
-        Frequencies [Hz], positive, shape (n,).
-    power : numpy.ndarray
-        Power at these, shape (n,).
-    bins : int
-        Number of bins between the lowest and the highest frequency; empty ones are left out.
+    `frequency` [Hz]; returns [Hz].
+    Returns mean frequency [Hz], mean power and number of frequencies of each bin that is not empty.
 
-    Returns
-    -------
-    tuple of numpy.ndarray
-        Mean frequency [Hz], mean power and number of frequencies of each bin that is not empty.
-
-    Examples
-    --------
     >>> centre, mean, count = binned(np.array([1.0, 10.0, 11.0]), np.array([1.0, 2.0, 4.0]), 2)
     >>> centre.tolist(), mean.tolist(), count.tolist()
     ([1.0, 10.5], [1.0, 3.0], [1.0, 2.0])

@@ -48,57 +48,23 @@ _SHRINKS = 0.5  # share of itself to which an error may still fall then
 
 @dataclass(frozen=True, kw_only=True)
 class Now:
-    """What is known of a running test at its last sample.
+    """What is known of a running test at its last sample."""
 
-    Attributes
-    ----------
-    samples : int
-        Samples so far.
-    time : float
-        Time since the first sample [s].
-    error : float
-        x_m − x_I [m].
-    rms, mte : float
-        RMS^R and MTE^R so far [-], sensor noise included; zero while nothing moves.
-    damping : NetDamping or None
-        Net damping of the loop with its actuator; None before enough motion was recorded.
-    """
-
-    samples: int
-    time: float
-    error: float
-    rms: float
+    samples: int  # Samples so far
+    time: float  # Time since the first sample [s]
+    error: float  # x_m − x_I [m]
+    rms: float  # rms, mte: RMS^R and MTE^R so far [-], sensor noise included; zero while nothing moves
     mte: float
+    # Net damping of the loop with its actuator; None before enough motion was recorded
     damping: NetDamping | None
 
 
 class Monitor:
     """Follow the error of a test while it runs.
 
-    Parameters
-    ----------
-    structure : Structure, Partition or WholeStructure
-        The whole structure under test.
-    time_step : float
-        Step between samples [s].
-    feedback_lag : float, optional
-        Time by which the force is fed back late [s].
-    sensor_offset : float, optional
-        Offset of the displacement sensor [m]; read from rest by default.
-    tolerances : Tolerances, optional
-        How far stated values may be off.
-    seed : int, optional
-        Seed of the draws.
-    stretch : int, optional
-        Samples after which a stretch is judged and forgotten; by default so many that memory suffices.
+    `time_step`, `feedback_lag` [s]; `sensor_offset` [m].
+    `gains_energy_since`: Time from which on the loop may diverge [s]; None while nothing points to it.
 
-    Attributes
-    ----------
-    gains_energy_since : float or None
-        Time from which on the loop may diverge [s]; None while nothing points to it.
-
-    Examples
-    --------
     >>> time = np.arange(0.0, 30.0, 1.0 / 256.0)
     >>> command = np.minimum(time / 10.0, 1.0) * np.sin(2.0 * np.pi * time)
     >>> monitor = Monitor(Structure(frequency=1.0, damping_ratio=0.05), 1.0 / 256.0)
@@ -169,15 +135,7 @@ class Monitor:
     def feed(self, command: Array, measured: Array) -> None:
         """Add the next samples.
 
-        Parameters
-        ----------
-        command, measured : numpy.ndarray
-            x_c and x_m [m], shape (k,), k ≥ 1.
-
-        Raises
-        ------
-        InputError
-            If the two differ in length or a value is not finite or beyond what a sensor reads.
+        `command`, `measured` [m].
         """
         if command.shape != measured.shape or command.ndim != 1:
             raise InputError(
@@ -228,13 +186,7 @@ class Monitor:
 
     @property
     def now(self) -> Now:
-        """What is known at the last sample.
-
-        Raises
-        ------
-        InputError
-            If there is no sample yet.
-        """
+        """What is known at the last sample."""
         if self._running.size == 0:
             raise InputError("A running test must have a sample", remedy="Pass a sample first")
         peak, ideal, error = self._running.sums[2:5]
@@ -250,17 +202,9 @@ class Monitor:
     def exceeds(self, threshold: float, metric: Metric = Metric.RMS) -> bool:
         """Whether the error will stay above a threshold, whatever peak and quiet end are still to come.
 
-        Parameters
-        ----------
-        threshold : float
-            Relative error [-].
-        metric : Metric, optional
-            Which error; RMS^R by default.
-
-        Returns
-        -------
-        bool
-            False before there were intervals, and until the peak of the response has not doubled for 12 s.
+        `threshold` [-].
+        Returns false before there were intervals, and until the peak of the response has not doubled for 12
+        s.
         """
         if self._running.calm < _CALM:
             return False
@@ -278,20 +222,7 @@ class Monitor:
     def ask(self, *, draws: int = DRAWS) -> ErrorSoFar:
         """Compute the error of the test so far with its intervals.
 
-        Parameters
-        ----------
-        draws : int, optional
-            Draws behind the intervals, a power of two, at most as many as `rebuild` makes.
-
-        Returns
-        -------
-        ErrorSoFar
-            As `rebuild` finds it for the samples so far, where they are at most two stretches.
-
-        Raises
-        ------
-        InputError
-            As `rebuild`, or if there are too many draws.
+        Returns as `rebuild` finds it for the samples so far, where they are at most two stretches.
         """
         if draws > DRAWS_AT_END:
             raise InputError(f"A running test has {DRAWS_AT_END} draws at most", value=draws)

@@ -34,22 +34,14 @@ _REACH = 0.2  # share of the record that the filter may be long
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SensorNoise:
-    """Spectrum of the sensor's noise and band of the motion.
+    """Spectrum of the sensor's noise and band of the motion."""
 
-    Attributes
-    ----------
-    time_step : float
-        Step between samples [s].
-    weights : numpy.ndarray
-        Level of the white part and of each slow part at zero frequency [m²], shape (1 + corners,); the mean
-        square of white noise is its level.
-    band : float
-        Frequency [Hz] above which neither the command nor its difference from the measured displacement rises
-        above the noise.
-    """
-
-    time_step: float
+    time_step: float  # Step between samples [s]
+    # Level of the white part and of each slow part at zero frequency [m²], shape (1 + corners,); the mean
+    # square of white noise is its level
     weights: Array
+    # Frequency [Hz] above which neither the command nor its difference from the measured displacement rises
+    # above the noise
     band: float
 
     @property
@@ -83,16 +75,6 @@ class SensorNoise:
 
         Beyond its ends the history is continued point-symmetrically about the end of a straight line through
         the nearest samples, so that the noise of the last sample is not continued with it.
-
-        Parameters
-        ----------
-        values : numpy.ndarray
-            A history, shape (n,).
-
-        Returns
-        -------
-        numpy.ndarray
-            The same history without what lies above the band, shape (n,).
         """
         reach = self.filter.size // 2
         if reach == 0 or reach > _REACH * values.size:
@@ -124,20 +106,8 @@ def _end_of_line(values: Array) -> float:
 def estimate_noise(command: Array, measured: Array, time_step: float) -> SensorNoise:
     """Estimate the noise of the displacement sensor.
 
-    Parameters
-    ----------
-    command, measured : numpy.ndarray
-        x_c and x_m [m] at equal steps, shape (n,).
-    time_step : float
-        Step between samples [s].
+    `command`, `measured` [m]; `time_step` [s].
 
-    Returns
-    -------
-    SensorNoise
-        Spectrum and band.
-
-    Examples
-    --------
     >>> time = np.arange(0.0, 40.0, 0.002)
     >>> command = np.sin(6.0 * time) * np.sin(0.08 * time) ** 2
     >>> noise = 0.01 * np.random.default_rng(1).normal(size=time.size)

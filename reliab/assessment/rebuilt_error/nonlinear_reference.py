@@ -59,39 +59,9 @@ def rebuild_with_specimen(
 ) -> RebuiltError:
     """Rebuild the error of a test with a calibrated specimen.
 
-    Parameters
-    ----------
-    command, measured : numpy.ndarray
-        x_c and x_m [m] at equal steps, shape (n,).
-    time_step : float
-        Step between samples [s].
-    test : HybridTest
-        Structure, mass, specimen and effects of the calibrated model; of the effects, those on the specimen's
-        force count.
-    deviations : mapping of str to float, optional
-        Standard deviations of "stiffness_n_per_m" and of effects' parameters by "effect.parameter", SI units.
-    sensor_offset : float, optional
-        Offset of the displacement sensor that the loop did not feel [m]; read from rest by default.
-    tolerances : Tolerances, optional
-        How far frequency and damping ratio of the numerical substructure and the sensor may be off.
-    draws : int, optional
-        Draws behind the intervals.
-    seed : int, optional
-        Seed of the draws.
+    `command`, `measured` [m]; `time_step` [s]; `sensor_offset` [m].
+    Returns as `rebuild` returns; its structure is the tangent one, with which parts are found to first order.
 
-    Returns
-    -------
-    RebuiltError
-        As `rebuild` returns; its structure is the tangent one, with which parts are found to first order.
-
-    Raises
-    ------
-    InputError
-        If the model has no structure, the test is too long, or a simulation with the model grows without
-        bound.
-
-    Examples
-    --------
     >>> from reliab.simulation.actuator import Actuator
     >>> from reliab.effects import find_effect
     >>> from reliab.structures.structure import Structure
@@ -151,23 +121,7 @@ def _every(tangent: WholeStructure, time_step: float) -> int:
 
 
 def tangent_structure(test: HybridTest) -> WholeStructure:
-    """Whole structure per unit mass with the linear specimen of a model.
-
-    Parameters
-    ----------
-    test : HybridTest
-        The model.
-
-    Returns
-    -------
-    WholeStructure
-        One degree of freedom.
-
-    Raises
-    ------
-    InputError
-        If the model has no structure.
-    """
+    """Whole structure per unit mass with the linear specimen of a model."""
     specimen = test.specimen
     if test.structure is None or specimen is None:
         raise InputError(

@@ -32,43 +32,23 @@ _ROUNDING = 1e-12
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Part:
-    """One part of the error.
+    """One part of the error."""
 
-    Attributes
-    ----------
-    history : numpy.ndarray
-        Its contribution to x_m − x_I [m], shape (n,).
-    rms : float
-        RMS^R of the part alone [-].
-    share : float
-        Projection on the whole error [-]; the shares of all parts sum to one.
-    remaining_rms, remaining_mte : float
-        RMS^R and MTE^R [-] that would remain without it, to first order.
-    """
-
-    history: Array
-    rms: float
-    share: float
+    history: Array  # Its contribution to x_m − x_I [m], shape (n,)
+    rms: float  # RMS^R of the part alone [-]
+    share: float  # Projection on the whole error [-]; the shares of all parts sum to one
+    # remaining_rms, remaining_mte: RMS^R and MTE^R [-] that would remain without it, to first order
     remaining_rms: float
     remaining_mte: float
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Parts:
-    """The error divided into parts.
+    """The error divided into parts."""
 
-    Attributes
-    ----------
-    gain : float
-        k of least squares [-].
-    delay : float
-        τ of least squares [s]; negative where the actuator leads.
-    by_name : dict of str to Part
-        "amplitude", "delay", "neither", and "fed_back_force" where a lag of it is known.
-    """
-
-    gain: float
-    delay: float
+    gain: float  # k of least squares [-]
+    delay: float  # τ of least squares [s]; negative where the actuator leads
+    # "amplitude", "delay", "neither", and "fed_back_force" where a lag of it is known
     by_name: dict[str, Part]
 
     @property
@@ -79,17 +59,7 @@ class Parts:
     def over_time(self, time_step: float, length: float) -> dict[str, Array]:
         """RMS of each part in consecutive stretches of the test.
 
-        Parameters
-        ----------
-        time_step : float
-            Step between samples [s].
-        length : float
-            Length of a stretch [s].
-
-        Returns
-        -------
-        dict of str to numpy.ndarray
-            RMS by part [m], shape (stretches,).
+        `time_step`, `length` [s]; returns [m].
         """
         width = max(round(length / time_step), 1)
         return {name: _rms_of_stretches(part.history, width) for name, part in self.by_name.items()}
@@ -97,36 +67,13 @@ class Parts:
     def over_frequency(self, time_step: float, edges: Array) -> dict[str, Array]:
         """Mean square of each part in bands of frequency.
 
-        Parameters
-        ----------
-        time_step : float
-            Step between samples [s].
-        edges : numpy.ndarray
-            Edges of the bands [Hz], ascending, shape (bands + 1,).
-
-        Returns
-        -------
-        dict of str to numpy.ndarray
-            Mean square by part [m²], shape (bands,).
+        `time_step` [s]; `edges` [Hz]; returns [m²].
         """
         return {name: _power_in_bands(part.history, time_step, edges) for name, part in self.by_name.items()}
 
 
 def divide(histories: Histories, structure: WholeStructure) -> Parts:
-    """Divide a rebuilt error into its parts.
-
-    Parameters
-    ----------
-    histories : Histories
-        Command and smoothed measured displacement.
-    structure : WholeStructure
-        The whole structure.
-
-    Returns
-    -------
-    Parts
-        Gain, delay and parts; they add up to x_m − x_I.
-    """
+    """Divide a rebuilt error into its parts."""
     command, measured, step = histories.command, histories.measured, histories.time_step
     recursion = Recursion.of_displacement(structure, step)
     velocity = np.gradient(command, step)
@@ -159,19 +106,8 @@ def divide(histories: Histories, structure: WholeStructure) -> Parts:
 def part_of_tracking(histories: Histories, structure: WholeStructure, followed: Array) -> Part:
     """Part of a rebuilt error that a description of the actuator accounts for.
 
-    Parameters
-    ----------
-    histories : Histories
-        Command and smoothed measured displacement.
-    structure : WholeStructure
-        The whole structure.
-    followed : numpy.ndarray
-        Displacement [m] of the described actuator under the command of the test, shape (n,).
-
-    Returns
-    -------
-    Part
-        The error that x_c minus this displacement causes, and what would remain without it.
+    `followed` [m].
+    Returns the error that x_c minus this displacement causes, and what would remain without it.
     """
     recursion = Recursion.of_displacement(structure, histories.time_step)
     start = equilibrium(structure, histories.standing)

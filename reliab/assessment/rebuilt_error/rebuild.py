@@ -50,44 +50,8 @@ def rebuild(
 ) -> RebuiltError:
     """Rebuild the error of a test from its command and measured displacement.
 
-    Parameters
-    ----------
-    command, measured : numpy.ndarray
-        x_c and x_m at the interface [m] at equal steps, shape (n,), n ≥ 64.
-    time_step : float
-        Step between samples [s].
-    structure : Structure, Partition or WholeStructure
-        The whole structure under test.
-    force : numpy.ndarray, optional
-        Recorded force of the specimen at the interface [N], per unit mass [m/s²] for one degree of freedom,
-        shape (n,); needed by the forms that use it.
-    form : Form, optional
-        The channel from which the specimen's displacement is taken; the measured displacement by default.
-    feedback_lag : float, optional
-        Time by which the force was fed back late [s].
-    sensor_offset : float, optional
-        Offset of the displacement sensor that the loop did not feel [m]; by default it is read from the rest
-        before the test. Give 0 where the force follows the reading, offset included.
-    tolerances : Tolerances, optional
-        How far stated values may be off; by default they are exact.
-    draws : int, optional
-        Draws behind the intervals, a power of two.
-    seed : int, optional
-        Seed of the draws.
+    `command`, `measured` [m]; `time_step`, `feedback_lag` [s]; `sensor_offset` [m].
 
-    Returns
-    -------
-    RebuiltError
-        Histories, RMS^R and MTE^R with 90 % intervals.
-
-    Raises
-    ------
-    InputError
-        If histories differ in length, are too short or too long, do not move or are not finite, or if the
-        step is too long for the structure, or if a form needs a force that is not given.
-
-    Examples
-    --------
     An actuator that moves 1 % too little under a steady sine at resonance:
 
     >>> time = np.arange(0.0, 60.0, 1.0 / 256.0)

@@ -21,60 +21,27 @@ _WIDENING_DRAWS = 128
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RebuiltError:
-    """The error of a test with its uncertainty.
+    """The error of a test with its uncertainty."""
 
-    Attributes
-    ----------
-    time_step : float
-        Step between samples [s].
-    structure : WholeStructure
-        The structure with which it was rebuilt.
-    error : numpy.ndarray
-        x_m − x_I [m] sample by sample as the sensor reads x_m, its offset taken away, shape (n,).
-    smooth_error : numpy.ndarray
-        The same without the sensor's noise above the band of the motion [m], shape (n,).
-    reference : numpy.ndarray
-        x_I [m], what the undisturbed structure would have done, shape (n,).
-    low, high : numpy.ndarray
-        90 % band of x_m − x_I at each sample [m], shape (n,).
-    rms, mte : Estimate
-        RMS^R and MTE^R [-] with their 90 % intervals.
-    draws : Spread
-        RMS^R and MTE^R of the draws behind the intervals.
-    noise : SensorNoise
-        Noise of the displacement sensor.
-    start : Start
-        How the test begins, and the sensor's offset.
-    unknown : Unknown
-        Standard deviations that went into the intervals.
-    histories : Histories
-        Smoothed histories from which the error is rebuilt.
-    differences : numpy.ndarray
-        Draws of x_c − x_m that the noise leaves open [m], as many as widenings need, shape
-        (at most 128, ceil(n/every)).
-    every : int
-        Number of samples of which one was drawn.
-    seed : int
-        Seed of the draws.
-    """
-
-    time_step: float
-    structure: WholeStructure
-    error: Array
-    smooth_error: Array
-    reference: Array
-    low: Array
+    time_step: float  # Step between samples [s]
+    structure: WholeStructure  # The structure with which it was rebuilt
+    error: Array  # x_m − x_I [m] sample by sample as the sensor reads x_m, its offset taken away, shape (n,)
+    smooth_error: Array  # The same without the sensor's noise above the band of the motion [m], shape (n,)
+    reference: Array  # x_I [m], what the undisturbed structure would have done, shape (n,)
+    low: Array  # low, high: 90 % band of x_m − x_I at each sample [m], shape (n,)
     high: Array
-    rms: Estimate
+    rms: Estimate  # rms, mte: RMS^R and MTE^R [-] with their 90 % intervals
     mte: Estimate
-    draws: Spread
-    noise: SensorNoise
-    start: Start
-    unknown: Unknown
-    histories: Histories
+    draws: Spread  # RMS^R and MTE^R of the draws behind the intervals
+    noise: SensorNoise  # Noise of the displacement sensor
+    start: Start  # How the test begins, and the sensor's offset
+    unknown: Unknown  # Standard deviations that went into the intervals
+    histories: Histories  # Smoothed histories from which the error is rebuilt
+    # Draws of x_c − x_m that the noise leaves open [m], as many as widenings need, shape (at most 128,
+    # ceil(n/every))
     differences: Array
-    every: int
-    seed: int
+    every: int  # Number of samples of which one was drawn
+    seed: int  # Seed of the draws
 
     def estimate(self, metric: Metric) -> Estimate:
         """RMS^R or MTE^R with its interval."""
@@ -83,17 +50,7 @@ class RebuiltError:
     def probability(self, threshold: float, metric: Metric = Metric.RMS) -> float:
         """Probability that the error is below a threshold.
 
-        Parameters
-        ----------
-        threshold : float
-            Relative error [-], positive.
-        metric : Metric, optional
-            Which error; RMS^R by default.
-
-        Returns
-        -------
-        float
-            Never 0 or 1: the distance to both is at least that of half a draw.
+        `threshold` [-].
         """
         return self.draws.probability_below(threshold, metric)
 
@@ -136,24 +93,7 @@ def conclude(
 ) -> RebuiltError:
     """Combine histories, noise and draws into a rebuilt error.
 
-    Parameters
-    ----------
-    histories : Histories
-        Smoothed histories.
-    read : numpy.ndarray
-        x_m as the sensor reads it, its offset taken away [m], shape (n,).
-    reference : numpy.ndarray
-        x_I [m], shape (n,).
-    as_stated, spread : Spread
-        Errors of the draws with everything as stated, so that only noise is open, and with all that is not
-        known.
-    structure, noise, differences, every, unknown, start, seed
-        As the attributes of the same names.
-
-    Returns
-    -------
-    RebuiltError
-        Errors with their intervals.
+    `read`, `reference` [m].
     """
     half = HALF_WIDTH * spread.deviation
     return RebuiltError(

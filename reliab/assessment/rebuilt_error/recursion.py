@@ -27,25 +27,13 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Recursion:
-    """Coefficients of w₊ = E w + F₀u + F₁u₊ and of outputs y = P w + q u.
+    """Coefficients of w₊ = E w + F₀u + F₁u₊ and of outputs y = P w + q u."""
 
-    Attributes
-    ----------
-    decay : numpy.ndarray
-        E, shape (2n, 2n).
-    early, late : numpy.ndarray
-        F₀ and F₁, shape (2n,).
-    output : numpy.ndarray
-        P, shape (outputs, 2n).
-    feed_through : numpy.ndarray
-        q, shape (outputs,).
-    """
-
-    decay: Array
-    early: Array
+    decay: Array  # E, shape (2n, 2n)
+    early: Array  # early, late: F₀ and F₁, shape (2n,)
     late: Array
-    output: Array
-    feed_through: Array
+    output: Array  # P, shape (outputs, 2n)
+    feed_through: Array  # q, shape (outputs,)
 
     @classmethod
     def of_displacement(
@@ -53,19 +41,7 @@ class Recursion:
     ) -> "Recursion":
         """Recursion from x_c − x_m to the error, M e'' + C e' + K e = γ Z (x_c − x_m).
 
-        Parameters
-        ----------
-        structure : WholeStructure
-            The whole structure.
-        time_step : float
-            Step between samples [s].
-        floors : bool, optional
-            Errors of all degrees of freedom instead of the interface's.
-
-        Returns
-        -------
-        Recursion
-            With one output for the interface, γᵀe, or one for each degree of freedom.
+        `time_step` [s].
         """
         chosen = np.eye(structure.interface.size) if floors else structure.interface[np.newaxis]
         size = structure.interface.size
@@ -110,17 +86,7 @@ class Recursion:
 def equilibrium(structure: WholeStructure, difference: float) -> Array:
     """State in which the structure stands under a constant x_c − x_m.
 
-    Parameters
-    ----------
-    structure : WholeStructure
-        The whole structure.
-    difference : float
-        x_c − x_m [m].
-
-    Returns
-    -------
-    numpy.ndarray
-        State (K⁻¹γ(x_c − x_m), 0), shape (2n,); zero where the difference is.
+    `difference` [m].
     """
     size = structure.interface.size
     state = np.zeros(2 * size)
@@ -140,23 +106,6 @@ def _state_space(structure: WholeStructure) -> tuple[Array, Array]:
 def respond(recursion: Recursion, values: Array, state: Array | None = None) -> Array:
     """Run the recursion over a whole input.
 
-    Parameters
-    ----------
-    recursion : Recursion
-        The coefficients.
-    values : numpy.ndarray
-        Input u at equal steps, shape (n,).
-    state : numpy.ndarray, optional
-        State at the first sample, shape (2n,); at rest by default. It is changed in place to the state at
-        the last sample, so that a later stretch can go on.
-
-    Returns
-    -------
-    numpy.ndarray
-        Outputs, shape (outputs, n).
-
-    Examples
-    --------
     A constant difference moves the undisturbed structure to its own share of it:
 
     >>> from reliab.structures.structure import Structure

@@ -21,18 +21,8 @@ _LAYINGS = 8
 def rounding_step(measured: Array) -> float:
     """Return the step [m] in which a sensor reads; zero where no steps are seen.
 
-    Parameters
-    ----------
-    measured : numpy.ndarray
-        x_m as read [m], shape (n,).
+    `measured` [m].
 
-    Returns
-    -------
-    float
-        The distance between levels: all levels differ by multiples of it.
-
-    Examples
-    --------
     >>> motion = np.sin(np.arange(0.0, 20.0, 0.01))
     >>> round(rounding_step(0.05 * np.round(motion / 0.05)), 6)
     0.05
@@ -55,12 +45,7 @@ def rounding_step(measured: Array) -> float:
 def rounded_differently(motion: Array, step: float) -> Iterator[Array]:
     """Yield the noise [m] of rounding a motion on shifted grids of steps, shape (n,) each.
 
-    Parameters
-    ----------
-    motion : numpy.ndarray
-        A motion [m], shape (n,).
-    step : float
-        The sensor's step [m].
+    `motion`, `step` [m].
     """
     for laid in (np.arange(_LAYINGS) + 0.5) / _LAYINGS:
         shifted = motion / step + laid

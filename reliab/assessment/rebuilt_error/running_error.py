@@ -24,33 +24,16 @@ _CAPACITY = 4096
 class RunningError:
     """Latest histories of a running test, and sums over all of it.
 
-    Parameters
-    ----------
-    structure : WholeStructure
-        The whole structure.
-    time_step : float
-        Step between samples [s].
-    feedback_lag : float
-        Time by which the force is fed back late [s].
-    forgetting : float
-        Weight that is left of the past of the energies after a step [-].
-    offset : float
-        Offset of the displacement sensor [m].
-
-    Attributes
-    ----------
-    size : int
-        Samples so far.
-    offset, standing : float
-        Sensor offset that is taken away, and x_c − x_m under which the test began in equilibrium [m].
-    sums : numpy.ndarray
-        Σr², half the square of its first value, max|r|, max|x_I|, r of the last sample, max|x_I| when it last
-        doubled, and the number of the sample at which it did, of the error r = x_m − x_I, shape (7,).
-    moments : numpy.ndarray
-        Forgetting sums of the products of x_c, x_c', one and x_m − x_c between samples,
-        and of their steps from one to the next, shape (2, 4, 4).
-    motion : numpy.ndarray
-        Number of samples that moved, and the largest forgetting sum of x_c'² so far [m²/s²], shape (2,).
+    `time_step`, `feedback_lag` [s]; `forgetting` [-]; `offset` [m].
+    `size`: Samples so far.
+    `offset, standing`: Sensor offset that is taken away, and x_c − x_m under which the test began in
+    equilibrium [m].
+    `sums`: Σr², half the square of its first value, max|r|, max|x_I|, r of the last sample, max|x_I| when it
+    last doubled, and the number of the sample at which it did, of the error r = x_m − x_I, shape (7,).
+    `moments`: Forgetting sums of the products of x_c, x_c', one and x_m − x_c between samples, and of their
+    steps from one to the next, shape (2, 4, 4).
+    `motion`: Number of samples that moved, and the largest forgetting sum of x_c'² so far [m²/s²], shape
+    (2,).
     """
 
     def __init__(
@@ -106,10 +89,7 @@ class RunningError:
     def feed(self, command: Array, measured: Array) -> None:
         """Add the next samples.
 
-        Parameters
-        ----------
-        command, measured : numpy.ndarray
-            x_c and x_m [m], shape (k,), k ≥ 1.
+        `command`, `measured` [m].
         """
         first, last = self.kept, self.kept + command.size
         self._reserve(last)
@@ -142,10 +122,7 @@ class RunningError:
 
         Samples of the motion must not be forgotten yet, only a rest before it.
 
-        Parameters
-        ----------
-        offset, standing : float
-            As the attributes of the same names [m].
+        `offset`, `standing` [m].
         """
         if (offset, standing) == (self.offset, self.standing):
             return
@@ -155,13 +132,7 @@ class RunningError:
         _add_all(self.sums, error, self.measured - offset - error, self._forgotten)
 
     def forget(self, count: int) -> None:
-        """Forget the earliest of the samples that are kept; the sums go on over all of them.
-
-        Parameters
-        ----------
-        count : int
-            Their number, less than `kept`.
-        """
+        """Forget the earliest of the samples that are kept; the sums go on over all of them."""
         self._table[:, : self.kept - count] = self._table[:, count : self.kept].copy()
         self._forgotten += count
 

@@ -14,58 +14,22 @@ _HOUR = 3600.0
 def samples_in_step_of_structure(structure: WholeStructure, time_step: float) -> int:
     """Return the number of samples of which one resolves the highest mode.
 
-    Parameters
-    ----------
-    structure : WholeStructure
-        The structure.
-    time_step : float
-        Step between samples [s].
-
-    Returns
-    -------
-    int
-        At least one; tests so long that their size matters are drawn at each such sample.
+    `time_step` [s].
+    Returns at least one; tests so long that their size matters are drawn at each such sample.
     """
     return max(int(1.0 / (_PER_PERIOD * float(structure.natural_frequencies[-1]) * time_step)), 1)
 
 
 def fits(samples: int, every: int, most: int = MOST_DRAWN) -> bool:
-    """Whether the draws of a test fit in memory.
-
-    Parameters
-    ----------
-    samples : int
-        Samples of the test.
-    every : int
-        Number of samples of which one is drawn.
-    most : int, optional
-        Largest number of samples that are drawn.
-
-    Returns
-    -------
-    bool
-        Whether they are at most `most`.
-    """
+    """Whether the draws of a test fit in memory."""
     return -(-samples // every) <= most
 
 
 def require_fitting(samples: int, every: int, time_step: float, most: int = MOST_DRAWN) -> None:
     """Refuse a test whose draws would not fit in memory, before they are made.
 
-    Parameters
-    ----------
-    samples, every, most
-        As for `fits`.
-    time_step : float
-        Step between samples [s].
+    `time_step` [s].
 
-    Raises
-    ------
-    InputError
-        If the test is too long, with the longest duration.
-
-    Examples
-    --------
     >>> require_fitting(24 * 3600 * 256, 4, 1.0 / 256.0)
     Traceback (most recent call last):
     ...

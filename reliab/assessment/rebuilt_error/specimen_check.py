@@ -35,52 +35,21 @@ FEWEST_PERIODS = 4.0
 
 @dataclass(frozen=True, kw_only=True)
 class SpecimenCheck:
-    """Whether the force shows a nonlinear specimen.
+    """Whether the force shows a nonlinear specimen."""
 
-    Attributes
-    ----------
-    nonlinear : bool
-        Whether it does.
-    share : float
-        RMS of the force that only nonlinear shapes predict, over the RMS of the force [-].
-    gain : float
-        Share of the linear specimen's squared residual that they remove on data that were not fitted [-].
-    linear_residual : float
-        RMS of the force that a linear specimen leaves over, over the RMS of the force [-].
-    """
-
-    nonlinear: bool
-    share: float
+    nonlinear: bool  # Whether it does
+    share: float  # RMS of the force that only nonlinear shapes predict, over the RMS of the force [-]
+    # Share of the linear specimen's squared residual that they remove on data that were not fitted [-]
     gain: float
+    # RMS of the force that a linear specimen leaves over, over the RMS of the force [-]
     linear_residual: float
 
 
 def examine_specimen(measured: Array, force: Array, time_step: float, frequency: float) -> SpecimenCheck:
     """Compare a recorded force with that of a linear specimen.
 
-    Parameters
-    ----------
-    measured : numpy.ndarray
-        Measured displacement [m], its noise above the motion's band filtered away, shape (n,).
-    force : numpy.ndarray
-        Force of the specimen in any unit, shape (n,).
-    time_step : float
-        Step between samples [s].
-    frequency : float
-        Natural frequency of the structure [Hz].
+    `measured` [m]; `time_step` [s]; `frequency` [Hz].
 
-    Returns
-    -------
-    SpecimenCheck
-        The answer with the numbers on which it rests.
-
-    Raises
-    ------
-    InputError
-        If the histories differ in length or hold fewer than four periods.
-
-    Examples
-    --------
     >>> time = np.arange(0.0, 30.0, 0.005)
     >>> moved = np.sin(6.0 * time) * np.sin(0.1 * time)
     >>> examine_specimen(moved, 40.0 * moved, 0.005, 1.0).nonlinear

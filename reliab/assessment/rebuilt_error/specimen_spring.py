@@ -20,18 +20,13 @@ _CLEAR = 10.0  # standard errors: a stiffness that is less certain is none
 
 @dataclass(frozen=True, kw_only=True)
 class Spring:
-    """A specimen's spring by its recorded force.
+    """A specimen's spring by its recorded force."""
 
-    Attributes
-    ----------
-    stiffness, stiffness_deviation : float
-        k with its standard error, in units of force over metres.
-    late, late_deviation : float
-        c/k with its standard error [s]: time by which the displacement was recorded later than the force.
-    """
-
+    # stiffness, stiffness_deviation: k with its standard error, in units of force over metres
     stiffness: float
     stiffness_deviation: float
+    # late, late_deviation: c/k with its standard error [s]: time by which the displacement was recorded later
+    # than the force
     late: float
     late_deviation: float
 
@@ -39,22 +34,8 @@ class Spring:
 def fit_spring(measured: Array, force: Array, kernel: Kernel) -> Spring:
     """Fit k and c to a recorded force.
 
-    Parameters
-    ----------
-    measured : numpy.ndarray
-        Measured displacement [m], shape (n,).
-    force : numpy.ndarray
-        Force in any unit, shape (n,).
-    kernel : Kernel
-        The kernel through which both are seen.
+    `measured` [m].
 
-    Returns
-    -------
-    Spring
-        Stiffness and lateness; a lateness of 0 where the force follows no spring.
-
-    Examples
-    --------
     >>> time = np.arange(0.0, 30.0, 0.005)
     >>> force = 40.0 * np.sin(6.0 * time) * np.sin(0.1 * time)
     >>> recorded = np.sin(6.0 * (time - 0.002)) * np.sin(0.1 * (time - 0.002))

@@ -26,22 +26,8 @@ _WRAPAROUND = 1e-11  # what is left of a response after one period of the transf
 def respond_spectrally(structure: WholeStructure, difference: Array, time_step: float) -> Array:
     """Error of the interface from x_c − x_m, from rest.
 
-    Parameters
-    ----------
-    structure : WholeStructure
-        The whole structure.
-    difference : numpy.ndarray
-        x_c − x_m [m] at equal steps, shape (n,).
-    time_step : float
-        Step between samples [s].
+    `difference` [m]; `time_step` [s]; returns [m].
 
-    Returns
-    -------
-    numpy.ndarray
-        γᵀe [m] at the samples, shape (n,).
-
-    Examples
-    --------
     >>> from reliab.structures.structure import Structure
     >>> half = Structure(frequency=1.0, damping_ratio=0.2, experimental_fraction=0.5)
     >>> error = respond_spectrally(WholeStructure.of(half), np.ones(2000), 0.01)

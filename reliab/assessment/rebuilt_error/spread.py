@@ -30,33 +30,20 @@ _SMALLEST = 0.01  # of the median RMS^R: an error below it has the weight of thi
 
 @dataclass(frozen=True, kw_only=True)
 class Estimate:
-    """A value with its 90 % interval.
+    """A value with its 90 % interval."""
 
-    Attributes
-    ----------
-    value, low, high : float
-        Relative errors [-].
-    """
-
-    value: float
+    value: float  # value, low, high: Relative errors [-]
     low: float
     high: float
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Spread:
-    """Errors of many draws.
+    """Errors of many draws."""
 
-    Attributes
-    ----------
-    rms, mte : numpy.ndarray
-        RMS^R and MTE^R [-], shape (draws,).
-    mean, deviation : numpy.ndarray
-        Mean and standard deviation of x_m − x_I over the draws at the samples [m], shape (n,).
-    """
-
-    rms: Array
+    rms: Array  # rms, mte: RMS^R and MTE^R [-], shape (draws,)
     mte: Array
+    # mean, deviation: Mean and standard deviation of x_m − x_I over the draws at the samples [m], shape (n,)
     mean: Array
     deviation: Array
 

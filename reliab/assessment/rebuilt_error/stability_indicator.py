@@ -55,61 +55,26 @@ _GAIN_AND_OFFSET = [0, 2]  # rows of the moments
 
 @dataclass(frozen=True, kw_only=True)
 class NetDamping:
-    """Net damping of the loop with its actuator.
+    """Net damping of the loop with its actuator."""
 
-    Attributes
-    ----------
-    ratio, deviation : float
-        ξ_net and its standard error [-].
-    high : float
-        ξ_net and as many standard errors as chance gives to one stable test in a hundred [-].
-    large : bool
-        Whether the motion is among the largest so far.
-    follows : bool
-        Whether the piston follows its command, and does not rest within some play.
-    error : float
-        Root mean square of the actuator's error, apart from a gain and an offset [m].
-    by_play : float
-        Damping ratio that play takes away at most, over half its width [1/m].
-    """
-
-    ratio: float
+    ratio: float  # ratio, deviation: ξ_net and its standard error [-]
     deviation: float
-    high: float
-    large: bool
-    follows: bool
-    error: float
-    by_play: float
+    high: float  # ξ_net and as many standard errors as chance gives to one stable test in a hundred [-]
+    large: bool  # Whether the motion is among the largest so far
+    follows: bool  # Whether the piston follows its command, and does not rest within some play
+    error: float  # Root mean square of the actuator's error, apart from a gain and an offset [m]
+    by_play: float  # Damping ratio that play takes away at most, over half its width [1/m]
 
 
 @dataclass(kw_only=True)
 class EnergyAlarm:
-    """Looks at the net damping of a running test one after the other.
+    """Looks at the net damping of a running test one after the other."""
 
-    Attributes
-    ----------
-    smallest : float
-        Smallest error so far of an actuator that follows its command [m].
-    following : int
-        Looks since which it has followed its command.
-    """
-
-    smallest: float = np.inf
-    following: int = 0
+    smallest: float = np.inf  # Smallest error so far of an actuator that follows its command [m]
+    following: int = 0  # Looks since which it has followed its command
 
     def look(self, net: NetDamping | None) -> bool:
-        """Return whether the loop may diverge.
-
-        Parameters
-        ----------
-        net : NetDamping or None
-            Net damping at this instant; None before the motion has settled.
-
-        Returns
-        -------
-        bool
-            Whether it gains more energy than play explains.
-        """
+        """Return whether the loop may diverge."""
         if net is None:
             return False
         self.following = self.following + 1 if net.follows else 0
@@ -120,43 +85,19 @@ class EnergyAlarm:
 
 @dataclass(frozen=True, kw_only=True)
 class Damping:
-    """Properties of the first mode that the indicator needs.
+    """Properties of the first mode that the indicator needs."""
 
-    Attributes
-    ----------
-    ratio : float
-        ξ of the lowest mode [-].
-    factor : float
-        k_e ν²/(2ω₀m) [1/s], half of αω₀ for one degree of freedom.
-    forgetting : float
-        Weight that is left of the past after a step [-].
-    samples : float
-        Samples in a period [-].
-    circular_frequency : float
-        ω₀ of that mode [rad/s].
-    """
-
-    ratio: float
-    factor: float
-    forgetting: float
-    samples: float
-    circular_frequency: float
+    ratio: float  # ξ of the lowest mode [-]
+    factor: float  # k_e ν²/(2ω₀m) [1/s], half of αω₀ for one degree of freedom
+    forgetting: float  # Weight that is left of the past after a step [-]
+    samples: float  # Samples in a period [-]
+    circular_frequency: float  # ω₀ of that mode [rad/s]
 
     @classmethod
     def of(cls, structure: WholeStructure, time_step: float) -> "Damping":
         """Take the lowest mode of a structure.
 
-        Parameters
-        ----------
-        structure : WholeStructure
-            The whole structure.
-        time_step : float
-            Step between samples [s].
-
-        Returns
-        -------
-        Damping
-            Of the lowest mode that moves the interface.
+        `time_step` [s].
         """
         shape = first_mode(structure)
         mass = float(shape @ structure.mass @ shape)
@@ -170,18 +111,7 @@ class Damping:
         )
 
     def net(self, moments: Array, motion: Array) -> NetDamping | None:
-        """Return the net damping of the loop with its actuator.
-
-        Parameters
-        ----------
-        moments, motion : numpy.ndarray
-            As `RunningError` sums them, shapes (2, 4, 4) and (2,).
-
-        Returns
-        -------
-        NetDamping or None
-            None before the motion has settled.
-        """
+        """Return the net damping of the loop with its actuator."""
         power = float(moments[0, 1, 1])
         if motion[0] < SETTLED * self.samples or not power > 0.0:
             return None

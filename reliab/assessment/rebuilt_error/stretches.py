@@ -36,52 +36,25 @@ _SAMPLES = 1 << 19  # of a stretch, before they are thinned
 
 @dataclass(frozen=True, kw_only=True)
 class Stated:
-    """What is stated of a test.
+    """What is stated of a test."""
 
-    Attributes
-    ----------
-    structure : WholeStructure
-        The whole structure.
-    time_step : float
-        Step between samples [s].
-    feedback_lag : float
-        Time by which the force is fed back late [s].
-    sensor_offset : float or None
-        Offset of the displacement sensor [m]; None to read it from rest.
-    tolerances : Tolerances
-        How far stated values may be off.
-    seed : int
-        Seed of the draws.
-    """
-
-    structure: WholeStructure
-    time_step: float
-    feedback_lag: float
-    sensor_offset: float | None
-    tolerances: Tolerances
-    seed: int
+    structure: WholeStructure  # The whole structure
+    time_step: float  # Step between samples [s]
+    feedback_lag: float  # Time by which the force is fed back late [s]
+    sensor_offset: float | None  # Offset of the displacement sensor [m]; None to read it from rest
+    tolerances: Tolerances  # How far stated values may be off
+    seed: int  # Seed of the draws
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ErrorSoFar:
-    """RMS^R and MTE^R of a test from its beginning to the end of a stretch, with intervals.
+    """RMS^R and MTE^R of a test from its beginning to the end of a stretch, with intervals."""
 
-    Attributes
-    ----------
-    noise : SensorNoise
-        Noise of the displacement sensor in the stretch.
-    start : Start
-        How the test begins, and the sensor's offset.
-    unknown : Unknown
-        Standard deviations that went into the intervals.
-    stated, swept : Swept
-        Errors of the draws with everything as stated, so that only noise is open, and with all that is not
-        known.
-    """
-
-    noise: SensorNoise
-    start: Start
-    unknown: Unknown
+    noise: SensorNoise  # Noise of the displacement sensor in the stretch
+    start: Start  # How the test begins, and the sensor's offset
+    unknown: Unknown  # Standard deviations that went into the intervals
+    # stated, swept: Errors of the draws with everything as stated, so that only noise is open, and with all
+    # that is not known
     stated: Swept
     swept: Swept
 
@@ -111,21 +84,11 @@ class ErrorSoFar:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Drawn:
-    """What was drawn of a stretch.
+    """What was drawn of a stretch."""
 
-    Attributes
-    ----------
-    histories : Histories
-        Smoothed histories.
-    differences : numpy.ndarray
-        Draws of x_c − x_m [m], shape (draws, ceil(n/every)).
-    every : int
-        Number of samples of which one was drawn.
-    """
-
-    histories: Histories
-    differences: Array
-    every: int
+    histories: Histories  # Smoothed histories
+    differences: Array  # Draws of x_c − x_m [m], shape (draws, ceil(n/every))
+    every: int  # Number of samples of which one was drawn
 
 
 def draw_error(
@@ -142,24 +105,8 @@ def draw_error(
 ) -> tuple[ErrorSoFar, Drawn]:
     """Draw the error of a test, or of its next stretch.
 
-    Parameters
-    ----------
-    command, read, fed_back : numpy.ndarray
-        x_c, x_m without the sensor's offset, and x_c minus the displacement whose force was fed back [m],
-        shape (n,).
-    test : Stated
-        What is stated of the test.
-    noise, start, unknown
-        As the attributes of `ErrorSoFar`.
-    draws : int
-        Number of draws, a power of two; no more than were drawn before.
-    before : ErrorSoFar, optional
-        The error up to the first of these samples; by default the test begins with it.
-
-    Returns
-    -------
-    tuple of ErrorSoFar and Drawn
-        The error from the beginning of the test, and what was drawn of these samples.
+    `command`, `read`, `fed_back` [m].
+    Returns the error from the beginning of the test, and what was drawn of these samples.
     """
     structure, seed = test.structure, test.seed
     every = samples_in_step(structure, noise, command.size)
@@ -195,19 +142,7 @@ def draw_error(
 def what_is_unknown(start: Start, tolerances: Tolerances, response: Array, command: Array) -> Unknown:
     """Return the standard deviations of everything that is uncertain.
 
-    Parameters
-    ----------
-    start : Start
-        How the test begins.
-    tolerances : Tolerances
-        How far stated values may be off.
-    response, command : numpy.ndarray
-        x_c − x_I and x_c [m], shape (n,).
-
-    Returns
-    -------
-    Unknown
-        With the error at the first sample of a test that begins in motion.
+    `response`, `command` [m].
     """
     relative = float(np.sqrt(mean_square(response) / mean_square(command)))
     return Unknown(
@@ -222,22 +157,7 @@ def error_of_stretch(
 ) -> ErrorSoFar:
     """Draw the error of a test up to the end of its first or next stretch.
 
-    Parameters
-    ----------
-    command, measured : numpy.ndarray
-        x_c, and x_m as read [m], of the stretch, shape (n,).
-    test, draws, before
-        As for `draw_error`.
-
-    Returns
-    -------
-    ErrorSoFar
-        The error from the beginning of the test.
-
-    Raises
-    ------
-    InputError
-        If the histories of the first stretch are too short, do not move or are not finite.
+    `command`, `measured` [m].
     """
     structure, step = test.structure, test.time_step
     if before is None:
@@ -273,18 +193,9 @@ def error_of_stretch(
 def samples_in_stretch(structure: WholeStructure, time_step: float) -> int:
     """Return the number of samples after which a stretch of a running test is judged and forgotten.
 
-    Parameters
-    ----------
-    structure : WholeStructure
-        The whole structure.
-    time_step : float
-        Step between samples [s].
-
-    Returns
-    -------
-    int
-        So many that a stretch ends with a sample that is swept, and 256 draws of twice as many take half a
-        gigabyte.
+    `time_step` [s].
+    Returns so many that a stretch ends with a sample that is swept, and 256 draws of twice as many take half
+    a gigabyte.
     """
     every = samples_in_step_of_structure(structure, time_step)
     return every * min(max(_SAMPLES // every, FEWEST_SWEPT), _SAMPLES_SWEPT)

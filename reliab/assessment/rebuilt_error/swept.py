@@ -12,27 +12,18 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Swept:
-    """Errors of the draws over a test so far, from which a later stretch of it can go on.
+    """Errors of the draws over a test so far, from which a later stretch of it can go on."""
 
-    Attributes
-    ----------
-    steps : int
-        Number of steps between its samples.
-    square, peak, ideal : numpy.ndarray
-        Mean square of x_m − x_I [m²], its peak and that of x_I [m] of each draw, shape (draws,).
-    mean, deviation : numpy.ndarray
-        Of x_m − x_I over the draws at the samples of the last stretch [m], shape (n,).
-    states : numpy.ndarray
-        State of the structure at the last sample: of the draws, and as stated by swept samples and by all,
-        shape (draws + 2, 2n).
-    """
-
-    steps: int
+    steps: int  # Number of steps between its samples
+    # square, peak, ideal: Mean square of x_m − x_I [m²], its peak and that of x_I [m], shape (draws,)
     square: Array
     peak: Array
     ideal: Array
+    # mean, deviation: Of x_m − x_I over the draws at the samples of the last stretch [m], shape (n,)
     mean: Array
     deviation: Array
+    # State of the structure at the last sample: of the draws, and as stated by swept samples and by all,
+    # shape (draws + 2, 2n)
     states: Array
 
     @property

@@ -10,41 +10,19 @@ from reliab.errors import InputError
 class Tolerances:
     """Standard deviations of the values that are stated for a test.
 
-    Parameters
-    ----------
-    frequency : float, optional
-        Of the structure's frequencies, relative [-].
-    damping_ratio : float, optional
-        Of its damping ratios, relative [-].
-    experimental_fraction : float, optional
-        Of the specimen's share α of the stiffness, relative [-]; for matrices of k_e, c_e and m_e.
-    sensor_scale : float, optional
-        Of the scale of the displacement sensor, relative [-].
-    sensor_offset : float, optional
-        Of its offset [m], beyond what is estimated from rest.
-    time_shift : float, optional
-        Of a shift in time between the recorded command and the recorded displacement [s].
-    feedback_lag : float, optional
-        Of the time by which the force is fed back late [s].
-
-    Raises
-    ------
-    InputError
-        If a standard deviation is negative, not finite, or a relative one not below one third.
-
-    Examples
-    --------
     >>> Tolerances(frequency=0.01).frequency
     0.01
     """
 
-    frequency: float = 0.0
-    damping_ratio: float = 0.0
+    frequency: float = 0.0  # Of the structure's frequencies, relative [-]
+    damping_ratio: float = 0.0  # Of its damping ratios, relative [-]
+    # Of the specimen's share α of the stiffness, relative [-]; for matrices of k_e, c_e and m_e
     experimental_fraction: float = 0.0
-    sensor_scale: float = 0.0
-    sensor_offset: float = 0.0
+    sensor_scale: float = 0.0  # Of the scale of the displacement sensor, relative [-]
+    sensor_offset: float = 0.0  # Of its offset [m], beyond what is estimated from rest
+    # Of a shift in time between the recorded command and the recorded displacement [s]
     time_shift: float = 0.0
-    feedback_lag: float = 0.0
+    feedback_lag: float = 0.0  # Of the time by which the force is fed back late [s]
 
     def __post_init__(self) -> None:
         for name, value in self.items():

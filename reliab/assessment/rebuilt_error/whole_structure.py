@@ -20,26 +20,6 @@ class WholeStructure:
     The actuator moves the interface displacement γᵀx. The specimen's restoring force there is
     k_e y + c_e y' + m_e y'' of that displacement y, and is part of M, C and K.
 
-    Parameters
-    ----------
-    mass, damping, stiffness : numpy.ndarray
-        M [kg], C [N·s/m] and K [N/m] of the whole structure, shape (n, n).
-    interface : numpy.ndarray
-        γ, how the degrees of freedom make up the interface displacement [-], shape (n,).
-    specimen_stiffness : float
-        k_e [N/m].
-    specimen_damping : float, optional
-        c_e [N·s/m].
-    specimen_mass : float, optional
-        m_e [kg].
-
-    Raises
-    ------
-    InputError
-        If shapes disagree, a number is not finite, or M is singular.
-
-    Examples
-    --------
     >>> two = WholeStructure(
     ...     mass=np.eye(2),
     ...     damping=0.1 * np.eye(2),
@@ -51,13 +31,14 @@ class WholeStructure:
     array([0.984, 2.575])
     """
 
+    # mass, damping, stiffness: M [kg], C [N·s/m] and K [N/m] of the whole structure, shape (n, n)
     mass: Array
     damping: Array
     stiffness: Array
-    interface: Array
-    specimen_stiffness: float
-    specimen_damping: float = 0.0
-    specimen_mass: float = 0.0
+    interface: Array  # γ, how the degrees of freedom make up the interface displacement [-], shape (n,)
+    specimen_stiffness: float  # k_e [N/m]
+    specimen_damping: float = 0.0  # c_e [N·s/m]
+    specimen_mass: float = 0.0  # m_e [kg]
 
     def __post_init__(self) -> None:
         size = self.interface.size
@@ -80,18 +61,7 @@ class WholeStructure:
 
     @classmethod
     def of(cls, structure: Structure) -> "WholeStructure":
-        """Single degree of freedom per unit mass: M = 1, C = 2ξω₀, K = ω₀², k_e = αω₀².
-
-        Parameters
-        ----------
-        structure : Structure
-            Frequency, damping ratio and share in the laboratory.
-
-        Returns
-        -------
-        WholeStructure
-            With forces per unit mass.
-        """
+        """Single degree of freedom per unit mass: M = 1, C = 2ξω₀, K = ω₀², k_e = αω₀²."""
         w0 = structure.circular_frequency
         return cls(
             mass=np.eye(1),
@@ -103,18 +73,7 @@ class WholeStructure:
 
     @classmethod
     def of_partition(cls, partition: Partition) -> "WholeStructure":
-        """Take a frame of which one specimen stands in the laboratory.
-
-        Parameters
-        ----------
-        partition : Partition
-            The frame with its interface and specimen.
-
-        Returns
-        -------
-        WholeStructure
-            In SI units; effects of the specimen are no part of it.
-        """
+        """Take a frame of which one specimen stands in the laboratory."""
         frame, specimen = partition.frame, partition.specimen
         return cls(
             mass=frame.mass,
@@ -135,22 +94,7 @@ class WholeStructure:
     def scaled(
         self, *, frequency: float = 1.0, damping_ratio: float = 1.0, share: float = 1.0
     ) -> "WholeStructure":
-        """Structure with all frequencies, damping ratios and the specimen's share multiplied by factors.
-
-        Parameters
-        ----------
-        frequency : float, optional
-            Factor φ of the frequencies: K and k_e grow with φ², C and c_e with φ.
-        damping_ratio : float, optional
-            Factor of C.
-        share : float, optional
-            Factor of k_e, c_e and m_e beside unchanged M, C and K.
-
-        Returns
-        -------
-        WholeStructure
-            The changed structure.
-        """
+        """Structure with all frequencies, damping ratios and the specimen's share multiplied by factors."""
         return replace(
             self,
             damping=self.damping * (frequency * damping_ratio),
@@ -163,15 +107,7 @@ class WholeStructure:
     def receptance(self, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """Displacements of all degrees of freedom under a unit force at the interface.
 
-        Parameters
-        ----------
-        s : numpy.ndarray
-            Complex frequencies [rad/s], shape (k,).
-
-        Returns
-        -------
-        numpy.ndarray
-            (M s² + C s + K)⁻¹γ [m/N], shape (k, n).
+        `s` [rad/s]; returns [m/N].
         """
         square = s[:, np.newaxis, np.newaxis]
         dynamic = self.mass * square**2 + self.damping * square + self.stiffness
@@ -181,15 +117,7 @@ class WholeStructure:
     def error_transfer(self, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """Transfer function from x_c − x_m to the interface's error, γᵀ(M s² + C s + K)⁻¹γ Z(s).
 
-        Parameters
-        ----------
-        s : numpy.ndarray
-            Complex frequencies [rad/s], shape (k,).
-
-        Returns
-        -------
-        numpy.ndarray
-            The transfer function [-], shape (k,).
+        `s` [rad/s]; returns [-].
         """
         specimen = self.specimen_stiffness + self.specimen_damping * s + self.specimen_mass * s**2
         return np.asarray((self.receptance(s) @ self.interface) * specimen)

@@ -17,26 +17,13 @@ _HALVINGS = 6
 
 @dataclass(frozen=True, kw_only=True)
 class Widening:
-    """Effect of one uncertain quantity on the interval.
+    """Effect of one uncertain quantity on the interval."""
 
-    Attributes
-    ----------
-    name : str
-        The tolerance, or "sensor_noise" or "initial_state".
-    deviation : float
-        Its standard deviation, relative or in SI units; zero for noise.
-    width : float
-        Width of the 90 % interval [-].
-    width_without : float
-        Width if this were known exactly [-].
-    deviation_for_half : float or None
-        Standard deviation at which the width is halved; None where no value does so alone.
-    """
-
-    name: str
-    deviation: float
-    width: float
-    width_without: float
+    name: str  # The tolerance, or "sensor_noise" or "initial_state"
+    deviation: float  # Its standard deviation, relative or in SI units; zero for noise
+    width: float  # Width of the 90 % interval [-]
+    width_without: float  # Width if this were known exactly [-]
+    # Standard deviation at which the width is halved; None where no value does so alone
     deviation_for_half: float | None
 
 
@@ -51,22 +38,7 @@ def widenings(
     draws: int,
     seed: int,
 ) -> tuple[Widening, ...]:
-    """Find which uncertain quantities widen the interval most, and what would halve it.
-
-    Parameters
-    ----------
-    histories, structure, unknown, differences, every
-        As for `sweep`.
-    metric : Metric
-        Whether the interval is that of RMS^R or of MTE^R.
-    draws, seed : int
-        Number and seed of the draws.
-
-    Returns
-    -------
-    tuple of Widening
-        The widest first; only what widens the interval.
-    """
+    """Find which uncertain quantities widen the interval most, and what would halve it."""
 
     def width(changed: Unknown, drawn: Array = differences) -> float:
         swept = sweep(histories, structure, changed, drawn, every, draws=draws, seed=seed)

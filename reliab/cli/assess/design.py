@@ -19,17 +19,7 @@ _MILLISECONDS = 1e3
 
 
 def answer_design(design: "Design", figure: Path | None, json_target: str | None) -> None:
-    """Print, draw or write what is tolerable before a test.
-
-    Parameters
-    ----------
-    design : Design
-        What is tolerable.
-    figure : pathlib.Path or None
-        File of the chart, if one is wanted.
-    json_target : str or None
-        File of the JSON, "-" for standard output.
-    """
+    """Print, draw or write what is tolerable before a test."""
     if figure is not None:
         _draw(design.chart, figure)
     if not write_json(design.to_dict(), json_target):

@@ -15,31 +15,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Report:
-    """A report that is wanted.
+    """A report that is wanted."""
 
-    Attributes
-    ----------
-    file : pathlib.Path
-        Its PDF.
-    setting : Setting
-        Paper, title, name and logo of the laboratory, and the date; today by default.
-    """
-
-    file: Path
-    setting: "Setting"
+    file: Path  # Its PDF
+    setting: "Setting"  # Paper, title, name and logo of the laboratory, and the date; today by default
 
     def write(
         self, assessment: "Assessment | FrameAssessment", *, test: Path, structure: Path | None
     ) -> None:
-        """Write it.
-
-        Parameters
-        ----------
-        assessment : Assessment or FrameAssessment
-            What was found.
-        test, structure : pathlib.Path
-            Files of the test and of the frame, if it is one.
-        """
+        """Write it."""
         from reliab.assessment import Assessment
         from reliab.report import write_pdf
         from reliab.report.kinds.assessment import assessment_report, frame_assessment_report

@@ -26,20 +26,7 @@ _Value = TypeVar("_Value")
 
 
 def refuse_idle(context: typer.Context, *, design: bool) -> None:
-    """Refuse options that would not be used.
-
-    Parameters
-    ----------
-    context : typer.Context
-        The call.
-    design : bool
-        Whether it is asked what is tolerable before a test.
-
-    Raises
-    ------
-    InputError
-        If an option has no meaning beside the others.
-    """
+    """Refuse options that would not be used."""
     given = given_options(context)
     for name in given:
         if name in (_ONLY_FOR_TESTS if design else _ONLY_FOR_DESIGN):
@@ -51,20 +38,7 @@ def refuse_idle(context: typer.Context, *, design: bool) -> None:
 
 
 def applicable(context: typer.Context, stated: dict[str, Any]) -> dict[str, Any]:
-    """Leave out what is not stated, and a laboratory's defaults that have no meaning beside what is.
-
-    Parameters
-    ----------
-    context : typer.Context
-        The call.
-    stated : dict
-        Values of options by their names in Python.
-
-    Returns
-    -------
-    dict
-        The others.
-    """
+    """Leave out what is not stated, and a laboratory's defaults that have no meaning beside what is."""
     given = given_options(context)
     idle = {
         name
@@ -77,13 +51,7 @@ def applicable(context: typer.Context, stated: dict[str, Any]) -> dict[str, Any]
 
 
 def only_value(values: Sequence[_Value] | None, name: str) -> _Value | None:
-    """Take the value of an option that may be repeated for a design, but not for a test.
-
-    Raises
-    ------
-    InputError
-        If there are several.
-    """
+    """Take the value of an option that may be repeated for a design, but not for a test."""
     if not values:
         return None
     if len(values) > 1:
@@ -94,18 +62,7 @@ def only_value(values: Sequence[_Value] | None, name: str) -> _Value | None:
 
 
 def matched(paths: Sequence[Path]) -> list[Path]:
-    """Replace patterns such as ``*.csv``, which some shells hand on as they are, by the files of that name.
-
-    Parameters
-    ----------
-    paths : sequence of pathlib.Path
-        Files and patterns.
-
-    Returns
-    -------
-    list of pathlib.Path
-        Files; a pattern that matches none stays, to be named in the error.
-    """
+    """Replace patterns such as ``*.csv``, which some shells hand on as they are, by files of that name."""
     files = []
     for path in paths:
         names = [] if path.exists() else glob(str(path))  # noqa: PTH207 - absolute patterns too

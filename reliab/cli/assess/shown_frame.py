@@ -11,13 +11,7 @@ if TYPE_CHECKING:
 
 
 def show_frame(assessment: "FrameAssessment") -> None:
-    """Print verdict, error, tracking at the modes, and what to know.
-
-    Parameters
-    ----------
-    assessment : FrameAssessment
-        What was found.
-    """
+    """Print verdict, error, tracking at the modes, and what to know."""
     content = assessment.to_dict()
     terminal = console()
     terminal.print(_quantities(content))

@@ -14,13 +14,7 @@ _PERCENT = 100.0
 
 
 def show_assessment(assessment: "Assessment") -> None:
-    """Print verdict, error, indices, and what to know.
-
-    Parameters
-    ----------
-    assessment : Assessment
-        What was found.
-    """
+    """Print verdict, error, indices, and what to know."""
     summary = assessment.to_dict()
     terminal = console()
     terminal.print(_headline(assessment), style=_STYLES[summary["verdict"]], highlight=False)

@@ -37,33 +37,7 @@ def answer(
     report: "Report | None",
     say: Callable[[str], str],
 ) -> bool:
-    """Judge tests; write and print what is found.
-
-    Parameters
-    ----------
-    tests : list of pathlib.Path
-        Their files.
-    asked : dict
-        Arguments of `reliab.assess`.
-    out : pathlib.Path or None
-        File of the table, if one is wanted.
-    json_target : str or None
-        File of the JSON, "-" for standard output.
-    report : Report or None
-        The report of a single test, if one is wanted.
-    say : callable
-        Writes the arguments that a message names as options.
-
-    Returns
-    -------
-    bool
-        Whether every test is reliable.
-
-    Raises
-    ------
-    InputError
-        If no test is named or one cannot be judged; of several, after the others are answered.
-    """
+    """Judge tests; write and print what is found."""
     from reliab.api import assess, unused
 
     if len(tests) == 1:

@@ -40,19 +40,7 @@ def row(
 ) -> dict[str, Any]:
     """Summarise a criterion at one structure, with its motions where the dataset has it.
 
-    Parameters
-    ----------
-    criterion : Criterion
-        The criterion.
-    dataset : xarray.Dataset or None
-        The ellipses behind it.
-    frequency, damping_ratio : float
-        The structure [Hz, -].
-
-    Returns
-    -------
-    dict
-        Ready for JSON.
+    `frequency`, `damping_ratio` [Hz, -].
     """
     from reliab.criterion import describe_sample, summarise
     from reliab.sweep import at_share
@@ -84,20 +72,7 @@ def _kept_by(criterion: "Criterion", summary: Mapping[str, Any]) -> dict[str, An
 
 
 def check_one(count: int, out: Path | None) -> None:
-    """Refuse a file for several criteria, before any of them is derived.
-
-    Parameters
-    ----------
-    count : int
-        How many are asked for.
-    out : pathlib.Path or None
-        The file, if one is wanted.
-
-    Raises
-    ------
-    InputError
-        If they do not fit.
-    """
+    """Refuse a file for several criteria, before any of them is derived."""
     if out is not None and count > 1:
         raise InputError(
             "A criterion's file holds one criterion",
@@ -108,20 +83,7 @@ def check_one(count: int, out: Path | None) -> None:
 
 
 def write(criterion: "Criterion", out: Path | None) -> None:
-    """Write a criterion for later use.
-
-    Parameters
-    ----------
-    criterion : Criterion
-        What was derived.
-    out : pathlib.Path or None
-        The file, if one is wanted.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
-    """
+    """Write a criterion for later use."""
     if out is None:
         return
     try:
@@ -137,15 +99,7 @@ def write(criterion: "Criterion", out: Path | None) -> None:
 
 
 def show(rows: Sequence[Mapping[str, Any]], posteriors: Sequence[Mapping[str, Any]]) -> None:
-    """Print criteria, the diagnostics of their posteriors, and what should be known of both.
-
-    Parameters
-    ----------
-    rows : sequence of mapping
-        As :func:`row` makes them.
-    posteriors : sequence of mapping
-        Diagnostics of sampled posteriors, one for each error.
-    """
+    """Print criteria, the diagnostics of their posteriors, and what should be known of both."""
     first = rows[0]
     shown = table(
         f"(A − 1)²/a + d²/b ≤ 1 from {first['n_motions']} {first['motions']} of {first['n_events']} "

@@ -22,26 +22,8 @@ def compare(
 ) -> dict[str, Any]:
     """Compare distributions of a and b at structures, and laws over all structures of the dataset.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset or None
-        Ellipses of the motions; None where no source of them is given.
-    structures : sequence of (float, float)
-        Natural frequencies [Hz] and damping ratios [-].
-    criteria : sequence of Criterion
-        Criteria whose errors are compared, for the metric and the ellipses of the first; laws are made equal
-        by its share of the motions.
-
-    Returns
-    -------
-    dict
-        `distributions`, a list with `f`, `xi`, `threshold`, `parameter`, p-values of `lognormality` and
-        `scores` of each distribution; `laws`, a list over threshold, law and f, empty for one structure.
-
-    Raises
-    ------
-    InputError
-        If no source of ellipses is given, or there are motions of one earthquake only.
+    Returns `distributions`, a list with `f`, `xi`, `threshold`, `parameter`, p-values of `lognormality` and
+    `scores` of each distribution; `laws`, a list over threshold, law and f, empty for one structure.
     """
     import numpy as np
 
@@ -114,13 +96,7 @@ def _laws(
 
 
 def show_comparison(comparison: Mapping[str, Any]) -> None:
-    """Print how distributions and laws compare.
-
-    Parameters
-    ----------
-    comparison : mapping
-        As :func:`compare` makes it.
-    """
+    """Print how distributions and laws compare."""
     for judged in comparison["distributions"]:
         tests = ", ".join(
             f"{name.replace('_', '-')} {significant(p, 2)}" for name, p in judged["lognormality"].items()

@@ -48,18 +48,7 @@ class Demand(SourceOptions):
         return {"assurance": self.assurance, "distribution": self.distribution, "steps": self.steps}
 
     def dataset(self) -> "xr.Dataset":
-        """Trace or look up the ellipses; of stored ones all, where a law is fitted to them.
-
-        Returns
-        -------
-        xarray.Dataset
-            As :meth:`EllipseSource.dataset` returns it.
-
-        Raises
-        ------
-        InputError
-            If the source is wrong, or a model's effects alone exceed the error under some motions.
-        """
+        """Trace or look up the ellipses; of stored ones all, where a law is fitted to them."""
         chosen = self.law == "table" or bool(self.motions)
         source = self.ellipse_source(
             f=self.f if chosen else None,
@@ -81,18 +70,7 @@ class Demand(SourceOptions):
         return dataset
 
     def structures(self, dataset: "xr.Dataset | None") -> list[tuple[float, float]]:
-        """Return the structures that are asked for, or all that the ellipses are of.
-
-        Parameters
-        ----------
-        dataset : xarray.Dataset or None
-            The ellipses; None for a printed law, which is then shown at the paper's structure.
-
-        Returns
-        -------
-        list of (float, float)
-            Natural frequencies [Hz] and damping ratios [-].
-        """
+        """Return the structures that are asked for, or all that the ellipses are of."""
         all_f = [ONE_HERTZ] if dataset is None else dataset["f"].values.tolist()
         all_xi = [TWO_PERCENT] if dataset is None else dataset["xi"].values.tolist()
         return [(f, xi) for f in self.f or all_f for xi in self.xi or all_xi]

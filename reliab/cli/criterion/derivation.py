@@ -21,20 +21,11 @@ _NINETY_FIVE = 0.95
 
 @dataclass(frozen=True, kw_only=True)
 class Derived:
-    """Criteria with what they were derived from.
+    """Criteria with what they were derived from."""
 
-    Parameters
-    ----------
-    criteria : list of Criterion
-        One for each share of the stiffness, error and share of ground motions.
-    dataset : xarray.Dataset or None
-        The ellipses; None for a printed law without a source of them.
-    derivations : list of Derivation
-        What was learned, one for each share of the stiffness and error; none for a printed law.
-    """
-
-    criteria: "list[Criterion]"
-    dataset: "xr.Dataset | None"
+    criteria: "list[Criterion]"  # One for each share of the stiffness, error and share of ground motions
+    dataset: "xr.Dataset | None"  # The ellipses; None for a printed law without a source of them
+    # What was learned, one for each share of the stiffness and error; none for a printed law
     derivations: "list[Derivation]"
 
     @property
@@ -47,21 +38,6 @@ def derived(demand: Demand) -> Derived:
     """Derive a criterion for each share of the stiffness, error and share of ground motions.
 
     What is learned at an error serves all shares.
-
-    Parameters
-    ----------
-    demand : Demand
-        The options.
-
-    Returns
-    -------
-    Derived
-        The criteria.
-
-    Raises
-    ------
-    InputError
-        If an option is wrong or would have no effect.
     """
     from reliab.criterion import Derivation
     from reliab.criterion.laws import FITTED, known

@@ -23,32 +23,7 @@ def draw_all(
     structures: Sequence[tuple[float, float]],
     derivations: "Sequence[Derivation]",
 ) -> list[str]:
-    """Draw every structure and posterior into a folder, as SVG; keep posteriors for ArviZ.
-
-    Parameters
-    ----------
-    folder : pathlib.Path
-        Where the figures go; made if need be.
-    dataset : xarray.Dataset or None
-        Ellipses of the motions; None where no source of them is given.
-    criteria : sequence of Criterion
-        The criteria.
-    structures : sequence of (float, float)
-        Natural frequencies [Hz] and damping ratios [-].
-    derivations : sequence of Derivation
-        What they were derived from, one for each error.
-
-    Returns
-    -------
-    list of str
-        Names of the files that were written.
-
-    Raises
-    ------
-    InputError
-        If no source of ellipses is given, motions have ellipses at none of the structures, or the folder
-        cannot be written to.
-    """
+    """Draw every structure and posterior into a folder, as SVG; keep posteriors for ArviZ."""
     if dataset is None:
         raise InputError(
             "A criterion is drawn over ellipses of motions",

@@ -11,23 +11,7 @@ if TYPE_CHECKING:
 
 
 def printed(demand: Demand) -> Derived:
-    """Take the criterion of a printed law, with the ellipses beside which it is shown.
-
-    Parameters
-    ----------
-    demand : Demand
-        The options.
-
-    Returns
-    -------
-    Derived
-        The criterion.
-
-    Raises
-    ------
-    InputError
-        If something else is asked of the law than it states, or an option would have no effect.
-    """
+    """Take the criterion of a printed law, with the ellipses beside which it is shown."""
     criterion = _criterion(demand)
     _check_source(demand)
     dataset = demand.dataset() if demand.has_source else None

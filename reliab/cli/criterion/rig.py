@@ -11,16 +11,8 @@ from reliab.significant import significant
 def rig_beside(demand: Demand) -> dict[str, Any]:
     """Compute the error of the described rig under the motions of the criterion.
 
-    Parameters
-    ----------
-    demand : Demand
-        The options.
-
-    Returns
-    -------
-    dict
-        `rig`, as :func:`reliab.sweep.rig_table.summary_of_rig` returns it; empty
-        where no frame with a transfer system is given.
+    Returns `rig`, as :func:`reliab.sweep.rig_table.summary_of_rig` returns it; empty where no frame with a
+    transfer system is given.
     """
     if demand.structure is None or not demand.motions:
         return {}
@@ -42,13 +34,7 @@ def rig_beside(demand: Demand) -> dict[str, Any]:
 
 
 def show_rig(rig: dict[str, Any]) -> None:
-    """Print the error of a rig.
-
-    Parameters
-    ----------
-    rig : dict
-        As `rig_beside` returns it.
-    """
+    """Print the error of a rig."""
     terminal = console()
     if not rig["stable"]:
         terminal.print("The described rig leaves the test of this frame unstable.", style="yellow")

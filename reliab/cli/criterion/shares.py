@@ -22,20 +22,8 @@ def shares_beside(
 ) -> dict[str, Any]:
     """Compare criteria with the law of the share of the stiffness, where they are of several.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset or None
-        The ellipses.
-    criteria : sequence of Criterion
-        The criteria.
-    structures : sequence of (float, float)
-        Natural frequencies [Hz] and damping ratios [-].
-
-    Returns
-    -------
-    dict
-        `share_law`, as :func:`reliab.criterion.share_comparison.compare_shares` returns it; empty for one
-        share, and where a law carried or predicted some of the ellipses.
+    Returns `share_law`, as :func:`reliab.criterion.share_comparison.compare_shares` returns it; empty for one
+    share, and where a law carried or predicted some of the ellipses.
     """
     if dataset is None or "alpha" not in dataset.dims or "caution" in dataset.attrs:
         return {}
@@ -45,13 +33,7 @@ def shares_beside(
 
 
 def show_shares(share_law: Mapping[str, Any]) -> None:
-    """Print how limits of several shares compare with the law.
-
-    Parameters
-    ----------
-    share_law : mapping
-        As :func:`shares_beside` returns it.
-    """
+    """Print how limits of several shares compare with the law."""
     shown = table(
         "Limits over the share of the stiffness, and the law (1 + s)/(1 + s α²) with s = 1/8ξ²",
         dict.fromkeys(_HEADINGS, "right"),

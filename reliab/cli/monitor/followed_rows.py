@@ -32,18 +32,10 @@ _DELIMITERS = (";", "\t", ",", None)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Rows:
-    """Rows that were added.
+    """Rows that were added."""
 
-    Attributes
-    ----------
-    time : numpy.ndarray or None
-        Times [s], shape (k,); None without a column of time.
-    command, measured : numpy.ndarray
-        x_c and x_m [m], shape (k,).
-    """
-
-    time: NDArray[np.float64] | None
-    command: NDArray[np.float64]
+    time: NDArray[np.float64] | None  # Times [s], shape (k,); None without a column of time
+    command: NDArray[np.float64]  # command, measured: x_c and x_m [m], shape (k,)
     measured: NDArray[np.float64]
 
 
@@ -59,27 +51,7 @@ class _Layout:
 
 
 def chunks_of_text(source: str, wait: float, start_within: float) -> Iterator[bytes]:
-    """Bytes of a growing file, or of standard input, as they come.
-
-    Parameters
-    ----------
-    source : str
-        Path of the file, or "-".
-    wait : float
-        Seconds without a new byte after which a file counts as finished.
-    start_within : float
-        Seconds within which a file must appear and have its first row.
-
-    Yields
-    ------
-    bytes
-        What was added; an empty piece marks the beginning of a new file.
-
-    Raises
-    ------
-    InputError
-        If the file does not appear in time or cannot be opened.
-    """
+    """Bytes of a growing file, or of standard input, as they come."""
     if source == "-":
         while piece := os.read(sys.stdin.fileno(), _BYTES):
             yield piece
@@ -142,29 +114,7 @@ def _rotated(path: Path, stream: BinaryIO) -> bool:
 def rows_of(
     pieces: Iterator[bytes], *, name: str, declared: dict[Part, str], units: str | None
 ) -> Iterator[Rows]:
-    """Rows of a text that comes in pieces.
-
-    Parameters
-    ----------
-    pieces : iterator of bytes
-        As `chunks_of_text` yields them.
-    name : str
-        What the source is called in messages.
-    declared : dict of Part to str
-        Names of columns that the user gave.
-    units : str or None
-        Unit of both displacements, where the header states none.
-
-    Yields
-    ------
-    Rows
-        Rows whose lines are complete.
-
-    Raises
-    ------
-    InputError
-        If there is no header, a row has another number of columns, or a cell is no finite number.
-    """
+    """Rows of a text that comes in pieces."""
     remainder, number = b"", 0
     layout: _Layout | None = None
     for piece in pieces_as_utf8(pieces):

@@ -16,24 +16,7 @@ _WHOLE_RATE = 1e-4  # relative distance up to which a rate is a whole number of 
 def time_step(rows: Iterator[Rows], rate: float | None) -> tuple[float, Iterator[Rows]]:
     """Step between samples, from the rate or the first times.
 
-    Parameters
-    ----------
-    rows : iterator of Rows
-        Rows as they come.
-    rate : float or None
-        Sampling rate [Hz] as stated.
-
-    Returns
-    -------
-    step : float
-        Time between two samples [s].
-    rows : iterator of Rows
-        All rows, the first ones too.
-
-    Raises
-    ------
-    InputError
-        If neither times nor a rate give a step.
+    `rate` [Hz]; returns step [s].
     """
     if rate is not None:
         return 1.0 / rate, rows
@@ -71,22 +54,7 @@ def at_equal_steps(rows: Iterator[Rows], step: float) -> Iterator[Rows]:
     A time may come 0.6 of a step early or late after the one before it, which rounded times do; a missing
     sample does more.
 
-    Parameters
-    ----------
-    rows : iterator of Rows
-        Rows as they come.
-    step : float
-        Time between two samples [s].
-
-    Yields
-    ------
-    Rows
-        The same rows.
-
-    Raises
-    ------
-    InputError
-        If a sample is missing.
+    `step` [s].
     """
     begin: float | None = None
     count, drift = 0, 0.0

@@ -12,27 +12,13 @@ _MILLISECONDS = 1e-3
 
 @dataclass(frozen=True, kw_only=True)
 class StatedTest:
-    """What is stated of a test: structure, sensor and feedback, each with its standard deviation.
+    """What is stated of a test: structure, sensor and feedback, each with its standard deviation."""
 
-    Parameters
-    ----------
-    f : StatedValue
-        Natural frequency [Hz].
-    xi : StatedValue
-        Damping ratio [-].
-    alpha : StatedValue
-        Share of the stiffness in the laboratory [-].
-    scale : StatedValue
-        Scale of the displacement sensor [-].
-    feedback_lag : StatedValue
-        Time by which the force is fed back late [ms].
-    """
-
-    f: StatedValue
-    xi: StatedValue
-    alpha: StatedValue
-    scale: StatedValue
-    feedback_lag: StatedValue
+    f: StatedValue  # Natural frequency [Hz]
+    xi: StatedValue  # Damping ratio [-]
+    alpha: StatedValue  # Share of the stiffness in the laboratory [-]
+    scale: StatedValue  # Scale of the displacement sensor [-]
+    feedback_lag: StatedValue  # Time by which the force is fed back late [ms]
 
     def __post_init__(self) -> None:
         if not self.scale.value > 0.0:
@@ -40,13 +26,7 @@ class StatedTest:
 
     @classmethod
     def parse(cls, **texts: str) -> "StatedTest":
-        """Read the texts of options, by their names.
-
-        Raises
-        ------
-        InputError
-            If one is no number with or without its standard deviation.
-        """
+        """Read the texts of options, by their names."""
         return cls(
             **{
                 name: StatedValue.parse(text, f"value of --{name.replace('_', '-')}")
@@ -57,15 +37,7 @@ class StatedTest:
     def monitor(self, step: float) -> Monitor:
         """Begin to follow a test of this structure.
 
-        Parameters
-        ----------
-        step : float
-            Time between two samples [s].
-
-        Returns
-        -------
-        Monitor
-            Which has seen no sample.
+        `step` [s].
         """
         structure = Structure(
             frequency=self.f.value, damping_ratio=self.xi.value, experimental_fraction=self.alpha.value

@@ -23,27 +23,9 @@ _CRITICAL = 0.25  # share of the structure's damping ratio below which a warning
 class Watch:
     """Prints messages, the table and the alarms of a running test.
 
-    Parameters
-    ----------
-    stated : StatedTest
-        What is stated of the test.
-    threshold : float
-        Error that raises the alarm [-].
-    metric : Metric
-        Which error.
-    every : float
-        Time of the test between two messages [s].
-    lines : file or None
-        Where JSON lines go.
-    quiet : bool
-        Whether nothing else may be printed.
-
-    Attributes
-    ----------
-    alarms : dict of str to str
-        Sentences of the alarms that were raised, by name.
-    above_threshold : bool
-        Whether the error of the whole test is above the threshold, once the test has ended.
+    `threshold` [-]; `every` [s].
+    `alarms`: Sentences of the alarms that were raised, by name.
+    `above_threshold`: Whether the error of the whole test is above the threshold, once the test has ended.
     """
 
     def __init__(
@@ -65,17 +47,7 @@ class Watch:
     def follow(self, rows: Iterator[Rows], rate: float | None) -> None:
         """Follow rows to their end.
 
-        Parameters
-        ----------
-        rows : iterator of Rows
-            Rows as they come.
-        rate : float or None
-            Sampling rate [Hz] as stated.
-
-        Raises
-        ------
-        InputError
-            If times do not follow at equal steps, or the test is too short.
+        `rate` [Hz].
         """
         step, rows = time_step(rows, rate)
         monitor = self.stated.monitor(step)

@@ -28,22 +28,7 @@ ELLIPSE_NOTE = (
 
 
 def answer(validation: "CrossValidation", ellipses: "xr.Dataset", recognised: int) -> dict[str, Any]:
-    """Put a cross-validation into plain values.
-
-    Parameters
-    ----------
-    validation : CrossValidation
-        What was counted.
-    ellipses : xarray.Dataset
-        Ellipses of the motions that were judged.
-    recognised : int
-        Motions whose earthquake the suite that was learned from holds too.
-
-    Returns
-    -------
-    dict
-        The answer, for JSON.
-    """
+    """Put a cross-validation into plain values."""
     from reliab.sweep import share_of
 
     counts = validation.counts
@@ -104,13 +89,7 @@ def _number(value: float) -> float | None:
 
 
 def show(content: dict[str, Any]) -> None:
-    """Print the rates of criteria.
-
-    Parameters
-    ----------
-    content : dict
-        As :func:`answer` gives it.
-    """
+    """Print the rates of criteria."""
     terminal = console()
     title = (
         f"{content['scheme'].replace('_', ' ')}: {content['n_motions']} motions of {content['n_events']} "
@@ -147,20 +126,6 @@ def show(content: dict[str, Any]) -> None:
 def kept_shares(rows: list[dict[str, Any]], of_side: str = "") -> Iterator[str]:
     """Say of each method and law whether the share of motions that it states is kept.
 
-    Parameters
-    ----------
-    rows : list of dict
-        As :func:`answer` gives them.
-    of_side : str, optional
-        For which actuators, where the rows are of one side.
-
-    Yields
-    ------
-    str
-        A sentence for each method and law.
-
-    Examples
-    --------
     >>> rate = {"rate": 0.52, "low": 0.41, "high": 0.63}
     >>> print(*kept_shares([{"candidate": "guo_2017_18", "confidence": 0.95, "containment": rate}]))
     guo_2017_18 does not keep the share that it states: it protects 52.0% of the motions where it states 95%.
@@ -214,15 +179,7 @@ def _share(value: float | None) -> str:
 def interval(rate: dict[str, float | None]) -> str:
     """Write a rate with its interval.
 
-    Parameters
-    ----------
-    rate : dict
-        `rate`, `low` and `high` [-]; None where nothing was counted.
-
-    Returns
-    -------
-    str
-        In per cent.
+    `rate` [-].
     """
     if rate["rate"] is None:
         return "none"

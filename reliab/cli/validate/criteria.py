@@ -30,13 +30,7 @@ class Criteria(JudgedMotions):
     confidence: list[float] | None
 
     def run(self) -> None:
-        """Judge the criteria; write and print how often they hold.
-
-        Raises
-        ------
-        InputError
-            If an option is wrong or would have no effect.
-        """
+        """Judge the criteria; write and print how often they hold."""
         from reliab.validation.cross_validation import cross_validate
 
         if self.scheme is not None and (self.learn is not None or self.judge is not None):

@@ -17,24 +17,12 @@ from reliab.validation.cross_validation import Fold, folds_of, from_another, lea
 
 @dataclass(frozen=True, kw_only=True)
 class Division:
-    """A division of motions into those that are learned from and those that are judged.
+    """A division of motions into those that are learned from and those that are judged."""
 
-    Parameters
-    ----------
-    folds : list of Fold
-        The pairs of both.
-    name : str
-        What the division is called.
-    learn_from : xarray.Dataset, optional
-        Ellipses of another suite that is learned from.
-    recognised : int, optional
-        Motions whose earthquake that suite holds too.
-    """
-
-    folds: list[Fold]
-    name: str
-    learn_from: xr.Dataset | None = None
-    recognised: int = 0
+    folds: list[Fold]  # The pairs of both
+    name: str  # What the division is called
+    learn_from: xr.Dataset | None = None  # Ellipses of another suite that is learned from
+    recognised: int = 0  # Motions whose earthquake that suite holds too
 
     @classmethod
     def of(
@@ -49,24 +37,7 @@ class Division:
     ) -> "Division":
         """Divide motions as options ask for.
 
-        Parameters
-        ----------
-        dataset : xarray.Dataset
-            Ellipses of the motions.
-        source : EllipseSource
-            Where they come from.
-        scheme, leave_out, learn, judge
-            The options; None where they are not given.
-
-        Returns
-        -------
-        Division
-            By a scheme of earthquakes, by sets, or with the shipped suite to learn from.
-
-        Raises
-        ------
-        InputError
-            If options of the division do not fit together.
+        Returns by a scheme of earthquakes, by sets, or with the shipped suite to learn from.
         """
         if learn == [REAL]:
             division = _from_shipped_suite(dataset, source, judge)

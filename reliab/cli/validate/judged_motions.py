@@ -55,18 +55,7 @@ class JudgedMotions(SourceOptions):
         return self.ellipse_source(threshold=[self.error])
 
     def dataset(self) -> "xr.Dataset":
-        """Trace or look up the ellipses of the motions.
-
-        Returns
-        -------
-        xarray.Dataset
-            As :meth:`EllipseSource.dataset` returns it.
-
-        Raises
-        ------
-        InputError
-            If the source is wrong, or does not hold the structures that are asked for.
-        """
+        """Trace or look up the ellipses of the motions."""
         from reliab.sweep import at_share
 
         dataset = at_share(self.source.dataset())
@@ -83,18 +72,7 @@ class JudgedMotions(SourceOptions):
         return dataset
 
     def truth(self, dataset: "xr.Dataset") -> "Truth":
-        """Choose where true errors come from: the loop, stored results, or else ellipses.
-
-        Parameters
-        ----------
-        dataset : xarray.Dataset
-            Ellipses of the motions that are judged.
-
-        Returns
-        -------
-        Truth
-            The errors.
-        """
+        """Choose where true errors come from: the loop, stored results, or else ellipses."""
         from reliab.sweep import at_share, share_of
         from reliab.validation.cross_validation import EllipseTruth, SimulatedTruth, StoredTruth
 

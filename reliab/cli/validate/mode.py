@@ -13,27 +13,7 @@ _BELONG_TO = {"integrator": "--case", "compensator": "--case", "tests": "--rebui
 
 
 def alone(option: str, mode: type[Mode], context: typer.Context) -> Mode:
-    """Take the options of a way of judging, and refuse those that it would not use.
-
-    Parameters
-    ----------
-    option : str
-        The option that chooses this way, "--case"; empty for the one without an option.
-    mode : type
-        A dataclass whose fields are named like the options that this way takes.
-    context : typer.Context
-        The call.
-
-    Returns
-    -------
-    Mode
-        The way of judging with its options.
-
-    Raises
-    ------
-    InputError
-        If another option is given.
-    """
+    """Take the options of a way of judging, and refuse those that it would not use."""
     used = {*(field.name for field in fields(mode)), option.removeprefix("--").replace("-", "_")}  # type: ignore[arg-type]
     for name in given_options(context):
         if name not in used:

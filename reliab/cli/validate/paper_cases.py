@@ -22,35 +22,19 @@ _HEADINGS = (
 
 @dataclass(frozen=True, kw_only=True)
 class PaperCases:
-    """Options of the paper's four cases.
+    """Options of the paper's four cases."""
 
-    Parameters
-    ----------
-    motions, sets : list of str or None
-        Sources of ground motions and sets of their catalogue.
-    case : str
-        Name of the motion; it may be one that is held out.
-    integrator, compensator : str or None
-        How the command is computed, and how the actuator's delay is compensated; the paper's by default.
-    json_target : str or None
-        File for JSON, or "-".
-    """
-
-    motions: list[str] | None
+    motions: list[str] | None  # motions, sets: Sources of ground motions and sets of their catalogue
     sets: list[str] | None
-    case: str
+    case: str  # Name of the motion; it may be one that is held out
+    # integrator, compensator: How the command is computed, and how the actuator's delay is compensated; the
+    # paper's by default
     integrator: str | None
     compensator: str | None
-    json_target: str | None
+    json_target: str | None  # File for JSON, or "-"
 
     def run(self) -> None:
-        """Run the four cases under the ground motion and print the verdicts.
-
-        Raises
-        ------
-        InputError
-            If there is no such motion, integrator or compensator.
-        """
+        """Run the four cases under the ground motion and print the verdicts."""
         from reliab.study import study_module
 
         record_seconds = study_module("paper2017", "cases").RECORD_SECONDS

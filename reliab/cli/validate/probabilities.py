@@ -22,13 +22,7 @@ class Probabilities(JudgedMotions):
     """Options of a comparison of stated probabilities with simulated tests."""
 
     def run(self) -> None:
-        """Compare probabilities with tests; write and print how many are good for which probability.
-
-        Raises
-        ------
-        InputError
-            If an option is wrong.
-        """
+        """Compare probabilities with tests; write and print how many are good for which probability."""
         from reliab.validation.probability_calibration import probability_calibration
 
         dataset = self.dataset()

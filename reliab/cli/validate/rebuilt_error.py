@@ -29,50 +29,24 @@ _JUDGES = {
 
 @dataclass(frozen=True, kw_only=True)
 class RebuiltErrors:
-    """Options of a comparison of rebuilt errors with criteria.
+    """Options of a comparison of rebuilt errors with criteria."""
 
-    Parameters
-    ----------
-    motions, sets : list of str or None
-        Sources of ground motions and sets of their catalogue; the suite that is built in by default.
-    f, xi : list of float or None
-        Structures [Hz, -]; the paper's by default.
-    alpha : list of float or None
-        Shares of their stiffness in the laboratory [-]; 1 by default.
-    threshold : float or None
-        Error up to which a test is good [-]; 0.05 by default.
-    metric : str
-        Which error.
-    confidence : list of float or None
-        Share of ground motions that the criterion states; 0.95 by default.
-    trials : int or None
-        Tests of each kind of actuator and specimen, for each structure; 6 by default.
-    tests : pathlib.Path or None
-        CSV of all tests, from which an interrupted run resumes.
-    json_target : str or None
-        File for JSON, or "-".
-    """
-
+    # motions, sets: Sources of ground motions and sets of their catalogue; the suite that is built in by
+    # default
     motions: list[str] | None
     sets: list[str] | None
-    f: list[float] | None
+    f: list[float] | None  # f, xi: Structures [Hz, -]; the paper's by default
     xi: list[float] | None
-    alpha: list[float] | None
-    threshold: float | None
-    metric: str
-    confidence: list[float] | None
-    trials: int | None
-    tests: Path | None
-    json_target: str | None
+    alpha: list[float] | None  # Shares of their stiffness in the laboratory [-]; 1 by default
+    threshold: float | None  # Error up to which a test is good [-]; 0.05 by default
+    metric: str  # Which error
+    confidence: list[float] | None  # Share of ground motions that the criterion states; 0.95 by default
+    trials: int | None  # Tests of each kind of actuator and specimen, for each structure; 6 by default
+    tests: Path | None  # CSV of all tests, from which an interrupted run resumes
+    json_target: str | None  # File for JSON, or "-"
 
     def run(self) -> None:
-        """Simulate tests, have them judged, and print how often each judge is right.
-
-        Raises
-        ------
-        InputError
-            If an option is wrong.
-        """
+        """Simulate tests, have them judged, and print how often each judge is right."""
         from reliab.validation.rebuilt_error_study import summarised, try_tests
 
         design = self._design()

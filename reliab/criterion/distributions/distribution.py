@@ -15,35 +15,13 @@ FEWEST_VALUES = 3
 
 
 class Distribution(ABC):
-    """Distribution of a positive quantity, fitted by maximum likelihood.
+    """Distribution of a positive quantity, fitted by maximum likelihood."""
 
-    Attributes
-    ----------
-    name : str
-        How the distribution is called on the command line and in tables.
-    """
-
-    name: ClassVar[str]
+    name: ClassVar[str]  # How the distribution is called on the command line and in tables
 
     @classmethod
     def fit(cls, values: ArrayLike) -> Self:
-        """Fit the distribution.
-
-        Parameters
-        ----------
-        values : array_like
-            Positive numbers, shape (n,), n ≥ 3.
-
-        Returns
-        -------
-        Distribution
-            The distribution of maximum likelihood.
-
-        Raises
-        ------
-        InputError
-            If there are fewer than three values, one is not positive and finite, or all are the same.
-        """
+        """Fit the distribution."""
         sample = np.asarray(values, dtype=np.float64)
         if sample.size < FEWEST_VALUES:
             raise InputError(
@@ -85,22 +63,7 @@ def maximise_likelihood(
     start: Sequence[float],
     bounds: Sequence[tuple[float, float]],
 ) -> NDArray[np.float64]:
-    """Find the parameters of greatest log-likelihood within bounds.
-
-    Parameters
-    ----------
-    log_likelihood : callable
-        Log-likelihood of parameters, shape (k,).
-    start : sequence of float
-        First guess, shape (k,).
-    bounds : sequence of tuple of float
-        Least and greatest value of each parameter.
-
-    Returns
-    -------
-    numpy.ndarray
-        The parameters, shape (k,).
-    """
+    """Find the parameters of greatest log-likelihood within bounds."""
     optimum = scipy.optimize.minimize(
         lambda p: -log_likelihood(p), np.asarray(start), bounds=bounds, method="L-BFGS-B"
     )

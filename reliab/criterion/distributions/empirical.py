@@ -19,12 +19,8 @@ class Empirical(NormalKernels):
     Where half of the values or more are equal, the quartiles show no spread, and the standard deviation is
     used alone.
 
-    References
-    ----------
     Silverman, B. W. (1986). *Density estimation for statistics and data analysis*, equation (3.31).
 
-    Examples
-    --------
     >>> fitted = Empirical.fit(np.exp(np.linspace(-1.0, 1.0, 101)))
     >>> round(float(fitted.quantile(0.5)), 4)
     1.0

@@ -14,13 +14,6 @@ from reliab.criterion.distributions.scipy_family import OfQuantity
 class Gamma(OfQuantity):
     """Gamma distribution of the quantity itself, from zero.
 
-    Parameters
-    ----------
-    shape, scale : float
-        Shape [-] and scale (in the quantity's unit).
-
-    Examples
-    --------
     >>> round(float(Gamma(shape=1.0, scale=2.0).quantile(0.5)), 4)  # exponential: 2 ln 2
     1.3863
     """
@@ -28,7 +21,7 @@ class Gamma(OfQuantity):
     name: ClassVar[str] = "gamma"
     family_name: ClassVar[str] = "gamma"
 
-    shape: float
+    shape: float  # shape, scale: Shape [-] and scale (in the quantity's unit)
     scale: float
 
     @classmethod

@@ -20,8 +20,6 @@ class LogGaussianMixture(NormalKernels):
 
     No component is narrower than a tenth of the sample's spread: the likelihood has no maximum otherwise.
 
-    Examples
-    --------
     >>> two = np.exp(np.concatenate([np.linspace(-1.0, 1.0, 50), np.linspace(9.0, 11.0, 50)]))
     >>> np.sort(LogGaussianMixture.fit(two).means).round(2) + 0.0
     array([ 0., 10.])

@@ -13,13 +13,6 @@ from reliab.criterion.distributions.scipy_family import OfLogarithm
 class Lognormal(OfLogarithm):
     """Normal distribution of the logarithm.
 
-    Parameters
-    ----------
-    mu, sigma : float
-        Mean and standard deviation of the logarithm; the fit divides by n, as maximum likelihood does.
-
-    Examples
-    --------
     >>> fitted = Lognormal.fit([1.0, 2.0, 4.0])
     >>> round(fitted.mu, 4), round(fitted.sigma, 4), round(float(fitted.quantile(0.05)), 4)
     (0.6931, 0.566, 0.7884)
@@ -28,6 +21,8 @@ class Lognormal(OfLogarithm):
     name: ClassVar[str] = "lognormal"
     family_name: ClassVar[str] = "norm"
 
+    # mu, sigma: Mean and standard deviation of the logarithm; the fit divides by n, as maximum likelihood
+    # does
     mu: float
     sigma: float
 

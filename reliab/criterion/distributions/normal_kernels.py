@@ -13,14 +13,9 @@ _REACH = 40.0  # standard deviations from the outermost mean within which every 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class NormalKernels(Distribution):
-    """Weighted normal distributions of the logarithm.
+    """Weighted normal distributions of the logarithm."""
 
-    Parameters
-    ----------
-    weights, means, spreads : array of float, shape (k,)
-        Weight, mean and standard deviation of the logarithm of each.
-    """
-
+    # weights, means, spreads: Weight, mean and standard deviation of the logarithm of each, shape (k,)
     weights: NDArray[np.float64]
     means: NDArray[np.float64]
     spreads: NDArray[np.float64]

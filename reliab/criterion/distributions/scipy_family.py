@@ -11,15 +11,9 @@ from reliab.criterion.distributions.distribution import Distribution
 
 
 class OfQuantity(Distribution):
-    """A family of scipy for the quantity itself.
+    """A family of scipy for the quantity itself."""
 
-    Attributes
-    ----------
-    family_name : str
-        Name of the family in `scipy.stats`.
-    """
-
-    family_name: ClassVar[str]
+    family_name: ClassVar[str]  # Name of the family in `scipy.stats`
 
     @property
     def family(self) -> Any:  # noqa: ANN401 - scipy has no types

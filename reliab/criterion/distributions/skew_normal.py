@@ -17,20 +17,9 @@ _STEEPEST = 20.0  # beyond, the distribution is a half-normal to within a sample
 class LogSkewNormal(OfLogarithm):
     """Skew-normal distribution of the logarithm, density 2/ω φ(z) Φ(αz), z = (ln x − ξ)/ω.
 
-    Parameters
-    ----------
-    location, scale : float
-        ξ and ω of the logarithm.
-    shape : float
-        α, between −20 and 20; 0 is the lognormal, a positive one has the longer tail above.
-
-    References
-    ----------
     Azzalini, A. (1985). A class of distributions which includes the normal ones. *Scandinavian
     Journal of Statistics* 12(2), 171-178.
 
-    Examples
-    --------
     >>> fitted = LogSkewNormal(location=0.0, scale=1.0, shape=0.0)
     >>> round(float(fitted.quantile(0.05)), 4)  # the lognormal's
     0.193
@@ -39,9 +28,9 @@ class LogSkewNormal(OfLogarithm):
     name: ClassVar[str] = "skew_normal"
     family_name: ClassVar[str] = "skewnorm"
 
-    location: float
+    location: float  # location, scale: ξ and ω of the logarithm
     scale: float
-    shape: float
+    shape: float  # α, between −20 and 20; 0 is the lognormal, a positive one has the longer tail above
 
     @classmethod
     def _of_maximum_likelihood(cls, values: NDArray[np.float64]) -> Self:

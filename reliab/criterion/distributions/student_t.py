@@ -17,15 +17,6 @@ _DEGREES = (1.0, 500.0)  # Cauchy to all but normal
 class LogStudentT(OfLogarithm):
     """Student's t distribution of the logarithm.
 
-    Parameters
-    ----------
-    mu, sigma : float
-        Location and scale of the logarithm.
-    degrees_of_freedom : float
-        From 1 (Cauchy) to 500 (all but normal).
-
-    Examples
-    --------
     >>> fitted = LogStudentT(mu=0.0, sigma=1.0, degrees_of_freedom=3.0)
     >>> round(float(fitted.quantile(0.05)), 4)
     0.095
@@ -34,9 +25,9 @@ class LogStudentT(OfLogarithm):
     name: ClassVar[str] = "student_t"
     family_name: ClassVar[str] = "t"
 
-    mu: float
+    mu: float  # mu, sigma: Location and scale of the logarithm
     sigma: float
-    degrees_of_freedom: float
+    degrees_of_freedom: float  # From 1 (Cauchy) to 500 (all but normal)
 
     @classmethod
     def _of_maximum_likelihood(cls, values: NDArray[np.float64]) -> Self:

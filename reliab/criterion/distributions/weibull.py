@@ -16,13 +16,6 @@ _REACH = 1e3
 class Weibull(OfQuantity):
     """Weibull distribution of the quantity itself, from zero.
 
-    Parameters
-    ----------
-    shape, scale : float
-        Shape [-] and scale (in the quantity's unit).
-
-    Examples
-    --------
     >>> round(float(Weibull(shape=1.0, scale=2.0).quantile(0.5)), 4)  # exponential: 2 ln 2
     1.3863
     """
@@ -30,7 +23,7 @@ class Weibull(OfQuantity):
     name: ClassVar[str] = "weibull"
     family_name: ClassVar[str] = "weibull_min"
 
-    shape: float
+    shape: float  # shape, scale: Shape [-] and scale (in the quantity's unit)
     scale: float
 
     @classmethod

@@ -12,27 +12,7 @@ _REMEDY = "Derive the criterion again; few motions give limits of zero, never ne
 
 
 def checked_limits(name: str, values: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:
-    """Return limits as an array, or say what is wrong with them.
-
-    Parameters
-    ----------
-    name : str
-        Which limit, "a" or "b".
-    values : array_like
-        The limits [-] or [ms²].
-    shape : tuple of int
-        The shape that they must have.
-
-    Returns
-    -------
-    numpy.ndarray
-        Numbers from zero to `LARGEST`.
-
-    Raises
-    ------
-    InputError
-        If they have another shape, or one is negative, too large or not finite.
-    """
+    """Return limits as an array, or say what is wrong with them."""
     limits = _numbers(f"limits {name}", values)
     if limits.shape != shape:
         raise InputError(
@@ -51,13 +31,7 @@ def checked_limits(name: str, values: ArrayLike, shape: tuple[int, ...]) -> NDAr
 
 
 def checked_grid(name: str, values: ArrayLike) -> NDArray[np.float64]:
-    """Return the frequencies or damping ratios of a law, or say what is wrong with them.
-
-    Raises
-    ------
-    InputError
-        If they are not positive, finite, at most `LARGEST`, and increasing.
-    """
+    """Return the frequencies or damping ratios of a law, or say what is wrong with them."""
     grid = _numbers(name, values)
     increasing = grid.ndim == 1 and grid.size > 0 and bool((np.diff(grid) > 0.0).all())
     if not (increasing and grid[0] >= 1.0 / LARGEST and grid[-1] <= LARGEST):
@@ -70,13 +44,7 @@ def checked_grid(name: str, values: ArrayLike) -> NDArray[np.float64]:
 
 
 def checked_coefficients(name: str, values: ArrayLike, terms: int) -> None:
-    """Refuse coefficients that are not finite, or not as many as the law has terms.
-
-    Raises
-    ------
-    InputError
-        If so.
-    """
+    """Refuse coefficients that are not finite, or not as many as the law has terms."""
     coefficients = _numbers(f"coefficients of {name}", values)
     if coefficients.shape != (terms,) or not np.isfinite(coefficients).all():
         raise InputError(

@@ -21,8 +21,6 @@ class Dimensionless(LogLinearLaw):
     f 0.25–2 Hz and ξ 0.02–0.10, where a and b themselves move over four decades. Six terms each:
     1, φ, η, φ², φη, η² with φ = ln(f / 1 Hz) and η = ln(ξ / 0.05).
 
-    Examples
-    --------
     >>> f, xi = np.array([0.25, 0.5, 1.0, 2.0]), np.array([0.02, 0.05, 0.1])
     >>> a, b = scales(f[:, None], xi[None, :])
     >>> law = Dimensionless.fit(f, xi, 0.2 * a, 0.1 * b)

@@ -16,8 +16,6 @@ class Exponential(LogLinearLaw):
 
     Kept for comparison: neither b over frequency nor a and b over damping have this form.
 
-    Examples
-    --------
     >>> law = Exponential.fit([0.5, 1.0, 2.0], [0.02], [[1e-4]] * 3, np.exp([[-1.0], [-2.0], [-4.0]]))
     >>> round(-law.coefficients_b[1], 6)  # k₂
     2.0

@@ -14,20 +14,11 @@ Limits = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 class Law(ABC):
-    """How the limits a and b depend on the structure.
+    """How the limits a and b depend on the structure."""
 
-    Attributes
-    ----------
-    name : str
-        How the law is called on the command line.
-    equation : str
-        The law in the paper's notation.
-    counts_leads_as_lags : bool
-        Whether the law, as it is printed, holds for delays of either sign.
-    """
-
-    name: ClassVar[str]
-    equation: ClassVar[str]
+    name: ClassVar[str]  # How the law is called on the command line
+    equation: ClassVar[str]  # The law in the paper's notation
+    # Whether the law, as it is printed, holds for delays of either sign
     counts_leads_as_lags: ClassVar[bool] = False
 
     @property
@@ -38,22 +29,7 @@ class Law(ABC):
     def limits(self, frequency: ArrayLike, damping_ratio: ArrayLike) -> Limits:
         """Limits of structures.
 
-        Parameters
-        ----------
-        frequency : array_like
-            Natural frequencies f [Hz].
-        damping_ratio : array_like
-            Damping ratios ξ [-], broadcast against the frequencies.
-
-        Returns
-        -------
-        a, b : numpy.ndarray
-            Ellipse parameters [-] and [ms²] in the broadcast shape.
-
-        Raises
-        ------
-        InputError
-            If a structure lies where the law does not hold, or a limit there is negative or not finite.
+        `frequency` [Hz]; `damping_ratio` [-].
         """
         self.validity.require(frequency, damping_ratio)
         f, xi = np.broadcast_arrays(

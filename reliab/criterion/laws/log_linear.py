@@ -15,23 +15,11 @@ from reliab.errors import InputError
 
 @dataclass(frozen=True, kw_only=True)
 class LogLinearLaw(Law):
-    """Limits ln(a/a₀) and ln(b/b₀) linear in terms of the structure.
+    """Limits ln(a/a₀) and ln(b/b₀) linear in terms of the structure."""
 
-    Parameters
-    ----------
-    coefficients_a, coefficients_b : tuple of float
-        Factors of the terms.
-    frequency, damping_ratio : tuple of float
-        Least and greatest value [Hz, -] of the structures that the law was fitted to.
-
-    Raises
-    ------
-    InputError
-        If a coefficient is not finite, there are not as many as terms, or a range is empty.
-    """
-
-    coefficients_a: tuple[float, ...]
+    coefficients_a: tuple[float, ...]  # coefficients_a, coefficients_b: Factors of the terms
     coefficients_b: tuple[float, ...]
+    # frequency, damping_ratio: Least and greatest value [Hz, -] of the structures that the law was fitted to
     frequency: tuple[float, float]
     damping_ratio: tuple[float, float]
 
@@ -48,22 +36,8 @@ class LogLinearLaw(Law):
     def fit(cls, frequencies: ArrayLike, damping_ratios: ArrayLike, a: ArrayLike, b: ArrayLike) -> Self:
         """Fit by least squares of logarithms.
 
-        Parameters
-        ----------
-        frequencies, damping_ratios : array_like
-            The grid [Hz, -], shape (F,) and (X,).
-        a, b : array_like
-            Positive limits [-] and [ms²], shape (F, X).
-
-        Returns
-        -------
-        LogLinearLaw
-            The law, valid within the grid; terms that the grid cannot separate share their effect.
-
-        Raises
-        ------
-        InputError
-            If a limit is zero, negative or not finite.
+        `frequencies`, `damping_ratios` [Hz, -].
+        Returns the law, valid within the grid; terms that the grid cannot separate share their effect.
         """
         grid_f, grid_xi = (
             np.asarray(frequencies, dtype=np.float64),

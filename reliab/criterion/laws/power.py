@@ -14,8 +14,6 @@ from reliab.criterion.laws.log_linear import LogLinearLaw
 class Power(LogLinearLaw):
     """a = c f^p ξ^q and b = c′ f^p′ ξ^q′.
 
-    Examples
-    --------
     >>> xi = np.array([0.02, 0.05])
     >>> law = Power.fit([1.0, 2.0], xi, 0.3 * np.stack([xi, xi]) ** 2, np.stack([xi, xi / 4.0]))
     >>> np.round(law.coefficients_b, 6)[1:] + 0.0  # exponents of f and ξ

@@ -42,18 +42,6 @@ _PRINTED: Final[dict[str, type[Law]]] = {law.name: law for law in (*PUBLISHED, *
 def law_to_dict(law: Law) -> dict[str, Any]:
     """Name and parameters of a law.
 
-    Parameters
-    ----------
-    law : Law
-        A fitted, published or corrected law, a dataclass.
-
-    Returns
-    -------
-    dict
-        Key "name" and one key for each parameter.
-
-    Examples
-    --------
     >>> law = Power(
     ...     coefficients_a=(-1.0, 0.0, 2.0),
     ...     coefficients_b=(1.0, -2.0, 2.0),
@@ -67,23 +55,7 @@ def law_to_dict(law: Law) -> dict[str, Any]:
 
 
 def law_from_dict(content: Mapping[str, Any]) -> Law:
-    """Make a law from its name and parameters.
-
-    Parameters
-    ----------
-    content : mapping
-        As `law_to_dict` gives it; lists stand for tuples.
-
-    Returns
-    -------
-    Law
-        The law.
-
-    Raises
-    ------
-    InputError
-        If there is no law of that name, or its parameters are missing, unknown or wrong.
-    """
+    """Make a law from its name and parameters."""
     parameters = {key: _tuples(value) for key, value in content.items() if key != "name"}
     laws: dict[str, type[Law]] = {**FITTED, **_PRINTED}
     law = known(laws, content.get("name"))

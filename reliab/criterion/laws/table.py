@@ -19,20 +19,6 @@ class Table(Law):
 
     Between grid points ln(a/ξ²) and ln(bω₀²/ξ²) are linear in ln f and ln ξ.
 
-    Parameters
-    ----------
-    frequencies, damping_ratios : tuple of float
-        The grid [Hz, -], increasing.
-    a, b : tuple of tuple of float
-        Limits [-] and [ms²], shape (frequencies, damping ratios); zero where no test is accepted.
-
-    Raises
-    ------
-    InputError
-        If the grid does not increase, or a limit is negative or not finite.
-
-    Examples
-    --------
     >>> law = Table(frequencies=(1.0, 2.0), damping_ratios=(0.02,), a=((1e-4,), (1e-4,)), b=((4.0,), (1.0,)))
     >>> [float(limit.round(6)) for limit in law.limits(np.sqrt(2.0), 0.02)]
     [0.0001, 2.0]
@@ -41,8 +27,9 @@ class Table(Law):
     name: ClassVar[str] = "table"
     equation: ClassVar[str] = "a/ξ² and bω₀²/ξ² interpolated between simulated structures"
 
-    frequencies: tuple[float, ...]
+    frequencies: tuple[float, ...]  # frequencies, damping_ratios: The grid [Hz, -], increasing
     damping_ratios: tuple[float, ...]
+    # a, b: Limits [-] and [ms²], shape (frequencies, damping ratios); zero where no test is accepted
     a: tuple[tuple[float, ...], ...]
     b: tuple[tuple[float, ...], ...]
 

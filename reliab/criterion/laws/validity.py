@@ -14,42 +14,21 @@ _ROUNDING = 1e-9
 class Validity:
     """Ranges outside of which a law refuses to answer.
 
-    Parameters
-    ----------
-    frequency : tuple of float
-        Least and greatest natural frequency [Hz].
-    damping_ratio : tuple of float
-        Least and greatest damping ratio [-].
-    threshold : float, optional
-        The one error [-] that the law is for; None leaves it to the criterion.
-    metric : str, optional
-        The one metric that the law is for; None leaves it to the criterion.
-
-    Examples
-    --------
     >>> Validity(frequency=(0.25, 2.0), damping_ratio=(0.02, 0.02)).require(1.0, 0.05)
     Traceback (most recent call last):
     ...
     reliab.errors.InputError: The damping ratio must lie where the law is valid, at 0.02; found 0.05. ...
     """
 
-    frequency: tuple[float, float]
-    damping_ratio: tuple[float, float]
-    threshold: float | None = None
-    metric: str | None = None
+    frequency: tuple[float, float]  # Least and greatest natural frequency [Hz]
+    damping_ratio: tuple[float, float]  # Least and greatest damping ratio [-]
+    threshold: float | None = None  # The one error [-] that the law is for; None leaves it to the criterion
+    metric: str | None = None  # The one metric that the law is for; None leaves it to the criterion
 
     def require(self, frequency: ArrayLike, damping_ratio: ArrayLike) -> None:
         """Raise an error where a structure lies outside.
 
-        Parameters
-        ----------
-        frequency, damping_ratio : array_like
-            Structures [Hz, -].
-
-        Raises
-        ------
-        InputError
-            If one lies outside; the message names the range.
+        `frequency`, `damping_ratio` [Hz, -].
         """
         _require("natural frequency", frequency, self.frequency, " Hz")
         _require("damping ratio", damping_ratio, self.damping_ratio, "")
@@ -57,17 +36,7 @@ class Validity:
     def require_error(self, threshold: float, metric: str) -> None:
         """Raise an error where the law is for another threshold or metric.
 
-        Parameters
-        ----------
-        threshold : float
-            Error [-].
-        metric : str
-            Which error.
-
-        Raises
-        ------
-        InputError
-            If the law is for another one.
+        `threshold` [-].
         """
         if self.threshold is not None and not np.isclose(threshold, self.threshold, rtol=_ROUNDING):
             raise InputError(

@@ -19,17 +19,8 @@ class Bootstrap(AssuredBound):
     Approximate, and too optimistic for few earthquakes, but it accounts for motions of one earthquake being
     alike, which the tolerance bound does not.
 
-    Parameters
-    ----------
-    assurance : float, optional
-        Share of the resampled quantiles above the bound, in (0, 1).
-    resamples : int, optional
-        Number of suites.
-    seed : int, optional
-        Seed of the draws.
+    `assurance`: Share of the resampled quantiles above the bound, in (0, 1).
 
-    Examples
-    --------
     >>> logarithms = np.random.default_rng(1).normal(size=100)
     >>> alone, paired = np.arange(100).astype(str), np.repeat(np.arange(10), 10).astype(str)
     >>> method = Bootstrap()
@@ -41,8 +32,8 @@ class Bootstrap(AssuredBound):
     meaning: ClassVar[str] = "a bound from resampling whole earthquakes"
     exchangeable: ClassVar[str] = "earthquakes, each with all its motions; lognormal"
 
-    resamples: int = 4000
-    seed: int = 2017
+    resamples: int = 4000  # Number of suites
+    seed: int = 2017  # Seed of the draws
 
     @property
     def assumes_lognormality(self) -> bool:

@@ -23,24 +23,8 @@ class BoundMethod(Method):
     ) -> float:
         """Bound that the stated share of the motions exceeds.
 
-        Parameters
-        ----------
-        logarithms : array of float, shape (motions,)
-            Logarithms of the quantity.
-        events : array of str, shape (motions,)
-            Earthquake of each motion.
-        confidence : float
-            Stated share of the motions, in (0, 1).
-
-        Returns
-        -------
-        float
-            Logarithm of the bound; minus infinity when the motions are too few for the promise.
-
-        Raises
-        ------
-        InputError
-            If the confidence lies outside of (0, 1).
+        `logarithms`, `events` (motions,).
+        Returns logarithm of the bound; minus infinity when the motions are too few for the promise.
         """
         return self._lower_bound(logarithms, events, checked_share(confidence, "confidence"))
 
@@ -66,14 +50,9 @@ class BoundMethod(Method):
 
 @dataclass(frozen=True, kw_only=True)
 class AssuredBound(BoundMethod):
-    """A lower bound that keeps its promise with a stated assurance.
+    """A lower bound that keeps its promise with a stated assurance."""
 
-    Parameters
-    ----------
-    assurance : float, optional
-        Share of suites, or posterior probability, with which the promise is kept; in (0, 1).
-    """
-
+    # Share of suites, or posterior probability, with which the promise is kept; in (0, 1)
     assurance: float = 0.95
 
     def __post_init__(self) -> None:
@@ -104,25 +83,9 @@ def limits(
     share, but not the same motions, a larger b. *Jointly*, the share holds for both together
     (:class:`~reliab.criterion.methods.joint.Scatter`).
 
-    Parameters
-    ----------
-    sample : EllipseSample
-        Ellipses of one structure at one error.
-    method : BoundMethod
-        What the confidence means.
-    confidence : float
-        Stated share of the motions, in (0, 1).
-    joint : bool, optional
-        Whether a and b hold together.
+    Returns `a, b`: the limits [-] and [ms²], finite; zero where the motions are too few for the method's
+    promise (:meth:`Method.carried_confidence`).
 
-    Returns
-    -------
-    a, b : float
-        The limits [-] and [ms²], finite; zero where the motions are too few for the method's promise
-        (:meth:`Method.carried_confidence`).
-
-    Examples
-    --------
     >>> from reliab.criterion.methods import Quantile
     >>> logarithms = np.random.default_rng(1).multivariate_normal([0, 0], [[1.0, 0.5], [0.5, 1.0]], 5000)
     >>> a, b = np.exp(logarithms.T)

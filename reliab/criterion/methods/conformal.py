@@ -20,13 +20,9 @@ class Conformal(BoundMethod):
     highest confidence that can be promised is K/(K + 1): 95 % needs 19 of them and 99 % needs 99,
     and beyond that the bound is minus infinity.
 
-    References
-    ----------
     Lee, Y., Barber, R. F. and Willett, R. (2023). Distribution-free inference with hierarchical data.
     arXiv:2306.06342.
 
-    Examples
-    --------
     >>> logarithms, events = np.arange(20.0), np.repeat(np.arange(10), 2).astype(str)
     >>> method = Conformal()
     >>> method.lower_bound(logarithms, events, 0.8), method.lower_bound(logarithms, events, 0.95)

@@ -20,13 +20,6 @@ class Dirichlet(BoundMethod):
     quantile, with few a fitted skew-normal shape determines the tail. Motions of one earthquake are alike and
     count as fewer independent ones.
 
-    Parameters
-    ----------
-    concentration : float, optional
-        Weight of the fitted shape, as a number of motions.
-
-    Examples
-    --------
     >>> logarithms = np.random.default_rng(1).normal(size=400)
     >>> round(Dirichlet().lower_bound(logarithms, np.arange(400).astype(str), 0.95), 2)
     -1.62
@@ -40,7 +33,7 @@ class Dirichlet(BoundMethod):
     )
     exchangeable: ClassVar[str] = "motions, those of one earthquake correlated as analysis of variance finds"
 
-    concentration: float = CONCENTRATION
+    concentration: float = CONCENTRATION  # Weight of the fitted shape, as a number of motions
 
     def _lower_bound(
         self, logarithms: NDArray[np.float64], events: NDArray[np.str_], confidence: float

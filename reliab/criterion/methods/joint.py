@@ -14,13 +14,6 @@ class Scatter:
     The smaller of the two standardised logarithms represents the motion. A lower bound of it, carried back to
     a and b, holds for both together, and both lie equally deep in their own distributions.
 
-    Parameters
-    ----------
-    centre, spread : array of float, shape (..., 2)
-        Mean and standard deviation over the motions.
-
-    Examples
-    --------
     >>> pairs = np.array([[0.0, 0.0], [1.0, 4.0], [2.0, 2.0]])
     >>> scatter = Scatter.of(pairs)
     >>> scatter.worse(pairs).round(3).tolist()
@@ -29,6 +22,7 @@ class Scatter:
     [0.184, 0.367]
     """
 
+    # centre, spread: Mean and standard deviation over the motions, shape (..., 2)
     centre: NDArray[np.float64]
     spread: NDArray[np.float64]
 

@@ -17,31 +17,15 @@ from reliab.vocabulary import CurveName
 
 
 class Learned(ABC):
-    """What a method has learned from the motions of a grid of structures.
+    """What a method has learned from the motions of a grid of structures."""
 
-    Attributes
-    ----------
-    grid : SampleGrid
-        The motions.
-    """
-
-    grid: SampleGrid
+    grid: SampleGrid  # The motions
 
     @abstractmethod
     def limits(self, confidence: float, *, joint: bool) -> NDArray[np.float64]:
         """Limits of every structure.
 
-        Parameters
-        ----------
-        confidence : float
-            Share of ground motions, in (0, 1), which the motions can carry.
-        joint : bool
-            Whether a and b hold together, or each for itself.
-
-        Returns
-        -------
-        array of float, shape (F, X, 2)
-            a [-] and b [ms²], finite; zero where nothing can be promised.
+        Returns (F, X, 2).
         """
 
     @property
@@ -75,31 +59,18 @@ class Method(ABC):
 
     A criterion is safe when it is small: at a confidence of 95 % it is a bound that 95 % of the
     motions exceed, the paper's 5 % quantile. How this is meant is the method's definition.
-
-    Attributes
-    ----------
-    name : str
-        How the method is called on the command line.
-    meaning : str
-        What a confidence stated by the method means, as the end of a sentence.
-    exchangeable : str
-        What has to be interchangeable for the method to keep its promise.
-    curve : str
-        Which ellipses it rests on: those inscribed in the boundaries, or the paper's, fitted to them.
-    joint_by_default : bool
-        Whether a and b hold together unless one says otherwise; in the paper each holds for itself.
-    distribution_free : bool
-        Whether the promise needs no shape of the distribution over motions.
-    samples_chains : bool
-        Whether it samples a posterior whose chains can be kept in a file.
     """
 
-    name: ClassVar[str]
-    meaning: ClassVar[str]
-    exchangeable: ClassVar[str]
+    name: ClassVar[str]  # How the method is called on the command line
+    meaning: ClassVar[str]  # What a confidence stated by the method means, as the end of a sentence
+    exchangeable: ClassVar[str]  # What has to be interchangeable for the method to keep its promise
+    # Which ellipses it rests on: those inscribed in the boundaries, or the paper's, fitted to them
     curve: ClassVar[str] = CurveName.INSCRIBED
+    # Whether a and b hold together unless one says otherwise; in the paper each holds for itself
     joint_by_default: ClassVar[bool] = True
+    # Whether the promise needs no shape of the distribution over motions
     distribution_free: ClassVar[bool] = False
+    # Whether it samples a posterior whose chains can be kept in a file
     samples_chains: ClassVar[bool] = False
 
     @property
@@ -123,18 +94,6 @@ class Method(ABC):
         one, and the ratio grows further beyond it. One earthquake supports no confidence, since it does not
         show how earthquakes differ.
 
-        Parameters
-        ----------
-        n_motions, n_events : int
-            Numbers of motions and of their earthquakes, at least 1.
-
-        Returns
-        -------
-        float
-            A share of ground motions in [0, 1).
-
-        Examples
-        --------
         >>> from reliab.criterion.methods import Dirichlet
         >>> [round(Dirichlet().carried_confidence(3 * events, events), 3) for events in (1, 3, 8, 19)]
         [0.0, 0.75, 0.951, 0.99]
@@ -149,17 +108,7 @@ class Method(ABC):
     def mean_share(self, confidence: float, n_motions: int) -> float:
         """Share of further motions that really exceed the bound, on average, where it falls short by design.
 
-        Parameters
-        ----------
-        confidence : float
-            Stated share, in (0, 1).
-        n_motions : int
-            Number of motions that were learned from.
-
-        Returns
-        -------
-        float
-            The stated share, for every method that allows for how few motions there are.
+        Returns the stated share, for every method that allows for how few motions there are.
         """
         del n_motions
         return confidence
@@ -168,29 +117,7 @@ class Method(ABC):
     def learn(
         self, grid: SampleGrid, *, law: str, chains: Path | None = None, progress: Progress = silent
     ) -> Learned:
-        """Learn from the motions of a grid of structures.
-
-        Parameters
-        ----------
-        grid : SampleGrid
-            The motions.
-        law : str
-            Name of the law that is going to be fitted to the limits.
-        chains : Path, optional
-            HDF5 file of the chains of a sampled posterior.
-        progress : callable, optional
-            Called with finished and all steps.
-
-        Returns
-        -------
-        Learned
-            From which limits follow at any confidence.
-
-        Raises
-        ------
-        InputError
-            If the method samples no chains, or cannot serve the law.
-        """
+        """Learn from the motions of a grid of structures."""
 
 
 def checked_share(share: float, what: str) -> float:

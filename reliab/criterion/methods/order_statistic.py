@@ -19,18 +19,11 @@ class OrderStatistic(AssuredBound):
     r for which r − 1 or fewer of n motions below the true quantile are improbable enough (Wilks 1941);
     without such an r, as with fewer than 59 motions for 95 % and 95 %, it is minus infinity.
 
-    Parameters
-    ----------
-    assurance : float, optional
-        Share of suites for which the promise is kept, in (0, 1).
+    `assurance`: Share of suites for which the promise is kept, in (0, 1).
 
-    References
-    ----------
     Wilks, S. S. (1941). Determination of sample sizes for setting tolerance limits. *Annals of
     Mathematical Statistics* 12(1), 91-96.
 
-    Examples
-    --------
     >>> for n in (58, 59):
     ...     print(OrderStatistic().lower_bound(np.arange(n, dtype=float), np.arange(n).astype(str), 0.95))
     -inf

@@ -18,13 +18,8 @@ class Posterior(AssuredBound):
     all motions exceeds the bound. The prior is p(μ, σ) ∝ 1/σ, under which the bound equals the
     tolerance bound and keeps its promise over repeated suites too.
 
-    Parameters
-    ----------
-    assurance : float, optional
-        Posterior probability of the promise, in (0, 1).
+    `assurance`: Posterior probability of the promise, in (0, 1).
 
-    Examples
-    --------
     >>> logarithms = np.array([-1.0, 0.0, 1.0, 0.5, -0.5])
     >>> round(Posterior().lower_bound(logarithms, np.arange(5).astype(str), 0.95), 4)
     -3.3225

@@ -18,8 +18,6 @@ class Predictive(BoundMethod):
     stated confidence. With the prior p(μ, σ) ∝ 1/σ this is mean + t(1 − confidence; n − 1) s √(1 + 1/n)
     of the logarithms, and it holds on average over repeated suites too.
 
-    Examples
-    --------
     >>> logarithms = np.array([-1.0, 0.0, 1.0, 0.5, -0.5])
     >>> round(Predictive().lower_bound(logarithms, np.arange(5).astype(str), 0.95), 4)
     -1.8462

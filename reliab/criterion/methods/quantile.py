@@ -21,18 +21,6 @@ class Quantile(BoundMethod):
     The uncertainty of the fit is ignored, so that on average over suites of few motions fewer
     motions than stated exceed the bound.
 
-    Parameters
-    ----------
-    distribution : str, optional
-        Name of the family, lognormal as in the paper by default.
-
-    Raises
-    ------
-    InputError
-        If there is no family of that name.
-
-    Examples
-    --------
     >>> logarithms = np.log([1.0, 2.0, 4.0])
     >>> bound = Quantile().lower_bound(logarithms, np.array(["K", "K", "L"]), 0.95)
     >>> round(float(np.exp(bound)), 4)
@@ -48,7 +36,7 @@ class Quantile(BoundMethod):
     curve: ClassVar[str] = CurveName.ELLIPSE
     joint_by_default: ClassVar[bool] = False
 
-    distribution: str = Lognormal.name
+    distribution: str = Lognormal.name  # Name of the family, lognormal as in the paper by default
 
     def __post_init__(self) -> None:
         if self.distribution not in DISTRIBUTIONS:

@@ -36,25 +36,6 @@ RECOMMENDED: Final = Dirichlet.name
 def method_of(name: str, **settings: object) -> Method:
     """Make the method of a name.
 
-    Parameters
-    ----------
-    name : str
-        One of `METHODS`.
-    **settings
-        Parameters of the method; None stands for its default.
-
-    Returns
-    -------
-    Method
-        The method.
-
-    Raises
-    ------
-    InputError
-        If there is none of that name, or it has no such parameter.
-
-    Examples
-    --------
     >>> method_of("tolerance", assurance=0.9)
     Tolerance(assurance=0.9)
     """

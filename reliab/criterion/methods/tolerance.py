@@ -18,24 +18,10 @@ def tolerance_factor(n: int, proportion: float, assurance: float) -> float:
     the `assurance` quantile of the non-central t distribution with n − 1 degrees of freedom and
     non-centrality √n·z_proportion.
 
-    Parameters
-    ----------
-    n : int
-        Number of values, at least 2.
-    proportion, assurance : float
-        Shares in (0, 1).
+    Returns [-].
 
-    Returns
-    -------
-    float
-        The factor k [-].
-
-    References
-    ----------
     Odeh, R. E. and Owen, D. B. (1980). *Tables for normal tolerance limits, sampling plans, and screening*.
 
-    Examples
-    --------
     >>> round(tolerance_factor(10, 0.95, 0.95), 3), round(tolerance_factor(43, 0.90, 0.99), 4)
     (2.911, 1.874)
     """
@@ -51,13 +37,8 @@ class Tolerance(AssuredBound):
     share of the motions exceeds the bound. Exact for independent lognormal motions; motions of one
     earthquake are not independent, so that the true assurance is lower (see `Bootstrap`).
 
-    Parameters
-    ----------
-    assurance : float, optional
-        Share of suites for which the promise is kept, in (0, 1).
+    `assurance`: Share of suites for which the promise is kept, in (0, 1).
 
-    Examples
-    --------
     >>> logarithms = np.array([-1.0, 0.0, 1.0, 0.5, -0.5])
     >>> bound = Tolerance().lower_bound(logarithms, np.arange(5).astype(str), 0.95)
     >>> round(bound, 4)  # −4.203 · 0.7906

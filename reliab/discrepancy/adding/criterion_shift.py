@@ -28,15 +28,9 @@ _SYNTHETIC_STRIDE = 16  # through the built-in suite, whose neighbours are of on
 
 @dataclass(frozen=True, kw_only=True)
 class CriterionShift:
-    """Criterion with effects over criterion without them.
+    """Criterion with effects over criterion without them."""
 
-    Attributes
-    ----------
-    a, b : float
-        Ratios of the ellipse parameters [-]; zero where effects alone exceed the error.
-    """
-
-    a: float
+    a: float  # a, b: Ratios of the ellipse parameters [-]; zero where effects alone exceed the error
     b: float
 
     def to_dict(self) -> dict[str, float]:
@@ -55,27 +49,8 @@ def criterion_shift(
     the behaviour under test and may make a test more tolerant; any other effect uses part of the tolerable
     error, so that less is left for the actuator.
 
-    Parameters
-    ----------
-    test : HybridTest
-        A model with a structure and effects.
-    shaking : sequence of Excitation
-        Ground motions.
-    threshold : float, optional
-        Error on the boundary [-].
+    `threshold` [-].
 
-    Returns
-    -------
-    CriterionShift
-        The ratios.
-
-    Raises
-    ------
-    InputError
-        If the model has no structure or there is no ground motion.
-
-    Examples
-    --------
     >>> from reliab.effects import find_effect
     >>> from reliab.structures.structure import Structure
     >>> lag = find_effect("first_order_lag")(time_constant_s=0.0005)
@@ -121,16 +96,8 @@ def _criterion(axes: Array) -> Array:
 def shaking_of(campaign: Campaign) -> tuple[Excitation, ...]:
     """Ground motions that stand for those of a campaign.
 
-    Parameters
-    ----------
-    campaign : Campaign
-        A campaign with a structure.
-
-    Returns
-    -------
-    tuple of Excitation
-        Recorded ground accelerations of up to six tests; where none was recorded, motions of the built-in
-        suite, each scaled to the largest displacement of the tests.
+    Returns recorded ground accelerations of up to six tests; where none was recorded, motions of the built-in
+    suite, each scaled to the largest displacement of the tests.
     """
     if Channel.GROUND in campaign.channels:
         recorded = [test.channels[Channel.GROUND] for test in campaign.tests[:_MOST_MOTIONS]]

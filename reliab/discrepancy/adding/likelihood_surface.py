@@ -30,22 +30,7 @@ _WORKERS = 2
 
 
 def simulated(problem: Problem, fitted: Fit, points: Iterable[Array]) -> Array:
-    """Whitened residuals of a model at given coordinates.
-
-    Parameters
-    ----------
-    problem : Problem
-        Data.
-    fitted : Fit
-        Its space and noise count.
-    points : iterable of numpy.ndarray
-        Coordinates, shape (size,) each.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (points, rows).
-    """
+    """Whitened residuals of a model at given coordinates."""
     with ThreadPoolExecutor(_WORKERS) as pool:
         rows = pool.map(lambda point: problem.whitened(fitted.space, point, fitted.noise), points)
         return np.stack(list(rows))
@@ -53,46 +38,19 @@ def simulated(problem: Problem, fitted: Fit, points: Iterable[Array]) -> Array:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LikelihoodSurface(Model):
-    """Posterior of a model's coordinates, in standard ones in which it is nearly standard normal.
-
-    Attributes
-    ----------
-    names : tuple of str
-        Standard coordinates, principal axes of the fitted covariance.
-    centre : numpy.ndarray
-        Coordinates where the standard ones are zero, shape (size,).
-    axes : numpy.ndarray
-        Coordinates over standard ones, shape (size, size).
-    bounds : tuple of numpy.ndarray
-        Bounds of the coordinates, shape (size,) each.
-    coefficients : numpy.ndarray
-        The whitened residual over the monomials, shape (features, rows).
-    """
+    """Posterior of a model's coordinates, in standard ones in which it is nearly standard normal."""
 
     name: ClassVar[str] = "likelihood surface"
 
-    names: tuple[str, ...]
-    centre: Array
-    axes: Array
-    bounds: tuple[Array, Array]
-    coefficients: Array
+    names: tuple[str, ...]  # Standard coordinates, principal axes of the fitted covariance
+    centre: Array  # Coordinates where the standard ones are zero, shape (size,)
+    axes: Array  # Coordinates over standard ones, shape (size, size)
+    bounds: tuple[Array, Array]  # Bounds of the coordinates, shape (size,) each
+    coefficients: Array  # The whitened residual over the monomials, shape (features, rows)
 
     @classmethod
     def around(cls, problem: Problem, fitted: Fit) -> "LikelihoodSurface":
-        """Simulate around a fitted model and fit the polynomial.
-
-        Parameters
-        ----------
-        problem : Problem
-            Data.
-        fitted : Fit
-            The most probable model.
-
-        Returns
-        -------
-        LikelihoodSurface
-            From (size + 1)(size + 2)/2 simulations.
-        """
+        """Simulate around a fitted model and fit the polynomial."""
         variances, directions = np.linalg.eigh(fitted.covariance)
         axes = directions * np.sqrt(variances)
         points = np.clip(fitted.coordinates + _design(fitted.space.size) @ axes.T, *fitted.space.bounds)

@@ -28,25 +28,14 @@ _INTERVAL = (0.05, 0.95)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Posterior:
-    """What is known of a model's parameters.
+    """What is known of a model's parameters."""
 
-    Attributes
-    ----------
-    names, units : tuple of str
-        Parameters, those of effects as "effect.parameter".
-    draws : numpy.ndarray
-        Values in SI units, shape (draws, parameters).
-    sample : PosteriorSample
-        The chains with their diagnostics.
-    agreement : float
-        Share of simulated draws that their importance weights leave in effect [-]; 1 where the surface on
-        which walkers moved is exact.
-    """
-
-    names: tuple[str, ...]
+    names: tuple[str, ...]  # names, units: Parameters, those of effects as "effect.parameter"
     units: tuple[str, ...]
-    draws: Array
-    sample: PosteriorSample = field(repr=False)
+    draws: Array  # Values in SI units, shape (draws, parameters)
+    sample: PosteriorSample = field(repr=False)  # The chains with their diagnostics
+    # Share of simulated draws that their importance weights leave in effect [-]; 1 where the surface on which
+    # walkers moved is exact
     agreement: float
 
     @property
@@ -112,31 +101,6 @@ def sample_posterior(
     Calibrations and offsets are sampled along with the effects; the noise is as fitted. Walkers move on a
     surface that a few simulations determine, see :mod:`reliab.discrepancy.adding.likelihood_surface`, and
     simulations at draws check it.
-
-    Parameters
-    ----------
-    problem : Problem
-        Data to which the model was fitted.
-    fitted : Fit
-        The model.
-    out : pathlib.Path, optional
-        HDF5 file that keeps the chains, from which an interrupted run resumes.
-    steps : int, optional
-        Steps of every walker, a multiple of 16; the first half is left out.
-    seed : int, optional
-        Seed of the walkers.
-    progress : callable, optional
-        Called with the number of finished steps and of all steps.
-
-    Returns
-    -------
-    Posterior
-        Draws with what is needed to trust them.
-
-    Raises
-    ------
-    InputError
-        If the file holds chains of another model or other data.
     """
     surface = LikelihoodSurface.around(problem, fitted)
     with warnings.catch_warnings():

@@ -21,16 +21,6 @@ def updated_model(diagnosis: Diagnosis) -> UpdatedModel:
     library are added when they are named, or when something of their kind acts and they explain it best;
     a term outside the library is not, because nothing else could simulate it. The nominal structure is kept
     but for values with which the tests clearly did not run (`BlockDiagnosis.misstated`).
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        What was found in every observed block.
-
-    Returns
-    -------
-    UpdatedModel
-        The model with standard deviations of what was fitted.
     """
     test = diagnosis.campaign.nominal
     deviations: dict[str, float] = {}

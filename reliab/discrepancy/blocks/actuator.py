@@ -24,15 +24,7 @@ _LARGEST_ERROR = 2e-5  # of an input that is taken as linear within a step, RMS 
 
 
 class ActuatorBlock(ObservedBlock):
-    """Command → measured displacement.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        A campaign with both channels.
-    scales : Scales
-        Typical sizes of motion and force.
-    """
+    """Command → measured displacement."""
 
     block = Block.ACTUATOR
     channel = Channel.MEASURED

@@ -34,15 +34,7 @@ _STEPS_TO_ANSWER = 2.0  # of an integration, after which the command shows what 
 
 
 class BalanceBlock(ObservedBlock):
-    """(ground acceleration, command) → force.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        A campaign with a structure, ground acceleration, command and force.
-    scales : Scales
-        Typical sizes of motion and force.
-    """
+    """(ground acceleration, command) → force."""
 
     block = Block.NUMERICAL
     channel = Channel.FORCE
@@ -122,12 +114,7 @@ class ClosedSignal:
 
     The spectrum is linear in the signal, and is computed when it is first asked for.
 
-    Parameters
-    ----------
-    values : numpy.ndarray
-        The signal, shape (n,).
-    rate : float
-        Sampling rate [Hz].
+    `rate` [Hz].
     """
 
     def __init__(self, values: Array, rate: float) -> None:

@@ -10,21 +10,11 @@ from reliab.simulation.hybrid_test import HybridTest
 
 @dataclass(frozen=True, kw_only=True)
 class Calibration:
-    """A parameter of the nominal model that is fitted in every model.
+    """A parameter of the nominal model that is fitted in every model."""
 
-    Parameters
-    ----------
-    parameter : Parameter
-        Name, units, bounds and prior.
-    nominal : callable
-        The parameter's value in a model.
-    apply : callable
-        The model with another value.
-    """
-
-    parameter: Parameter
-    nominal: Callable[[HybridTest], float]
-    apply: Callable[[HybridTest, float], HybridTest]
+    parameter: Parameter  # Name, units, bounds and prior
+    nominal: Callable[[HybridTest], float]  # The parameter's value in a model
+    apply: Callable[[HybridTest, float], HybridTest]  # The model with another value
 
 
 def _with_gain(model: HybridTest, gain: float) -> HybridTest:

@@ -19,11 +19,6 @@ class CurvedGround(RecordEffect):
     The second derivative of the cubic spline through a command that answers the ground is exact where the
     ground is straight between samples, and too large by −δ²/12 of the sampled ground where it is smooth. A
     record that was played with straight lines m times as fine as it was sampled lies in between: 1 − m⁻².
-
-    Parameters
-    ----------
-    curvature_between_samples : float
-        Share c of that difference, from 0 (straight) to 1 (smooth).
     """
 
     name = "curved_ground"
@@ -43,7 +38,7 @@ class CurvedGround(RecordEffect):
         ),
     )
 
-    curvature_between_samples: float
+    curvature_between_samples: float  # Share c of that difference, from 0 (straight) to 1 (smooth)
 
     def applied(self, acceleration: NDArray[np.float64], step: float) -> NDArray[np.float64]:
         """Ground acceleration [m/s²] that makes up for what the spline takes for straight."""

@@ -34,12 +34,7 @@ Array = NDArray[np.float64]
 class InnerMotion:
     """Force at the interface of a numerical substructure whose interface moves as commanded.
 
-    Parameters
-    ----------
-    partition : Partition
-        The frame; its specimen's linear part is no part of the numerical substructure.
-    step : float
-        Step between samples [s].
+    `step` [s].
     """
 
     def __init__(self, partition: Partition, step: float) -> None:
@@ -70,17 +65,7 @@ class InnerMotion:
     def force(self, ground: Array, motion: Array) -> Array:
         """Force that balances a ground acceleration and a motion of the command, from rest.
 
-        Parameters
-        ----------
-        ground : numpy.ndarray
-            Ground acceleration [m/s²], shape (n,).
-        motion : numpy.ndarray
-            Displacement [m], velocity and acceleration of the command, shape (3, n).
-
-        Returns
-        -------
-        numpy.ndarray
-            Force [N], shape (n,).
+        `ground` [m/s²]; `motion` [m]; returns [N].
         """
         inputs = np.ascontiguousarray(np.stack([ground, motion[2], motion[1], motion[0]], axis=1))
         transition, early, late = (np.ascontiguousarray(matrix) for matrix in self._steps)
@@ -118,18 +103,6 @@ class FrameBalanceBlock(ObservedBlock):
     """(ground acceleration, command) → force, with a frame as the numerical substructure.
 
     Effects on the record are searched for here; errors of the integration of a frame are not.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        A campaign with a frame, ground acceleration, command and force.
-    scales : Scales
-        Typical sizes of motion and force.
-
-    Raises
-    ------
-    InputError
-        If the campaign has no frame.
     """
 
     block = Block.NUMERICAL

@@ -44,15 +44,6 @@ class LoopBlock(ObservedBlock):
     A force bias shifts the displacement as a sensor bias does, and a wrong scale of the excitation is
     calibration where no rig states it: neither is a candidate. A mass without a rig scales excitation,
     stiffness and damping alike: it is named only where it exceeds what calibration makes up for.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        A campaign with a structure, ground acceleration and measured displacement.
-    scales : Scales
-        Typical sizes of motion and force.
-    motions : tuple of Motion3
-        Smoothed motions.
     """
 
     block = Block.NUMERICAL

@@ -18,52 +18,23 @@ Array = NDArray[np.float64]
 
 
 class ObservedBlock(ABC):
-    """A block whose input and output are known, or follow from what is known.
+    """A block whose input and output are known, or follow from what is known."""
 
-    Attributes
-    ----------
-    block : Block
-        Part of the loop.
-    channel : Channel
-        Its output.
-    inputs : tuple of Channel
-        What drives it.
-    tests : tuple of MeasuredTest
-        The tests of the campaign, held-out ones too.
-    rate : float
-        Sampling rate [Hz].
-    every : int
-        Predictions are made at each `every`-th sample only.
-    scales : Scales
-        Typical sizes of motion and force.
-    nominal : HybridTest
-        The model before calibration.
-    calibrations : tuple of Calibration
-        What is fitted in every model.
-    offsets : tuple of type
-        Offsets of the sensor that are fitted in every model so that they hide nothing.
-    candidates : tuple of type
-        Effects that may be missing in this block.
-    outside : tuple of type
-        Terms outside the library that are tried where something is left.
-    motions : tuple of Motion3
-        Motion of the piston in every test as far as it is known without a model, to locate the remaining
-        error.
-    """
+    block: ClassVar[Block]  # Part of the loop
+    channel: ClassVar[Channel]  # Its output
+    inputs: ClassVar[tuple[Channel, ...]]  # What drives it
 
-    block: ClassVar[Block]
-    channel: ClassVar[Channel]
-    inputs: ClassVar[tuple[Channel, ...]]
-
-    tests: tuple[MeasuredTest, ...]
-    rate: float
-    every: int = 1
-    scales: Scales
-    nominal: HybridTest
-    calibrations: tuple[Calibration, ...]
+    tests: tuple[MeasuredTest, ...]  # The tests of the campaign, held-out ones too
+    rate: float  # Sampling rate [Hz]
+    every: int = 1  # Predictions are made at each `every`-th sample only
+    scales: Scales  # Typical sizes of motion and force
+    nominal: HybridTest  # The model before calibration
+    calibrations: tuple[Calibration, ...]  # What is fitted in every model
+    # Offsets of the sensor that are fitted in every model so that they hide nothing
     offsets: tuple[type[Effect], ...]
-    candidates: tuple[type[Effect], ...]
-    outside: tuple[type[Effect], ...]
+    candidates: tuple[type[Effect], ...]  # Effects that may be missing in this block
+    outside: tuple[type[Effect], ...]  # Terms outside the library that are tried where something is left
+    # Motion of the piston in every test as far as it is known without a model, to locate the remaining error
     motions: tuple[Motion3, ...]
 
     @property

@@ -37,19 +37,7 @@ _KEPT = 12  # forces of effects that are remembered for each test
 
 
 class SpecimenBlock(ObservedBlock):
-    """Motion of the piston → force.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        A campaign with a force.
-    scales : Scales
-        Typical sizes of motion and force.
-    pistons : sequence of Motion3
-        Motion of the piston in every test, as the actuator's model or a smoother gives it.
-    smoothed : bool, optional
-        Whether the motion is a smoothed reading, in which a drift of the sensor would show.
-    """
+    """Motion of the piston → force."""
 
     block = Block.SPECIMEN
     channel = Channel.FORCE

@@ -37,23 +37,7 @@ _LARGEST_CHANGE = np.log(
 
 
 def require_consistent(campaign: Campaign) -> tuple[str, ...]:
-    """Refuse tests whose channels contradict each other, or the other tests, by a sign or a unit.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        The measured tests.
-
-    Returns
-    -------
-    tuple of str
-        Faults of recordings that can be diagnosed nevertheless, a sentence each.
-
-    Raises
-    ------
-    InputError
-        With the file, what was found and the remedy.
-    """
+    """Refuse tests whose channels contradict each other, or the other tests, by a sign or a unit."""
     faults = tuple(sentence for test in campaign.tests for sentence in _faults_of(test, campaign))
     _require_agreement(campaign)
     return faults
@@ -84,22 +68,14 @@ def _faults_of(test: MeasuredTest, campaign: Campaign) -> Iterator[str]:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Moved:
-    """One test: sizes and frequencies of its channels, and their cross-spectra in bands.
+    """One test: sizes and frequencies of its channels, and their cross-spectra in bands."""
 
-    Attributes
-    ----------
-    file : str
-        Name of its file.
-    size, frequency : mapping of Channel to float
-        Logarithms of RMS without the mean, up to a constant of the test, and of mean frequency.
-    crossed : mapping of tuple to numpy.ndarray
-        Cross-spectrum of a pair of channels in bands of frequency, of unit length, shape (bands,); None where
-        the two are not coherent.
-    """
-
-    file: str
+    file: str  # Name of its file
+    # size, frequency: Logarithms of RMS without the mean, up to a constant of the test, and of mean frequency
     size: Mapping[Channel, float]
     frequency: Mapping[Channel, float]
+    # Cross-spectrum of a pair of channels in bands of frequency, of unit length, shape (bands,); None where
+    # the two are not coherent
     crossed: Mapping[Pair, Spectrum | None]
 
     @classmethod

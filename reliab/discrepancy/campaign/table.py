@@ -24,22 +24,7 @@ _KNOWN = (TIME, *Channel)
 def read_table(path: Path, rate: float) -> dict[Channel, NDArray[np.float64]]:
     """Read the channels of one test.
 
-    Parameters
-    ----------
-    path : pathlib.Path
-        A CSV file with a header.
-    rate : float
-        Sampling rate that the campaign states [Hz].
-
-    Returns
-    -------
-    dict of Channel to numpy.ndarray
-        Known columns other than the time.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or is too large, a cell is no finite number or the steps are not equal.
+    `rate` [Hz].
     """
     columns = _read_columns(path)
     time = columns.pop(TIME)

@@ -26,30 +26,14 @@ _SETTLED = 0.5  # nats
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Fit:
-    """A model fitted to a problem.
+    """A model fitted to a problem."""
 
-    Attributes
-    ----------
-    space : ModelSpace
-        Which model.
-    coordinates : numpy.ndarray
-        Most probable coordinates, shape (size,).
-    residual : numpy.ndarray
-        Whitened residual there, shape (rows,).
-    jacobian : numpy.ndarray
-        Its derivatives, shape (rows, size).
-    noise : NoiseModel
-        Noise by which it is whitened.
-    log_volume : float
-        Normalisation of the likelihood.
-    """
-
-    space: ModelSpace
-    coordinates: Array
-    residual: Array
-    jacobian: Array
-    noise: NoiseModel
-    log_volume: float
+    space: ModelSpace  # Which model
+    coordinates: Array  # Most probable coordinates, shape (size,)
+    residual: Array  # Whitened residual there, shape (rows,)
+    jacobian: Array  # Its derivatives, shape (rows, size)
+    noise: NoiseModel  # Noise by which it is whitened
+    log_volume: float  # Normalisation of the likelihood
 
     @cached_property
     def free(self) -> NDArray[np.bool_]:
@@ -80,24 +64,7 @@ class Fit:
 
 
 def fit(problem: Problem, space: ModelSpace, starts: Sequence[Array], noise: NoiseModel) -> Fit:
-    """Fit a model from several starts and keep the best.
-
-    Parameters
-    ----------
-    problem : Problem
-        Data.
-    space : ModelSpace
-        Which model.
-    starts : sequence of numpy.ndarray
-        Coordinates to start from.
-    noise : NoiseModel
-        Noise by which residuals are weighted.
-
-    Returns
-    -------
-    Fit
-        The most probable model.
-    """
+    """Fit a model from several starts and keep the best."""
     fits = [_fit_from(problem, space, start, noise) for start in starts]
     return max(
         fits,

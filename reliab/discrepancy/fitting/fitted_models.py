@@ -58,13 +58,7 @@ def cost(kinds: Iterable[type[Effect]]) -> float:
 
 
 class FittedModels:
-    """All models of a block that were fitted, by the names of their effects.
-
-    Parameters
-    ----------
-    problem : Problem
-        The block and its data.
-    """
+    """All models of a block that were fitted, by the names of their effects."""
 
     def __init__(self, problem: Problem) -> None:
         self.fitted: dict[frozenset[str], Fit] = {}

@@ -17,18 +17,8 @@ _FINEST = 0.1  # Hz
 def informed_up_to(problem: Problem, fitted: Fit) -> float:
     """Frequency above the strongest motion from which a model explains less than half of the channel [Hz].
 
-    Parameters
-    ----------
-    problem : Problem
-        A block and its tests.
-    fitted : Fit
-        A model of the block.
-
-    Returns
-    -------
-    float
-        The highest frequency that is judged, where the model explains more than half of the power up to
-        there.
+    Returns the highest frequency that is judged, where the model explains more than half of the power up to
+    there.
     """
     remainders = problem.residuals(fitted.space, fitted.coordinates)
     highest = max(segment.highest for segment in problem.segments)

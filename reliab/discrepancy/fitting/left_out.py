@@ -28,23 +28,12 @@ _STEPS = 3  # of a refit without one test, from the fit to all of them
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LeftOut:
-    """Errors on tests, or on quarters of a single one, that were left out one at a time.
+    """Errors on tests, or on quarters of a single one, that were left out one at a time."""
 
-    Attributes
-    ----------
-    energies : numpy.ndarray
-        Energy of the residual at the judged frequencies of each left-out test, shape (tests,).
-    signals : numpy.ndarray
-        Energy of the channel there, shape (tests,).
-    units : numpy.ndarray
-        Energy that counts as one in each test, shape (tests,).
-    foretold : numpy.ndarray
-        Whether the other tests determine the effects, so that the error is one of the model, shape (tests,).
-    """
-
-    energies: Array
-    signals: Array
-    units: Array
+    energies: Array  # Energy of the residual at the judged frequencies of each left-out test, shape (tests,)
+    signals: Array  # Energy of the channel there, shape (tests,)
+    units: Array  # Energy that counts as one in each test, shape (tests,)
+    # Whether the other tests determine the effects, so that the error is one of the model, shape (tests,)
     foretold: NDArray[np.bool_]
 
     @property
@@ -76,22 +65,7 @@ class LeftOut:
 
 
 def left_out(problem: Problem, fitted: Fit, fixed: tuple[int, ...] = ()) -> LeftOut:
-    """Leave out each test in turn, refit the model to the others and predict it.
-
-    Parameters
-    ----------
-    problem : Problem
-        A block and its tests.
-    fitted : Fit
-        A model fitted to all of them.
-    fixed : tuple of int, optional
-        Places of coordinates that are zero in this model.
-
-    Returns
-    -------
-    LeftOut
-        Errors by test; by segment where there is a single test.
-    """
+    """Leave out each test in turn, refit the model to the others and predict it."""
     tests = [segment.test for segment in problem.segments]
     groups = tests if len(set(tests)) > 1 else list(range(len(tests)))
     energies, signals, units, foretold = [], [], [], []

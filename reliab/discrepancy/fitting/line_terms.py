@@ -18,20 +18,7 @@ _NEAR_ZERO = 2  # frequencies of a segment above zero that cannot be told from a
 
 
 def line_terms(problem: Problem, fitted: Fit) -> tuple[type[Disturbance], ...]:
-    """Make a term of the strongest line in a model's residual, if one stands out and is not mains pickup.
-
-    Parameters
-    ----------
-    problem : Problem
-        Data.
-    fitted : Fit
-        The model.
-
-    Returns
-    -------
-    tuple of type
-        One class of effects, or none.
-    """
+    """Make a term of the strongest line in a model's residual, if one stands out and is not mains pickup."""
     longest = max(problem.segments, key=lambda segment: segment.end - segment.begin)
     frequency = longest.frequency
     if frequency.size <= _NEAR_ZERO + 1:

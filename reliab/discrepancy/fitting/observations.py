@@ -15,16 +15,6 @@ def observations(problem: Problem) -> dict[int, float]:
 
     What a model misses is much the same along a swing and differs between swings of different size and
     speed; samples, or frequencies, are no independent observations of it.
-
-    Parameters
-    ----------
-    problem : Problem
-        A block and its tests.
-
-    Returns
-    -------
-    dict of int to float
-        Number of observations by test.
     """
     counts = {}
     for test in {segment.test for segment in problem.segments}:

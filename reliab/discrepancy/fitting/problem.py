@@ -22,28 +22,17 @@ _UNBOUNDED = 1e6  # a whitened residual that stands for a simulation that ran aw
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Problem:
-    """A block with the segments on which models of it are judged.
+    """A block with the segments on which models of it are judged."""
 
-    Parameters
-    ----------
-    block : ObservedBlock
-        The block.
-    segments : tuple of Segment
-        Stretches of tests.
-    conversion : mapping of int to numpy.ndarray, optional
-        By test, what the converter is known to have added to the channel, shape (n,).
-    tempering : tuple of float, optional
-        For each segment the power to which its likelihood is raised, below 1 where what models leave is an
-        error of theirs and no noise: neighbouring frequencies are then no independent observations. The
-        error is then judged over all frequencies alike, in the channel's own unit. Empty where noise judges.
-    powers : tuple of float, optional
-        For each segment the mean square of the channel that counts as one, so that tests count alike.
-    """
-
-    block: ObservedBlock
-    segments: tuple[Segment, ...]
+    block: ObservedBlock  # The block
+    segments: tuple[Segment, ...]  # Stretches of tests
+    # By test, what the converter is known to have added to the channel, shape (n,)
     conversion: Mapping[int, Array] = field(default_factory=dict)
+    # For each segment the power to which its likelihood is raised, below 1 where what models leave is an
+    # error of theirs and no noise: neighbouring frequencies are then no independent observations. The error
+    # is then judged over all frequencies alike, in the channel's own unit. Empty where noise judges
     tempering: tuple[float, ...] = ()
+    # For each segment the mean square of the channel that counts as one, so that tests count alike
     powers: tuple[float, ...] = ()
 
     def measured(self, test: int) -> Array:

@@ -19,45 +19,16 @@ _WORKERS = 2
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Screened:
-    """How much an effect promises to explain beside a fitted model.
+    """How much an effect promises to explain beside a fitted model."""
 
-    Attributes
-    ----------
-    kind : type
-        The effect.
-    gain : float
-        Gain of log-likelihood, to first order.
-    start : numpy.ndarray
-        Coordinates from which to fit.
-    others : tuple of numpy.ndarray, optional
-        Coordinates that promised less.
-    """
-
-    kind: type[Effect]
-    gain: float
-    start: Array
-    others: tuple[Array, ...] = ()
+    kind: type[Effect]  # The effect
+    gain: float  # Gain of log-likelihood, to first order
+    start: Array  # Coordinates from which to fit
+    others: tuple[Array, ...] = ()  # Coordinates that promised less
 
 
 def screened(problem: Problem, parent: Fit, kinds: Sequence[type[Effect]], null: Fit) -> list[Screened]:
-    """Rank effects by what they promise to explain beside a model.
-
-    Parameters
-    ----------
-    problem : Problem
-        The block and its data.
-    parent : Fit
-        The model beside which they would act.
-    kinds : sequence of type
-        The effects; those that the model holds are left out.
-    null : Fit
-        The calibrated model without effects.
-
-    Returns
-    -------
-    list of Screened
-        The most promising first.
-    """
+    """Rank effects by what they promise to explain beside a model."""
     fresh = [kind for kind in kinds if kind not in parent.space.effects]
     basis = np.linalg.qr(parent.jacobian[:, parent.free])[0]
     sketched = problem.sketch.whitened(parent.space, parent.coordinates, parent.noise)

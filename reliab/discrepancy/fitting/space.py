@@ -31,17 +31,10 @@ class ModelSpace:
 
     The coordinates are those of the calibrations, then of the offsets, then of the effects, each in units of
     the standard deviation of its prior, with its prior mean at zero.
-
-    Parameters
-    ----------
-    block : ObservedBlock
-        The block.
-    effects : tuple of type
-        Effects beside the block's offsets.
     """
 
-    block: ObservedBlock
-    effects: tuple[type[Effect], ...]
+    block: ObservedBlock  # The block
+    effects: tuple[type[Effect], ...]  # Effects beside the block's offsets
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:

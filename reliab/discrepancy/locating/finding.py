@@ -6,31 +6,15 @@ from typing import Any
 
 @dataclass(frozen=True, kw_only=True)
 class Finding:
-    """A place where the calibrated model fails.
+    """A place where the calibrated model fails."""
 
-    Attributes
-    ----------
-    block, channel : str
-        Where in the loop, and in which column.
-    test : str
-        File of the test in which it shows most.
-    kind : str
-        What the residual depends on.
-    detail : str
-        One sentence.
-    share_of_residual : float
-        Part of the residual's power above the noise that it accounts for, in [0, 1].
-    p_value : float
-        Probability of as much under noise alone, corrected for the number of tests made.
-    """
-
-    block: str
+    block: str  # block, channel: Where in the loop, and in which column
     channel: str
-    test: str
-    kind: str
-    detail: str
-    share_of_residual: float
-    p_value: float
+    test: str  # File of the test in which it shows most
+    kind: str  # What the residual depends on
+    detail: str  # One sentence
+    share_of_residual: float  # Part of the residual's power above the noise that it accounts for, in [0, 1]
+    p_value: float  # Probability of as much under noise alone, corrected for the number of tests made
 
     def to_dict(self) -> dict[str, Any]:
         """Return the entry of `where`."""

@@ -30,35 +30,14 @@ _AUDIBLE = 0.05  # of the energy of all that is left: every recording has lines 
 
 @dataclass(frozen=True, kw_only=True)
 class Line:
-    """A wave in a force.
+    """A wave in a force."""
 
-    Attributes
-    ----------
-    frequency : float
-        Frequency [Hz].
-    amplitude : float
-        Root mean square over the stretches of its amplitude [N].
-    """
-
-    frequency: float
-    amplitude: float
+    frequency: float  # Frequency [Hz]
+    amplitude: float  # Root mean square over the stretches of its amplitude [N]
 
 
 def line_above(problem: Problem, best: Fit) -> Line | None:
-    """Find the strongest line between the frequencies that are judged and the highest of a signal.
-
-    Parameters
-    ----------
-    problem : Problem
-        A block and its tests; only a specimen with a recorded displacement is looked at.
-    best : Fit
-        The model that explains them best.
-
-    Returns
-    -------
-    Line or None
-        None where no line stands out.
-    """
+    """Find the strongest line between the frequencies that are judged and the highest of a signal."""
     block = problem.block
     if block.block is not Block.SPECIMEN or block.highest >= block.highest_signal:
         return None

@@ -68,22 +68,7 @@ _FAMILIES = (
 
 
 def locate(problem: Problem, calibrated: Fit, noise: NoiseModel) -> tuple[Finding, ...]:
-    """Find the motion quantities with which the residual of the calibrated model is correlated.
-
-    Parameters
-    ----------
-    problem : Problem
-        A block and its tests.
-    calibrated : Fit
-        Its calibrated model.
-    noise : NoiseModel
-        Noise, as the best model leaves it.
-
-    Returns
-    -------
-    tuple of Finding
-        Significant ones, the strongest first.
-    """
+    """Find the motion quantities with which the residual of the calibrated model is correlated."""
     residual = problem.whitened(calibrated.space, calibrated.coordinates, noise)
     findings = [_along(problem, calibrated, noise, residual, family) for family in _FAMILIES]
     findings += [_in_band(problem, residual, low, high) for low, high in _BANDS]

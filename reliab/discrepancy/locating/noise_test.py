@@ -30,20 +30,7 @@ _ABOVE = 7.0  # times the mean energy; noise has a thousandth of its energy abov
 
 
 def structured_share(problem: Problem, fitted: Fit) -> float:
-    """Share of a residual's energy that is more concentrated than noise would be.
-
-    Parameters
-    ----------
-    problem : Problem
-        A block and its tests; not a tempered one.
-    fitted : Fit
-        A model with the noise that it leaves.
-
-    Returns
-    -------
-    float
-        In [0, 1]; below 0.01 for noise. Pickup of the mains is not counted.
-    """
+    """Share of a residual's energy that is more concentrated than noise would be."""
     spectra = _spectra(problem, fitted)
     return max(_share(spectra, size) for size in _BANDS)
 

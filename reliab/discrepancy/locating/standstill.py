@@ -26,35 +26,14 @@ _LEAST_OF_REMAINDER = 0.05  # share of the energy that the model leaves
 
 @dataclass(frozen=True, kw_only=True)
 class Standstill:
-    """How often and for how long a reading stands still.
+    """How often and for how long a reading stands still."""
 
-    Attributes
-    ----------
-    events : int
-        Number of events in all tests.
-    seconds : float
-        Median of their lengths [s].
-    """
-
-    events: int
-    seconds: float
+    events: int  # Number of events in all tests
+    seconds: float  # Median of their lengths [s]
 
 
 def standstill(problem: Problem, best: Fit) -> Standstill | None:
-    """Find where the channel of a block stands still although the model moves on.
-
-    Parameters
-    ----------
-    problem : Problem
-        A block and its tests.
-    best : Fit
-        The model that explains them best.
-
-    Returns
-    -------
-    Standstill or None
-        None where there are not three events.
-    """
+    """Find where the channel of a block stands still although the model moves on."""
     lengths: list[int] = []
     inside = whole = 0.0
     for test, residual in problem.residuals(best.space, best.coordinates).items():

@@ -16,18 +16,6 @@ def expected_error(errors: LeftOut) -> FurtherError | None:
     The logarithms of the errors are taken for draws from one normal distribution, of which the further test
     is another draw; the interval is Student's prediction interval.
 
-    Parameters
-    ----------
-    errors : LeftOut
-        Errors of the model on each test when it was fitted to the others.
-
-    Returns
-    -------
-    FurtherError or None
-        None from fewer than three tests.
-
-    Examples
-    --------
     >>> whole, every = np.full(3, 100.0), np.ones(3, dtype=bool)
     >>> errors = LeftOut(energies=np.array([1.0, 4.0, 2.0]), signals=whole, units=np.ones(3), foretold=every)
     >>> further = expected_error(errors)

@@ -33,20 +33,7 @@ _RIVALS = 4
 
 
 def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
-    """Draw the conclusions from the search of a block.
-
-    Parameters
-    ----------
-    search : Search
-        All fitted models that matter against each of their sub-models.
-    proof : Problem
-        The same block on held-out tests.
-
-    Returns
-    -------
-    BlockDiagnosis
-        Names, doubts, places and proof.
-    """
+    """Draw the conclusions from the search of a block."""
     problem, calibrated = search.problem, search.null
     ranked = ranking(search)
     best, named, doubtful = believed(ranked, calibrated)

@@ -13,41 +13,20 @@ from reliab.effects import Effect
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class OffsetRival:
-    """A model that holds an effect in the place of an offset.
+    """A model that holds an effect in the place of an offset."""
 
-    Attributes
-    ----------
-    effect : type
-        The effect.
-    fit : Fit
-        The model, in which the offset is zero.
-    odds : float
-        Logarithm of how much more credible it is than the model with the offset, by the judge of the search.
-    """
-
-    effect: type[Effect]
-    fit: Fit
+    effect: type[Effect]  # The effect
+    fit: Fit  # The model, in which the offset is zero
+    # Logarithm of how much more credible it is than the model with the offset, by the judge of the search
     odds: float
 
 
 def offset_rival(search: FittedModels, best: Fit, offset: type[Effect]) -> OffsetRival | None:
     """Find the effect that explains most in the place of an offset.
 
-    Parameters
-    ----------
-    search : FittedModels
-        The fitted models of the block.
-    best : Fit
-        The model that is believed, with the offset.
-    offset : type
-        The offset.
-
-    Returns
-    -------
-    OffsetRival or None
-        None where no effect promises to explain anything, or where the best of them predicts tests that are
-        left out clearly worse than the offset does, whatever its evidence: a noise model fitted to the
-        rival's own residual may take a constant for slow noise.
+    Returns none where no effect promises to explain anything, or where the best of them predicts tests that
+    are left out clearly worse than the offset does, whatever its evidence: a noise model fitted to the
+    rival's own residual may take a constant for slow noise.
     """
     block = copy(search.problem.block)
     block.offsets = tuple(kind for kind in block.offsets if kind is not offset)

@@ -127,20 +127,12 @@ class Gap:
 
 @dataclass(frozen=True, kw_only=True)
 class FurtherError:
-    """Error to expect on a further test: RMS over that of the signal at the judged frequencies.
+    """Error to expect on a further test: RMS over that of the signal at the judged frequencies."""
 
-    Attributes
-    ----------
-    value, low, high : float
-        Median and ends of the 90 % prediction interval.
-    tests : int
-        Number of left-out tests that it rests on.
-    """
-
-    value: float
+    value: float  # value, low, high: Median and ends of the 90 % prediction interval
     low: float
     high: float
-    tests: int
+    tests: int  # Number of left-out tests that it rests on
 
     def to_dict(self) -> dict[str, Any]:
         """Return the entry `further_test`."""

@@ -97,24 +97,13 @@ class MissingEffect:
 
 @dataclass(frozen=True, kw_only=True)
 class Unknown:
-    """A missing effect that is none of the known ones.
+    """A missing effect that is none of the known ones."""
 
-    Attributes
-    ----------
-    block : str
-        Where it acts.
-    expression : str
-        Terms with their coefficients in SI units; empty where no term that was tried explains it.
-    description : str
-        The same in words.
-    held_out_nrmse : float
-        What the model with the expression leaves on held-out tests.
-    """
-
-    block: str
+    block: str  # Where it acts
+    # Terms with their coefficients in SI units; empty where no term that was tried explains it
     expression: str
-    description: str
-    held_out_nrmse: float
+    description: str  # The same in words
+    held_out_nrmse: float  # What the model with the expression leaves on held-out tests
 
     def to_dict(self) -> dict[str, Any]:
         """Return the entry `unknown`."""

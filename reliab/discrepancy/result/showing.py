@@ -42,22 +42,7 @@ def table_of_diagnosis(
 
 
 def draw_gap(name: str, blocks: Sequence[BlockDiagnosis], axes: "Axes | None" = None) -> "Axes":
-    """Draw the error of the model on held-out tests before and after the effects are added.
-
-    Parameters
-    ----------
-    name : str
-        The campaign.
-    blocks : sequence of BlockDiagnosis
-        Its observed blocks.
-    axes : matplotlib.axes.Axes, optional
-        Where to draw; new axes by default.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        Two bars for each observed block, in per cent of the RMS of its channel.
-    """
+    """Draw the error of the model on held-out tests before and after the effects are added."""
     from matplotlib import pyplot as plt
     from matplotlib.ticker import LogLocator
 

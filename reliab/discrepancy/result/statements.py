@@ -23,17 +23,7 @@ def is_explained(block: BlockDiagnosis) -> bool:
 def statement(verdict: Verdict, blocks: Iterable[BlockDiagnosis]) -> str:
     """Say what a verdict means.
 
-    Parameters
-    ----------
-    verdict : Verdict
-        The verdict on a campaign.
-    blocks : iterable of BlockDiagnosis
-        Its observed blocks.
-
-    Returns
-    -------
-    str
-        One sentence. That nothing is missing is said only where every block is explained.
+    Returns one sentence. That nothing is missing is said only where every block is explained.
     """
     if verdict is not Verdict.NO_MISSING_EFFECT:
         return _VERDICTS[verdict]
@@ -46,22 +36,7 @@ def statement(verdict: Verdict, blocks: Iterable[BlockDiagnosis]) -> str:
 
 
 def remainder_statement(name: str, gap: Gap, structured_share: float) -> str:
-    """Say what remains of a block whose residual does not pass for noise.
-
-    Parameters
-    ----------
-    name : str
-        The block.
-    gap : Gap
-        Error on held-out tests, with the floor.
-    structured_share : float
-        Share of the residual's energy that follows the motion.
-
-    Returns
-    -------
-    str
-        A sentence, and what it means for probabilities.
-    """
+    """Say what remains of a block whose residual does not pass for noise."""
     after = significant(gap.after)
     floor = "unknown" if gap.floor is None else f"{significant(gap.floor)} by the {gap.source}"
     subject = f"What the model of the {name} leaves of held-out tests, {after} of the signal's RMS,"

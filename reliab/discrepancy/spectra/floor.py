@@ -32,18 +32,10 @@ class Source(StrEnum):
 
 @dataclass(frozen=True, kw_only=True)
 class Floor:
-    """Mean square of the part of a channel that is not repeatable.
+    """Mean square of the part of a channel that is not repeatable."""
 
-    Parameters
-    ----------
-    mean_square : float
-        In the square of the channel's unit.
-    source : Source
-        What it was taken from.
-    """
-
-    mean_square: float
-    source: Source
+    mean_square: float  # In the square of the channel's unit
+    source: Source  # What it was taken from
 
 
 def floors(
@@ -57,25 +49,7 @@ def floors(
 ) -> tuple[Floor, ...]:
     """Estimate the floor of a channel from every source that the recordings offer.
 
-    Parameters
-    ----------
-    tests : sequence of MeasuredTest
-        All tests of a campaign.
-    held_out : iterable of int
-        Indices of those on which models are proved.
-    channel : Channel
-        The channel.
-    inputs : sequence of Channel
-        What drives it.
-    rate : float
-        Sampling rate [Hz].
-    highest : float
-        Highest frequency at which there may be a signal [Hz].
-
-    Returns
-    -------
-    tuple of Floor
-        The most reliable first; empty where the recordings do not show it.
+    `rate`, `highest` [Hz].
     """
     proof = list(held_out)
     ways = (

@@ -31,18 +31,11 @@ _LINE = 12.0  # times the local median that a periodogram must exceed to be a li
 
 @dataclass(frozen=True, kw_only=True)
 class NoiseModel:
-    """A smooth power spectrum.
+    """A smooth power spectrum."""
 
-    Parameters
-    ----------
-    rate : float
-        Sampling rate [Hz].
-    weights : numpy.ndarray
-        Level of the white part and of each coloured part at zero frequency, shape (1 + corners,); the mean
-        square of white noise is its level.
-    """
-
-    rate: float
+    rate: float  # Sampling rate [Hz]
+    # Level of the white part and of each coloured part at zero frequency, shape (1 + corners,); the mean
+    # square of white noise is its level
     weights: Array
 
     @classmethod
@@ -73,39 +66,17 @@ def spectral_shapes(frequency: Array, rate: float) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class Periodogram:
-    """Power of a stretch of residual at its Fourier frequencies.
+    """Power of a stretch of residual at its Fourier frequencies."""
 
-    Parameters
-    ----------
-    frequency : numpy.ndarray
-        Frequencies [Hz], without zero, shape (k,).
-    power : numpy.ndarray
-        |Σxe^(−iωt)|²/n, shape (k,).
-    """
-
-    frequency: Array
-    power: Array
+    frequency: Array  # Frequencies [Hz], without zero, shape (k,)
+    power: Array  # |Σxe^(−iωt)|²/n, shape (k,)
 
 
 def fit_noise(periodograms: Sequence[Periodogram], rate: float, *, least: float = 0.0) -> NoiseModel:
     """Fit a smooth spectrum to periodograms of noise.
 
-    Parameters
-    ----------
-    periodograms : sequence of Periodogram
-        Residuals of the segments.
-    rate : float
-        Sampling rate [Hz].
-    least : float, optional
-        Variance of white noise that is there in any case.
+    `rate` [Hz].
 
-    Returns
-    -------
-    NoiseModel
-        The spectrum of highest Whittle likelihood.
-
-    Examples
-    --------
     >>> noise = np.random.default_rng(1).normal(size=4096)
     >>> power = np.abs(np.fft.rfft(noise))[1:] ** 2 / 4096
     >>> found = fit_noise([Periodogram(frequency=np.fft.rfftfreq(4096, 0.01)[1:], power=power)], 100.0)
@@ -156,17 +127,7 @@ def _without_lines(periodogram: Periodogram, nyquist: float) -> Array:
 def line_places(periodogram: Periodogram, nyquist: float) -> list[tuple[int, int]]:
     """Ranges of a periodogram around harmonics of 50 or 60 Hz that stand out of their surroundings.
 
-    Parameters
-    ----------
-    periodogram : Periodogram
-        Equally spaced frequencies, which need neither begin at zero nor reach the Nyquist frequency.
-    nyquist : float
-        Half of the sampling rate [Hz], at which harmonics are folded.
-
-    Returns
-    -------
-    list of (int, int)
-        First place of each range and the one after the last.
+    `nyquist` [Hz].
     """
     if periodogram.frequency.size < _FEWEST_BINS:
         return []

@@ -21,18 +21,6 @@ _HARMONICS = 12
 def converter_step(values: Array) -> float:
     """Step between the levels of a channel, zero where there are none.
 
-    Parameters
-    ----------
-    values : numpy.ndarray
-        Samples of a channel, shape (n,).
-
-    Returns
-    -------
-    float
-        Step in the unit of the channel.
-
-    Examples
-    --------
     >>> converter_step(np.round(np.sin(np.linspace(0.0, 9.0, 500)), 1))
     0.1
     """
@@ -47,21 +35,8 @@ def converter_step(values: Array) -> float:
 def expected_error(signal: Array, step: float, spread: float, level: float) -> Array | None:
     """Mean of what the converter adds to a signal with some noise on it.
 
-    Parameters
-    ----------
-    signal : numpy.ndarray
-        Predicted signal, shape (n,).
-    step : float
-        Step of the converter.
-    spread : float
-        Standard deviation of what is not predicted.
-    level : float
-        One level of the converter.
-
-    Returns
-    -------
-    numpy.ndarray or None
-        Converted minus predicted signal, shape (n,); None where so much noise is added that nothing is left.
+    Returns converted minus predicted signal, shape (n,); None where so much noise is added that nothing is
+    left.
     """
     share = spread / step
     if share > _LARGEST_SPREAD:

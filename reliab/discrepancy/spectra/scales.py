@@ -15,18 +15,7 @@ Array = NDArray[np.float64]
 
 
 def motions_of(campaign: Campaign) -> tuple[Motion3, ...]:
-    """Motion of the piston in every test from the channels: the command, else the smoothed reading.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        A campaign with a displacement.
-
-    Returns
-    -------
-    tuple of Motion3
-        One motion a test, at the campaign's rate.
-    """
+    """Motion of the piston in every test from the channels: the command, else the smoothed reading."""
     highest = highest_frequency(campaign.rate, campaign.structure)
     return tuple(_motion(test, campaign.step, highest) for test in campaign.tests)
 
@@ -38,25 +27,7 @@ def _motion(test: MeasuredTest, step: float, highest: float) -> Motion3:
 
 
 def scales_of(campaign: Campaign, motions: Sequence[Motion3]) -> Scales:
-    """Peaks of the motion and the force over the tests that are not held out.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        The campaign.
-    motions : sequence of Motion3
-        Motion of the piston in every test.
-
-    Returns
-    -------
-    Scales
-        SI units; forces are those of the nominal specimen where none was measured.
-
-    Raises
-    ------
-    InputError
-        If no test has a displacement that moves.
-    """
+    """Peaks of the motion and the force over the tests that are not held out."""
     kept = [k for k, test in enumerate(campaign.tests) if not test.held_out]
     centred = [motions[k].values - [[motions[k].values[0].mean()], [0.0], [0.0]] for k in kept]
     peaks = np.max([np.quantile(np.abs(history), 0.9995, axis=1) for history in centred], axis=0)

@@ -19,25 +19,13 @@ _FEWEST_SEGMENTS = 4
 
 @dataclass(frozen=True, kw_only=True)
 class Segment:
-    """A stretch of a test, seen in the frequency domain up to a highest frequency.
+    """A stretch of a test, seen in the frequency domain up to a highest frequency."""
 
-    Parameters
-    ----------
-    test : int
-        Index of the test.
-    begin, end : int
-        First sample and the one after the last.
-    rate : float
-        Sampling rate [Hz].
-    highest : float
-        Highest frequency that counts [Hz].
-    """
-
-    test: int
-    begin: int
+    test: int  # Index of the test
+    begin: int  # begin, end: First sample and the one after the last
     end: int
-    rate: float
-    highest: float
+    rate: float  # Sampling rate [Hz]
+    highest: float  # Highest frequency that counts [Hz]
 
     @cached_property
     def bins(self) -> int:
@@ -90,18 +78,7 @@ class Segment:
 
 
 def energy_of(spectrum: Spectrum) -> float:
-    """Energy of a signal at the frequencies of its one-sided spectrum.
-
-    Parameters
-    ----------
-    spectrum : numpy.ndarray
-        As :meth:`Segment.spectrum` gives it, from zero frequency on.
-
-    Returns
-    -------
-    float
-        Sum of the squares, in the unit of the signal squared.
-    """
+    """Energy of a signal at the frequencies of its one-sided spectrum."""
     power = np.abs(spectrum) ** 2
     return float(power[0] + 2.0 * power[1:].sum())
 
@@ -120,21 +97,7 @@ def cut_segments(
 ) -> tuple[Segment, ...]:
     """Cut stretches of tests into at least four segments, whole stretches if there are as many.
 
-    Parameters
-    ----------
-    stretches : sequence of Stretch
-        Parts of tests.
-    rate : float
-        Sampling rate [Hz].
-    highest : callable
-        Highest frequency that counts [Hz] in a test of a given index.
-    every : int, optional
-        Begin and length of all segments are multiples of this.
-
-    Returns
-    -------
-    tuple of Segment
-        Segments of a length that transforms fast.
+    `rate`, `highest` [Hz].
     """
     parts = 1 if len(stretches) >= _FEWEST_SEGMENTS - 1 else -(-_FEWEST_SEGMENTS // len(stretches))
     segments = []

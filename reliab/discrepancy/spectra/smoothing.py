@@ -38,20 +38,9 @@ _BY_CHANCE_ABOVE = 3.0  # standard deviations of a band's mean power
 def highest_frequency(rate: float, structure: Structure | None = None) -> float:
     """Highest frequency [Hz] at which a test may hold a signal; above it is noise.
 
-    Parameters
-    ----------
-    rate : float
-        Sampling rate [Hz].
-    structure : Structure, optional
-        The structure under test, where there is one.
+    `rate` [Hz].
+    Returns 45 Hz, or five times the natural frequency, but no more than the sampling rate allows.
 
-    Returns
-    -------
-    float
-        45 Hz, or five times the natural frequency, but no more than the sampling rate allows.
-
-    Examples
-    --------
     >>> highest_frequency(1024.0)
     45.0
     >>> highest_frequency(1024.0, Structure(frequency=20.0, damping_ratio=0.02))
@@ -64,19 +53,8 @@ def highest_frequency(rate: float, structure: Structure | None = None) -> float:
 def reliable_frequency(displacements: Sequence[Array], step: float, highest: float) -> float:
     """Highest frequency [Hz] up to which noisy displacements are nearly all signal.
 
-    Parameters
-    ----------
-    displacements : sequence of numpy.ndarray
-        Readings of several tests [m].
-    step : float
-        Step between samples [s].
-    highest : float
-        Highest frequency at which there may be a signal [Hz].
-
-    Returns
-    -------
-    float
-        Highest frequency at which the signal's power is well above the noise's in all tests together.
+    `displacements` [m]; `step` [s]; `highest` [Hz].
+    Returns highest frequency at which the signal's power is well above the noise's in all tests together.
     """
     clear = []
     for displacement in displacements:
@@ -92,17 +70,7 @@ def harmonics_up_to(displacement: Array, step: float) -> float:
     A specimen answers a sine with harmonics at which the sine itself has no power. Nothing of the motion is
     missed there, because there is none.
 
-    Parameters
-    ----------
-    displacement : numpy.ndarray
-        Reading [m], shape (n,).
-    step : float
-        Step between samples [s].
-
-    Returns
-    -------
-    float
-        The eleventh harmonic; zero where the displacement is no sine.
+    `displacement` [m]; `step` [s].
     """
     frequency, power = signal.periodogram(displacement, fs=1.0 / step, window="hann", detrend="linear")
     main = float(frequency[np.argmax(power)])
@@ -164,22 +132,8 @@ def _averaged(frequency: Array, power: Array, highest: float) -> Array:
 def smoothed_motion(displacement: Array, step: float, highest: float) -> Motion3:
     """Motion behind a noisy displacement.
 
-    Parameters
-    ----------
-    displacement : numpy.ndarray
-        Reading [m], shape (n,).
-    step : float
-        Step between samples [s].
-    highest : float
-        Highest frequency at which there may be a signal [Hz].
+    `displacement` [m]; `step` [s]; `highest` [Hz].
 
-    Returns
-    -------
-    Motion3
-        Displacement, velocity and acceleration at the samples.
-
-    Examples
-    --------
     >>> time = np.arange(0.0, 20.0, 0.002)
     >>> truth = np.sin(2.0 * np.pi * time) * np.sin(np.pi * time / 20.0)
     >>> noise = 0.1 * np.random.default_rng(1).normal(size=time.size)

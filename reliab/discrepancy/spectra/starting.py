@@ -27,19 +27,7 @@ def settled(
     error of a simulation that starts without this state vanishes after one swing, that of an oscillator after
     its free vibration has died away.
 
-    Parameters
-    ----------
-    stretches : sequence of Stretch
-        Parts of tests.
-    motions : sequence of Motion3
-        Motion of the piston in every test.
-    memory : float, optional
-        Time after which a free vibration has died away [s].
-
-    Returns
-    -------
-    tuple of Stretch
-        The same parts, which begin later where a test begins in motion.
+    `memory` [s].
     """
     return tuple(
         replace(stretch, begin=_begin(motions[stretch.test], stretch.end, memory))
@@ -67,19 +55,8 @@ def answered(
 ) -> tuple[Stretch, ...]:
     """Leave out the end of records whose output shows in the input only after it.
 
-    Parameters
-    ----------
-    stretches : sequence of Stretch
-        Parts of tests.
-    motions : sequence of Motion3
-        Motion of the piston in every test.
-    unanswered : float
-        Time before the end of a record that is left out [s], a fifth of the record at most.
-
-    Returns
-    -------
-    tuple of Stretch
-        The same parts; those that reach into this time end where it begins, unless they lie within it.
+    `unanswered` [s].
+    Returns the same parts; those that reach into this time end where it begins, unless they lie within it.
     """
     sizes = [motion.values.shape[1] for motion in motions]
     ends = [

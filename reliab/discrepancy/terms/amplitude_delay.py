@@ -16,15 +16,7 @@ def _delay(motion: Numbers, _time: float, step: float, coefficients: Numbers, st
 
 @dataclass(frozen=True, kw_only=True)
 class AmplitudeDelay(OutsideTerm):
-    """A delay κ·e more, where e is the modulus of the command, smoothed.
-
-    Parameters
-    ----------
-    delay_s_per_m : float
-        κ [s/m].
-    envelope_time_s : float
-        Time constant of the smoothing [s].
-    """
+    """A delay κ·e more, where e is the modulus of the command, smoothed."""
 
     expression: ClassVar[str] = "v·envelope(|x|)"
     name = "amplitude-dependent delay"
@@ -45,5 +37,5 @@ class AmplitudeDelay(OutsideTerm):
     )  # fmt: skip
     kernel = Kernel(function=_delay, states=1)
 
-    delay_s_per_m: float
-    envelope_time_s: float
+    delay_s_per_m: float  # κ [s/m]
+    envelope_time_s: float  # Time constant of the smoothing [s]

@@ -61,18 +61,12 @@ _ON_PISTON = Kernel(function=_move, states=2)
 
 @dataclass(frozen=True, kw_only=True)
 class Monomial(OutsideTerm):
-    """A term c·tᵃ·xⁱ·|x|ʲ·vᵏ·|v|ˡ.
-
-    Parameters
-    ----------
-    coefficient : float
-        c, in SI units.
-    """
+    """A term c·tᵃ·xⁱ·|x|ʲ·vᵏ·|v|ˡ."""
 
     exponents: ClassVar[tuple[float, ...]]
     expression: ClassVar[str]
 
-    coefficient: float
+    coefficient: float  # c, in SI units
 
     def coefficients(self, setting: Setting) -> NDArray[np.float64]:
         """Coefficient and exponents."""
@@ -92,22 +86,6 @@ def monomial(
 ) -> type[Monomial]:
     """Make the class of a term.
 
-    Parameters
-    ----------
-    role : Role
-        Where it acts: force, piston or a reading.
-    t, x, abs_x, v, abs_v : float, optional
-        Exponents of time, displacement and velocity and of their moduli; −0.5 of x or v stands for the sign.
-    typical : float, optional
-        Size to expect, over the scale of the channel.
-
-    Returns
-    -------
-    type
-        A class of effects.
-
-    Examples
-    --------
     >>> monomial(Role.FORCE, x=2, v=1).expression
     'x^2 v'
     """

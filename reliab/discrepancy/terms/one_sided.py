@@ -14,15 +14,7 @@ def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _
 
 @dataclass(frozen=True, kw_only=True)
 class OneSidedSpring(OutsideTerm):
-    """A force k·max(x − x₀, 0).
-
-    Parameters
-    ----------
-    stiffness_n_per_m : float
-        Stiffness k [N/m]
-    start_m : float
-        Displacement x₀ at which it is touched [m].
-    """
+    """A force k·max(x − x₀, 0)."""
 
     expression: ClassVar[str] = "max(x − start, 0)"
     name = "one-sided spring"
@@ -43,5 +35,5 @@ class OneSidedSpring(OutsideTerm):
     )  # fmt: skip
     kernel = Kernel(function=_force)
 
-    stiffness_n_per_m: float
-    start_m: float
+    stiffness_n_per_m: float  # Stiffness k [N/m]
+    start_m: float  # Displacement x₀ at which it is touched [m]

@@ -30,18 +30,7 @@ _READINGS = ({"x": 2}, {"x": 3})
 
 @cache
 def outside_terms(block: Block) -> tuple[type[Effect], ...]:
-    """Terms of a block.
-
-    Parameters
-    ----------
-    block : Block
-        Actuator or specimen; there are none elsewhere.
-
-    Returns
-    -------
-    tuple of type
-        Classes of effects.
-    """
+    """Terms of a block."""
     if block is Block.SPECIMEN:
         terms = [monomial(Role.FORCE, **exponents) for exponents in _FORCES]
         return (*terms, OneSidedSpring, Relaxation, WornSpring, GrowingSlack)

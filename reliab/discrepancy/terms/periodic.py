@@ -16,44 +16,22 @@ def _wave(_motion: Numbers, time: float, _step: float, coefficients: Numbers, _s
 
 @dataclass(frozen=True, kw_only=True)
 class Disturbance(OutsideTerm):
-    """A wave s·sin(2πft) + c·cos(2πft), t from the start of each test.
-
-    Parameters
-    ----------
-    sine, cosine : float
-        Amplitudes s and c.
-    frequency_hz : float
-        Frequency f [Hz].
-    """
+    """A wave s·sin(2πft) + c·cos(2πft), t from the start of each test."""
 
     expression: ClassVar[str] = "sine sin(2π f t) + cosine cos(2π f t)"
     description = "there is a disturbance of one frequency, whatever the motion"
     kernel = Kernel(function=_wave)
 
-    sine: float
+    sine: float  # sine, cosine: Amplitudes s and c
     cosine: float
-    frequency_hz: float
+    frequency_hz: float  # Frequency f [Hz]
 
 
 def disturbance(role: Role, frequency: float, resolution: float) -> type[Disturbance]:
     """Make the class of disturbances about a frequency.
 
-    Parameters
-    ----------
-    role : Role
-        Force, or a reading.
-    frequency : float
-        Where a line was seen [Hz].
-    resolution : float
-        How well that is known [Hz].
+    `frequency`, `resolution` [Hz].
 
-    Returns
-    -------
-    type
-        A class of effects.
-
-    Examples
-    --------
     >>> disturbance(Role.FORCE, 7.0, 0.02).name
     'disturbance of 7.00 Hz'
     """

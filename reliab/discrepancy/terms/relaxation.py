@@ -24,15 +24,7 @@ def _force(motion: Numbers, _time: float, step: float, coefficients: Numbers, st
 
 @dataclass(frozen=True, kw_only=True)
 class Relaxation(OutsideTerm):
-    """A force k(x − q) with T·q' = x − q, of a Maxwell element.
-
-    Parameters
-    ----------
-    stiffness_n_per_m : float
-        Stiffness k [N/m].
-    time_s : float
-        Relaxation time T [s].
-    """
+    """A force k(x − q) with T·q' = x − q, of a Maxwell element."""
 
     expression: ClassVar[str] = "(x − q), T q' = x − q"
     name = "relaxation"
@@ -53,5 +45,5 @@ class Relaxation(OutsideTerm):
     )  # fmt: skip
     kernel = Kernel(function=_force, states=3)
 
-    stiffness_n_per_m: float
-    time_s: float
+    stiffness_n_per_m: float  # Stiffness k [N/m]
+    time_s: float  # Relaxation time T [s]

@@ -20,13 +20,7 @@ def _slack(motion: Numbers, _time: float, _step: float, coefficients: Numbers, s
 
 @dataclass(frozen=True, kw_only=True)
 class WornSpring(OutsideTerm):
-    """A force c·x·max|x|, where the maximum is that of the test so far.
-
-    Parameters
-    ----------
-    coefficient : float
-        c [N/m²], negative when the specimen weakens.
-    """
+    """A force c·x·max|x|, where the maximum is that of the test so far."""
 
     expression: ClassVar[str] = "x max|x|"
     name = "worn spring"
@@ -42,20 +36,12 @@ class WornSpring(OutsideTerm):
     )  # fmt: skip
     kernel = Kernel(function=_force, states=1)
 
-    coefficient: float
+    coefficient: float  # c [N/m²], negative when the specimen weakens
 
 
 @dataclass(frozen=True, kw_only=True)
 class GrowingSlack(OutsideTerm):
-    """A force c·x within ±s·max|x| and constant beyond, where the maximum is that of the test so far.
-
-    Parameters
-    ----------
-    stiffness_n_per_m : float
-        c [N/m], minus the spring's stiffness for a slack.
-    share : float
-        s [-].
-    """
+    """A force c·x within ±s·max|x| and constant beyond, where the maximum is that of the test so far."""
 
     expression: ClassVar[str] = "min(max(x, −s max|x|), s max|x|)"
     name = "growing slack"
@@ -75,5 +61,5 @@ class GrowingSlack(OutsideTerm):
     )  # fmt: skip
     kernel = Kernel(function=_slack, states=1)
 
-    stiffness_n_per_m: float
-    share: float
+    stiffness_n_per_m: float  # c [N/m], minus the spring's stiffness for a slack
+    share: float  # s [-]

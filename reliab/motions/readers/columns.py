@@ -18,20 +18,7 @@ _DIGITS = 12  # significant digits to which a step is known from times in double
 
 
 def check_columns(source: Source, header: Header, report: Report) -> bool:
-    """Tell whether every line has the columns that the header expects; report the first that has not.
-
-    Parameters
-    ----------
-    source, header : Source, Header
-        The file and what its header says.
-    report : Report
-        Receives the fault.
-
-    Returns
-    -------
-    bool
-        Whether the columns are as they should be.
-    """
+    """Tell whether every line has the columns that the header expects; report the first that has not."""
     data = separated(source, header)
     if header.columns is None or len(data.split()) == header.columns * _filled_lines(data):
         return True
@@ -59,21 +46,7 @@ def split_times(
 
     Times may differ from equal steps by their rounding or by 1 % of the step; any start time is allowed.
 
-    Parameters
-    ----------
-    source, header : Source, Header
-        The file and what its header says.
-    values : array of float, shape (2 n,)
-        Times and samples in turn.
-    report : Report
-        Receives a fault when the steps are not equal.
-
-    Returns
-    -------
-    samples : array of float, shape (n,), or None
-        The second column; None if there was a fault.
-    header : Header
-        With the time step from the times, if the header states none.
+    `values` (2 n,); returns samples (n,).
     """
     times, samples = values[0::2], values[1::2]
     if times.size < 2:  # noqa: PLR2004 - a step needs two times

@@ -52,20 +52,7 @@ def recognises(source: Source) -> bool:
 
 
 def headers(source: Source, report: Report) -> list[Header]:
-    """Read the headers of all acceleration channels of a COSMOS file.
-
-    Parameters
-    ----------
-    source : Source
-        The file.
-    report : Report
-        Receives every fault of a header.
-
-    Returns
-    -------
-    list of Header
-        One header for each acceleration channel.
-    """
+    """Read the headers of all acceleration channels of a COSMOS file."""
     channels = [
         _channel(source, match, begin, stop, report)
         for match, begin, stop in source.channels(_SAMPLES, _END)

@@ -19,71 +19,34 @@ NUMBER = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[EeDd][-+]?[0-9]+)?"
 
 @dataclass(frozen=True, kw_only=True)
 class Statement(Generic[T]):
-    """One value that a header states.
+    """One value that a header states."""
 
-    Parameters
-    ----------
-    value : T
-        The value.
-    line : int
-        The line that states it.
-    tolerance : float, optional
-        One unit in the last place that the header prints.
-    """
-
-    value: T
-    line: int
-    tolerance: float = 0.0
+    value: T  # The value
+    line: int  # The line that states it
+    tolerance: float = 0.0  # One unit in the last place that the header prints
 
 
 @dataclass(frozen=True, kw_only=True)
 class Header:
-    """What a header says about one record of a file.
+    """What a header says about one record of a file."""
 
-    Parameters
-    ----------
-    start, stop : int
-        Where the samples stand in the file [bytes].
-    count : Statement of int, optional
-        Number of samples.
-    time_step : Statement of float, optional
-        Interval between samples [s].
-    units : Statement of AccelerationUnit, optional
-        Units of the samples.
-    default_units : AccelerationUnit, optional
-        Units by definition of the format, where the header states none.
-    scale : float, optional
-        Factor from the numbers in the file to the units.
-    remove_mean : bool, optional
-        Whether the mean of the whole record is an instrument's offset and is subtracted.
-    width : int, optional
-        Columns that each number takes, where the format fixes it.
-    columns : int, optional
-        Numbers in each line, where that matters: one sample, or two with the sample's time first.
-    delimiter : str, optional
-        What separates numbers, besides blanks.
-    missing : float, optional
-        The number that marks a missing sample.
-    event : str, optional
-        The earthquake, where the header identifies it.
-    channel : str, optional
-        The component, as the header calls it.
-    """
-
-    start: int
+    start: int  # start, stop: Where the samples stand in the file [bytes]
     stop: int
-    count: Statement[int] | None = None
-    time_step: Statement[float] | None = None
-    units: Statement[AccelerationUnit] | None = None
+    count: Statement[int] | None = None  # Number of samples
+    time_step: Statement[float] | None = None  # Interval between samples [s]
+    units: Statement[AccelerationUnit] | None = None  # Units of the samples
+    # Units by definition of the format, where the header states none
     default_units: AccelerationUnit | None = None
-    scale: float = 1.0
+    scale: float = 1.0  # Factor from the numbers in the file to the units
+    # Whether the mean of the whole record is an instrument's offset and is subtracted
     remove_mean: bool = False
-    width: int | None = None
+    width: int | None = None  # Columns that each number takes, where the format fixes it
+    # Numbers in each line, where that matters: one sample, or two with the sample's time first
     columns: int | None = None
-    delimiter: str = ""
-    missing: float | None = None
-    event: str = ""
-    channel: str = ""
+    delimiter: str = ""  # What separates numbers, besides blanks
+    missing: float | None = None  # The number that marks a missing sample
+    event: str = ""  # The earthquake, where the header identifies it
+    channel: str = ""  # The component, as the header calls it
 
 
 def number(text: str) -> float | None:

@@ -36,20 +36,7 @@ def recognises(source: Source) -> bool:
 
 
 def headers(source: Source, report: Report) -> list[Header]:
-    """Read the header of a K-NET or KiK-net file.
-
-    Parameters
-    ----------
-    source : Source
-        The file.
-    report : Report
-        Receives every fault of the header.
-
-    Returns
-    -------
-    list of Header
-        The header of the one component; empty if a required line is missing.
-    """
+    """Read the header of a K-NET or KiK-net file."""
     labelled = _labelled(source)
     missing = [label for label in ("rate", "duration", "scale", "memo") if label not in labelled]
     if missing:

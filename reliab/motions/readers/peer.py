@@ -41,17 +41,7 @@ def recognises(source: Source) -> bool:
 def headers(source: Source, report: Report) -> list[Header]:
     """Read the header of an AT2 file.
 
-    Parameters
-    ----------
-    source : Source
-        The file.
-    report : Report
-        Receives every fault of the header.
-
-    Returns
-    -------
-    list of Header
-        The header of the one record; empty if the line with NPTS and DT is missing.
+    Returns the header of the one record; empty if the line with NPTS and DT is missing.
     """
     top = _top(source)
     sizes = _sizes_line(top)

@@ -17,71 +17,28 @@ from reliab.vocabulary import STANDARD_GRAVITY
 
 @dataclass(frozen=True, kw_only=True)
 class Declared:
-    """Data on a record that a catalogue or a caller gives beside the record's own header.
+    """Data on a record that a catalogue or a caller gives beside the record's own header."""
 
-    Parameters
-    ----------
-    time_step : float, optional
-        True step [s], which may correct a rounded one.
-    units : AccelerationUnit, optional
-        Units of the samples.
-    header_count : int, optional
-        Number of samples that the header should state.
-    header_time_step : float, optional
-        Step that the header should state [s].
-    where : str, optional
-        Source of these data, for messages.
-    """
-
-    time_step: float | None = None
-    units: AccelerationUnit | None = None
-    header_count: int | None = None
-    header_time_step: float | None = None
-    where: str = "the arguments"
+    time_step: float | None = None  # True step [s], which may correct a rounded one
+    units: AccelerationUnit | None = None  # Units of the samples
+    header_count: int | None = None  # Number of samples that the header should state
+    header_time_step: float | None = None  # Step that the header should state [s]
+    where: str = "the arguments"  # Source of these data, for messages
 
 
 @dataclass(frozen=True, kw_only=True)
 class Reading:
-    """An acceleration record as it was read.
+    """An acceleration record as it was read."""
 
-    Parameters
-    ----------
-    acceleration : array of float, shape (n,)
-        Samples [m/s²].
-    time_step : float
-        Interval between samples [s].
-    event : str
-        The earthquake, where the header identifies it.
-    units_stated : bool
-        Whether the file itself, or its format, says in which units its samples are.
-    """
-
-    acceleration: NDArray[np.float64]
-    time_step: float
-    event: str
-    units_stated: bool = True
+    acceleration: NDArray[np.float64]  # Samples [m/s²], shape (n,)
+    time_step: float  # Interval between samples [s]
+    event: str  # The earthquake, where the header identifies it
+    units_stated: bool = True  # Whether the file itself, or its format, says in which units its samples are
 
 
 @np.errstate(over="ignore", invalid="ignore")
 def complete(source: Source, header: Header, declared: Declared, report: Report) -> Reading | None:
-    """Read the samples that a header announces and turn them into acceleration.
-
-    Parameters
-    ----------
-    source : Source
-        The file.
-    header : Header
-        Contents of its header.
-    declared : Declared
-        Data from the catalogue or the caller.
-    report : Report
-        Receives every fault.
-
-    Returns
-    -------
-    Reading or None
-        The record; None if there was a fault.
-    """
+    """Read the samples that a header announces and turn them into acceleration."""
     sound = not report.faults
     units = _settle_units(header, declared, report, sound=sound)
     regular = check_columns(source, header, report)

@@ -13,27 +13,14 @@ from reliab.registry import Registry
 
 @dataclass(frozen=True, kw_only=True)
 class Format:
-    """A format of record files.
+    """A format of record files."""
 
-    Parameters
-    ----------
-    name : str
-        Name shown to users.
-    endings : tuple of str
-        File extensions by which a file counts as this format although its content is not recognised.
-    recognises : callable
-        Tells from the content whether a file is one.
-    headers : callable
-        Reads the headers of all records of a file.
-    several : bool
-        Whether one file may hold several records.
-    """
-
-    name: str
+    name: str  # Name shown to users
+    # File extensions by which a file counts as this format although its content is not recognised
     endings: tuple[str, ...]
-    recognises: Callable[[Source], bool]
-    headers: Callable[[Source, Report], list[Header]]
-    several: bool = False
+    recognises: Callable[[Source], bool]  # Tells from the content whether a file is one
+    headers: Callable[[Source, Report], list[Header]]  # Reads the headers of all records of a file
+    several: bool = False  # Whether one file may hold several records
 
 
 TEXT = Format(
@@ -83,18 +70,7 @@ def claims_to_be_record(path: Path) -> bool:
 
 
 def detect(source: Source) -> Format | None:
-    """Choose the format of a file by its content, or by its extension where the content is not recognised.
-
-    Parameters
-    ----------
-    source : Source
-        The file, or at least its first `HEAD` bytes.
-
-    Returns
-    -------
-    Format or None
-        The format; None if the file is not a record.
-    """
+    """Choose the format of a file by its content, or by its extension where the content is not recognised."""
     ending = source.path.suffix.lower()
     for form in FORMATS.values():
         if form is not TEXT and form.recognises(source):
@@ -106,22 +82,7 @@ def detect(source: Source) -> Format | None:
 
 
 def open_records(path: Path, report: Report, *, whole: bool = True) -> tuple[Source, list[Header]] | None:
-    """Open a file and read the headers of all its records.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    report : Report
-        Receives every fault.
-    whole : bool, optional
-        Whether the samples are wanted too; if not, only the top is read where that is enough.
-
-    Returns
-    -------
-    tuple of Source and list of Header, or None
-        The file and its headers; None if it cannot be opened or is not a record.
-    """
+    """Open a file and read the headers of all its records."""
     source = open_source(path, report, limit=None if whole else HEAD)
     if source is None:
         return None

@@ -25,19 +25,7 @@ _REMEDY = "Correct the line, obtain the file again or leave it out"
 def parse_samples(source: Source, header: Header, report: Report) -> NDArray[np.float64] | None:
     """Parse the numbers that a header announces.
 
-    Parameters
-    ----------
-    source : Source
-        The file.
-    header : Header
-        Where the numbers stand and how they are printed.
-    report : Report
-        Receives a fault for every run of lines that hold something else.
-
-    Returns
-    -------
-    array of float, shape (n,), or None
-        All numbers in the order of the file; None if there was a fault.
+    Returns (n,).
     """
     values = _parse_plain(separated(source, header))
     if values is not None:

@@ -26,38 +26,20 @@ _CONTROL = bytes(set(range(32)) - set(b"\t\n\v\f\r\x1a")) + b"\x7f"
 
 @dataclass(frozen=True, kw_only=True)
 class Line:
-    """One line of a file.
+    """One line of a file."""
 
-    Parameters
-    ----------
-    number : int
-        Counted from 1.
-    start, stop : int
-        Where it starts, and where the next one does [bytes].
-    text : str
-        The line without its end.
-    """
-
-    number: int
-    start: int
+    number: int  # Counted from 1
+    start: int  # start, stop: Where it starts, and where the next one does [bytes]
     stop: int
-    text: str
+    text: str  # The line without its end
 
 
 @dataclass(frozen=True, kw_only=True)
 class Source:
-    r"""A text file in memory.
+    r"""A text file in memory."""
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    content : bytes
-        Its bytes, with ``\n`` at the end of every line.
-    """
-
-    path: Path
-    content: bytes
+    path: Path  # The file
+    content: bytes  # Its bytes, with ``\n`` at the end of every line
 
     def line_number(self, offset: int) -> int:
         """Line in which a byte stands, counted from 1."""
@@ -78,17 +60,7 @@ class Source:
     ) -> Iterator[tuple[re.Match[bytes], int, int]]:
         """Go through the channels of a file of several.
 
-        Parameters
-        ----------
-        announcement : re.Pattern
-            The line before the samples of a channel.
-        end : re.Pattern
-            What stands after its samples; without it they go on to the end of the file.
-
-        Yields
-        ------
-        tuple of (re.Match, int, int)
-            The announcement, where the header of its channel begins, and where its samples stop [bytes].
+        Yields [bytes].
         """
         begin = 0
         for match in announcement.finditer(self.content):
@@ -124,21 +96,8 @@ def open_source(
 ) -> Source | None:
     """Read a file as text, or report why it cannot be read.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    report : Report
-        Receives the fault, if there is one.
-    limit : int, optional
-        Number of bytes to read at most; what follows is left.
-    most : int, optional
-        Largest size of a file that is read whole [bytes].
-
-    Returns
-    -------
-    Source or None
-        The text; None if the file is missing, unreadable, too large, empty or binary.
+    `most` [bytes].
+    Returns the text; None if the file is missing, unreadable, too large, empty or binary.
     """
     content = _read(path, report, limit, most)
     if content is None:

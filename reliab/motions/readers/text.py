@@ -64,17 +64,7 @@ def recognises(source: Source) -> bool:
 def headers(source: Source, report: Report) -> list[Header]:
     """Read the header of a plain text file.
 
-    Parameters
-    ----------
-    source : Source
-        The file.
-    report : Report
-        Receives every fault of the header.
-
-    Returns
-    -------
-    list of Header
-        The header of the one record; empty if there is no line of one or two numbers.
+    Returns the header of the one record; empty if there is no line of one or two numbers.
     """
     top, first = _split_top(source)
     if first is None:

@@ -37,24 +37,12 @@ _VELOCITY_CAP: Final = 1100.0
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Regression:
-    """The regression of one class of motions, for its p transformed parameters at once.
+    """The regression of one class of motions, for its p transformed parameters at once."""
 
-    Parameters
-    ----------
-    names : tuple of str, length p
-        Names of the parameters.
-    coefficients : array of float, shape (p, 8)
-        β₀ to β₇ of each parameter.
-    deviations : array of float, shape (p,)
-        Standard deviations σ of the errors.
-    correlation : array of float, shape (p, p)
-        Correlations of the errors.
-    """
-
-    names: tuple[str, ...]
-    coefficients: NDArray[np.float64]
-    deviations: NDArray[np.float64]
-    correlation: NDArray[np.float64]
+    names: tuple[str, ...]  # Names of the parameters
+    coefficients: NDArray[np.float64]  # β₀ to β₇ of each parameter, shape (p, 8)
+    deviations: NDArray[np.float64]  # Standard deviations σ of the errors, shape (p,)
+    correlation: NDArray[np.float64]  # Correlations of the errors, shape (p, p)
 
     def means(self, scenario: Scenario) -> NDArray[np.float64]:
         """Mean of the transformed parameters in a scenario, shape (p,)."""

@@ -43,40 +43,17 @@ _Streams = Callable[[_Purpose], RandomStream]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Recording:
-    """What one station recorded.
+    """What one station recorded."""
 
-    Parameters
-    ----------
-    scenario : Scenario
-        The earthquake as seen from the station.
-    parameters : RecordingParameters
-        Parameters that the components were built from.
-    components : array of float, shape (2, n)
-        Horizontal acceleration along the axes of the instrument [m/s²], every 0.01 s.
-    """
-
-    scenario: Scenario
-    parameters: RecordingParameters
+    scenario: Scenario  # The earthquake as seen from the station
+    parameters: RecordingParameters  # Parameters that the components were built from
+    # Horizontal acceleration along the axes of the instrument [m/s²], every 0.01 s, shape (2, n)
     components: NDArray[np.float64]
 
 
 def simulate_event(seed: int, number: int) -> Iterator[Recording]:
     """Simulate the recordings of one earthquake, one station after the other, without limit.
 
-    Parameters
-    ----------
-    seed : int
-        Seed of the suite.
-    number : int
-        Number of the earthquake, from 1.
-
-    Yields
-    ------
-    Recording
-        The next station's; it does not depend on how many are taken after it.
-
-    Examples
-    --------
     >>> recording = next(simulate_event(2017, 1))
     >>> round(recording.scenario.magnitude, 2), recording.components.shape
     (6.83, (2, 6402))

@@ -31,13 +31,6 @@ class EventErrors:
     The error of a station is η + ε, of which η is the same for all stations of the earthquake. The first
     station has exactly the published distribution, given that its motion is accepted; η then follows from its
     error, so that what comes first does not depend on how many stations come after it.
-
-    Parameters
-    ----------
-    regression : Regression
-        Motions with or without a pulse; each class of motions has an η of its own.
-    stream : RandomStream
-        Source of η.
     """
 
     def __init__(self, regression: Regression, stream: RandomStream) -> None:
@@ -46,22 +39,7 @@ class EventErrors:
         self._shared: NDArray[np.float64] | None = None
 
     def draw(self, stream: RandomStream, attempt: Callable[[NDArray[np.float64]], _Result | None]) -> _Result:
-        """Draw errors for the next station until one of them gives a motion.
-
-        Parameters
-        ----------
-        stream : RandomStream
-            Source of the station's own errors.
-        attempt : callable
-            Takes the error η + ε of each transformed parameter, shape (p,), none beyond two standard
-            deviations; returns what the station has recorded, or None where the error gives no possible
-            motion.
-
-        Returns
-        -------
-        object
-            What the first successful attempt returned.
-        """
+        """Draw errors for the next station until one of them gives a motion."""
         shared, scale = (0.0, 1.0) if self._shared is None else (self._shared, sqrt(1.0 - EVENT_SHARE))
         while True:
             standard = shared + scale * self._correlated(stream)

@@ -50,42 +50,17 @@ _STRONG_VELOCITY: Final = 0.15
 
 @dataclass(frozen=True, kw_only=True)
 class Earthquake:
-    """What all stations of an earthquake share.
+    """What all stations of an earthquake share."""
 
-    Parameters
-    ----------
-    magnitude : float
-        Moment magnitude.
-    mechanism : Mechanism
-        Style of faulting.
-    depth_to_top : float
-        Depth of the top of the rupture [km].
-    length : float
-        Length of the rupture along strike [km].
-    hypocentre : float
-        Distance of the hypocentre from one end of the rupture along strike [km].
-    """
-
-    magnitude: float
-    mechanism: Mechanism
-    depth_to_top: float
-    length: float
-    hypocentre: float
+    magnitude: float  # Moment magnitude
+    mechanism: Mechanism  # Style of faulting
+    depth_to_top: float  # Depth of the top of the rupture [km]
+    length: float  # Length of the rupture along strike [km]
+    hypocentre: float  # Distance of the hypocentre from one end of the rupture along strike [km]
 
 
 def draw_earthquake(stream: RandomStream) -> Earthquake:
-    """Draw an earthquake: exponential magnitude, either mechanism, hypocentre anywhere along the rupture.
-
-    Parameters
-    ----------
-    stream : RandomStream
-        Source of random numbers.
-
-    Returns
-    -------
-    Earthquake
-        The earthquake.
-    """
+    """Draw an earthquake: exponential magnitude, either mechanism, hypocentre anywhere along the rupture."""
     range_ = _LARGEST_MAGNITUDE - _SMALLEST_MAGNITUDE
     cut = 1.0 - exp(-_MAGNITUDE_RATE * range_)
     magnitude = _SMALLEST_MAGNITUDE - log(1.0 - cut * stream.uniform()) / _MAGNITUDE_RATE
@@ -109,18 +84,6 @@ def draw_scenario(earthquake: Earthquake, stream: RandomStream) -> Scenario:
     along that curve. The directivity length is the part of the rupture between the hypocentre and the point
     nearest to the station (s), for reverse faults too, where the length up dip (d) is the shorter one as a
     rule.
-
-    Parameters
-    ----------
-    earthquake : Earthquake
-        The earthquake.
-    stream : RandomStream
-        Source of random numbers.
-
-    Returns
-    -------
-    Scenario
-        The earthquake as seen from the station.
     """
     distance = _draw_distance(max(_SHORTEST_DISTANCE, earthquake.depth_to_top), stream)
     along, across = _draw_site(earthquake.length, sqrt(distance**2 - earthquake.depth_to_top**2), stream)
@@ -174,20 +137,8 @@ def is_strong(components: NDArray[np.float64], time_step: float) -> bool:
     The rule (section A.7) asks for a peak ground acceleration above 0.2 g and a peak ground velocity above 15
     cm/s, of the larger component.
 
-    Parameters
-    ----------
-    components : array of float, shape (2, n)
-        Horizontal acceleration [m/s²], from rest.
-    time_step : float
-        Interval between samples [s].
+    `components` (2, n) [m/s²]; `time_step` [s].
 
-    Returns
-    -------
-    bool
-        Whether both peaks are exceeded.
-
-    Examples
-    --------
     >>> is_strong(np.array([[0.0, 3.0, 0.0], [0.0, 0.0, 0.0]]), time_step=0.1)
     True
     """

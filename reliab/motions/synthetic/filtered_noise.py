@@ -33,19 +33,7 @@ def filter_frequency(
     It changes linearly between the times of 1 % and 99 % of the Arias intensity, is constant before and
     after, and never falls below 0.3 Hz; ``component.frequency`` holds at 30 %.
 
-    Parameters
-    ----------
-    component : ComponentParameters
-        Frequency and its slope.
-    modulation : Modulation
-        The modulating function, for the times of the shares.
-    times : array of float, shape (n,)
-        Times from the start [s].
-
-    Returns
-    -------
-    array of float, shape (n,)
-        Frequency [Hz].
+    `times` (n,) [s]; returns (n,) [Hz].
     """
     first, middle, last = (modulation.time_of_share(share) for share in (0.01, 0.30, 0.99))
     linear = component.frequency + component.frequency_slope * (np.clip(times, first, last) - middle)
@@ -63,24 +51,8 @@ def filtered_noise(
     frequency share one recursion; ω is therefore a staircase whose steps are small compared with the width of
     the filter's peak.
 
-    Parameters
-    ----------
-    noise : array of float, shape (n,)
-        Independent standard normal numbers w.
-    frequency : array of float, shape (n,)
-        Filter frequency ω/2π at each time [Hz].
-    bandwidth : float
-        Damping ratio ζ of the filter, between 0 and 1.
-    time_step : float
-        Interval between samples [s].
+    `noise` (n,); `frequency` (n,) [Hz]; `time_step` [s]; returns (n,).
 
-    Returns
-    -------
-    array of float, shape (n,)
-        Noise of unit variance.
-
-    Examples
-    --------
     >>> noise = np.array([1.0, 0.0, 0.0, 0.0])
     >>> filtered_noise(noise, np.full(4, 2.0), bandwidth=0.2, time_step=0.01)
     array([0.        , 1.        , 0.88843676, 0.7887594 ])

@@ -13,18 +13,8 @@ _ORDER: Final = 4
 def corner_frequency(magnitude: float) -> float:
     """Corner frequency of the high-pass filter, 10^(1.4071 − 0.3452 M) (Dabaghi & Der Kiureghian 2018).
 
-    Parameters
-    ----------
-    magnitude : float
-        Moment magnitude.
+    Returns [Hz].
 
-    Returns
-    -------
-    float
-        Frequency [Hz].
-
-    Examples
-    --------
     >>> round(corner_frequency(7.0), 4)
     0.0979
     """
@@ -42,19 +32,7 @@ def high_pass(acceleration: NDArray[np.float64], magnitude: float, time_step: fl
     The amplitude response of the Butterworth filter is √(r / (1 + r)) with r = (f/f_c)⁸, so that neither the
     velocity nor the displacement keeps a residual.
 
-    Parameters
-    ----------
-    acceleration : array of float, shape (..., n)
-        Acceleration with zeros before and after the motion, see `padding`.
-    magnitude : float
-        Moment magnitude, for the corner frequency.
-    time_step : float
-        Interval between samples [s].
-
-    Returns
-    -------
-    array of float, shape (..., n)
-        Filtered acceleration, in the units of the input.
+    `acceleration` (..., n); `time_step` [s]; returns (..., n).
     """
     count = acceleration.shape[-1]
     length = scipy.fft.next_fast_len(count, real=True)
@@ -67,18 +45,8 @@ def high_pass(acceleration: NDArray[np.float64], magnitude: float, time_step: fl
 def settle(acceleration: NDArray[np.float64]) -> NDArray[np.float64]:
     """Subtract the smallest straight line that leaves no velocity or displacement at the end.
 
-    Parameters
-    ----------
-    acceleration : array of float, shape (..., n)
-        Acceleration, linear between samples at equal steps.
+    `acceleration` (..., n); returns (..., n).
 
-    Returns
-    -------
-    array of float, shape (..., n)
-        Acceleration with no velocity and no displacement at the last sample.
-
-    Examples
-    --------
     >>> bool(np.abs(settle(np.array([1.0, 1.0, 1.0, 1.0]))).max() < 1e-14)
     True
     """

@@ -33,8 +33,6 @@ def _beta_quantile(nu: float, shape: tuple[float, float, float, float]) -> float
 def oscillations(nu: float) -> float:
     """Return the number of half cycles γ of a pulse, beta-distributed between 2 and 3.2.
 
-    Examples
-    --------
     >>> round(oscillations(0.0), 3)
     2.257
     """
@@ -44,8 +42,6 @@ def oscillations(nu: float) -> float:
 def phase(nu: float) -> float:
     """Return the phase of a pulse in half turns, uniform between 0 and 2.
 
-    Examples
-    --------
     >>> phase(0.0)
     1.0
     """
@@ -55,8 +51,6 @@ def phase(nu: float) -> float:
 def bandwidth(nu: float) -> float:
     """Return the damping ratio ζ of the noise filter, whose logarithm is beta-distributed between −4.7 and 0.
 
-    Examples
-    --------
     >>> round(bandwidth(0.0), 3)
     0.144
     """
@@ -68,8 +62,6 @@ def slope(nu: float) -> float:
 
     Its density is c exp(6.40 x) below zero and c exp(−14.29 x) above, cut at −3.5 and 1.5 Hz/s, c = 4.4218.
 
-    Examples
-    --------
     >>> round(slope(0.0), 4)
     -0.0505
     """

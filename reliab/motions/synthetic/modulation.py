@@ -25,28 +25,15 @@ class Modulation:
     q(t) = c (t / t_m)^α up to t_m and c exp(−β (t − t_m)) after it. The expected Arias intensity of a process
     of unit variance modulated by q is (π/2g) ∫ q² dt, so that its share at any time has a closed form.
 
-    Parameters
-    ----------
-    peak_time : float
-        Time t_m of the largest intensity [s].
-    peak_share : float
-        Share of the Arias intensity that has arrived by then, p.
-    growth : float
-        Exponent 2α + 1 of the share before the peak.
-    arias_intensity : float
-        Arias intensity [m/s].
-
-    Examples
-    --------
     >>> shape = Modulation(peak_time=4.0, peak_share=0.4, growth=3.0, arias_intensity=1.0)
     >>> round(shape.time_of_share(0.4), 6), round(shape.time_of_share(0.95), 3)
     (4.0, 8.97)
     """
 
-    peak_time: float
-    peak_share: float
-    growth: float
-    arias_intensity: float
+    peak_time: float  # Time t_m of the largest intensity [s]
+    peak_share: float  # Share of the Arias intensity that has arrived by then, p
+    growth: float  # Exponent 2α + 1 of the share before the peak
+    arias_intensity: float  # Arias intensity [m/s]
 
     @property
     def decay_time(self) -> float:
@@ -76,15 +63,7 @@ def fit_modulation(component: ComponentParameters) -> Modulation:
     member, whose peak is at 5 % or at 95 %. Dabaghi & Der Kiureghian minimise the squares of the three errors
     instead; the two agree wherever all three durations can be had.
 
-    Parameters
-    ----------
-    component : ComponentParameters
-        Arias intensity and durations.
-
-    Returns
-    -------
-    Modulation
-        With D0-5 and D5-95 exactly, unless D5-95 is so much longer than D0-5 that only D0-95 can be had.
+    Returns with D0-5 and D5-95 exactly, unless D5-95 is so much longer than D0-5 that only D0-95 can be had.
     """
     ratio = component.strong_end / component.onset_duration
     wanted = component.rise_duration / component.strong_end

@@ -15,33 +15,15 @@ _CENTIMETRE = 0.01
 
 @dataclass(frozen=True, kw_only=True)
 class ComponentParameters:
-    """Parameters of one horizontal component.
+    """Parameters of one horizontal component."""
 
-    Parameters
-    ----------
-    arias_intensity : float
-        Arias intensity I_a [m/s].
-    strong_duration : float
-        Time between 5 % and 95 % of the Arias intensity, D5-95 [s].
-    onset_duration : float
-        Time from the start to 5 % of it, D0-5 [s].
-    rise_duration : float
-        Time from the start to 30 % of it, D0-30 [s].
-    frequency : float
-        Frequency of the noise filter when 30 % is reached [Hz].
-    frequency_slope : float
-        Rate of change of that frequency [Hz/s].
-    bandwidth : float
-        Damping ratio ζ of the noise filter, between 0 and 1.
-    """
-
-    arias_intensity: float
-    strong_duration: float
-    onset_duration: float
-    rise_duration: float
-    frequency: float
-    frequency_slope: float
-    bandwidth: float
+    arias_intensity: float  # Arias intensity I_a [m/s]
+    strong_duration: float  # Time between 5 % and 95 % of the Arias intensity, D5-95 [s]
+    onset_duration: float  # Time from the start to 5 % of it, D0-5 [s]
+    rise_duration: float  # Time from the start to 30 % of it, D0-30 [s]
+    frequency: float  # Frequency of the noise filter when 30 % is reached [Hz]
+    frequency_slope: float  # Rate of change of that frequency [Hz/s]
+    bandwidth: float  # Damping ratio ζ of the noise filter, between 0 and 1
 
     @property
     def strong_end(self) -> float:
@@ -51,27 +33,13 @@ class ComponentParameters:
 
 @dataclass(frozen=True, kw_only=True)
 class PulseParameters:
-    """Parameters of the velocity pulse of a recording.
+    """Parameters of the velocity pulse of a recording."""
 
-    Parameters
-    ----------
-    velocity : float
-        Amplitude V_p [m/s].
-    period : float
-        Period T_p of the oscillation [s].
-    oscillations : float
-        Length of the pulse in periods, γ.
-    phase : float
-        Phase of the oscillation against its envelope [rad].
-    peak_time : float
-        Time from the start to the peak of the envelope [s].
-    """
-
-    velocity: float
-    period: float
-    oscillations: float
-    phase: float
-    peak_time: float
+    velocity: float  # Amplitude V_p [m/s]
+    period: float  # Period T_p of the oscillation [s]
+    oscillations: float  # Length of the pulse in periods, γ
+    phase: float  # Phase of the oscillation against its envelope [rad]
+    peak_time: float  # Time from the start to the peak of the envelope [s]
 
     @property
     def start(self) -> float:
@@ -81,21 +49,12 @@ class PulseParameters:
 
 @dataclass(frozen=True, kw_only=True)
 class RecordingParameters:
-    """Parameters of both components of one recording.
+    """Parameters of both components of one recording."""
 
-    Parameters
-    ----------
-    first : ComponentParameters
-        Along the major principal axis, or in the direction of the pulse (without the pulse itself).
-    second : ComponentParameters
-        Orthogonal to the first.
-    pulse : PulseParameters, optional
-        The velocity pulse in the direction of the first component.
-    """
-
+    # Along the major principal axis, or in the direction of the pulse (without the pulse itself)
     first: ComponentParameters
-    second: ComponentParameters
-    pulse: PulseParameters | None = None
+    second: ComponentParameters  # Orthogonal to the first
+    pulse: PulseParameters | None = None  # The velocity pulse in the direction of the first component
 
 
 def regression_of(*, pulse_like: bool) -> Regression:
@@ -106,20 +65,8 @@ def regression_of(*, pulse_like: bool) -> Regression:
 def physical_parameters(normal: NDArray[np.float64], *, pulse_like: bool) -> RecordingParameters:
     """Transform the normal variables of the regression to physical parameters.
 
-    Parameters
-    ----------
-    normal : array of float, shape (19,) with a pulse or (14,) without
-        Transformed parameters ν, in the order of the regression's names.
-    pulse_like : bool
-        Whether the motion holds a pulse.
+    `normal` (19,) with a pulse or (14,).
 
-    Returns
-    -------
-    RecordingParameters
-        The parameters in SI units.
-
-    Examples
-    --------
     >>> parameters = physical_parameters(NO_PULSE.coefficients[:, 0], pulse_like=False)
     >>> round(parameters.second.arias_intensity, 2)
     14.9

@@ -18,20 +18,8 @@ def pulse_acceleration(pulse: PulseParameters, times: NDArray[np.float64]) -> ND
         v = (V/2 cos(2πu/T + φ) − D/(γT)) (1 + cos(2πu/(γT))),
         D = VT (sin(φ + γπ) − sin(φ − γπ)) / (4π (1 − γ²)).
 
-    Parameters
-    ----------
-    pulse : PulseParameters
-        Amplitude V, period T, oscillations γ, phase φ and time of the peak t_max.
-    times : array of float, shape (n,)
-        Times from the start [s].
+    `times` (n,) [s]; returns (n,) [m/s²].
 
-    Returns
-    -------
-    array of float, shape (n,)
-        Acceleration [m/s²], zero outside the pulse.
-
-    References
-    ----------
     Mavroeidis, G. P. and Papageorgiou, A. S. (2003), Bull. Seismol. Soc. Am. 93(3), 1099-1131.
     """
     gamma, omega = pulse.oscillations, 2.0 * pi / pulse.period

@@ -17,16 +17,6 @@ class RandomStream:
     The stream therefore takes the bits themselves: 53 of each 64 become a uniform number, and the inverse
     normal distribution makes it a normal one.
 
-    Parameters
-    ----------
-    seed : int
-        Seed of the whole suite, zero or more.
-    *key : int
-        What the stream is for, for example the number of the event, of the station and of the component.
-        Streams of different keys are independent, so that what one of them consumes never moves another.
-
-    Examples
-    --------
     >>> RandomStream(2017, 1).uniforms(2)
     array([0.37796854, 0.26692428])
     """

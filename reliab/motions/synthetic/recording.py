@@ -30,19 +30,8 @@ def simulate_recording(
 ) -> NDArray[np.float64]:
     """Simulate both components along the axes of the model, from rest to rest.
 
-    Parameters
-    ----------
-    parameters : RecordingParameters
-        Parameters of the components and of the pulse.
-    magnitude : float
-        Moment magnitude, for the high-pass filter.
-    noises : sequence of RandomStream, length 2
-        Independent white noise for each component.
-
-    Returns
-    -------
-    array of float, shape (2, n)
-        Acceleration [m/s²] every 0.01 s, with the quiet time that the filter needs before and after.
+    Returns (2, n) [m/s²].
+    Returns acceleration [m/s²] every 0.01 s, with the quiet time that the filter needs before and after.
     """
     components = (parameters.first, parameters.second)
     count = ceil(_LENGTH * max(component.strong_end for component in components) / TIME_STEP)
@@ -74,20 +63,8 @@ def _arias_intensity(motion: NDArray[np.float64]) -> NDArray[np.float64]:
 def turned(motion: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
     """Turn two orthogonal components to the axes of an instrument.
 
-    Parameters
-    ----------
-    motion : array of float, shape (2, n)
-        Orthogonal components.
-    angle : float
-        Angle from the first component to the first axis of the instrument [rad].
+    `motion` (2, n); `angle` [rad]; returns (2, n).
 
-    Returns
-    -------
-    array of float, shape (2, n)
-        Components along the axes of the instrument.
-
-    Examples
-    --------
     >>> turned(np.array([[1.0], [0.0]]), pi / 6).round(3)
     array([[ 0.866],
            [-0.5  ]])
@@ -103,15 +80,7 @@ def trimmed(motion: NDArray[np.float64]) -> NDArray[np.float64]:
     its largest (Dabaghi & Der Kiureghian 2018); `settle` removes the small residual velocity and displacement
     after the cut.
 
-    Parameters
-    ----------
-    motion : array of float, shape (2, n)
-        Acceleration [m/s²] every 0.01 s.
-
-    Returns
-    -------
-    array of float, shape (2, m), m ≤ n
-        Acceleration without velocity and displacement at its end.
+    `motion` (2, n) [m/s²]; returns (2, m).
     """
     displacement = np.abs(np.cumsum(np.cumsum(motion, axis=1), axis=1))
     moving = (displacement > _STILL * displacement.max(axis=1, keepdims=True)).any(axis=0)

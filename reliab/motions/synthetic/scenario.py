@@ -29,37 +29,9 @@ VALID_RANGES: Final = {
 class Scenario:
     """One earthquake as seen from one station, within the range that the model was fitted to.
 
-    Parameters
-    ----------
-    magnitude : float
-        Moment magnitude, 5.5 to 7.9.
-    mechanism : Mechanism
-        Style of faulting.
-    depth_to_top : float
-        Depth of the top of the rupture Z_TOR [km]; the rupture distance is at least this depth.
-    rupture_distance : float
-        Closest distance from the station to the rupture R_rup [km], 0.07 to 31.
-    shear_wave_velocity : float
-        Mean shear-wave velocity of the upper 30 m of ground V_S30 [m/s], 139 to 2016.
-    directivity_length : float
-        Length of the rupture that breaks towards the station, along strike (s) or up dip (d), whichever is
-        larger [km], 1.2 to 135.
-    directivity_angle : float
-        Angle between the direction of rupture and the direction of the station, θ for s or φ for d [degrees],
-        0 to 90.
-
-    Raises
-    ------
-    InputError
-        If a quantity lies outside the range of the model.
-
-    References
-    ----------
     Dabaghi & Der Kiureghian (2018), Earthquake Engng Struct. Dyn. 47; Somerville et al. (1997), Seismol.
     Res. Lett. 68(1), for the directivity parameters.
 
-    Examples
-    --------
     >>> Scenario(
     ...     magnitude=8.2,
     ...     mechanism=Mechanism.REVERSE,
@@ -75,12 +47,18 @@ class Scenario:
     8.2.
     """
 
-    magnitude: float
-    mechanism: Mechanism
+    magnitude: float  # Moment magnitude, 5.5 to 7.9
+    mechanism: Mechanism  # Style of faulting
+    # Depth of the top of the rupture Z_TOR [km]; the rupture distance is at least this depth
     depth_to_top: float
-    rupture_distance: float
+    rupture_distance: float  # Closest distance from the station to the rupture R_rup [km], 0.07 to 31
+    # Mean shear-wave velocity of the upper 30 m of ground V_S30 [m/s], 139 to 2016
     shear_wave_velocity: float
+    # Length of the rupture that breaks towards the station, along strike (s) or up dip (d), whichever is
+    # larger [km], 1.2 to 135
     directivity_length: float
+    # Angle between the direction of rupture and the direction of the station, θ for s or φ for d [degrees], 0
+    # to 90
     directivity_angle: float
 
     def __post_init__(self) -> None:

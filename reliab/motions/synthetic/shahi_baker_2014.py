@@ -20,18 +20,6 @@ _COEFFICIENTS: Final = {
 def pulse_probability(scenario: Scenario) -> float:
     """Probability of a pulse at the station of a scenario.
 
-    Parameters
-    ----------
-    scenario : Scenario
-        Earthquake and station.
-
-    Returns
-    -------
-    float
-        Probability, between 0 and 1.
-
-    Examples
-    --------
     >>> scenario = Scenario(
     ...     magnitude=7.0,
     ...     mechanism=Mechanism.STRIKE_SLIP,

@@ -19,24 +19,12 @@ _COMPONENTS: Final = 2
 
 @dataclass(frozen=True, kw_only=True)
 class SyntheticEntry:
-    """A motion of the synthetic suite before it is simulated.
+    """A motion of the synthetic suite before it is simulated."""
 
-    Parameters
-    ----------
-    seed : int
-        Seed of the suite.
-    number : int
-        Number of the earthquake, from 1.
-    station : int
-        Number of the station within the earthquake, from 1.
-    component : int
-        Number of the horizontal component, 1 or 2.
-    """
-
-    seed: int
-    number: int
-    station: int
-    component: int
+    seed: int  # Seed of the suite
+    number: int  # Number of the earthquake, from 1
+    station: int  # Number of the station within the earthquake, from 1
+    component: int  # Number of the horizontal component, 1 or 2
 
     @property
     def name(self) -> str:
@@ -95,27 +83,6 @@ def synthetic_entries(
 ) -> list[SyntheticEntry]:
     """List the entries of the suite that `synthetic_suite` makes of the same arguments.
 
-    Parameters
-    ----------
-    count : int, optional
-        Number of motions.
-    seed : int, optional
-        Seed of the suite.
-    stations_per_event : int, optional
-        Number of stations that record each earthquake, two components each.
-
-    Returns
-    -------
-    list of SyntheticEntry
-        One entry per motion, none of them simulated yet.
-
-    Raises
-    ------
-    InputError
-        If an argument is too small.
-
-    Examples
-    --------
     >>> [entry.name for entry in synthetic_entries(count=3, stations_per_event=2)]
     ['SYN001/H1', 'SYN001/H2', 'SYN001/S2H1']
     """
@@ -144,30 +111,9 @@ def synthetic_suite(*, count: int = 100, seed: int = 2017, stations_per_event: i
     are always the same; elsewhere, a sample may differ by that one step in the rare case that its value
     before rounding lies within about 1e-13 g of a tie.
 
-    Parameters
-    ----------
-    count : int, optional
-        Number of motions. They are simulated one at a time, so that thousands of them take no more memory
-        than a few.
-    seed : int, optional
-        Seed of the suite, zero or more.
-    stations_per_event : int, optional
-        Number of stations that record each earthquake, two components each. Stations of one earthquake share
-        its magnitude, its mechanism and 35 % of the variance of the model's errors.
+    Returns motions named ``SYN001/H1``, ``SYN001/H2``, ``SYN002/H1`` and so on, of events ``SYN001``,
+    ``SYN002``, …
 
-    Returns
-    -------
-    MotionSuite
-        Motions named ``SYN001/H1``, ``SYN001/H2``, ``SYN002/H1`` and so on, of events ``SYN001``, ``SYN002``,
-        …
-
-    Raises
-    ------
-    InputError
-        If an argument is too small.
-
-    Examples
-    --------
     >>> suite = synthetic_suite(count=4)
     >>> suite.names
     ('SYN001/H1', 'SYN001/H2', 'SYN002/H1', 'SYN002/H2')

@@ -19,22 +19,8 @@ _TABLE_2A: Final = {
 def rupture_length(magnitude: float, mechanism: Mechanism, *, deviation: float = 0.0) -> float:
     """Length of the rupture below the ground [km].
 
-    Parameters
-    ----------
-    magnitude : float
-        Moment magnitude.
-    mechanism : Mechanism
-        Style of faulting.
-    deviation : float, optional
-        Number of standard deviations of log10(length) above the median.
+    Returns [km].
 
-    Returns
-    -------
-    float
-        Length [km].
-
-    Examples
-    --------
     >>> round(rupture_length(7.0, Mechanism.STRIKE_SLIP), 1)
     58.9
     """

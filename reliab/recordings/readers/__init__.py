@@ -24,25 +24,7 @@ _MATLAB_BLOCK = 512
 
 
 def read_columns(path: str | Path, *, delimiter: str | None = None) -> Columns:
-    """Read the columns of a test's file.
-
-    Parameters
-    ----------
-    path : str or pathlib.Path
-        CSV or other text, MATLAB (all versions), HDF5 or NetCDF.
-    delimiter : str, optional
-        What separates the columns of a text; recognised by default.
-
-    Returns
-    -------
-    Columns
-        Everything numeric in the file.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or is too large; the message says why.
-    """
+    """Read the columns of a test's file."""
     path = Path(path)
     with decoding(
         "A test's file must be readable", remedy="Check the name, or export the test again", where=path

@@ -19,24 +19,7 @@ def columns_of_arrays(
 ) -> Columns:
     """Take the vectors, narrow matrices and single numbers among arrays.
 
-    Parameters
-    ----------
-    path : pathlib.Path
-        The file.
-    arrays : mapping of str to numpy.ndarray
-        What the file holds.
-    units : mapping of str to str, optional
-        Units by name.
-
-    Returns
-    -------
-    Columns
-        Vectors of the most common length; columns of a matrix as ``name[1]``, ``name[2]`` ….
-
-    Raises
-    ------
-    InputError
-        If no vectors of numbers are there.
+    Returns vectors of the most common length; columns of a matrix as ``name[1]``, ``name[2]`` ….
     """
     vectors: dict[str, NDArray[np.float64]] = {}
     scalars: dict[str, float] = {}

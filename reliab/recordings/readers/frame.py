@@ -11,18 +11,6 @@ from reliab.recordings.readers.columns import Columns
 def read_frame(frame: pd.DataFrame) -> Columns:
     """Take the columns of numbers of a data frame.
 
-    Parameters
-    ----------
-    frame : pandas.DataFrame
-        A test; `frame.attrs` may state f, xi, alpha, mass and scale as a file's header does.
-
-    Returns
-    -------
-    Columns
-        Its histories; other columns are left out.
-
-    Examples
-    --------
     >>> frame = pd.DataFrame({"time_s": [0.0, 0.1], "command_m": [0, 1], "remark": ["", "start"]})
     >>> list(read_frame(frame).values)
     ['time_s', 'command_m']

@@ -14,22 +14,8 @@ from reliab.recordings.recording import require_few_samples
 def read_hierarchical(path: Path) -> Columns:
     """Read the numeric datasets of an HDF5 file in all its groups.
 
-    Parameters
-    ----------
-    path : pathlib.Path
-        HDF5, NetCDF 4 or MATLAB 7.3.
-
-    Returns
-    -------
-    Columns
-        Vectors by name, those of a group as ``group.name``; units from the attribute `units`, single
-        numbers also from the file's own attributes.
-
-    Raises
-    ------
-    InputError
-        If a part of it lies in another file, or a dataset has more samples than a test may have; it is not
-        read then.
+    Returns vectors by name, those of a group as ``group.name``; units from the attribute `units`, single
+    numbers also from the file's own attributes.
     """
     import h5py
 

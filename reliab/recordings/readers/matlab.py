@@ -16,22 +16,8 @@ from reliab.simulation.transfer_systems import require_sound_structure
 def read_matlab(path: Path) -> Columns:
     """Read the numeric variables of a MATLAB file, also inside structures.
 
-    Parameters
-    ----------
-    path : pathlib.Path
-        A file of version 5 to 7.
-
-    Returns
-    -------
-    Columns
-        Vectors by name, those of a structure as ``structure.field``; columns of a matrix as ``name[1]`` ….
-
-    Raises
-    ------
-    InputError
-        If a variable has more samples than a test may have; it is not read then.
-    ValueError
-        If an element of the file is none.
+    Returns vectors by name, those of a structure as ``structure.field``; columns of a matrix as ``name[1]``
+    ….
     """
     require_sound_structure(path)
     for name, shape, _ in scipy.io.whosmat(path):

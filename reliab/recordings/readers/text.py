@@ -35,26 +35,7 @@ class _Line:
 
 
 def read_text(path: Path, *, delimiter: str | None = None) -> Columns:
-    """Read a text file of columns.
-
-    Parameters
-    ----------
-    path : pathlib.Path
-        The file; lines that begin with #, %, ! or // are comments.
-    delimiter : str, optional
-        What separates columns; recognised by default (semicolon, tab, comma or blanks).
-
-    Returns
-    -------
-    Columns
-        Columns with their lines; NaN where a cell is empty.
-
-    Raises
-    ------
-    InputError
-        If there are no rows of numbers, a row has another number of cells, or a cell is no number;
-        the message names the line.
-    """
+    """Read a text file of columns."""
     text = decoded(path.read_bytes())
     separator = delimiter if delimiter is not None else _delimiter(text)
     lines = _lines(text, separator)

@@ -32,23 +32,8 @@ def criterion_surfaces(
 ) -> Figure:
     """Draw lines of equal limits over the structures, both axes logarithmic.
 
-    Parameters
-    ----------
-    frequencies : array of float, shape (F,)
-        Natural frequencies [Hz], increasing, at least two.
-    damping_ratios : array of float, shape (X,)
-        Damping ratios [-], increasing, at least two.
-    amplitude_limit : array of float, shape (F, X)
-        Greatest amplitude error √a [%].
-    delay_limit : array of float, shape (F, X)
-        Greatest delay √b [ms].
-    simulated : tuple of array of float
-        Frequencies [Hz] and damping ratios [-] that were simulated, for the ticks.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Amplitude error and delay side by side.
+    `frequencies` (F,) [Hz]; `damping_ratios` (X,) [-]; `amplitude_limit` (F, X) [%]; `delay_limit` (F, X)
+    [ms].
     """
     figure, axes = panels(1, 2, height=_HEIGHT, share_y=True)
     letters(axes, (r"amplitude error $\sqrt{a}$ [%]", r"delay $\sqrt{b}$ [ms]"))

@@ -39,17 +39,7 @@ _LOOKS: Final[dict[str, dict[str, Any]]] = {
 def discrepancy_blocks(*, lacking: Mapping[Block, str], observed: Collection[Block]) -> Figure:
     """Draw the loop and colour what is missing in which block.
 
-    Parameters
-    ----------
-    lacking : mapping of Block to str
-        What the model lacks in a block, in a few words.
-    observed : collection of Block
-        Blocks that the recorded channels show.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Blocks that lack an effect are filled, others framed, those that no channel shows dashed.
+    Returns blocks that lack an effect are filled, others framed, those that no channel shows dashed.
     """
     figure = blank(height=_HEIGHT)
     axes = figure.subplots()

@@ -20,30 +20,15 @@ _BAND = 2.0  # standard deviations of the noise
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class GapPanel:
-    """One channel of a held-out test.
+    """One channel of a held-out test."""
 
-    Parameters
-    ----------
-    title : str
-        Channel and test.
-    label : str
-        What the axis is called, with the unit of the residuals.
-    rate : float
-        Sampling rate [Hz].
-    before, after : numpy.ndarray
-        Residuals in that unit, shape (n,).
-    noise : float or None
-        RMS in that unit of what the recordings do not repeat, None where it is not known.
-    errors : tuple of float
-        RMS over that of the signal, over all held-out tests: before, after and, where known, noise [-].
-    """
-
-    title: str
-    label: str
-    rate: float
-    before: NDArray[np.float64]
+    title: str  # Channel and test
+    label: str  # What the axis is called, with the unit of the residuals
+    rate: float  # Sampling rate [Hz]
+    before: NDArray[np.float64]  # before, after: Residuals in that unit, shape (n,)
     after: NDArray[np.float64]
-    noise: float | None
+    noise: float | None  # RMS in that unit of what the recordings do not repeat, None where it is not known
+    # RMS over that of the signal, over all held-out tests: before, after and, where known, noise [-]
     errors: tuple[float, ...]
 
 
@@ -51,15 +36,7 @@ class GapPanel:
 def discrepancy_gap(shown: Sequence[GapPanel]) -> Figure:
     """Draw residuals over time, and their size beside the noise's, channel by channel.
 
-    Parameters
-    ----------
-    shown : sequence of GapPanel
-        The channels.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        A row for each channel: histories with the band of the noise, and RMS on a logarithmic scale.
+    Returns A row for each channel: histories with the band of the noise, and RMS on a logarithmic scale.
     """
     height = _PANEL_HEIGHT * len(shown) + _MARGIN
     figure, axes = panels(len(shown), 2, height=height, ratios=(3.0, 1.25))

@@ -18,26 +18,15 @@ _MOST_SAMPLES = 3000
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ModelledHistory:
-    """A stretch of a held-out test, measured and modelled.
+    """A stretch of a held-out test, measured and modelled."""
 
-    Parameters
-    ----------
-    time : numpy.ndarray
-        Time [s], shape (n,).
-    driven : numpy.ndarray
-        What drives the block, in the unit of `input_label`, shape (n,).
-    measured, before, after : numpy.ndarray
-        The channel as measured, by the calibrated model, and by the model with the effects, shape (n,).
-    input_label, label : str
-        Names of both quantities with their units.
-    """
-
-    time: Array
-    driven: Array
+    time: Array  # Time [s], shape (n,)
+    driven: Array  # What drives the block, in the unit of `input_label`, shape (n,)
+    # The channel as measured, by the calibrated model, and by the model with the effects
     measured: Array
     before: Array
     after: Array
-    input_label: str
+    input_label: str  # input_label, label: Names of both quantities with their units
     label: str
 
 
@@ -45,16 +34,8 @@ class ModelledHistory:
 def discrepancy_histories(shown: ModelledHistory) -> Figure:
     """Draw measured and modelled channel over time and as loops, before and after effects were added.
 
-    Parameters
-    ----------
-    shown : ModelledHistory
-        What to draw.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Above each other the calibrated model and the model with the effects; left over time, right over what
-        drives the block.
+    Returns above each other the calibrated model and the model with the effects; left over time, right over
+    what drives the block.
     """
     figure, axes = panels(2, 2, height=_HEIGHT, ratios=(1.7, 1.0))
     every = max(1, shown.time.size // _MOST_SAMPLES)

@@ -24,19 +24,7 @@ def discrepancy_posterior(
 ) -> Figure:
     """Draw every parameter and every pair of them.
 
-    Parameters
-    ----------
-    names : sequence of str
-        Parameters with their units, at most five.
-    draws : numpy.ndarray
-        Values, shape (draws, parameters).
-    before : numpy.ndarray, optional
-        What the operator believed, NaN where nothing, shape (parameters,).
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Densities with 90 % intervals on the diagonal, contours of 50 and 90 % below it.
+    Returns densities with 90 % intervals on the diagonal, contours of 50 and 90 % below it.
     """
     count = len(names)
     size = min(_SIDE * count + 20.0, _LARGEST)

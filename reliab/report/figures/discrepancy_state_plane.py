@@ -29,22 +29,9 @@ def discrepancy_state_plane(
 ) -> Figure:
     """Draw mean residuals over the state of the specimen, before and after effects were added.
 
-    Parameters
-    ----------
-    displacement, velocity : numpy.ndarray
-        Motion of the piston [m, m/s], shape (n,).
-    before, after : numpy.ndarray
-        Residuals at the same times, shape (n,).
-    unit : str
-        Unit in which residuals are shown.
-    factor : float, optional
-        From the residuals' unit to that one.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Mean residual over displacement [mm] and velocity [mm/s] on one scale; blank where the tests never
-        were.
+    `displacement`, `velocity` [m, m/s].
+    Returns mean residual over displacement [mm] and velocity [mm/s] on one scale; blank where the tests never
+    were.
     """
     figure, axes = panels(1, 2, height=_HEIGHT, share_x=True, share_y=True)
     letters(axes, ("calibrated model", "with the effects"))

@@ -25,21 +25,8 @@ def discrepancy_time_frequency(
 ) -> Figure:
     """Draw the power of residuals over that of the noise, before and after effects were added.
 
-    Parameters
-    ----------
-    before, after : numpy.ndarray
-        Residuals of one test at equal steps, shape (n,).
-    density : numpy.ndarray
-        Expected periodogram of the noise at evenly spaced frequencies from zero to half the rate, shape (k,).
-    rate : float
-        Sampling rate [Hz].
-    highest : float
-        Highest frequency that is shown [Hz].
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Power over noise [dB] over time [s] and frequency [Hz]; at 0 dB nothing is left but noise.
+    `rate`, `highest` [Hz].
+    Returns power over noise [dB] over time [s] and frequency [Hz]; at 0 dB nothing is left but noise.
     """
     figure, axes = panels(1, 2, height=_HEIGHT, share_x=True, share_y=True)
     letters(axes, ("calibrated model", "with the effects"))

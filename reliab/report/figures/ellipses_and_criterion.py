@@ -17,18 +17,8 @@ _WIDEST = 0.98
 def ellipses_and_criterion(sample: EllipseSample, criteria: Mapping[str, tuple[float, float]]) -> Figure:
     """Draw the boundary of every motion and the criteria that should lie inside of nearly all.
 
-    Parameters
-    ----------
-    sample : EllipseSample
-        Ellipse parameters of many ground motions.
-    criteria : mapping of str to (float, float)
-        Limits a [-] and b [ms²] by the name of the criterion.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Delay [ms] over amplitude [-]; early and late actuators mirror each other, so that one half is
-        drawn.
+    Returns delay [ms] over amplitude [-]; early and late actuators mirror each other, so that one half is
+    drawn.
     """
     figure, axes = panels(height=_HEIGHT)
     place = axes[0, 0]

@@ -21,18 +21,6 @@ def event_forest(sample: EllipseSample, *, limits: tuple[float, float]) -> Figur
     """Draw every motion in the row of its earthquake, with the mean of the earthquake.
 
     The mean has a 95 % interval from the scatter of motions within earthquakes.
-
-    Parameters
-    ----------
-    sample : EllipseSample
-        Ellipse parameters of many ground motions.
-    limits : tuple of float
-        Limits a [-] and b [ms²] of the criterion.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Panels a and b; earthquakes in the order of their mean a.
     """
     events = np.unique(sample.events)
     means = [sample.log_a[sample.events == event].mean() for event in events]

@@ -31,23 +31,8 @@ def tracking_overview(
 ) -> Figure:
     """Draw a test in the plane of amplitude and delay, and both over the test.
 
-    Parameters
-    ----------
-    amplitude, delay : float
-        A [-] and d [s] of the test.
-    draws : array of float, shape (2, draws)
-        What noise leaves open: A [-] and d [s].
-    boundaries : mapping of str to (float, float)
-        a [-] and b [ms²] on the test's side by the name of the boundary; those of zero size are left out.
-    windows : Windows or None
-        Amplitude and delay in moving windows; None for a test that is too short for them.
-    height : float, optional
-        Height in print [mm].
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Delay [ms] over amplitude error [%] with 95 % intervals, and beside it both over time.
+    `draws` (2, draws); `height` [mm].
+    Returns delay [ms] over amplitude error [%] with 95 % intervals, and beside it both over time.
     """
     figure = blank(height=height)
     columns = 1 if windows is None else 2
@@ -122,21 +107,9 @@ def error_over_time(
 ) -> Figure:
     """Draw the exact and the measured history, the error with its band, and its parts over time.
 
-    Parameters
-    ----------
-    times, reference, measured, error : array of float, shape (n,)
-        Times [s], x_I, x_m and x_m − x_I in one unit.
-    band : tuple of array of float, shape (n,)
-        Lower and upper end of the 90 % band of the error.
-    parts : mapping of str to array of float, shape (stretches,)
-        RMS of each part of the error in equal stretches of the test, by its name.
-    height : float, optional
-        Height in print [mm].
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Three panels over one scale of time [s]; displacements over the peak of the exact one.
+    `times`, `reference`, `measured`, `error` (n,) [s]; `band` (n,); `parts` (stretches,); `height` [mm];
+    returns [s].
+    Returns three panels over one scale of time [s]; displacements over the peak of the exact one.
     """
     figure, axes = panels(3, 1, height=height, share_x=True)
     histories, errors, divided = axes[:, 0]

@@ -17,16 +17,8 @@ _RESAMPLINGS = 1000
 def parameter_correlation(sample: EllipseSample) -> Figure:
     """Draw b against a, on linear scales with the fitted line and on logarithmic ones.
 
-    Parameters
-    ----------
-    sample : EllipseSample
-        Ellipse parameters of many ground motions.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Two panels; each names the correlation of what it shows. The band holds 95 % of the lines of
-        resampled earthquakes.
+    Returns two panels; each names the correlation of what it shows. The band holds 95 % of the lines of
+    resampled earthquakes.
     """
     figure, axes = panels(1, 2, height=_HEIGHT)
     letters(axes, ("linear", "logarithmic"))

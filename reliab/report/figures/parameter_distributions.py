@@ -28,21 +28,7 @@ def parameter_distributions(
 ) -> Figure:
     """Draw histograms of a and b with fitted densities and the limits of a criterion.
 
-    Parameters
-    ----------
-    sample : EllipseSample
-        Ellipse parameters of many ground motions.
-    fits : mapping of str to (Distribution, Distribution)
-        Distributions of a and of b by the name of their family.
-    limits : tuple of float
-        Limits a [-] and b [ms²] of the criterion.
-    confidence : float
-        Its confidence [-].
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Probability densities of a and b.
+    `confidence` [-].
     """
     figure, axes = panels(1, 2, height=_HEIGHT)
     letters(axes, ("amplitude", "delay"))

@@ -24,58 +24,24 @@ _HEIGHT = 58.0
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ParameterSeries:
-    """Ellipse parameters of one source over one property of the structure.
+    """Ellipse parameters of one source over one property of the structure."""
 
-    Parameters
-    ----------
-    name : str
-        Source.
-    x : array of float, shape (n,)
-        Natural frequencies [Hz] or damping ratios [-].
-    a, b : array of float, shape (n,)
-        Parameters [-] and [ms²].
-    law : bool, optional
-        Whether it is a law, drawn as a line, rather than values, drawn as points.
-    """
-
-    name: str
-    x: NDArray[np.float64]
-    a: NDArray[np.float64]
+    name: str  # Source
+    x: NDArray[np.float64]  # Natural frequencies [Hz] or damping ratios [-], shape (n,)
+    a: NDArray[np.float64]  # a, b: Parameters [-] and [ms²], shape (n,)
     b: NDArray[np.float64]
-    law: bool = False
+    law: bool = False  # Whether it is a law, drawn as a line, rather than values, drawn as points
 
 
 @styled
 def parameters_over_frequency(series: Sequence[ParameterSeries]) -> Figure:
-    """Draw a and b over the natural frequency, b on a logarithmic scale.
-
-    Parameters
-    ----------
-    series : sequence of ParameterSeries
-        Values and laws.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Two panels, a and b.
-    """
+    """Draw a and b over the natural frequency, b on a logarithmic scale."""
     return _draw(series, FREQUENCY, logarithmic=False)
 
 
 @styled
 def parameters_over_damping_ratio(series: Sequence[ParameterSeries]) -> Figure:
-    """Draw a and b over the damping ratio on logarithmic scales, on which a power law is straight.
-
-    Parameters
-    ----------
-    series : sequence of ParameterSeries
-        Values and laws.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Two panels, a and b.
-    """
+    """Draw a and b over the damping ratio on logarithmic scales, on which a power law is straight."""
     return _draw(series, DAMPING_RATIO, logarithmic=True)
 
 

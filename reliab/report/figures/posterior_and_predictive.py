@@ -23,20 +23,9 @@ def posterior_and_predictive(
 ) -> Figure:
     """Draw how well a quantile of the motions is known, and how a further motion is distributed.
 
-    Parameters
-    ----------
-    sample : EllipseSample
-        Ellipse parameters of many ground motions.
-    limits : tuple of float
-        Limits a [-] and b [ms²] of the criterion; limits of zero are not drawn on logarithmic scales.
-    confidence : float
-        Its confidence [-]; the quantile is that of 1 − confidence.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Above, posterior densities of the lognormal quantile; below, predictive distributions of a
-        motion of a further earthquake with the motions as steps.
+    `confidence` [-].
+    Returns above, posterior densities of the lognormal quantile; below, predictive distributions of a motion
+    of a further earthquake with the motions as steps.
     """
     figure, axes = panels(2, 2, height=_HEIGHT)
     share = _PERCENT * (1.0 - confidence)

@@ -26,17 +26,7 @@ _KEPT = 1000
 def traces(posterior: PosteriorSample, parameters: Sequence[str] = ()) -> Figure:
     """Draw the density and the course of the draws of each ensemble.
 
-    Parameters
-    ----------
-    posterior : PosteriorSample
-        The draws.
-    parameters : sequence of str, optional
-        Which parameters; all by default.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One row for each parameter; ensembles that have converged lie over one another and run level.
+    Returns one row for each parameter; ensembles that have converged lie over one another and run level.
     """
     chosen = list(parameters or posterior.names)
     figure, axes = panels(len(chosen), 2, height=14.0 + _ROW * len(chosen), ratios=(1.0, 2.0))
@@ -58,17 +48,7 @@ def traces(posterior: PosteriorSample, parameters: Sequence[str] = ()) -> Figure
 def ranks(posterior: PosteriorSample, parameters: Sequence[str] = ()) -> Figure:
     """Draw how the draws of each ensemble rank among all draws.
 
-    Parameters
-    ----------
-    posterior : PosteriorSample
-        The draws.
-    parameters : sequence of str, optional
-        Which parameters; all by default.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One panel for each parameter; ensembles that have converged are uniform, near the level line.
+    Returns one panel for each parameter; ensembles that have converged are uniform, near the level line.
     """
     chosen = list(parameters or posterior.names)
     columns = min(3, len(chosen))
@@ -89,20 +69,7 @@ def ranks(posterior: PosteriorSample, parameters: Sequence[str] = ()) -> Figure:
 
 @styled
 def pairs(posterior: PosteriorSample, parameters: Sequence[str]) -> Figure:
-    """Draw the joint distributions of a few parameters.
-
-    Parameters
-    ----------
-    posterior : PosteriorSample
-        The draws.
-    parameters : sequence of str
-        Two to five parameters.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Densities on the diagonal, points below it.
-    """
+    """Draw the joint distributions of a few parameters."""
     count = len(parameters)
     figure = blank(height=min(160.0, 10.0 + _CELL * count))
     axes = figure.subplots(count, count, squeeze=False)

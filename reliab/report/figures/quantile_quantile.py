@@ -15,17 +15,7 @@ _HEIGHT = 53.0
 def quantile_quantile(sample: EllipseSample, family: type[Distribution] = Lognormal) -> Figure:
     """Draw a and b of the motions over the quantiles of a distribution that is fitted to them.
 
-    Parameters
-    ----------
-    sample : EllipseSample
-        Ellipse parameters of many ground motions.
-    family : type of Distribution, optional
-        The distribution, lognormal by default.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Panels a [-] and b [ms²] on logarithmic scales, with bands that hold each point with 95 %.
+    Returns panels a [-] and b [ms²] on logarithmic scales, with bands that hold each point with 95 %.
     """
     figure, axes = panels(1, 2, height=_HEIGHT)
     letters(axes, ("$a$", "$b$"))

@@ -25,15 +25,7 @@ _FAR = 0.8  # of what is stated; a criterion that contains less everywhere has a
 def calibration_curve(rates: pd.DataFrame) -> Figure:
     """Draw the observed share of motions that a criterion contains over the stated confidence.
 
-    Parameters
-    ----------
-    rates : pandas.DataFrame
-        Columns candidate, confidence, rate, low, high.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Both shares [%]; a criterion that keeps its promise lies on the diagonal.
+    Returns [%].
     """
     figure, axes = panels(height=_HEIGHT, width=_WIDTH)
     place = axes[0, 0]
@@ -52,18 +44,9 @@ def calibration_curve(rates: pd.DataFrame) -> Figure:
 def coverage_by_frequency(rates: pd.DataFrame, *, confidence: float) -> Figure:
     """Draw the observed containment over the natural frequency at one stated confidence.
 
-    Parameters
-    ----------
-    rates : pandas.DataFrame
-        Columns candidate, f, rate, low, high; one confidence.
-    confidence : float
-        What is stated [-].
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Observed containment [%] with intervals over the frequency [Hz]; criteria that fall far short of
-        what is stated are drawn in separate axes, so that the others can be distinguished.
+    `confidence` [-].
+    Returns observed containment [%] with intervals over the frequency [Hz]; criteria that fall far short of
+    what is stated are drawn in separate axes, so that the others can be distinguished.
     """
     stated = _PERCENT * confidence
     groups = list(rates.groupby("candidate", sort=False))

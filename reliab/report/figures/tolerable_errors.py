@@ -17,15 +17,8 @@ _HEIGHT = 76.0
 def tolerable_errors_over_frequency(tolerances: Sequence[Tolerance]) -> Figure:
     """Draw how much amplitude error and delay a rig may have.
 
-    Parameters
-    ----------
-    tolerances : sequence of Tolerance
-        Of one damping ratio and threshold, at several frequencies and confidences.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Two panels: amplitude error and delay [ms], each alone, over the frequency; a line a confidence.
+    Returns [ms].
+    Returns two panels: amplitude error and delay [ms], each alone, over the frequency; a line a confidence.
     """
     figure, axes = panels(1, 2, height=_HEIGHT)
     letters(axes, (r"$\sqrt{a}$, no delay", r"$\sqrt{b}$, no amplitude error"))

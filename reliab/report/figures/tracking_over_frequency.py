@@ -25,21 +25,7 @@ def amplitude_and_delay_over_frequency(
 ) -> Figure:
     """Draw A(f) − 1 and d(f) with their 90 % bands, the index of the whole test, and the modes.
 
-    Parameters
-    ----------
-    resolved : TrackingOverFrequency
-        A(f) and d(f).
-    amplitude, delay : float
-        A [-] and d [s] of the whole test.
-    modes : sequence of float
-        Natural frequencies of the structure [Hz]; those beyond the known frequencies are left out.
-    height : float, optional
-        Height in print [mm].
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Two panels over frequency [Hz]: amplitude error [%] and delay [ms].
+    `modes` [Hz]; `height` [mm].
     """
     figure, axes = panels(1, 2, height=height)
     rows = (

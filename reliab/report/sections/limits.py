@@ -9,18 +9,7 @@ from reliab.validation import HARDENING, measured_yielding
 
 
 def limits_section(sentences: Sequence[Prose]) -> Section:
-    """List what limits the use of the results.
-
-    Parameters
-    ----------
-    sentences : sequence of Prose
-        What is particular to these results; what always holds is added.
-
-    Returns
-    -------
-    Section
-        One point each.
-    """
+    """List what limits the use of the results."""
     always = (
         prose(
             "The structure has one degree of freedom and stays linear; other systems are not covered. "

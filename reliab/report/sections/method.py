@@ -10,19 +10,7 @@ from reliab.vocabulary import CurveName
 def method_section(criterion: Criterion | None, *, experimental_fraction: float, window: str) -> Section:
     """Explain the method of a criterion.
 
-    Parameters
-    ----------
-    criterion : Criterion or None
-        Whose confidence is explained; None explains the simulation and the boundary only.
-    experimental_fraction : float
-        Share of the stiffness in the laboratory [-].
-    window : str
-        Where errors were taken: "record", seconds, or "arias".
-
-    Returns
-    -------
-    Section
-        With numbered equations, for the appendix.
+    `experimental_fraction` [-].
     """
     parts = [_simulation(experimental_fraction, window), _indices(), _boundary(criterion)]
     if criterion is not None:

@@ -30,16 +30,8 @@ MEASURES = tuple(_MEANINGS)
 def rates_table(validation: CrossValidation) -> pd.DataFrame:
     """Tabulate what a cross-validation found, over all structures and by frequency.
 
-    Parameters
-    ----------
-    validation : CrossValidation
-        Its counts.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns `measure` ("containment", "false_safe" or "accepted_share"), `candidate`, `confidence`
-        (stated), `f` [Hz] (NaN over all structures), `rate`, `low` and `high` [-].
+    Returns columns `measure` ("containment", "false_safe" or "accepted_share"), `candidate`, `confidence`
+    (stated), `f` [Hz] (NaN over all structures), `rate`, `low` and `high` [-].
     """
     columns = ["measure", "candidate", "confidence", "f", "rate", "low", "high"]
     parts = []
@@ -55,22 +47,9 @@ def rates_section(
 ) -> Section:
     """Show what criteria contain.
 
-    Parameters
-    ----------
-    rates : pandas.DataFrame
-        As :func:`rates_table` makes it; without the column `measure` all rows are containment.
-    confidence : float
-        The stated confidence that is shown by frequency; the nearest there is [-].
-    division : str, optional
-        How motions were divided into learned and judged ones, where a report has several divisions.
-    leads : bool, optional
-        Whether the calibration curve stands on the first page.
-
-    Returns
-    -------
-    Section
-        Calibration curve, containment by frequency, and the rates as a table; labelled `sec:coverage`,
-        followed by the division where there is one.
+    `confidence` [-].
+    Returns calibration curve, containment by frequency, and the rates as a table; labelled `sec:coverage`,
+    followed by the division where there is one.
     """
     measured = rates if "measure" in rates else rates.assign(measure="containment")
     measured = measured.assign(candidate=[law_in_words(str(name)) for name in measured["candidate"]])

@@ -38,27 +38,9 @@ class AdaptiveInverse(Compensator):
     TI is half of the area that the trace of measured over command displacement has enclosed, positive while
     the measurement lags.
 
-    Parameters
-    ----------
-    steps : float
-        Estimated delay α_es [steps], at least 1.
-    proportional : float, optional
-        k_p [1/m²].
-    integral : float, optional
-        k_i [1/(m²·s)].
-
-    Raises
-    ------
-    InputError
-        If the estimate is below one step or a gain is negative.
-
-    References
-    ----------
     Chen, C. and Ricles, J. M. (2010). Tracking error-based servohydraulic actuator adaptive compensation for
     real-time hybrid simulation. *J. Struct. Eng.* 136(4), 432-440.
 
-    Examples
-    --------
     Without gains it is inverse compensation:
 
     >>> inverse = AdaptiveInverse(steps=4.0, proportional=0.0, integral=0.0)
@@ -71,9 +53,9 @@ class AdaptiveInverse(Compensator):
     kernel: ClassVar[Kernel] = Kernel(function=_compensate, states=6)
     name: ClassVar[str] = "adaptive_inverse"
 
-    steps: float
-    proportional: float = 4e5
-    integral: float = 4e4
+    steps: float  # Estimated delay α_es [steps], at least 1
+    proportional: float = 4e5  # k_p [1/m²]
+    integral: float = 4e4  # k_i [1/(m²·s)]
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.steps) and self.steps >= 1.0):

@@ -56,27 +56,9 @@ class AdaptiveModelBased(Compensator):
     Command u and measurement y pass the same Butterworth filter of fourth order; with X = (y, Dy, D²y, D³y)
     the factors move by a' = Γ ε X, ε = (u − aᵀX)/(1 + XᵀX), and stay positive.
 
-    Parameters
-    ----------
-    factors : tuple of float
-        First a₀ [-], a₁ [s], a₂ [s²], a₃ [s³].
-    rates : tuple of float, optional
-        Diagonal of Γ, in SI units.
-    cutoff : float, optional
-        Cutoff of the filter [Hz].
-
-    Raises
-    ------
-    InputError
-        If there are not four finite factors and four rates that are not negative.
-
-    References
-    ----------
     Gálmez, C. and Fermandois, G. (2022). Robust adaptive model-based compensator for the real-time hybrid
     simulation benchmark. *Struct. Control Health Monit.* 29(7), e2962.
 
-    Examples
-    --------
     >>> adaptive = AdaptiveModelBased(factors=(1.0, 0.02, 8.4e-5, 2e-7))
     >>> adaptive.coefficients(1 / 4096).size
     18
@@ -85,9 +67,9 @@ class AdaptiveModelBased(Compensator):
     kernel: ClassVar[Kernel] = Kernel(function=_compensate, states=21)
     name: ClassVar[str] = "adaptive_model_based"
 
-    factors: tuple[float, ...]
-    rates: tuple[float, ...] = (10**8.4, 10**6.2, 10**2.1, 10**0.8)
-    cutoff: float = 20.0
+    factors: tuple[float, ...]  # First a₀ [-], a₁ [s], a₂ [s²], a₃ [s³]
+    rates: tuple[float, ...] = (10**8.4, 10**6.2, 10**2.1, 10**0.8)  # Diagonal of Γ, in SI units
+    cutoff: float = 20.0  # Cutoff of the filter [Hz]
 
     def __post_init__(self) -> None:
         for values, lowest in ((self.factors, -math.inf), (self.rates, 0.0)):

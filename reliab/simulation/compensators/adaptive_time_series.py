@@ -85,36 +85,10 @@ class AdaptiveTimeSeries(Compensator):
     squares over a moving window, so that the measurement and its differences reproduce the command. The
     factors stay within bounds and change no faster than the given rates.
 
-    Parameters
-    ----------
-    factors : tuple of float
-        First a₀ [-], a₁ [s], a₂ [s²].
-    lowest, highest : tuple of float, optional
-        Bounds of the factors.
-    fastest : tuple of float, optional
-        Largest rates of the factors [1/s, -, s].
-    trigger : float, optional
-        Displacement [m] that the window must have seen before factors are fitted.
-    samples : int, optional
-        Samples of the test per sample of the window.
-    window : float, optional
-        Length of the window [s].
-    cutoff : float, optional
-        Cutoff of the filter [Hz].
-
-    Raises
-    ------
-    InputError
-        If a tuple does not hold three numbers, bounds cross, or the window is longer than 256 of its samples.
-
-    References
-    ----------
     Chae, Y., Kazemibidokhti, K. and Ricles, J. M. (2013). Adaptive time series compensator for delay
     compensation of servo-hydraulic actuator systems for real-time hybrid simulation. *Earthquake Eng. Struct.
     Dyn.* 42(11), 1697-1715.
 
-    Examples
-    --------
     >>> adaptive = AdaptiveTimeSeries(factors=(1.0, 0.02, 0.0002))
     >>> int(adaptive.coefficients(1 / 4096)[14])  # samples in a window of a second
     256
@@ -123,14 +97,14 @@ class AdaptiveTimeSeries(Compensator):
     kernel: ClassVar[Kernel] = Kernel(function=_compensate, states=_RING + 4 * _LONGEST)
     name: ClassVar[str] = "adaptive_time_series"
 
-    factors: tuple[float, ...]
-    lowest: tuple[float, ...] = (0.7, 0.0, 0.0)
+    factors: tuple[float, ...]  # First a₀ [-], a₁ [s], a₂ [s²]
+    lowest: tuple[float, ...] = (0.7, 0.0, 0.0)  # lowest, highest: Bounds of the factors
     highest: tuple[float, ...] = (1.3, 0.08, 0.0032)
-    fastest: tuple[float, ...] = (2.0, 0.05, 0.001)
-    trigger: float = 0.00025
-    samples: int = 16
-    window: float = 1.0
-    cutoff: float = 20.0
+    fastest: tuple[float, ...] = (2.0, 0.05, 0.001)  # Largest rates of the factors [1/s, -, s]
+    trigger: float = 0.00025  # Displacement [m] that the window must have seen before factors are fitted
+    samples: int = 16  # Samples of the test per sample of the window
+    window: float = 1.0  # Length of the window [s]
+    cutoff: float = 20.0  # Cutoff of the filter [Hz]
 
     def __post_init__(self) -> None:
         tuples = (self.factors, self.lowest, self.highest, self.fastest)

@@ -14,18 +14,11 @@ class Compensator(ABC):
 
     A subclass is a frozen dataclass. Another package adds its own under the entry-point group
     ``reliab.compensators``.
-
-    Attributes
-    ----------
-    name : str
-        Unique name, as files call it.
-    kernel : Kernel
-        Called once a step as `kernel(motion, measured, step, coefficients, state)` with the displacement,
-        velocity and acceleration of the command, which it changes, and the last measured displacement [m].
-        Its return value is ignored.
     """
 
-    name: ClassVar[str]
+    name: ClassVar[str]  # Unique name, as files call it
+    # Called once a step with the motion of the command (displacement, velocity, acceleration), which it
+    # changes, and the last measured displacement [m]; arguments: motion, measured, step, coefficients, state
     kernel: ClassVar[Kernel]
 
     @abstractmethod

@@ -22,13 +22,6 @@ def _compensate(motion: Numbers, _time: float, _step: float, coefficients: Numbe
 class Feedforward(Compensator):
     """Sends x + Tv, the inverse of a first-order lag and, to first order, of a delay T.
 
-    Parameters
-    ----------
-    time : float
-        Time constant or delay T [s], not negative.
-
-    References
-    ----------
     Jung, R.-Y. and Shing, P. B. (2006). Performance evaluation of a real-time pseudodynamic test
     system. *Earthquake Eng. Struct. Dyn.* 35(7), 789–810.
     """
@@ -36,7 +29,7 @@ class Feedforward(Compensator):
     kernel: ClassVar[Kernel] = Kernel(function=_compensate)
     name: ClassVar[str] = "feedforward"
 
-    time: float
+    time: float  # Time constant or delay T [s], not negative
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.time) and self.time >= 0.0):

@@ -28,13 +28,6 @@ class InverseCompensation(Compensator):
     The command is sent one step before it is due; an actuator that takes α steps from then on is
     compensated to first order when α_es = α, and otherwise keeps a delay of about (α − α_es) steps.
 
-    Parameters
-    ----------
-    steps : float
-        Estimated delay α_es [steps], at least 1.
-
-    References
-    ----------
     Chen, C. and Ricles, J. M. (2009). Analysis of actuator delay compensation methods for real-time
     testing. *Eng. Struct.* 31(11), 2643–2655.
     """
@@ -42,7 +35,7 @@ class InverseCompensation(Compensator):
     kernel: ClassVar[Kernel] = Kernel(function=_compensate, states=3)
     name: ClassVar[str] = "inverse"
 
-    steps: float
+    steps: float  # Estimated delay α_es [steps], at least 1
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.steps) and self.steps >= 1.0):

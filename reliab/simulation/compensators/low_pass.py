@@ -10,27 +10,8 @@ from reliab.errors import InputError
 def butterworth_sections(order: int, cutoff: float, step: float) -> NDArray[np.float64]:
     """Second-order sections of a discrete Butterworth low-pass filter, b₀ b₁ b₂ a₁ a₂ of each.
 
-    Parameters
-    ----------
-    order : int
-        Order of the filter, even.
-    cutoff : float
-        Frequency of −3 dB [Hz].
-    step : float
-        Sampling step [s].
+    `cutoff` [Hz]; `step` [s].
 
-    Returns
-    -------
-    numpy.ndarray
-        Shape (5·order/2,).
-
-    Raises
-    ------
-    InputError
-        If half of the sampling rate does not exceed the cutoff.
-
-    Examples
-    --------
     >>> sections = butterworth_sections(4, 20.0, 1 / 4096)
     >>> sections.size
     10

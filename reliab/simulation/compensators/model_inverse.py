@@ -37,23 +37,9 @@ class ModelInverse(Compensator):
 
     D is the backward difference over one sampling step.
 
-    Parameters
-    ----------
-    factors : tuple of float
-        a₀ [-], a₁ [s], a₂ [s²], a₃ [s³]; one to four of them.
-
-    Raises
-    ------
-    InputError
-        If there are none or more than four, or one is not finite, or a₀ is not positive.
-
-    References
-    ----------
     Phillips, B. M. and Spencer, B. F. (2013). Model-based feedforward-feedback actuator control for real-time
     hybrid simulation. *J. Struct. Eng.* 139(7), 1205-1214.
 
-    Examples
-    --------
     A ramp before a first-order lag of 4 ms is sent 4 ms ahead:
 
     >>> inverse = ModelInverse(factors=(1.0, 0.004))
@@ -69,7 +55,7 @@ class ModelInverse(Compensator):
     kernel: ClassVar[Kernel] = Kernel(function=_compensate, states=5)
     name: ClassVar[str] = "model_inverse"
 
-    factors: tuple[float, ...]
+    factors: tuple[float, ...]  # a₀ [-], a₁ [s], a₂ [s²], a₃ [s³]; one to four of them
 
     def __post_init__(self) -> None:
         sound = 1 <= len(self.factors) <= _HIGHEST_ORDER + 1 and all(map(math.isfinite, self.factors))

@@ -42,33 +42,9 @@ class PhaseLeadControl(Compensator):
     Both are discretised by Tustin's rule. The numbers of the virtual hybrid-simulation benchmark are the
     defaults, without its converters.
 
-    Parameters
-    ----------
-    proportional : float, optional
-        P [-].
-    integral : float, optional
-        I [1/s].
-    lead : float, optional
-        λ [-]; 1 is no lead.
-    lead_pole : float, optional
-        p [1/s].
-    quantum : float, optional
-        Step [m] of the converters before and after each of the two blocks; 0 for none.
-    span : float, optional
-        Largest value [m] of the converters.
-
-    Raises
-    ------
-    InputError
-        If a number is negative or not finite.
-
-    References
-    ----------
     Silva, C. E., Gomez, D., Maghareh, A., Dyke, S. J. and Spencer, B. F. (2020). Benchmark control problem
     for real-time hybrid simulation. *Mech. Syst. Signal Process.* 135, 106381.
 
-    Examples
-    --------
     A constant error e makes the command grow by I·e each second:
 
     >>> control = PhaseLeadControl(proportional=0.0, integral=10.0, lead=1.0)
@@ -83,12 +59,12 @@ class PhaseLeadControl(Compensator):
     kernel: ClassVar[Kernel] = Kernel(function=_control, states=5)
     name: ClassVar[str] = "pi_phase_lead"
 
-    proportional: float = 2.0
-    integral: float = 95.0
-    lead: float = 50.8316336027
-    lead_pole: float = 8570.3973394443
-    quantum: float = 0.0
-    span: float = 3.8
+    proportional: float = 2.0  # P [-]
+    integral: float = 95.0  # I [1/s]
+    lead: float = 50.8316336027  # λ [-]; 1 is no lead
+    lead_pole: float = 8570.3973394443  # p [1/s]
+    quantum: float = 0.0  # Step [m] of the converters before and after each of the two blocks; 0 for none
+    span: float = 3.8  # Largest value [m] of the converters
 
     def __post_init__(self) -> None:
         for field in ("proportional", "integral", "lead", "lead_pole", "quantum", "span"):

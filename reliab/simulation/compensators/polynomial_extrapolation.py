@@ -36,15 +36,6 @@ class PolynomialExtrapolation(Compensator):
 
     Of third order 4x(t) − 6x(t−δ) + 4x(t−2δ) − x(t−3δ).
 
-    Parameters
-    ----------
-    steps : int
-        Delay δ to be compensated [steps], at least 1; steps times order at most 12.
-    order : int, optional
-        Order n of the polynomial, 1 to 3.
-
-    References
-    ----------
     Horiuchi, T., Inoue, M., Konno, T. and Namita, Y. (1999). Real-time hybrid experimental system with
     actuator delay compensation and its application to a piping system with energy absorber.
     *Earthquake Eng. Struct. Dyn.* 28(10), 1121–1141.
@@ -53,8 +44,8 @@ class PolynomialExtrapolation(Compensator):
     kernel: ClassVar[Kernel] = Kernel(function=_compensate, states=15)
     name: ClassVar[str] = "polynomial_extrapolation"
 
-    steps: int
-    order: int = 3
+    steps: int  # Delay δ to be compensated [steps], at least 1; steps times order at most 12
+    order: int = 3  # Order n of the polynomial, 1 to 3
 
     def __post_init__(self) -> None:
         if not 1 <= self.order <= _HIGHEST_ORDER:

@@ -38,19 +38,6 @@ _LIBRARY: Registry[type[Compensator]] = Registry(
 def compensators() -> Registry[type[Compensator]]:
     """All compensators by name.
 
-    Returns
-    -------
-    Registry of str to type
-        The classes of compensators.
-
-    Raises
-    ------
-    InputError
-        When it is read: if another package adds something that is not a compensator, or a name that is
-        already in use.
-
-    Examples
-    --------
     >>> "adaptive_time_series" in compensators()
     True
     """
@@ -58,11 +45,5 @@ def compensators() -> Registry[type[Compensator]]:
 
 
 def find_compensator(name: str) -> type[Compensator]:
-    """Return the compensator of a name.
-
-    Raises
-    ------
-    InputError
-        If there is none; the message lists the known ones.
-    """
+    """Return the compensator of a name."""
     return _LIBRARY.find(name)

@@ -18,23 +18,7 @@ def filter_two(
 ) -> tuple[float, float]:
     """Filter the command that was sent and the measurement alike, so that both are delayed equally.
 
-    Parameters
-    ----------
-    sent, measured : float
-        Newest samples [m].
-    state : numpy.ndarray
-        State of the compensator; eight places of it, from `memory` on, are the filter's, and change.
-    memory : int
-        First of these places: four of the command, then four of the measurement.
-    coefficients : numpy.ndarray
-        Coefficients of the compensator; b0, b1, b2, a1, a2 of each section stand from `first` on.
-    first : int
-        First of these coefficients.
-
-    Returns
-    -------
-    tuple of float
-        Filtered command and measurement [m].
+    `sent`, `measured` [m]; returns [m].
     """
     u, y = sent, measured
     for section in range(SECTIONS):

@@ -22,27 +22,14 @@ _NO_DEVIATION = 1e-9
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FrameCells:
-    """Actuators of given gains and delays before one partitioned frame.
+    """Actuators of given gains and delays before one partitioned frame."""
 
-    Parameters
-    ----------
-    partition : Partition
-        The partitioned frame.
-    gain, delay : numpy.ndarray
-        Actuator gain k_p [-], positive, and delay τ [s], negative for a lead, shape (cells,) each.
-    output : numpy.ndarray, optional
-        Weights of the degrees of freedom in the response whose error counts; by default it is the measured
-        interface displacement.
-
-    Raises
-    ------
-    InputError
-        If a gain or delay is outside its range.
-    """
-
-    partition: Partition
+    partition: Partition  # The partitioned frame
+    # gain, delay: Actuator gain k_p [-], positive, and delay τ [s], negative for a lead, shape (cells,) each
     gain: Array
     delay: Array
+    # Weights of the degrees of freedom in the response whose error counts; by default it is the measured
+    # interface displacement
     output: Array | None = None
 
     def __post_init__(self) -> None:

@@ -67,50 +67,19 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FrameUnderTest:
-    """A partitioned frame and the response whose error counts.
+    """A partitioned frame and the response whose error counts."""
 
-    Attributes
-    ----------
-    name : str
-        Name given in the file.
-    partition : Partition
-        Frame, interface and specimen.
-    output : numpy.ndarray or None
-        Weights of the degrees of freedom [-], shape (degrees of freedom,); None for the measured interface
-        displacement.
-    error_of : str
-        The response in words.
-    transfer_system : TransferSystem or None
-        The rig; None where the file describes none.
-    """
-
-    name: str
-    partition: Partition
+    name: str  # Name given in the file
+    partition: Partition  # Frame, interface and specimen
+    # Weights of the degrees of freedom [-], shape (degrees of freedom,); None for the measured interface
+    # displacement
     output: Array | None
-    error_of: str
-    transfer_system: TransferSystem | None = None
+    error_of: str  # The response in words
+    transfer_system: TransferSystem | None = None  # The rig; None where the file describes none
 
 
 def frame_of_tables(content: dict[str, Any], where: str) -> FrameUnderTest:
-    """Build a tested frame from the tables of a file.
-
-    Parameters
-    ----------
-    content : dict
-        Tables of the TOML file.
-    where : str
-        The file, for messages.
-
-    Returns
-    -------
-    FrameUnderTest
-        The frame with its partition.
-
-    Raises
-    ------
-    InputError
-        If a key is unknown, a value is not allowed, or the structure is not sound.
-    """
+    """Build a tested frame from the tables of a file."""
     try:
         description = FrameDescription.model_validate(content)
     except ValidationError as error:
@@ -135,24 +104,7 @@ def frame_of_tables(content: dict[str, Any], where: str) -> FrameUnderTest:
 
 
 def read_frame(path: str | Path) -> FrameUnderTest:
-    """Read a tested frame from its TOML file.
-
-    Parameters
-    ----------
-    path : str or pathlib.Path
-        The file.
-
-    Returns
-    -------
-    FrameUnderTest
-        The frame with its partition.
-
-    Raises
-    ------
-    InputError
-        If the file is missing or no TOML, a key is unknown or the structure is not sound; the message says
-        where.
-    """
+    """Read a tested frame from its TOML file."""
     rule, remedy = (
         "A frame is described in a TOML file",
         "Compare with the frames that ship in datasets/frames",

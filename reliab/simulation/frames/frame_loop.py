@@ -40,25 +40,6 @@ _LONGEST_STEP = 0.01
 class FrameLoop:
     """A partitioned frame under one ground motion.
 
-    Parameters
-    ----------
-    excitation : Excitation
-        Record and window.
-    partition : Partition
-        The partitioned frame, with a linear specimen.
-    output : numpy.ndarray, optional
-        Weights of the degrees of freedom in the response whose error counts, as of a floor or a drift of the
-        numerical substructure; by default it is the measured interface displacement.
-    engine : Engine, optional
-        How the test is solved; "automatic", "pole" or "spectral".
-
-    Raises
-    ------
-    InputError
-        If the specimen is nonlinear, the engine is another, or the output does not fit.
-
-    Examples
-    --------
     >>> from reliab.shipped import shipped
     >>> from reliab.simulation.frames.frame_file import read_frame
     >>> frame = read_frame(shipped("datasets", "frames/benchmark_case_1.toml"))
@@ -70,10 +51,12 @@ class FrameLoop:
     array([0.018])
     """
 
-    excitation: Excitation
-    partition: Partition
+    excitation: Excitation  # Record and window
+    partition: Partition  # The partitioned frame, with a linear specimen
+    # Weights of the degrees of freedom in the response whose error counts, as of a floor or a drift of the
+    # numerical substructure; by default it is the measured interface displacement
     output: Array | None = None
-    engine: Engine = Engine.AUTOMATIC
+    engine: Engine = Engine.AUTOMATIC  # How the test is solved; "automatic", "pole" or "spectral"
 
     def __post_init__(self) -> None:
         if self.partition.effects:
@@ -108,20 +91,7 @@ class FrameLoop:
 
     @staticmethod
     def governing(partition: Partition, output: Array | None) -> int:
-        """Place of the mode whose share of the output suffers most from an error of the actuator.
-
-        Parameters
-        ----------
-        partition : Partition
-            The partitioned frame.
-        output : numpy.ndarray or None
-            Weights of the degrees of freedom; None for the measured interface displacement.
-
-        Returns
-        -------
-        int
-            Its place among the modes, lowest first.
-        """
+        """Place of the mode whose share of the output suffers most from an error of the actuator."""
         frame, modes = partition.frame, partition.frame.modes
         share = np.abs(partition.impedance_shares)
         seen = partition.interface if output is None else output
@@ -184,21 +154,8 @@ class FrameLoop:
     def deviation(self, cells: FrameCells) -> Deviation:
         """Deviation of the output from that of the undivided frame over the window.
 
-        Parameters
-        ----------
-        cells : FrameCells
-            The actuators, before this loop's frame.
-
-        Returns
-        -------
-        Deviation
-            Mean square and peak of each cell. Beyond every threshold (infinite) where the test is unstable
-            and its poles could not be followed.
-
-        Raises
-        ------
-        InputError
-            If the spectral engine is asked for an unstable test.
+        Returns mean square and peak of each cell. Beyond every threshold (infinite) where the test is
+        unstable and its poles could not be followed.
         """
         if self.engine is Engine.SPECTRAL:
             return self._exact(cells)
@@ -238,24 +195,7 @@ class FrameLoop:
     def response(self, gain: float, delay: float, *, longest: float | None = None) -> tuple[Array, float]:
         """Exact response of the output with one actuator, inside the window.
 
-        Parameters
-        ----------
-        gain, delay : float
-            Actuator gain [-] and delay [s], below the critical delay; 1 and 0 give the undivided frame.
-        longest : float, optional
-            Longest step of the result [s]; that of the pole pairs by default.
-
-        Returns
-        -------
-        response : numpy.ndarray
-            Response [m] at equal steps from the begin to the end of the window.
-        step : float
-            The step [s].
-
-        Raises
-        ------
-        InputError
-            If the test is unstable.
+        `longest` [s]; returns response [m], step [s].
         """
         limit, frequency = critical_delay(self.partition, gain)
         if delay >= limit:

@@ -31,20 +31,14 @@ _UNKNOWN_POLES = np.errstate(over="ignore", invalid="ignore", divide="ignore")
 
 @dataclass(frozen=True, kw_only=True)
 class PoleLoop:
-    """Poles and residues of one output of the test, one column per cell.
+    """Poles and residues of one output of the test, one column per cell."""
 
-    Attributes
-    ----------
-    poles, residues : numpy.ndarray
-        Poles p [1/s] with positive imaginary part and residues r [s] of the response to −a_g, shape
-        (modes, cells); their conjugates belong to them. NaN where Newton's iteration did not converge.
-    rest, rest_time : numpy.ndarray
-        Static value R [s²] and time constant T [s] of the fast rest, shape (cells,): R/(1 + Ts), or for T <
-        0 the ground ahead, R e^(−Ts).
-    """
-
+    # poles, residues: Poles p [1/s] with positive imaginary part and residues r [s] of the response to −a_g,
+    # shape (modes, cells); their conjugates belong to them. NaN where Newton's iteration did not converge
     poles: ComplexArray
     residues: ComplexArray
+    # rest, rest_time: Static value R [s²] and time constant T [s] of the fast rest, shape (cells,): R/(1 +
+    # Ts), or for T < 0 the ground ahead, R e^(−Ts)
     rest: Array
     rest_time: Array
 
@@ -66,27 +60,7 @@ class PoleLoop:
 
 @_UNKNOWN_POLES
 def pole_loop(partition: Partition, gain: Array, delay: Array, output: Array | None = None) -> PoleLoop:
-    """Follow the poles of the test for many actuators, and work out the residues of an output.
-
-    Parameters
-    ----------
-    partition : Partition
-        The partitioned structure; every mode must oscillate.
-    gain, delay : numpy.ndarray
-        Actuator gain k_p [-] and delay τ [s], negative for a lead, shape (cells,).
-    output : numpy.ndarray, optional
-        Weights of the degrees of freedom in the output; by default the measured interface displacement.
-
-    Returns
-    -------
-    PoleLoop
-        Poles, residues and rest.
-
-    Raises
-    ------
-    InputError
-        If a mode is overdamped.
-    """
+    """Follow the poles of the test for many actuators, and work out the residues of an output."""
     start = partition.frame.poles
     if start.size < partition.frame.size:
         raise InputError(
@@ -198,21 +172,7 @@ def transfer(
     The structure is solved once for each frequency; an actuator's error only adds a multiple of γγᵀ, which
     the formula of Sherman and Morrison takes into account.
 
-    Parameters
-    ----------
-    partition : Partition
-        The partitioned structure.
-    gain, delay : numpy.ndarray
-        Actuator gain [-] and delay [s], shape (cells,).
-    s : numpy.ndarray
-        Complex frequencies [rad/s], shape (frequencies,).
-    output : numpy.ndarray, optional
-        Weights of the degrees of freedom; by default the measured interface displacement.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (frequencies, cells).
+    `s` [rad/s].
     """
     frame, gamma = partition.frame, partition.interface
     loads = np.column_stack([frame.mass @ frame.influence, gamma]).astype(complex)

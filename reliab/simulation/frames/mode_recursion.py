@@ -25,19 +25,10 @@ _COEFFICIENTS = 7
 def recursion(loop: PoleLoop, step: float) -> Array:
     """Coefficients of every pair and of the rest.
 
-    Parameters
-    ----------
-    loop : PoleLoop
-        Poles and residues, one column per cell.
-    step : float
-        Step h [s].
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (modes + 1, 7, cells): of the last two displacements, of the ground at the end of this step, at
-        its begin and a step before, the displacement a step before the record for which its first sample acts
-        as a jump, and of the ground at the end of the next step. The last row is the rest.
+    `step` [s].
+    Returns shape (modes + 1, 7, cells): of the last two displacements, of the ground at the end of this step,
+    at its begin and a step before, the displacement a step before the record for which its first sample acts
+    as a jump, and of the ground at the end of the next step. The last row is the rest.
     """
     early, late, decay = ramp_weights(loop.poles, step)
     r, back = loop.residues, loop.residues * decay.conj()
@@ -74,17 +65,7 @@ def _rest(loop: PoleLoop, step: float) -> Array:
 
 @compiled
 def track(ground: Array, ideal: Array, first: int, coefficients: Array) -> Array:
-    """Step cells from rest and track their deviation from the sample `first` on, shape (tracks, cells).
-
-    Parameters
-    ----------
-    ground, ideal : numpy.ndarray
-        Ground acceleration [m/s²] and exact response [m] at the steps, shape (steps,).
-    first : int
-        First step of the window, which ends with the record.
-    coefficients : numpy.ndarray
-        Of `recursion`, shape (pairs + 1, 7, cells), cells a multiple of `LANES`.
-    """
+    """Step cells from rest and track their deviation from the sample `first` on, shape (tracks, cells)."""
     cells = coefficients.shape[2]
     tracks = np.empty((TRACKS, cells))
     for begin in range(0, cells, LANES):

@@ -29,23 +29,14 @@ _WIDEST = 30.0  # bandwidths of a mode
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RigResponse:
-    """Histories of a test with a known transfer system, inside the window.
+    """Histories of a test with a known transfer system, inside the window."""
 
-    Attributes
-    ----------
-    command, measured : numpy.ndarray
-        γᵀx and σγᵀx [m], shape (n,).
-    response, ideal : numpy.ndarray
-        The response whose error counts, and that of the undivided frame [m], shape (n,).
-    step : float
-        Step [s].
-    """
-
-    command: Array
+    command: Array  # command, measured: γᵀx and σγᵀx [m], shape (n,)
     measured: Array
+    # response, ideal: The response whose error counts, and that of the undivided frame [m], shape (n,)
     response: Array
     ideal: Array
-    step: float
+    step: float  # Step [s]
 
 
 def rig_response(
@@ -54,25 +45,7 @@ def rig_response(
     transfer_system: TransferSystem,
     output: Array | None = None,
 ) -> RigResponse:
-    """Solve a test with a transfer system exactly, in the frequency domain.
-
-    Parameters
-    ----------
-    excitation : Excitation
-        Record and window.
-    partition : Partition
-        The frame with its linear specimen; the test must be stable, see `stable_with`.
-    transfer_system : TransferSystem
-        The actuator with its inner control, without sampling or noise.
-    output : numpy.ndarray, optional
-        Weights of the degrees of freedom in the response whose error counts; by default the measured
-        interface displacement.
-
-    Returns
-    -------
-    RigResponse
-        Command, measured displacement, response and its exact value.
-    """
+    """Solve a test with a transfer system exactly, in the frequency domain."""
     interface = np.array(partition.interface)
 
     def command(s: Complex) -> Complex:
@@ -101,20 +74,6 @@ def rig_response(
 def stable_with(partition: Partition, transfer_system: TransferSystem) -> bool:
     """Whether a test with a transfer system is stable.
 
-    Parameters
-    ----------
-    partition : Partition
-        The frame with its linear specimen.
-    transfer_system : TransferSystem
-        A stable transfer system.
-
-    Returns
-    -------
-    bool
-        Whether no pole of the loop lies in the right half-plane.
-
-    Examples
-    --------
     >>> from reliab.shipped import shipped
     >>> from reliab.simulation.frames.frame_file import read_frame
     >>> from reliab.simulation.transfer_systems import gain_and_delay

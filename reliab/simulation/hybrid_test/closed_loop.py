@@ -25,24 +25,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class Histories:
-    """What happened in a simulated test, at equal steps.
+    """What happened in a simulated test, at equal steps."""
 
-    Attributes
-    ----------
-    command : Motion3
-        Motion of the numerical substructure, which is the command.
-    piston : Motion3
-        True motion of the piston.
-    measured : numpy.ndarray
-        Displacement as the sensor reads it [m], shape (n,).
-    force : numpy.ndarray
-        Force as the load cell reads it [N], shape (n,).
-    """
-
-    command: Motion3
-    piston: Motion3
-    measured: Array
-    force: Array
+    command: Motion3  # Motion of the numerical substructure, which is the command
+    piston: Motion3  # True motion of the piston
+    measured: Array  # Displacement as the sensor reads it [m], shape (n,)
+    force: Array  # Force as the load cell reads it [N], shape (n,)
 
 
 def run_closed_loop(
@@ -56,34 +44,9 @@ def run_closed_loop(
 ) -> Histories:
     """Run a hybrid test under a ground motion, from rest.
 
-    Parameters
-    ----------
-    test : HybridTest
-        The model, with a structure.
-    ground : numpy.ndarray
-        Ground acceleration as recorded [m/s²], linear between samples, shape (n,).
-    step : float
-        Step between samples [s].
-    parts : int, optional
-        Steps of the simulation to each of the samples.
-    integrator : Integrator, optional
-        How the numerical substructure is integrated; by default exactly, or with the integration error that
-        is among the effects.
-    compensator : Compensator, optional
-        Delay compensator, which changes the command before the actuator; none by default.
+    `ground` [m/s²]; `step` [s].
+    Returns motions, reading and force at the samples. Where the loop diverges, the remaining samples are NaN.
 
-    Returns
-    -------
-    Histories
-        Motions, reading and force at the samples. Where the loop diverges, the remaining samples are NaN.
-
-    Raises
-    ------
-    InputError
-        If there is no structure.
-
-    Examples
-    --------
     >>> from reliab.structures.structure import Structure
     >>> test = HybridTest(structure=Structure(frequency=1.0, damping_ratio=0.05))
     >>> shaken = np.sin(2.0 * np.pi * np.arange(0.0, 20.0, 0.005))

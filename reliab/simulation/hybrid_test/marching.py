@@ -32,35 +32,9 @@ def march(  # noqa: C901, PLR0912, PLR0915 - one compiled loop; what it calls co
 ) -> tuple[Array, Array, Array]:
     """Step through a whole test from rest.
 
-    Parameters
-    ----------
-    ground : numpy.ndarray
-        Ground acceleration at the steps [m/s²], shape (n,).
-    h : float
-        Step [s].
-    mass : float
-        Mass of the structure [kg].
-    scheme : tuple of int
-        Address of the integrator's kernel, and how often a step is corrected.
-    scheme_coefficients : numpy.ndarray
-        Coefficients of the integrator's kernel.
-    socket : Plan
-        The compensator, or nothing.
-    actuator : tuple of float
-        Gain [-] and delay [s].
-    delays, elements, forces, readings : Plan
-        Effects on the delay, on the way to the piston, in the specimen and in the load cell.
-    linear : numpy.ndarray
-        Stiffness [N/m], damping coefficient [N·s/m] and mass [kg] of the linear specimen.
-    width : int
-        Longest state of an effect.
-
-    Returns
-    -------
-    command, piston : numpy.ndarray
-        Displacement [m], velocity and acceleration, shape (3, n); NaN after the loop has diverged.
-    force : numpy.ndarray
-        Force as the load cell reads it [N], shape (n,).
+    `ground` [m/s²]; `h` [s]; `mass` [kg]; returns command, piston [m], force [N].
+    Returns `command, piston`: displacement [m], velocity and acceleration, shape (3, n); NaN after the loop
+    has diverged.
     """
     n = ground.size
     integrate, corrections = scheme

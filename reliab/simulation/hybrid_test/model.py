@@ -15,31 +15,16 @@ from reliab.structures import Specimen, Structure
 class HybridTest:
     """A hybrid test as a laboratory runs it.
 
-    Parameters
-    ----------
-    structure : Structure, optional
-        The whole structure; absent when there is no numerical substructure.
-    mass : float, optional
-        Its mass [kg]; 1 when forces are per unit mass.
-    actuator : Actuator, optional
-        Gain and delay.
-    specimen : Specimen, optional
-        The linear specimen; by default the structure's own spring αω₀²m.
-    effects : tuple of Effect, optional
-        Further effects; within a block they act in the order of the library.
-
-    Examples
-    --------
     >>> test = HybridTest(structure=Structure(frequency=1.0, damping_ratio=0.02), mass=1000.0)
     >>> round(test.specimen.stiffness)
     39478
     """
 
-    structure: Structure | None = None
-    mass: float = 1.0
-    actuator: Actuator = field(default_factory=Actuator)
-    specimen: Specimen | None = None
-    effects: tuple[Effect, ...] = ()
+    structure: Structure | None = None  # The whole structure; absent when there is no numerical substructure
+    mass: float = 1.0  # Its mass [kg]; 1 when forces are per unit mass
+    actuator: Actuator = field(default_factory=Actuator)  # Gain and delay
+    specimen: Specimen | None = None  # The linear specimen; by default the structure's own spring αω₀²m
+    effects: tuple[Effect, ...] = ()  # Further effects; within a block they act in the order of the library
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.mass) and self.mass > 0.0):
@@ -70,13 +55,7 @@ class HybridTest:
 
     @property
     def substructure(self) -> LinearSubstructure:
-        """The numerical substructure per unit mass, as it is integrated.
-
-        Raises
-        ------
-        InputError
-            If there is no structure.
-        """
+        """The numerical substructure per unit mass, as it is integrated."""
         if self.structure is None:
             raise InputError("A closed loop needs a numerical substructure", remedy="Add a [structure] table")
         w0, alpha = self.structure.circular_frequency, self.structure.experimental_fraction

@@ -34,29 +34,14 @@ _NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 
 @dataclass(frozen=True, kw_only=True)
 class UpdatedModel:
-    """A model of a hybrid test with the uncertainty of its parameters.
+    """A model of a hybrid test with the uncertainty of its parameters."""
 
-    Parameters
-    ----------
-    name : str
-        Free text, the campaign's name.
-    test : HybridTest
-        The model.
-    deviations : mapping of str to float, optional
-        Standard deviations, SI units, of "gain", "delay_s", "stiffness_n_per_m" and of effects' parameters by
-        "effect.parameter"; parameters that are missing here were not fitted.
-    limits : tuple of str, optional
-        Sentences on what limits these values, written as comments.
-
-    Raises
-    ------
-    InputError
-        If a standard deviation is negative or not finite.
-    """
-
-    name: str
-    test: HybridTest
+    name: str  # Free text, the campaign's name
+    test: HybridTest  # The model
+    # Standard deviations, SI units, of "gain", "delay_s", "stiffness_n_per_m" and of effects' parameters by
+    # "effect.parameter"; parameters that are missing here were not fitted
     deviations: Mapping[str, float] = field(default_factory=dict)
+    # Sentences on what limits these values, written as comments
     limits: tuple[str, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
@@ -68,20 +53,7 @@ class UpdatedModel:
 
 
 def write_model(path: Path | str, model: UpdatedModel) -> None:
-    """Write an updated model.
-
-    Parameters
-    ----------
-    path : path
-        The file, usually `model.toml`.
-    model : UpdatedModel
-        The model.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
-    """
+    """Write an updated model."""
     path = Path(path)
     try:
         with written_whole(path) as file:
@@ -92,23 +64,7 @@ def write_model(path: Path | str, model: UpdatedModel) -> None:
 
 
 def read_model(path: Path | str) -> UpdatedModel:
-    """Read an updated model.
-
-    Parameters
-    ----------
-    path : path
-        A file as `reliab diagnose --out` writes it.
-
-    Returns
-    -------
-    UpdatedModel
-        The model with the standard deviations of its parameters.
-
-    Raises
-    ------
-    InputError
-        If the file is missing or breaks a rule; the message names the key.
-    """
+    """Read an updated model."""
     path = Path(path)
     described = _described(path)
     test = HybridTest(

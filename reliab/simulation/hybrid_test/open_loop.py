@@ -18,36 +18,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class Motion3:
-    """Displacement, velocity and acceleration at equal steps.
+    """Displacement, velocity and acceleration at equal steps."""
 
-    Parameters
-    ----------
-    values : numpy.ndarray
-        Displacement [m], velocity [m/s] and acceleration [m/s²], shape (3, n).
-    step : float
-        Step [s].
-    """
-
-    values: Array
-    step: float
+    values: Array  # Displacement [m], velocity [m/s] and acceleration [m/s²], shape (3, n)
+    step: float  # Step [s]
 
     @classmethod
     def through(cls, displacement: Array, step: float, *, parts: int = 1) -> "Motion3":
         """Motion along the cubic spline through sampled displacements.
 
-        Parameters
-        ----------
-        displacement : numpy.ndarray
-            Displacement [m], shape (n,).
-        step : float
-            Step between samples [s].
-        parts : int, optional
-            Steps of the motion to each of the samples.
-
-        Returns
-        -------
-        Motion3
-            The motion at (n − 1)·parts + 1 instants.
+        `displacement` [m]; `step` [s].
         """
         spline = scipy.interpolate.CubicSpline(np.arange(displacement.size) * step, displacement)
         times = np.arange((displacement.size - 1) * parts + 1) * (step / parts)
@@ -61,20 +41,6 @@ class Motion3:
 def drive(test: HybridTest, command: Motion3) -> Motion3:
     """Move the piston as the actuator follows a command.
 
-    Parameters
-    ----------
-    test : HybridTest
-        The model; only its actuator and the effects on the way to the piston are used.
-    command : Motion3
-        Motion of the command.
-
-    Returns
-    -------
-    Motion3
-        Motion of the piston.
-
-    Examples
-    --------
     >>> from reliab.simulation.actuator import Actuator
     >>> time = np.arange(0.0, 2.0, 0.001)
     >>> command = Motion3.through(np.sin(time) ** 2, 0.001)
@@ -132,22 +98,7 @@ def _drive(
 def load(test: HybridTest, piston: Motion3) -> Array:
     """Force of the specimen under a motion of the piston.
 
-    Parameters
-    ----------
-    test : HybridTest
-        The model; only its specimen and the specimen's effects are used.
-    piston : Motion3
-        Motion of the piston.
-
-    Returns
-    -------
-    numpy.ndarray
-        Force [N], shape (n,).
-
-    Raises
-    ------
-    InputError
-        If the test has no specimen.
+    Returns [N].
     """
     if test.specimen is None:
         raise InputError("A force needs a specimen", remedy="Add a [structure] or a [specimen] table")
@@ -168,22 +119,7 @@ def read_force(test: HybridTest, piston: Motion3, force: Array) -> Array:
 
 
 def follow(kernel: Kernel, coefficients: tuple[float, ...], piston: Motion3) -> Array:
-    """Evaluate one kernel along a motion.
-
-    Parameters
-    ----------
-    kernel : Kernel
-        Of an effect on the force or on a reading.
-    coefficients : tuple of float
-        Its coefficients.
-    piston : Motion3
-        Motion of the piston.
-
-    Returns
-    -------
-    numpy.ndarray
-        What the effect adds, shape (n,).
-    """
+    """Evaluate one kernel along a motion."""
     addresses = np.array([kernel.address], dtype=np.int64)
     values = np.ascontiguousarray(piston.values)
     return np.asarray(_follow(values, piston.step, addresses, np.array([coefficients]), STATES))

@@ -14,41 +14,15 @@ STATES = 16
 
 
 class Plan(NamedTuple):
-    """Kernels that are called one after the other.
+    """Kernels that are called one after the other."""
 
-    Attributes
-    ----------
-    addresses : numpy.ndarray
-        Addresses of the kernels, shape (effects,).
-    coefficients : numpy.ndarray
-        Coefficients of each kernel, shape (effects, longest).
-    """
-
-    addresses: NDArray[np.int64]
-    coefficients: NDArray[np.float64]
+    addresses: NDArray[np.int64]  # Addresses of the kernels, shape (effects,)
+    coefficients: NDArray[np.float64]  # Coefficients of each kernel, shape (effects, longest)
 
 
 @lru_cache(maxsize=512)
 def plan(effects: tuple[Effect, ...], setting: Setting) -> Plan:
-    """Prepare effects for a compiled loop, once for all the tests that they act in.
-
-    Parameters
-    ----------
-    effects : tuple of Effect
-        Effects of one role.
-    setting : Setting
-        Step and specimen of the test.
-
-    Returns
-    -------
-    Plan
-        Addresses and coefficients.
-
-    Raises
-    ------
-    InputError
-        If an effect has no kernel or a longer state than there is room for.
-    """
+    """Prepare effects for a compiled loop, once for all the tests that they act in."""
     stepped = [_checked(effect) for effect in effects]
     rows = [effect.coefficients(setting) for effect in stepped]
     table = np.zeros((len(rows), max((row.size for row in rows), default=1)))

@@ -11,19 +11,7 @@ Array = NDArray[np.float64]
 
 @compiled
 def read_delayed(command: Array, place: float, last: int, motion: Array) -> None:
-    """Motion of the command between its samples: cubic in the displacement, linear in the acceleration.
-
-    Parameters
-    ----------
-    command : numpy.ndarray
-        Displacement, velocity and acceleration with the step as unit of time, shape (3, n).
-    place : float
-        Place in steps; before the first sample the command rests there.
-    last : int
-        Last interval that is known.
-    motion : numpy.ndarray
-        Receives the motion with the step as unit of time, shape (3,).
-    """
+    """Motion of the command between its samples: cubic in the displacement, linear in the acceleration."""
     if place <= 0.0:
         motion[0] = command[0, 0]
         motion[1] = motion[2] = 0.0

@@ -26,8 +26,6 @@ class CentralDifference(Integrator):
     Written with displacement, velocity and acceleration at one instant, which is Newmark's method with
     β = 0 and γ = ½.
 
-    References
-    ----------
     Nakashima, M., Kato, H. and Takaoka, E. (1992). Development of real-time pseudo dynamic testing.
     *Earthquake Eng. Struct. Dyn.* 21(1), 79–92.
     """

@@ -25,13 +25,6 @@ class ChenRicles(Integrator):
 
     x₊ = x + hv + αh²a, v₊ = v + αha with α = 4/(4 + 4ξω₀h + ω₀²h²) of the whole structure.
 
-    Parameters
-    ----------
-    structure : Structure
-        The whole structure, whose initial properties enter α.
-
-    References
-    ----------
     Chen, C. and Ricles, J. M. (2008). Development of direct integration algorithms for structural
     dynamics using discrete control theory. *J. Eng. Mech.* 134(8), 676–683.
     """
@@ -39,7 +32,7 @@ class ChenRicles(Integrator):
     kernel: ClassVar[Kernel] = Kernel(function=_advance)
     corrections: ClassVar[int] = 1
 
-    structure: Structure
+    structure: Structure  # The whole structure, whose initial properties enter α
 
     def coefficients(self, substructure: LinearSubstructure, step: float) -> NDArray[np.float64]:
         """Step, α, and damping and stiffness of the numerical substructure."""

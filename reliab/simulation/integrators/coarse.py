@@ -41,26 +41,15 @@ class CoarseExplicit(Integrator):
     Between its instants the command follows the parabola of its step, or a straight line: with γ = −½ that
     is forward Euler. The substructure is at rest before the first step.
 
-    Parameters
-    ----------
-    gamma : float
-        γ [-].
-    steps : int
-        Steps of the loop per step of the controller.
-    straight : bool
-        Whether the command moves in straight lines.
-
-    References
-    ----------
     Newmark, N. M. (1959). A method of computation for structural dynamics. *J. Eng. Mech. Div.* 85(3), 67–94.
     """
 
     kernel: ClassVar[Kernel] = Kernel(function=_advance)
     corrections: ClassVar[int] = 1
 
-    gamma: float
-    steps: int
-    straight: bool
+    gamma: float  # γ [-]
+    steps: int  # Steps of the loop per step of the controller
+    straight: bool  # Whether the command moves in straight lines
 
     def coefficients(self, substructure: LinearSubstructure, step: float) -> NDArray[np.float64]:
         """Step, damping, stiffness, weights of old and new acceleration, path, and calls to an instant."""

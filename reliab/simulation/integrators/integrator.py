@@ -20,35 +20,19 @@ from reliab.effects import Kernel, Numbers
 
 @dataclass(frozen=True, kw_only=True)
 class LinearSubstructure:
-    """The numerical substructure per unit mass, x'' + c·x' + k·x = u.
+    """The numerical substructure per unit mass, x'' + c·x' + k·x = u."""
 
-    Parameters
-    ----------
-    damping : float
-        c [1/s].
-    stiffness : float
-        k [1/s²].
-    """
-
-    damping: float
-    stiffness: float
+    damping: float  # c [1/s]
+    stiffness: float  # k [1/s²]
 
 
 class Integrator(ABC):
-    """A scheme that advances the numerical substructure by one step.
+    """A scheme that advances the numerical substructure by one step."""
 
-    Attributes
-    ----------
-    kernel : Kernel
-        Called as `kernel(motion, u₀, u₁, coefficients, scratch)` with the motion at the begin of the step,
-        which it advances to the end; u₀ and u₁ [m/s²] are the loads at both ends. Its return value is
-        ignored.
-    corrections : int
-        How often the step is repeated with the force measured at its end.
-    """
-
+    # Called as `kernel(motion, u₀, u₁, coefficients, scratch)` with the motion at the begin of the step,
+    # which it advances to the end; u₀ and u₁ [m/s²] are the loads at both ends. Its return value is ignored
     kernel: ClassVar[Kernel]
-    corrections: ClassVar[int]
+    corrections: ClassVar[int]  # How often the step is repeated with the force measured at its end
 
     @abstractmethod
     def coefficients(self, substructure: LinearSubstructure, step: float) -> NDArray[np.float64]:

@@ -31,13 +31,6 @@ class OperatorSplitting(Integrator):
     stiffness k_e to that at x₊ = x̃ + h²a₊/4, which makes the method implicit, and unconditionally
     stable, without iteration. The command is the predictor.
 
-    Parameters
-    ----------
-    structure : Structure
-        The whole structure; its experimental fraction gives k_e.
-
-    References
-    ----------
     Wu, B., Xu, G., Wang, Q. and Williams, M. S. (2006). Operator-splitting method for real-time
     substructure testing. *Earthquake Eng. Struct. Dyn.* 35(3), 293–314.
     """
@@ -45,7 +38,7 @@ class OperatorSplitting(Integrator):
     kernel: ClassVar[Kernel] = Kernel(function=_advance)
     corrections: ClassVar[int] = 1
 
-    structure: Structure
+    structure: Structure  # The whole structure; its experimental fraction gives k_e
 
     def coefficients(self, substructure: LinearSubstructure, step: float) -> NDArray[np.float64]:
         """Step, damping and stiffness of the numerical substructure, initial specimen stiffness."""

@@ -23,40 +23,18 @@ _LOST = 10.0
 
 @dataclass(frozen=True, kw_only=True)
 class Run:
-    """What a digital laboratory recorded, at equal steps.
+    """What a digital laboratory recorded, at equal steps."""
 
-    Attributes
-    ----------
-    step : float
-        Step [s].
-    floors : numpy.ndarray
-        Displacements of the numerical substructure [m], shape (degrees of freedom, samples).
-    reference : numpy.ndarray
-        Those of the undivided structure [m], same shape.
-    command : numpy.ndarray
-        Target displacement of the interface, γᵀ floors [m], shape (samples,).
-    sent : numpy.ndarray
-        Command that was sent to the actuator [m], shape (samples,).
-    piston, measured : numpy.ndarray
-        True and measured displacement of the piston [m], shape (samples,).
-    force : numpy.ndarray
-        Force as measured [N], shape (samples,).
-    ground : numpy.ndarray
-        Ground acceleration [m/s²], shape (samples,).
-    lost : bool
-        Whether the test diverged; the histories then end at that instant.
-    """
-
-    step: float
-    floors: Array
-    reference: Array
-    command: Array
-    sent: Array
-    piston: Array
+    step: float  # Step [s]
+    floors: Array  # Displacements of the numerical substructure [m], shape (degrees of freedom, samples)
+    reference: Array  # Those of the undivided structure [m], same shape
+    command: Array  # Target displacement of the interface, γᵀ floors [m], shape (samples,)
+    sent: Array  # Command that was sent to the actuator [m], shape (samples,)
+    piston: Array  # piston, measured: True and measured displacement of the piston [m], shape (samples,)
     measured: Array
-    force: Array
-    ground: Array
-    lost: bool
+    force: Array  # Force as measured [N], shape (samples,)
+    ground: Array  # Ground acceleration [m/s²], shape (samples,)
+    lost: bool  # Whether the test diverged; the histories then end at that instant
 
 
 def run_laboratory(
@@ -72,40 +50,8 @@ def run_laboratory(
 ) -> Run:
     """Run a real-time hybrid test in a digital laboratory, from rest.
 
-    Parameters
-    ----------
-    partition : Partition
-        The structure, its interface and the true specimen.
-    rig : Rig
-        Transfer system, compensator, sensors and limits.
-    ground : numpy.ndarray
-        Ground acceleration [m/s²], linear between its samples, shape (n,).
-    step : float
-        Step of the ground motion [s].
-    rate : float, optional
-        Sampling rate of the laboratory [Hz].
-    seed : int, optional
-        Seed of the sensors' noise; needed where they have any.
-    emulate_differences : bool, optional
-        Whether velocities in actuator and specimen are differences against the last step and everything is
-        integrated by the classical Runge-Kutta method, as in block diagrams with derivative blocks; exact
-        otherwise. Needs a specimen with a moving mass before a servo-hydraulic actuator, without effects.
-    modelled : Partition, optional
-        The partition with the specimen that the computer assumes, where it differs from the true one; the
-        numerical substructure is then taken from this partition of the same frame.
+    `ground` [m/s²]; `step` [s]; `rate` [Hz].
 
-    Returns
-    -------
-    Run
-        Histories at the laboratory's rate.
-
-    Raises
-    ------
-    InputError
-        If the transfer system cannot drive the specimen, noise has no seed, or an emulation is not possible.
-
-    Examples
-    --------
     >>> from reliab.structures.structure import Structure
     >>> from reliab.structures.partition import Partition
     >>> from reliab.simulation.transfer_systems import first_order_lag

@@ -107,25 +107,11 @@ def cut_records(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Straight lines that drive modes from edge to edge, and the exact response there.
 
-    Parameters
-    ----------
-    record : tuple
-        Ground accelerations [m/s²] at the same instants, shape (records, samples), and their time step [s].
-    poles : numpy.ndarray
-        Pole p of each mode [1/s], shape (modes,).
-    weights : tuple of numpy.ndarray
-        Weights and decay of each mode over a sample and over one of its blocks, shape (modes, 3).
-    spacings : tuple of numpy.ndarray
-        For each mode the time of the first edge [s], the length of a block [s] and the number of blocks,
-        shape (modes,).
-
-    Returns
-    -------
-    left, right : numpy.ndarray
-        Ground acceleration at the ends of each block, those of one mode after those of another, shape
-        (records, blocks of all modes).
-    ideal : numpy.ndarray
-        Exact response x_I [m] at the edges of the blocks, shape (records, blocks of all modes + modes).
+    `spacings` [s]; returns ideal [m].
+    Returns `left, right`: ground acceleration at the ends of each block, those of one mode after those of
+    another, shape (records, blocks of all modes).
+    Returns `ideal`: exact response x_I [m] at the edges of the blocks, shape (records, blocks of all modes +
+    modes).
     """
     (records, h), (starts, steps, counts) = record, spacings
     number, total = records.shape[0], counts.sum()
@@ -158,20 +144,7 @@ def peak_of_mode(
 ) -> float:
     """Largest |x_I| [m] inside the window, between the edges of blocks too.
 
-    Parameters
-    ----------
-    record : tuple
-        Ground acceleration [m/s²], shape (1, samples), and its time step [s].
-    pole : complex
-        Pole p [1/s].
-    step : float
-        Length of a block [s].
-    weights : tuple
-        Weights of the mode over a sample.
-    ideal : numpy.ndarray
-        Exact response [m] at the edges inside the window.
-    window : tuple of float
-        Begin and end of the window [s].
+    `step` [s]; `ideal` [m]; `window` [s].
     """
     a, h = record
     samples = at_samples(a[0], weights)

@@ -33,34 +33,17 @@ _Number = TypeVar("_Number", np.float64, np.complex128)
 
 @dataclass(frozen=True, kw_only=True)
 class Blocks:
-    """A record as straight lines over equal blocks of time, and the exact response at their edges.
+    """A record as straight lines over equal blocks of time, and the exact response at their edges."""
 
-    Attributes
-    ----------
-    step : float
-        Length H of a block [s].
-    before : int
-        Blocks before the window.
-    end : float
-        Fraction of the last block at which the window ends, in (0, 1].
-    left, right : numpy.ndarray
-        Ground acceleration [m/s²] at the two ends of each block, shape (blocks,).
-    ideal : numpy.ndarray
-        Exact response x_I [m] at the edges of the blocks, shape (blocks + 1,).
-    excitation : Excitation
-        The record and its window.
-    pole : complex
-        Pole p of the structure's own mode [1/s].
-    """
-
-    step: float
-    before: int
-    end: float
+    step: float  # Length H of a block [s]
+    before: int  # Blocks before the window
+    end: float  # Fraction of the last block at which the window ends, in (0, 1]
+    # left, right: Ground acceleration [m/s²] at the two ends of each block, shape (blocks,)
     left: NDArray[np.float64]
     right: NDArray[np.float64]
-    ideal: NDArray[np.float64]
-    excitation: Excitation
-    pole: complex
+    ideal: NDArray[np.float64]  # Exact response x_I [m] at the edges of the blocks, shape (blocks + 1,)
+    excitation: Excitation  # The record and its window
+    pole: complex  # Pole p of the structure's own mode [1/s]
 
     @property
     def intervals(self) -> float:
@@ -75,15 +58,7 @@ class Blocks:
     def prolonged(self, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Ground acceleration at the ends of the blocks and of further ones after the window.
 
-        Parameters
-        ----------
-        count : int
-            Further blocks, at most as many as a lead of a quarter of the period needs.
-
-        Returns
-        -------
-        left, right : numpy.ndarray
-            Ground acceleration [m/s²], shape (blocks + count,); zero after the record.
+        Returns left, right [m/s²].
         """
         if count == 0:
             return self.left, self.right
@@ -129,39 +104,14 @@ def block_length(structure: Structure) -> float:
 def cut(excitation: Excitation, structure: Structure, *, step: float | None = None) -> Blocks:
     """Cut a record into equal blocks, one of which starts where the window starts.
 
-    Parameters
-    ----------
-    excitation : Excitation
-        Record and window.
-    structure : Structure
-        The structure whose mode the blocks preserve.
-    step : float, optional
-        Length of a block [s]; by default one that suits the structure.
-
-    Returns
-    -------
-    Blocks
-        The record as one straight line a block, with the exact response.
+    `step` [s].
     """
     (blocks,) = cut_together([excitation], structure, step=step or block_length(structure))
     return blocks
 
 
 def cut_together(excitations: Sequence[Excitation], structure: Structure, *, step: float) -> list[Blocks]:
-    """Cut records of the same instants and window into the same blocks.
-
-    Parameters
-    ----------
-    excitations : sequence of Excitation
-        Records and their window.
-    structure, step
-        As of `cut`; the step is not left out.
-
-    Returns
-    -------
-    list of Blocks
-        One for each record.
-    """
+    """Cut records of the same instants and window into the same blocks."""
     place = spacing(excitations[0], step)
     records = np.stack([excitation.acceleration for excitation in excitations])
     lines = _lines(records, excitations[0].time_step, structure.pole, place)

@@ -25,21 +25,10 @@ class Cells:
 
     What does not depend on the ground motion (poles, residues, validity of the reduction) is worked
     out once and kept.
-
-    Parameters
-    ----------
-    structure : Structure
-        The structure under test.
-    gain, delay : numpy.ndarray
-        Actuator gain k_p [-], positive, and delay τ [s], negative for a lead, shape (cells,) each.
-
-    Raises
-    ------
-    InputError
-        If a gain or a delay is outside its range, or a lead reaches a quarter of the period.
     """
 
-    structure: Structure
+    structure: Structure  # The structure under test
+    # gain, delay: Actuator gain k_p [-], positive, and delay τ [s], negative for a lead, shape (cells,) each
     gain: NDArray[np.float64]
     delay: NDArray[np.float64]
 

@@ -59,22 +59,11 @@ def coefficients(
 ) -> NDArray[np.float64]:
     """Coefficients of one step of each cell.
 
-    Parameters
-    ----------
-    structure : Structure
-        The structure under test.
-    gain, delay : numpy.ndarray
-        Actuator gain [-] and delay [s], shape (cells,).
-    step : float
-        Length H of a block [s].
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (25, cells): the new displacement, then the new velocity, from displacement, velocity,
-        delayed displacement and velocity at the begin of the block, what is stored of the delayed
-        ones at its end, and the record at both ends; the four weights that read a delayed
-        displacement, and a delayed velocity, off the stored ones; the gain.
+    `step` [s].
+    Returns shape (25, cells): the new displacement, then the new velocity, from displacement, velocity,
+    delayed displacement and velocity at the begin of the block, what is stored of the delayed ones at its
+    end, and the record at both ends; the four weights that read a delayed displacement, and a delayed
+    velocity, off the stored ones; the gain.
     """
     w0, xi, alpha = structure.circular_frequency, structure.damping_ratio, structure.experimental_fraction
     coupling = alpha * gain * w0**2
@@ -173,22 +162,7 @@ def _track_lanes(
 def deviation(
     blocks: Blocks, structure: Structure, gain: NDArray[np.float64], delay: NDArray[np.float64]
 ) -> Deviation:
-    """Deviation of the measured displacement from the exact response, for many cells.
-
-    Parameters
-    ----------
-    blocks : Blocks
-        Record and window, cut for the structure.
-    structure : Structure
-        The structure under test.
-    gain, delay : numpy.ndarray
-        Actuator gain [-] and delay [s], shape (cells,).
-
-    Returns
-    -------
-    Deviation
-        Mean square and peak over the window.
-    """
+    """Deviation of the measured displacement from the exact response, for many cells."""
     tracks = np.empty((TRACKS, gain.size))
     cells = coefficients(structure, gain, delay, blocks.step)
     reach = np.floor(delay / blocks.step).astype(np.int64)
@@ -207,19 +181,7 @@ def deviation(
 def response(blocks: Blocks, structure: Structure, gain: float, delay: float) -> NDArray[np.float64]:
     """Command and measured displacement of one cell at the edges of the blocks.
 
-    Parameters
-    ----------
-    blocks : Blocks
-        The record.
-    structure : Structure
-        The structure under test.
-    gain, delay : float
-        Actuator gain [-] and delay [s].
-
-    Returns
-    -------
-    numpy.ndarray
-        Displacements x_c and x_m [m], shape (2, blocks + 1).
+    Returns [m].
     """
     cells = coefficients(structure, np.full(LANES, gain), np.full(LANES, delay), blocks.step)
     histories = np.zeros((2, blocks.left.size + 1))

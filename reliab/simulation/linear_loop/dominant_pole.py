@@ -33,20 +33,14 @@ _COMPARED = np.geomspace(0.1, 40.0, 61)
 
 @dataclass(frozen=True, kw_only=True)
 class ModalLoop:
-    """Two pole pairs with their residues, one entry per cell.
+    """Two pole pairs with their residues, one entry per cell."""
 
-    Attributes
-    ----------
-    pole, residue : numpy.ndarray
-        Dominant pole p [1/s] and residue r [s] of the response to −a_g, complex, shape (cells,);
-        their conjugates belong to them.
-    fast_poles, fast_residues : numpy.ndarray
-        Poles [1/s] and residues [s] of the fast pair, complex, shape (2, cells); the residues are
-        zero where there is no delay.
-    """
-
+    # pole, residue: Dominant pole p [1/s] and residue r [s] of the response to −a_g, complex, shape (cells,);
+    # their conjugates belong to them
     pole: NDArray[np.complex128]
     residue: NDArray[np.complex128]
+    # fast_poles, fast_residues: Poles [1/s] and residues [s] of the fast pair, complex, shape (2, cells); the
+    # residues are zero where there is no delay
     fast_poles: NDArray[np.complex128]
     fast_residues: NDArray[np.complex128]
 
@@ -73,18 +67,8 @@ def dominant_pole(
 ) -> NDArray[np.complex128]:
     """Pole of the loop that grows out of the undelayed structure's own pole.
 
-    Parameters
-    ----------
-    structure : Structure
-        The structure under test.
-    gain, delay : numpy.ndarray
-        Actuator gain [-] and delay [s], negative for a lead, shape (cells,).
-
-    Returns
-    -------
-    numpy.ndarray
-        The pole with positive imaginary part [1/s], shape (cells,); NaN where Newton's iteration
-        does not converge (delays of the order of the period, which the modal reduction refuses).
+    Returns the pole with positive imaginary part [1/s], shape (cells,); NaN where Newton's iteration does not
+    converge (delays of the order of the period, which the modal reduction refuses).
     """
     w0, xi = structure.circular_frequency, structure.damping_ratio
     alpha = structure.experimental_fraction
@@ -106,22 +90,7 @@ def dominant_pole(
 def modal_loop(
     structure: Structure, gain: NDArray[np.float64], delay: NDArray[np.float64], *, measured: bool = True
 ) -> ModalLoop:
-    """Split the loop from −a_g to a displacement into its dominant pair and a rest.
-
-    Parameters
-    ----------
-    structure : Structure
-        The structure under test.
-    gain, delay : numpy.ndarray
-        Actuator gain [-] and delay [s], shape (cells,).
-    measured : bool, optional
-        The measured displacement (default), or else the command.
-
-    Returns
-    -------
-    ModalLoop
-        The reduced loop, one entry per cell.
-    """
+    """Split the loop from −a_g to a displacement into its dominant pair and a rest."""
     w0, xi = structure.circular_frequency, structure.damping_ratio
     alpha = structure.experimental_fraction
     coupled = alpha * gain * w0**2
@@ -217,21 +186,10 @@ def reduction_loss(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Compare the reduced loop with the exact one, band by band.
 
-    Parameters
-    ----------
-    structure : Structure
-        The structure under test.
-    gain, delay : numpy.ndarray
-        Actuator gain [-] and delay [s], shape (cells,).
-    loop : ModalLoop or LeadingLoop
-        The reduced loop of the same cells.
-
-    Returns
-    -------
-    lost, sought : numpy.ndarray
-        Squared moduli of exact minus reduced transfer function and of x_m − x_I over −a_g [s⁴],
-        shape (bands, cells). Weighted by the power of a record in each band their sums give the
-        relative error of the deviation's mean square.
+    Returns lost, sought [s⁴].
+    Returns `lost, sought`: squared moduli of exact minus reduced transfer function and of x_m − x_I over −a_g
+    [s⁴], shape (bands, cells). Weighted by the power of a record in each band their sums give the relative
+    error of the deviation's mean square.
     """
     s = compared_frequencies(structure)
     exact = transfer(structure, gain, delay, s)

@@ -177,31 +177,7 @@ def _around_peak(
 def track(
     drives: NDArray[np.float32], before: int, end: float, coefficients: NDArray[np.float32], one: Single
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Step all cells from rest through the window.
-
-    Parameters
-    ----------
-    drives : numpy.ndarray
-        Drives in each block, shape (blocks, drives).
-    before : int
-        Blocks before the window.
-    end : float
-        Fraction of the last block at which the window ends.
-    coefficients : numpy.ndarray
-        Of each cell β, the factors g of a pass and the weights of the drives, shape (11, cells), the number
-        of cells a multiple of the lanes.
-    one : numpy.float32
-        The number one.
-
-    Returns
-    -------
-    squares : numpy.ndarray
-        Sum of squares by the trapezoidal rule, shape (cells,).
-    around : numpy.ndarray
-        Deviations before, at and after the largest, shape (3, cells).
-    last : numpy.ndarray
-        Modulus at the end of the window, shape (cells,).
-    """
+    """Step all cells from rest through the window."""
     cells = coefficients.shape[1]
     squares, around, last = np.empty(cells), np.empty((3, cells)), np.empty(cells)
     for first in range(0, cells, LANES):

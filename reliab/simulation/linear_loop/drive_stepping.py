@@ -26,41 +26,18 @@ _MOST_BLOCKS = 2**24  # beyond which the number of a block is not exact in singl
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class DrivenCells:
-    """Cells whose deviations are responses to shared drives.
+    """Cells whose deviations are responses to shared drives."""
 
-    Attributes
-    ----------
-    place : numpy.ndarray
-        Which cells of a recursion, shape (n,).
-    coefficients : numpy.ndarray
-        Of `drive_kernel.track`, the weights of the drives divided by `size`, shape (11, n).
-    size : numpy.ndarray
-        Norm of the weights, shape (n,).
-    growth : numpy.ndarray
-        Growth of free vibration in one block, as an exponent, shape (n,); negative where it decays.
-    """
-
-    place: NDArray[np.intp]
+    place: NDArray[np.intp]  # Which cells of a recursion, shape (n,)
+    # Of `drive_kernel.track`, the weights of the drives divided by `size`, shape (11, n)
     coefficients: NDArray[np.float32]
-    size: NDArray[np.float64]
+    size: NDArray[np.float64]  # Norm of the weights, shape (n,)
+    # Growth of free vibration in one block, as an exponent, shape (n,); negative where it decays
     growth: NDArray[np.float64]
 
 
 def driven_cells(drives: SharedDrives, coefficients: NDArray[np.float64]) -> DrivenCells:
-    """Cells whose drives are sums of the shared ones to within their tolerance.
-
-    Parameters
-    ----------
-    drives : SharedDrives
-        Shared drives of the structure, for blocks of this length.
-    coefficients : numpy.ndarray
-        Recursions of late cells, as `pole_recursion.recursion`, shape (12, cells).
-
-    Returns
-    -------
-    DrivenCells
-        Those cells; the others are in none.
-    """
+    """Cells whose drives are sums of the shared ones to within their tolerance."""
     weights, precise = drives.weights(coefficients)
     place = np.flatnonzero(precise)
     weights, (c1, c2) = weights[:, place], coefficients[:2, place]
@@ -77,18 +54,11 @@ def driven_cells(drives: SharedDrives, coefficients: NDArray[np.float64]) -> Dri
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class DrivenRecord:
-    """Shared drives of a structure under one record.
+    """Shared drives of a structure under one record."""
 
-    Attributes
-    ----------
-    drives : numpy.ndarray
-        Drives in each block in units of `scale`, in single precision, shape (blocks, drives).
-    scale : float
-        Largest drive [m].
-    """
-
+    # Drives in each block in units of `scale`, in single precision, shape (blocks, drives)
     drives: NDArray[np.float32]
-    scale: float
+    scale: float  # Largest drive [m]
 
     @classmethod
     def of(cls, blocks: Blocks, drives: SharedDrives) -> "DrivenRecord":
@@ -121,15 +91,9 @@ def in_units(histories: NDArray[np.float64]) -> tuple[NDArray[np.float32], float
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Stepped:
-    """What `drive_kernel.track` finds of all driven cells, filled up to whole lanes.
+    """What `drive_kernel.track` finds of all driven cells, filled up to whole lanes."""
 
-    Attributes
-    ----------
-    squares, around, last : numpy.ndarray
-        As `drive_kernel.track` returns them.
-    """
-
-    squares: NDArray[np.float64]
+    squares: NDArray[np.float64]  # squares, around, last: As `drive_kernel.track` returns them
     around: NDArray[np.float64]
     last: NDArray[np.float64]
 
@@ -146,26 +110,8 @@ def deviation(
 ) -> tuple[Deviation, NDArray[np.bool_]]:
     """Deviation of the measured displacement from the exact response, for many cells.
 
-    Parameters
-    ----------
-    blocks : Blocks
-        Record and window, cut for the structure.
-    record : DrivenRecord
-        The drives under this record.
-    cells : DrivenCells
-        The cells.
-    which : numpy.ndarray
-        Those of the cells that are asked for, shape (cells,).
-    stepped : Stepped
-        What stepping found of all cells.
-
-    Returns
-    -------
-    deviation : Deviation
-        Mean square and peak over the window, of those cells.
-    faint : numpy.ndarray
-        Whether a deviation stays below its drive, as under a record of high frequencies only, shape (cells,);
-        single precision is then not enough.
+    Returns `faint`: whether a deviation stays below its drive, as under a record of high frequencies only,
+    shape (cells,); single precision is then not enough.
     """
     unit, asked = record.scale * cells.size[which], np.flatnonzero(which)
     left, middle, right = stepped.around[:, asked]

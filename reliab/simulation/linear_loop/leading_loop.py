@@ -26,22 +26,14 @@ from reliab.structures import Structure
 
 @dataclass(frozen=True, kw_only=True)
 class LeadingLoop:
-    """Dominant pole pair, feed-through and lead, one entry per cell.
+    """Dominant pole pair, feed-through and lead, one entry per cell."""
 
-    Attributes
-    ----------
-    pole, residue : numpy.ndarray
-        Pole p [1/s] and residue k_p r [s] of k_p times the command's response to −a_g, complex, shape
-        (cells,); their conjugates belong to them.
-    feedthrough : numpy.ndarray
-        k_p c, direct term of the other poles [s²], shape (cells,).
-    lead : numpy.ndarray
-        Lead T by which the measured displacement is ahead [s], positive, shape (cells,).
-    """
-
+    # pole, residue: Pole p [1/s] and residue k_p r [s] of k_p times the command's response to −a_g, complex,
+    # shape (cells,); their conjugates belong to them
     pole: NDArray[np.complex128]
     residue: NDArray[np.complex128]
-    feedthrough: NDArray[np.float64]
+    feedthrough: NDArray[np.float64]  # k_p c, direct term of the other poles [s²], shape (cells,)
+    # Lead T by which the measured displacement is ahead [s], positive, shape (cells,)
     lead: NDArray[np.float64]
 
     def command(self, gain: NDArray[np.float64]) -> "LeadingLoop":
@@ -60,20 +52,7 @@ class LeadingLoop:
 
 
 def leading_loop(structure: Structure, gain: NDArray[np.float64], lead: NDArray[np.float64]) -> LeadingLoop:
-    """Split the loop of a leading actuator into its dominant pair and a feed-through.
-
-    Parameters
-    ----------
-    structure : Structure
-        The structure under test.
-    gain, lead : numpy.ndarray
-        Actuator gain [-] and lead [s], positive, shape (cells,).
-
-    Returns
-    -------
-    LeadingLoop
-        The reduced loop, one entry per cell.
-    """
+    """Split the loop of a leading actuator into its dominant pair and a feed-through."""
     w0, xi, alpha = structure.circular_frequency, structure.damping_ratio, structure.experimental_fraction
     coupled = alpha * gain * w0**2
     pole = dominant_pole(structure, gain, -lead)

@@ -43,39 +43,18 @@ def fill_lanes(cells: NDArray[_Real], lanes: int) -> NDArray[_Real]:
 
 @dataclass(frozen=True, kw_only=True)
 class Recursion:
-    """The recursion of cells that look the same number of blocks ahead.
+    """The recursion of cells that look the same number of blocks ahead."""
 
-    Attributes
-    ----------
-    cells : numpy.ndarray
-        Which cells, shape (n,).
-    ahead : int
-        Blocks by which the displacement is ahead of the exact response; 0 for actuators that are late.
-    coefficients : numpy.ndarray
-        Shape (12, n), as `recursion` describes them.
-    """
-
-    cells: NDArray[np.intp]
+    cells: NDArray[np.intp]  # Which cells, shape (n,)
+    # Blocks by which the displacement is ahead of the exact response; 0 for actuators that are late
     ahead: int
-    coefficients: NDArray[np.float64]
+    coefficients: NDArray[np.float64]  # Shape (12, n), as `recursion` describes them
 
 
 def recursions(loop: ModalLoop | LeadingLoop, step: float, cells: NDArray[np.intp]) -> list[Recursion]:
     """Recursions of the cells of a reduced loop.
 
-    Parameters
-    ----------
-    loop : ModalLoop or LeadingLoop
-        The reduced loop, one entry per cell.
-    step : float
-        Length H of a block [s].
-    cells : numpy.ndarray
-        Numbers of the cells, shape (cells,).
-
-    Returns
-    -------
-    list of Recursion
-        One for each number of blocks that cells look ahead.
+    `step` [s].
     """
     if isinstance(loop, ModalLoop):
         return [Recursion(cells=cells, ahead=0, coefficients=recursion(loop, step))]
@@ -90,19 +69,7 @@ def recursions(loop: ModalLoop | LeadingLoop, step: float, cells: NDArray[np.int
 def leading_recursion(loop: LeadingLoop, step: float) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Coefficients of the recursion of actuators that lead.
 
-    Parameters
-    ----------
-    loop : LeadingLoop
-        The reduced loop, one entry per cell.
-    step : float
-        Length H of a block [s].
-
-    Returns
-    -------
-    ahead : numpy.ndarray
-        Blocks by which each cell is ahead of the exact response, shape (cells,).
-    coefficients : numpy.ndarray
-        Shape (12, cells), as of `recursion`.
+    `step` [s].
     """
     pole, residue = loop.pole, loop.residue
     ahead = np.ceil(loop.lead / step).astype(np.int64)
@@ -122,19 +89,9 @@ def leading_recursion(loop: LeadingLoop, step: float) -> tuple[NDArray[np.int64]
 def recursion(loop: ModalLoop, step: float) -> NDArray[np.float64]:
     """Coefficients of the recursion of each cell.
 
-    Parameters
-    ----------
-    loop : ModalLoop
-        The reduced loop, one entry per cell.
-    step : float
-        Length H of a block [s].
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (12, cells): for the dominant and then the fast pair the coefficients of the last two
-        displacements, and of the record at the left and right end of this block and of the one
-        before.
+    `step` [s].
+    Returns shape (12, cells): for the dominant and then the fast pair the coefficients of the last two
+    displacements, and of the record at the left and right end of this block and of the one before.
     """
     poles = np.stack([loop.pole, loop.pole.conj()])
     residues = np.stack([loop.residue, loop.residue.conj()])
@@ -147,17 +104,7 @@ def pair_recursion(
 ) -> NDArray[np.float64]:
     """Coefficients of the recursion of the response of two modes to −a_g.
 
-    Parameters
-    ----------
-    poles, residues : numpy.ndarray
-        Poles [1/s] and residues [s], shape (2, cells); real or conjugate.
-    step : float
-        Length H of a block [s].
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (6, cells), in the order of `recursion`.
+    `poles`, `residues`, `step` [s].
     """
     early, late, decay = ramp_weights(poles, step)
     ahead, behind = residues, residues * decay[::-1]

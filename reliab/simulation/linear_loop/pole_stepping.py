@@ -123,22 +123,7 @@ def _track(
 
 
 def deviation(blocks: Blocks, coefficients: NDArray[np.float64], *, ahead: int = 0) -> Deviation:
-    """Deviation of the measured displacement from the exact response, for many cells.
-
-    Parameters
-    ----------
-    blocks : Blocks
-        Record and window, cut for the structure.
-    coefficients : numpy.ndarray
-        Coefficients of the recursion of each cell for blocks of this length, shape (12, cells).
-    ahead : int, optional
-        Blocks by which the displacements are ahead of the exact response.
-
-    Returns
-    -------
-    Deviation
-        Mean square and peak over the window.
-    """
+    """Deviation of the measured displacement from the exact response, for many cells."""
     cells = coefficients.shape[1]
     filled = fill_lanes(coefficients, LANES)
     left, right, ideal = blocks.left, blocks.right, blocks.ideal

@@ -39,47 +39,20 @@ _FREQUENCIES = 24  # below the structure's and above it
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SharedDrives:
-    """Shared drives of the actuators before one structure.
+    """Shared drives of the actuators before one structure."""
 
-    Attributes
-    ----------
-    back : numpy.ndarray
-        e^(−iωH) at the frequencies at which drives are compared, shape (frequencies, 1).
-    exact : numpy.ndarray
-        Recursion of the exact response, shape (6, 1).
-    sources : numpy.ndarray
-        Recursions of the actuators whose drives are taken, shape (12, drives).
-    mixture : numpy.ndarray
-        Shared drives from those of the sources, shape (drives, drives).
-    orthonormal : numpy.ndarray
-        Real and imaginary parts of the transfer functions from both ends of a block to the shared drives,
-        divided by `rows`, shape (4 frequencies, drives).
-    rows : numpy.ndarray
-        Usual size of a drive at each frequency, shape (frequencies, 1).
-    """
-
+    # e^(−iωH) at the frequencies at which drives are compared, shape (frequencies, 1)
     back: NDArray[np.complex128]
-    exact: NDArray[np.float64]
-    sources: NDArray[np.float64]
-    mixture: NDArray[np.float64]
+    exact: NDArray[np.float64]  # Recursion of the exact response, shape (6, 1)
+    sources: NDArray[np.float64]  # Recursions of the actuators whose drives are taken, shape (12, drives)
+    mixture: NDArray[np.float64]  # Shared drives from those of the sources, shape (drives, drives)
+    # Real and imaginary parts of the transfer functions from both ends of a block to the shared drives,
+    # divided by `rows`, shape (4 frequencies, drives)
     orthonormal: NDArray[np.float64]
-    rows: NDArray[np.float64]
+    rows: NDArray[np.float64]  # Usual size of a drive at each frequency, shape (frequencies, 1)
 
     def weights(self, coefficients: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-        """Weights of the shared drives in those of late actuators.
-
-        Parameters
-        ----------
-        coefficients : numpy.ndarray
-            Recursions of the actuators, as `pole_recursion.recursion`, shape (12, cells).
-
-        Returns
-        -------
-        weights : numpy.ndarray
-            Shape (drives, cells); zero for a perfect actuator.
-        precise : numpy.ndarray
-            Whether at most `LEFT_OUT` is left out at every frequency, shape (cells,).
-        """
+        """Weights of the shared drives in those of late actuators."""
         wanted = _parts(_drives(coefficients, self.exact, self.back) / self.rows)
         weights, rest = _fit(self.orthonormal, wanted)
         undisturbed = _exact_drive(self.exact, self.back) / self.rows
@@ -96,17 +69,7 @@ class SharedDrives:
 def shared_drives(structure: Structure, step: float) -> SharedDrives:
     """Choose the shared drives of actuators before a structure.
 
-    Parameters
-    ----------
-    structure : Structure
-        The structure under test.
-    step : float
-        Length H of a block [s].
-
-    Returns
-    -------
-    SharedDrives
-        The drives of those actuators that differ most.
+    `step` [s].
     """
     turn = structure.circular_frequency * step
     below = np.geomspace(1e-3 * turn, turn, _FREQUENCIES, endpoint=False)

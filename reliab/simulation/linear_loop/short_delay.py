@@ -26,20 +26,7 @@ Four = tuple[float, float, float, float]
 
 
 def tracks(blocks: Blocks, coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Statistics of cells whose delays are shorter than a block.
-
-    Parameters
-    ----------
-    blocks : Blocks
-        Record and window, cut for the structure.
-    coefficients : numpy.ndarray
-        Of `delay_stepper.coefficients`, shape (25, cells).
-
-    Returns
-    -------
-    numpy.ndarray
-        As of `deviation.follow`, shape (tracks, cells).
-    """
+    """Statistics of cells whose delays are shorter than a block."""
     filled = fill_lanes(_map(coefficients), LANES)
     parts = [
         _track_lanes(

@@ -38,24 +38,8 @@ def respond(
 ) -> tuple[NDArray[np.float64], float]:
     """Response of a linear system to minus the ground acceleration, inside the window.
 
-    Parameters
-    ----------
-    excitation : Excitation
-        The record and its window; at rest at the record's first sample.
-    transfer_function : callable
-        Transfer function of the complex frequency s [rad/s].
-    longest : float, optional
-        Longest step of the result [s].
-    lead : float, optional
-        Time by which the response is ahead of the record [s]; the transfer function then has no pole
-        between the imaginary axis and 1/lead.
-
-    Returns
-    -------
-    response : numpy.ndarray
-        Response at equal steps from the begin to the end of the window, both included.
-    step : float
-        The step [s].
+    `transfer_function` [rad/s]; `longest`, `lead` [s]; returns step [s].
+    Returns `response`: response at equal steps from the begin to the end of the window, both included.
     """
     line = _Line.of(excitation, longest, lead)
     return line.response(transfer_function), line.step
@@ -108,20 +92,7 @@ def _record_transform(excitation: Excitation, s: NDArray[np.complex128]) -> NDAr
 
 
 def refuse_unstable(structure: Structure, gain: float, delay: float) -> None:
-    """Raise an error that names the exact critical delay where the loop is unstable.
-
-    Parameters
-    ----------
-    structure : Structure
-        The structure under test.
-    gain, delay : float
-        Actuator gain [-] and delay [s].
-
-    Raises
-    ------
-    InputError
-        If the delay is not below the critical delay.
-    """
+    """Raise an error that names the exact critical delay where the loop is unstable."""
     limit = float(critical_delay(structure, gain))
     if delay >= limit:
         raise InputError(
@@ -137,23 +108,7 @@ def response(
 ) -> tuple[NDArray[np.float64], float]:
     """Measured displacement of one cell inside the window.
 
-    Parameters
-    ----------
-    excitation : Excitation
-        The record and its window.
-    structure : Structure
-        The structure under test.
-    gain, delay : float
-        Actuator gain [-] and delay [s], negative for a lead.
-    longest : float, optional
-        Longest step of the result [s].
-
-    Returns
-    -------
-    displacement : numpy.ndarray
-        Displacement [m] at equal steps from the begin to the end of the window.
-    step : float
-        The step [s].
+    `longest` [s]; returns displacement [m], step [s].
     """
     return respond(
         excitation,
@@ -173,26 +128,7 @@ def deviation(
 ) -> Deviation:
     """Deviation of the measured displacement from the exact response, for many cells.
 
-    Parameters
-    ----------
-    excitation : Excitation
-        Record and window.
-    structure : Structure
-        The structure under test.
-    gain, delay : numpy.ndarray
-        Actuator gain [-] and delay [s], negative for a lead, shape (cells,).
-    longest : float, optional
-        Longest step at which the responses are sampled [s].
-
-    Returns
-    -------
-    Deviation
-        Mean square and peak over the window.
-
-    Raises
-    ------
-    InputError
-        If a delay reaches the critical delay of its cell, or a lead a quarter of the period.
+    `longest` [s].
     """
     refuse_long_leads(structure, gain, delay)
     line = _Line.of(excitation, longest, max(0.0, -float(delay.min(initial=0.0))))

@@ -26,56 +26,28 @@ _MOST_BLOCKS = 4_000_000  # of all structures together, of some 50 bytes each
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Prepared:
-    """What was found together with other structures of one structure under a record.
+    """What was found together with other structures of one structure under a record."""
 
-    Attributes
-    ----------
-    cells : Cells
-        The cells that were prepared.
-    blocks : Blocks
-        The record, cut for the structure.
-    driven_record : DrivenRecord
-        Its shared drives.
-    stepped : Stepped
-        The cells that they drive.
-    """
-
-    cells: Cells
-    blocks: Blocks
-    driven_record: DrivenRecord
-    stepped: Stepped
+    cells: Cells  # The cells that were prepared
+    blocks: Blocks  # The record, cut for the structure
+    driven_record: DrivenRecord  # Its shared drives
+    stepped: Stepped  # The cells that they drive
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class StructureBatch:
-    """Structures with their cells, and all that does not depend on the record.
+    """Structures with their cells, and all that does not depend on the record."""
 
-    Attributes
-    ----------
-    cells : tuple of Cells
-        The cells of each structure.
-    steps : numpy.ndarray
-        Length of a block of each structure [s], shape (structures,).
-    poles, weights : numpy.ndarray
-        Pole of each structure [1/s], and weights and decay of its mode over a block, shapes (structures,) and
-        (structures, 3).
-    sources, mixtures : numpy.ndarray
-        Shared drives of each structure, as of `SharedDrives`.
-    coefficients : numpy.ndarray
-        Of `drive_kernel.track`, of the driven cells of all structures, each filled up to whole lanes,
-        shape (11, lanes).
-    first : numpy.ndarray
-        First lane of each structure, and the end, shape (structures + 1,).
-    """
-
-    cells: tuple[Cells, ...]
-    steps: NDArray[np.float64]
+    cells: tuple[Cells, ...]  # The cells of each structure
+    steps: NDArray[np.float64]  # Length of a block of each structure [s], shape (structures,)
+    # Pole of each structure [1/s], and weights and decay of its mode over a block, shape (structures, 3)
     poles: NDArray[np.complex128]
     weights: NDArray[np.complex128]
-    sources: NDArray[np.float64]
+    sources: NDArray[np.float64]  # sources, mixtures: Shared drives of each structure, as of `SharedDrives`
     mixtures: NDArray[np.float64]
+    # Of `drive_kernel.track`, for the driven cells of all structures, filled up to whole lanes, (11, lanes)
     coefficients: NDArray[np.float32]
-    first: NDArray[np.int64]
+    first: NDArray[np.int64]  # First lane of each structure, and the end, shape (structures + 1,)
 
     @classmethod
     def of(cls, cells: Sequence[Cells]) -> "StructureBatch":
@@ -99,16 +71,8 @@ class StructureBatch:
     def prepare(self, excitation: Excitation) -> Sequence[Prepared | None]:
         """Cut a record for all structures and step their driven cells.
 
-        Parameters
-        ----------
-        excitation : Excitation
-            Record and window.
-
-        Returns
-        -------
-        sequence of Prepared or None
-            One for each structure; None for all where the window is shorter than two blocks of one of them,
-            or the record so long that the blocks of all would fill the memory.
+        Returns one for each structure; None for all where the window is shorter than two blocks of one of
+        them, or the record so long that the blocks of all would fill the memory.
         """
         places = [spacing(excitation, step) for step in self.steps.tolist()]
         shortened = any(place.step != step for place, step in zip(places, self.steps.tolist(), strict=True))

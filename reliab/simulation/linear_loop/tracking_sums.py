@@ -42,33 +42,18 @@ _Lanes = list[tuple[NDArray[np.float64], NDArray[np.float64]]]
 
 @dataclass(frozen=True, kw_only=True)
 class TrackingSums:
-    """Sums over positive frequencies of command I and measured displacement O, Hann-tapered.
+    """Sums over positive frequencies of command I and measured displacement O, Hann-tapered."""
 
-    Attributes
-    ----------
-    cross : numpy.ndarray
-        Σ F[O]F[I]*, complex, shape (cells,).
-    power : numpy.ndarray
-        Σ |F[I]|² in the same unit, shape (cells,).
-    equivalent_frequency : numpy.ndarray
-        Σ f|F[I]|² / Σ |F[I]|² [Hz], shape (cells,).
-    """
-
-    cross: NDArray[np.complex128]
-    power: NDArray[np.float64]
-    equivalent_frequency: NDArray[np.float64]
+    cross: NDArray[np.complex128]  # Σ F[O]F[I]*, complex, shape (cells,)
+    power: NDArray[np.float64]  # Σ |F[I]|² in the same unit, shape (cells,)
+    equivalent_frequency: NDArray[np.float64]  # Σ f|F[I]|² / Σ |F[I]|² [Hz], shape (cells,)
 
 
 @dataclass(frozen=True, kw_only=True)
 class QuadraturePair:
-    """A record and its Hilbert transform, both with as much silence before as the record is long.
+    """A record and its Hilbert transform, both with as much silence before as the record is long."""
 
-    Attributes
-    ----------
-    straight, turned : Excitation
-        The record and the record with every frequency turned by a quarter of a cycle.
-    """
-
+    # straight, turned: The record and the record with every frequency turned by a quarter of a cycle
     straight: Excitation
     turned: Excitation
 
@@ -91,17 +76,10 @@ class QuadraturePair:
 
 @dataclass(frozen=True, kw_only=True)
 class TrackedCells:
-    """Actuators before one structure whose command and measured displacement are to be summed.
+    """Actuators before one structure whose command and measured displacement are to be summed."""
 
-    Parameters
-    ----------
-    structure : Structure
-        The structure under test.
-    gain, delay : numpy.ndarray
-        Actuator gain [-] and delay [s], negative for a lead, shape (cells,).
-    """
-
-    structure: Structure
+    structure: Structure  # The structure under test
+    # gain, delay: Actuator gain [-] and delay [s], negative for a lead, shape (cells,)
     gain: NDArray[np.float64]
     delay: NDArray[np.float64]
 
@@ -140,20 +118,7 @@ def _in_lanes(command: NDArray[np.float64], measured: NDArray[np.float64]) -> _L
 
 
 def tracking_sums(pair: QuadraturePair, cells: TrackedCells) -> TrackingSums:
-    """Accumulate the sums behind the index for many cells, with a Hann taper over the window.
-
-    Parameters
-    ----------
-    pair : QuadraturePair
-        The record and its Hilbert transform.
-    cells : TrackedCells
-        The actuators.
-
-    Returns
-    -------
-    TrackingSums
-        One entry per cell, valid where the reduced loop is accurate.
-    """
+    """Accumulate the sums behind the index for many cells, with a Hann taper over the window."""
     structure, step = cells.structure, cells.step
     memory = _MEMORY / (structure.damping_ratio * structure.circular_frequency)
     begin = pair.straight.window[0] - memory - step

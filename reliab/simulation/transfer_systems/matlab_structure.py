@@ -22,18 +22,7 @@ _COMPLEX = 1 << 11
 
 
 def require_sound_structure(path: Path) -> None:
-    """Follow all elements of a MATLAB file.
-
-    Parameters
-    ----------
-    path : pathlib.Path
-        The file. Of version 4 and 7.3, which are built otherwise, nothing is checked.
-
-    Raises
-    ------
-    ValueError
-        If an element is of no kind that may stand in its place, or the file ends within one.
-    """
+    """Follow all elements of a MATLAB file."""
     size = path.stat().st_size
     with path.open("rb") as file:
         header = file.read(_HEADER)

@@ -16,40 +16,23 @@ class Plant:
     """A linear model w' = A w + b u − e f, of which the piston's motion and the force are rows.
 
     u is the command that arrives, f the force [N] of the specimen's nonlinear effects.
-
-    Attributes
-    ----------
-    dynamics : numpy.ndarray
-        A [1/s], shape (states, states).
-    command : numpy.ndarray
-        b, shape (states,).
-    nonlinear : numpy.ndarray
-        e, shape (states,); zero where the specimen does not act back on the piston.
-    displacement, velocity : numpy.ndarray
-        Rows of the piston's displacement [m] and velocity [m/s], shape (states,).
-    force : numpy.ndarray
-        Row of the specimen's force [N], nonlinear effects left out unless `contains_nonlinear`.
-    displacement_of_command, force_of_command : float
-        Direct part of the command in the displacement [-] and in that force [N/m].
-    contains_nonlinear : bool
-        Whether the force row holds the force of nonlinear effects too.
-    delay : float
-        Delay [s] of the command before it arrives.
-    differenced : numpy.ndarray
-        Part of A that acts through the velocity row, A = A₀ + differenced ⊗ velocity; an emulation of a block
-        diagram may take that velocity by differences. Shape (states,).
     """
 
-    dynamics: Array
-    command: Array
-    nonlinear: Array
+    dynamics: Array  # A [1/s], shape (states, states)
+    command: Array  # b, shape (states,)
+    nonlinear: Array  # e, shape (states,); zero where the specimen does not act back on the piston
+    # displacement, velocity: Rows of the piston's displacement [m] and velocity [m/s], shape (states,)
     displacement: Array
     velocity: Array
-    force: Array
+    force: Array  # Row of the specimen's force [N], nonlinear effects left out unless `contains_nonlinear`
+    # displacement_of_command, force_of_command: Direct part of the command in the displacement [-] and in
+    # that force [N/m]
     displacement_of_command: float = 0.0
     force_of_command: float = 0.0
-    contains_nonlinear: bool = False
-    delay: float = 0.0
+    contains_nonlinear: bool = False  # Whether the force row holds the force of nonlinear effects too
+    delay: float = 0.0  # Delay [s] of the command before it arrives
+    # Part of A that acts through the velocity row, A = A₀ + differenced ⊗ velocity; an emulation of a block
+    # diagram may take that velocity by differences. Shape (states,)
     differenced: Array
 
 
@@ -58,13 +41,7 @@ class TransferSystem(ABC):
 
     @abstractmethod
     def plant(self, specimen: Specimen) -> Plant:
-        """Model that drives a specimen.
-
-        Raises
-        ------
-        InputError
-            If it cannot drive this specimen.
-        """
+        """Model that drives a specimen."""
 
     @abstractmethod
     def transfer(self, s: NDArray[np.complex128], specimen: Specimen) -> NDArray[np.complex128]:

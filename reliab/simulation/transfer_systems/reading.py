@@ -20,26 +20,8 @@ _FORMS: Final = (("num", "den"), ("numerator", "denominator"), ("b", "a"))
 def transfer_function_of(model: Any, delay: float = 0.0) -> TransferFunction:  # noqa: ANN401 - any library's
     """Return the transfer function of a model of SciPy or python-control.
 
-    Parameters
-    ----------
-    model : object
-        A continuous-time `scipy.signal.lti` of any form, or a single-input, single-output
-        `TransferFunction` or `StateSpace` of python-control (which need not be installed here).
-    delay : float, optional
-        Pure delay [s] beside it.
+    `delay` [s].
 
-    Returns
-    -------
-    TransferFunction
-        The same transfer function.
-
-    Raises
-    ------
-    InputError
-        If the model is in discrete time, has several channels, or is of another kind.
-
-    Examples
-    --------
     >>> transfer_function_of(scipy.signal.ZerosPolesGain([], [-100.0], 100.0)).denominator
     (1.0, 100.0)
     """
@@ -94,25 +76,7 @@ def _single(coefficients: Any) -> tuple[float, ...]:  # noqa: ANN401 - any libra
 def read_matlab(path: str | Path, variable: str | None = None, delay: float = 0.0) -> TransferFunction:
     """Read an identified model from a MATLAB file.
 
-    Parameters
-    ----------
-    path : str or pathlib.Path
-        A .mat file up to version 7 with `num` and `den`, with `z`, `p` and `k`, or with `A`, `B`, `C`, `D`,
-        as variables or as fields of a structure.
-    variable : str, optional
-        The structure, where the file holds one.
-    delay : float, optional
-        Pure delay [s] beside it.
-
-    Returns
-    -------
-    TransferFunction
-        The transfer function.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or holds none of these; the message lists what it holds.
+    `delay` [s].
     """
     held = _variables(path, variable)
     try:

@@ -22,42 +22,20 @@ class ServoHydraulic(TransferSystem):
     force F, which moves the specimen 1/(m_e s² + c_e s + k_e). The defaults are those of the virtual
     hybrid-simulation benchmark.
 
-    Parameters
-    ----------
-    input_gain : float, optional
-        g [-].
-    valve_gain : float, optional
-        a₁β₀ [N/(m·s³)].
-    piston_coupling : float, optional
-        a₂ [N/m].
-    leakage : float, optional
-        a₃ [1/s].
-    valve_damping, valve_stiffness : float, optional
-        β₁ [1/s] and β₂ [1/s²].
-
-    Raises
-    ------
-    InputError
-        If a parameter is not positive and finite.
-
-    References
-    ----------
     Silva, C. E., Gomez, D., Maghareh, A., Dyke, S. J. and Spencer, B. F. (2020). Benchmark control problem
     for real-time hybrid simulation. *Mech. Syst. Signal Process.* 135, 106381.
 
-    Examples
-    --------
     >>> specimen = Specimen(stiffness=1.19e6, damping=114.2, mass=29.13)
     >>> gain = abs(ServoHydraulic().transfer(np.array([2j * np.pi * 3.6124]), specimen)[0])
     >>> round(float(gain), 3)
     0.915
     """
 
-    input_gain: float = 1.0261
-    valve_gain: float = 2.1283e13
-    piston_coupling: float = 4.2297e6
-    leakage: float = 3.3
-    valve_damping: float = 425.0
+    input_gain: float = 1.0261  # g [-]
+    valve_gain: float = 2.1283e13  # a₁β₀ [N/(m·s³)]
+    piston_coupling: float = 4.2297e6  # a₂ [N/m]
+    leakage: float = 3.3  # a₃ [1/s]
+    valve_damping: float = 425.0  # valve_damping, valve_stiffness: β₁ [1/s] and β₂ [1/s²]
     valve_stiffness: float = 9.9976e4
 
     def __post_init__(self) -> None:

@@ -25,29 +25,14 @@ _MOST_DRAWS = 20  # to each that is wanted
 class TransferFunction(TransferSystem):
     """Measured over sent displacement as e^(−sτ)·(b_m sᵐ + … + b₀)/(s^n·a_n + … + a₀), whatever the specimen.
 
-    Parameters
-    ----------
-    numerator, denominator : sequence of float
-        Coefficients in descending powers of s.
-    delay : float, optional
-        τ [s], not negative.
-
-    Raises
-    ------
-    InputError
-        If a coefficient is not finite, the numerator is of higher order than the denominator, or a pole is
-        unstable or repeated on the imaginary axis.
-
-    Examples
-    --------
     >>> lag = TransferFunction(numerator=[1.0], denominator=[0.004, 1.0], delay=0.001)
     >>> complex(lag.transfer(np.array([10j]), Specimen(stiffness=1.0))[0].round(4))
     (0.998-0.0499j)
     """
 
-    numerator: tuple[float, ...]
+    numerator: tuple[float, ...]  # numerator, denominator: Coefficients in descending powers of s
     denominator: tuple[float, ...]
-    delay: float = 0.0
+    delay: float = 0.0  # τ [s], not negative
 
     def __post_init__(self) -> None:
         for name in ("numerator", "denominator"):
@@ -98,19 +83,8 @@ class TransferFunction(TransferSystem):
     ) -> Self:
         """Return the transfer function gain·Π(s − z)/Π(s − p).
 
-        Parameters
-        ----------
-        zeros, poles : array_like
-            z and p [1/s]; complex ones in conjugate pairs.
-        gain : float
-            Gain, of the leading coefficients or at rest.
-        static : bool, optional
-            Whether `gain` is that at rest.
-        delay : float, optional
-            Pure delay [s].
+        `delay` [s].
 
-        Examples
-        --------
         >>> TransferFunction.from_poles([], [-100.0], 1.0, static=True).numerator
         (100.0,)
         """
@@ -219,23 +193,13 @@ def gain_and_delay(gain: float = 1.0, delay: float = 0.0) -> TransferFunction:
 class TransferUncertainty:
     """Relative standard deviations of a transfer function's parameters, normally distributed.
 
-    Parameters
-    ----------
-    gain, frequency, damping, delay : float, optional
-        Of the gain, of the moduli of the poles, of the damping ratios of complex pairs, and of the delay [-].
-
-    Raises
-    ------
-    InputError
-        If one is negative.
-
-    Examples
-    --------
     >>> uncertain = TransferUncertainty(frequency=0.1)
     >>> [round(abs(d.poles[0])) for d in uncertain.draw(first_order_lag(0.01), 3, seed=1)]
     [103, 95, 100]
     """
 
+    # gain, frequency, damping, delay: Of the gain, of the moduli of the poles, of the damping ratios of
+    # complex pairs, and of the delay [-]
     gain: float = 0.0
     frequency: float = 0.0
     damping: float = 0.0
@@ -250,13 +214,7 @@ class TransferUncertainty:
                 )
 
     def draw(self, nominal: TransferFunction, count: int, seed: int) -> list[TransferFunction]:
-        """Draw transfer functions around a nominal one; what is unstable is drawn again.
-
-        Raises
-        ------
-        InputError
-            If hardly any draw is stable.
-        """
+        """Draw transfer functions around a nominal one; what is unstable is drawn again."""
         generator = np.random.default_rng(seed)
         drawn: list[TransferFunction] = []
         for _ in range(_MOST_DRAWS * count):

@@ -11,25 +11,8 @@ from reliab.structures.frames.frame import natural_modes
 def modal_damping(mass: ArrayLike, stiffness: ArrayLike, ratios: ArrayLike) -> NDArray[np.float64]:
     """Damping matrix of given damping ratios of the modes, C = M Φ diag(2ζ_iω_i) Φᵀ M.
 
-    Parameters
-    ----------
-    mass, stiffness : array_like
-        M [kg] and K [N/m], shape (n, n).
-    ratios : array_like
-        Damping ratios ζ_i [-] of the modes, lowest first, shape (n,), or one for all.
+    `ratios` [-]; returns [N·s/m].
 
-    Returns
-    -------
-    numpy.ndarray
-        C [N·s/m], shape (n, n).
-
-    Raises
-    ------
-    InputError
-        If a ratio is not in [0, 1), or there are neither one nor n.
-
-    Examples
-    --------
     >>> modal_damping([[1000.0]], [[4000.0]], 0.05)
     array([[200.]])
     """
@@ -56,27 +39,8 @@ def rayleigh_damping(
 ) -> NDArray[np.float64]:
     """Damping matrix C = a₀M + a₁K that has two damping ratios at two frequencies (Rayleigh).
 
-    Parameters
-    ----------
-    mass, stiffness : array_like
-        M [kg] and K [N/m], shape (n, n).
-    ratios : tuple of float
-        Two damping ratios ζ [-].
-    frequencies : tuple of float
-        The two frequencies [Hz] at which they hold.
+    `ratios` [-]; `frequencies` [Hz]; returns [N·s/m].
 
-    Returns
-    -------
-    numpy.ndarray
-        C [N·s/m], shape (n, n).
-
-    Raises
-    ------
-    InputError
-        If the frequencies are not positive and different, or a ratio of some mode came out negative.
-
-    Examples
-    --------
     >>> damping = rayleigh_damping([[2.0]], [[8.0]], (0.02, 0.02), (0.1, 1.0))
     >>> bool(damping[0, 0] > 0.0)
     True

@@ -22,18 +22,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class Modes:
-    """Undamped modes of a structure, lowest first.
+    """Undamped modes of a structure, lowest first."""
 
-    Attributes
-    ----------
-    circular_frequency : numpy.ndarray
-        ω_i [rad/s], shape (modes,).
-    shapes : numpy.ndarray
-        Mode shapes φ_i in columns, of unit modal mass [1/√kg], shape (degrees of freedom, modes).
-    """
-
-    circular_frequency: Array
-    shapes: Array
+    circular_frequency: Array  # ω_i [rad/s], shape (modes,)
+    shapes: Array  # Mode shapes φ_i in columns, of unit modal mass [1/√kg], shape (degrees of freedom, modes)
 
     @property
     def frequency(self) -> Array:
@@ -44,18 +36,6 @@ class Modes:
 def natural_modes(mass: ArrayLike, stiffness: ArrayLike) -> Modes:
     """Undamped modes of mass and stiffness matrices.
 
-    Parameters
-    ----------
-    mass, stiffness : array_like
-        Symmetric, positive definite matrices M [kg] and K [N/m], shape (n, n).
-
-    Returns
-    -------
-    Modes
-        All n modes.
-
-    Examples
-    --------
     >>> natural_modes([[2.0]], [[8.0]]).circular_frequency
     array([2.])
     """
@@ -67,35 +47,20 @@ def natural_modes(mass: ArrayLike, stiffness: ArrayLike) -> Modes:
 class Frame:
     """A linear elastic structure of several degrees of freedom under one ground motion.
 
-    Parameters
-    ----------
-    mass, damping, stiffness : array_like
-        Symmetric matrices M [kg], C [N·s/m] and K [N/m] of the whole structure, shape (n, n); M and K are
-        positive definite, C has no negative eigenvalue.
-    influence : array_like, optional
-        Displacement ι of the degrees of freedom when the ground moves by one [-], shape (n,); ones by
-        default, as for horizontal displacements of floors.
-    names : tuple of str, optional
-        Names of the degrees of freedom; "1" to "n" by default.
-
-    Raises
-    ------
-    InputError
-        If a matrix is not symmetric or not positive definite, or sizes differ; the message names the entry or
-        the eigenvalue.
-
-    Examples
-    --------
     >>> frame = Frame(mass=[[1000.0]], damping=[[125.7]], stiffness=[[39478.4]])
     >>> frame.modes.frequency.round(3), frame.damping_ratios.round(3)
     (array([1.]), array([0.01]))
     """
 
+    # mass, damping, stiffness: Symmetric matrices M [kg], C [N·s/m] and K [N/m] of the whole structure, shape
+    # (n, n); M and K are positive definite, C has no negative eigenvalue
     mass: Array
     damping: Array
     stiffness: Array
+    # Displacement ι of the degrees of freedom when the ground moves by one [-], shape (n,); ones by default,
+    # as for horizontal displacements of floors
     influence: Array = None  # type: ignore[assignment]  # ones of the right length
-    names: tuple[str, ...] = ()
+    names: tuple[str, ...] = ()  # Names of the degrees of freedom; "1" to "n" by default
 
     def __post_init__(self) -> None:
         for field in ("mass", "damping", "stiffness"):
@@ -173,13 +138,7 @@ class Frame:
         return matrix
 
     def degree_of_freedom(self, name: str | int) -> int:
-        """Place of a degree of freedom from its name, or from its number, which starts from 1.
-
-        Raises
-        ------
-        InputError
-            If there is none; the message lists those there are.
-        """
+        """Place of a degree of freedom from its name, or from its number, which starts from 1."""
         if str(name) not in self.names:
             raise InputError(
                 "A degree of freedom must be one of the structure",

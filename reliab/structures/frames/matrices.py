@@ -10,25 +10,7 @@ _ROUNDING = 1e-9  # of the largest eigenvalue: a semi-definite matrix in double 
 
 
 def square_matrix(values: ArrayLike, name: str) -> NDArray[np.float64]:
-    """Return a finite, square, symmetric matrix, made exactly symmetric.
-
-    Parameters
-    ----------
-    values : array_like
-        The matrix, shape (n, n).
-    name : str
-        What it is, for messages ("stiffness matrix").
-
-    Returns
-    -------
-    numpy.ndarray
-        Its symmetric part, shape (n, n), read-only.
-
-    Raises
-    ------
-    InputError
-        If it is not square, finite and symmetric to six digits.
-    """
+    """Return a finite, square, symmetric matrix, made exactly symmetric."""
     matrix = np.array(values, dtype=np.float64)
     if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or matrix.size == 0:  # noqa: PLR2004
         raise InputError(

@@ -18,40 +18,21 @@ _SMALLEST = 1e-100  # of a member's stiffness, and the inverse of the largest
 class PlanarFrame:
     """A regular planar frame with rigid joints and axially rigid members, on pins or fixed.
 
-    Parameters
-    ----------
-    storeys, bays : int
-        Number of storeys and of bays.
-    elastic_modulus : float
-        Young's modulus E [Pa].
-    column_inertia, beam_inertia : float
-        Second moments of area I [m⁴] of one column and of one beam.
-    storey_height, bay_width : float
-        Lengths of columns and beams [m].
-    fixed_base : bool, optional
-        Whether the feet of the columns are clamped; pinned by default.
-
-    Raises
-    ------
-    InputError
-        If a number is not positive, there are too many storeys, or a member has practically no stiffness.
-
-    Examples
-    --------
     >>> frame = PlanarFrame(storeys=1, bays=1, elastic_modulus=2e11, column_inertia=1e-6,
     ...                     beam_inertia=1e3, storey_height=3.0, bay_width=6.0)
     >>> bool(np.isclose(frame.lateral_stiffness()[0, 0], 2 * 3 * 2e11 * 1e-6 / 3.0**3))  # pinned feet
     True
     """
 
-    storeys: int
+    storeys: int  # storeys, bays: Number of storeys and of bays
     bays: int
-    elastic_modulus: float
+    elastic_modulus: float  # Young's modulus E [Pa]
+    # column_inertia, beam_inertia: Second moments of area I [m⁴] of one column and of one beam
     column_inertia: float
     beam_inertia: float
-    storey_height: float
+    storey_height: float  # storey_height, bay_width: Lengths of columns and beams [m]
     bay_width: float
-    fixed_base: bool = False
+    fixed_base: bool = False  # Whether the feet of the columns are clamped; pinned by default
 
     def __post_init__(self) -> None:
         for field in fields(self):

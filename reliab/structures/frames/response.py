@@ -13,23 +13,10 @@ Array = NDArray[np.float64]
 def exact_step(dynamics: Array, loads: Array, step: float) -> tuple[Array, Array, Array]:
     """Transition over a step and the effect of loads that are linear in it.
 
-    Parameters
-    ----------
-    dynamics : numpy.ndarray
-        A [1/s], shape (n, n).
-    loads : numpy.ndarray
-        Directions of the loads, shape (n, m).
-    step : float
-        Step [s].
+    `step` [s].
+    Returns `transition, early, late`: e^(Ah), and the effects of the loads' values at the begin and the end
+    of the step, shapes (n, n) and twice (n, m).
 
-    Returns
-    -------
-    transition, early, late : numpy.ndarray
-        e^(Ah), and the effects of the loads' values at the begin and the end of the step, shapes (n, n) and
-        twice (n, m).
-
-    Examples
-    --------
     >>> transition, early, late = exact_step(np.array([[0.0]]), np.array([[1.0]]), 0.5)
     >>> float(transition[0, 0]), float(early[0, 0]), float(late[0, 0])
     (1.0, 0.25, 0.25)
@@ -47,14 +34,7 @@ def exact_step(dynamics: Array, loads: Array, step: float) -> tuple[Array, Array
 def undivided_response(frame: Frame, ground: Array, step: float) -> Array:
     """Exact displacements of the undivided linear structure [m], shape (degrees of freedom, samples).
 
-    Parameters
-    ----------
-    frame : Frame
-        The structure.
-    ground : numpy.ndarray
-        Ground acceleration [m/s²], linear between samples, shape (samples,).
-    step : float
-        Step [s].
+    `ground` [m/s²]; `step` [s].
     """
     loads = np.concatenate([np.zeros(frame.size), -frame.influence])[:, np.newaxis]
     transition, early, late = exact_step(frame.state_matrix, loads, step)

@@ -13,25 +13,9 @@ def shear_frame(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Mass and stiffness matrices of a shear frame.
 
-    Parameters
-    ----------
-    masses : sequence of float
-        Masses of the floors [kg], from the first floor up.
-    storey_stiffnesses : sequence of float
-        Lateral stiffness of each storey [N/m], from the ground up.
+    `masses` [kg]; `storey_stiffnesses` [N/m].
+    Returns M [kg] and K [N/m] for the horizontal displacements of the floors, shape (storeys, storeys).
 
-    Returns
-    -------
-    mass, stiffness : numpy.ndarray
-        M [kg] and K [N/m] for the horizontal displacements of the floors, shape (storeys, storeys).
-
-    Raises
-    ------
-    InputError
-        If the numbers differ or one is not positive.
-
-    Examples
-    --------
     >>> mass, stiffness = shear_frame([1000.0, 1000.0], [2e6, 1e6])
     >>> stiffness
     array([[ 3000000., -1000000.],

@@ -18,32 +18,14 @@ from reliab.vocabulary import Side
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """Limits that a candidate arrived at, for all structures.
+    """Limits that a candidate arrived at, for all structures."""
 
-    Parameters
-    ----------
-    law : Law
-        Limits a [-] and b [ms²] of actuators that are late.
-    lead_law : Law, optional
-        The same of actuators that are early; None where the candidate has no limits for leads.
-    """
-
-    law: Law
+    law: Law  # Limits a [-] and b [ms²] of actuators that are late
+    # The same of actuators that are early; None where the candidate has no limits for leads
     lead_law: Law | None = None
 
     def regions(self, cell: Cell) -> list[Region]:
-        """List the accepted regions of a structure; empty where the law does not hold or has no limits.
-
-        Parameters
-        ----------
-        cell : Cell
-            The structure.
-
-        Returns
-        -------
-        list of Region
-            One for lags, and one for leads where the candidate has limits for them.
-        """
+        """List the accepted regions of a structure; empty where the law does not hold or has no limits."""
         regions = []
         for side, law in ((Side.LAG, self.law), (Side.LEAD, self.lead_law)):
             if law is None or not _holds(law, cell):
@@ -64,15 +46,9 @@ def _holds(law: Law, cell: Cell) -> bool:
 
 @dataclass(frozen=True, kw_only=True)
 class Candidate(ABC):
-    """A way to derive the limits a and b.
+    """A way to derive the limits a and b."""
 
-    Parameters
-    ----------
-    name : str
-        What it is called in tables.
-    """
-
-    name: str
+    name: str  # What it is called in tables
 
     @abstractmethod
     def learn(
@@ -80,40 +56,17 @@ class Candidate(ABC):
     ) -> Mapping[float, Limits]:
         """Limits for structures.
 
-        Parameters
-        ----------
-        ellipses : xarray.Dataset
-            Ellipses that may be learned from.
-        threshold : float
-            Error on the boundary [-].
-        metric : str
-            Which error.
-        confidences : sequence of float
-            Stated shares of the motions.
-
-        Returns
-        -------
-        mapping of float to Limits
-            Limits by the confidences at which the candidate promises something.
+        `threshold` [-].
         """
 
 
 @dataclass(frozen=True, kw_only=True)
 class Derived(Candidate):
-    """Limits derived from ellipses.
+    """Limits derived from ellipses."""
 
-    Parameters
-    ----------
-    method : Method
-        The method, which defines the meaning of the confidence.
-    joint : bool, optional
-        Whether a and b hold together; by default as the method means it.
-    law : type, optional
-        The law that is fitted to the limits of the structures; by default they are kept as they are.
-    """
-
-    method: Method
-    joint: bool | None = None
+    method: Method  # The method, which defines the meaning of the confidence
+    joint: bool | None = None  # Whether a and b hold together; by default as the method means it
+    # The law that is fitted to the limits of the structures; by default they are kept as they are
     law: FittedLaw = Table
 
     def learn(
@@ -122,12 +75,6 @@ class Derived(Candidate):
         """Derive the criterion of all structures at each confidence that the motions carry.
 
         A posterior is sampled once for all confidences.
-
-        Raises
-        ------
-        InputError
-            If there are too few motions for any of the confidences; the message gives the reason for the
-            first.
         """
         learned: dict[float, Limits] = {}
         refusals: list[InputError] = []
@@ -149,21 +96,11 @@ class Derived(Candidate):
 
 @dataclass(frozen=True, kw_only=True)
 class Printed(Candidate):
-    """Printed limits, independent of the motions.
+    """Printed limits, independent of the motions."""
 
-    Parameters
-    ----------
-    law : Law
-        The printed law.
-    lead_law : Law, optional
-        Its limits for leads, where it does not count them as lags.
-    confidence : float, optional
-        The share of the motions for which it is said to hold.
-    """
-
-    law: Law
-    lead_law: Law | None = None
-    confidence: float = 0.95
+    law: Law  # The printed law
+    lead_law: Law | None = None  # Its limits for leads, where it does not count them as lags
+    confidence: float = 0.95  # The share of the motions for which it is said to hold
 
     def learn(
         self, ellipses: xr.Dataset, threshold: float, metric: str, confidences: Sequence[float]

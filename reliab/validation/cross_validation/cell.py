@@ -12,40 +12,20 @@ from reliab.vocabulary import CurveName, Side
 
 @dataclass(frozen=True, kw_only=True)
 class Cell:
-    """One structure and one error.
+    """One structure and one error."""
 
-    Parameters
-    ----------
-    frequency, damping_ratio : float
-        The structure [Hz, -].
-    threshold : float
-        Error on the boundary [-].
-    metric : str
-        Which error, "rms" or "mte".
-    """
-
-    frequency: float
+    frequency: float  # frequency, damping_ratio: The structure [Hz, -]
     damping_ratio: float
-    threshold: float
-    metric: str
+    threshold: float  # Error on the boundary [-]
+    metric: str  # Which error, "rms" or "mte"
 
     def parameters(
         self, ellipses: xr.Dataset, *, side: Side = Side.LAG
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Ellipses that were fitted to the boundaries of ground motions.
 
-        Parameters
-        ----------
-        ellipses : xarray.Dataset
-            Over (motion, f, xi, threshold, metric, curve, side).
-        side : Side, optional
-            Whether the boundaries of actuators that are late or early.
-
-        Returns
-        -------
-        a, b : numpy.ndarray
-            Parameters [-] and [ms²] of the ellipses of least squares, shape (motions,); NaN where there is
-            none.
+        Returns `a, b`: parameters [-] and [ms²] of the ellipses of least squares, shape (motions,); NaN where
+        there is none.
         """
         of_side = of_curve(ellipses, CurveName.ELLIPSE, side)
         at = of_side.sel(

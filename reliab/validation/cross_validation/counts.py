@@ -22,46 +22,20 @@ DIMENSIONS: Final = ("candidate", "confidence", "side", "f", "xi", "motion")
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CrossValidation:
-    """Counts for each judged motion, and the rates that follow.
+    """Counts for each judged motion, and the rates that follow."""
 
-    Attributes
-    ----------
-    counts : xarray.Dataset
-        Over (candidate, confidence, side, f, xi, motion), for actuators that are late and those that are
-        early: times `judged` and `contained` by the true error, times `unresolved`, where the error along the
-        edge is not known; times `fitted`, where the motion has an ellipse, and `within_ellipse`, where it
-        contains the criterion's; trials `tried`, `accepted`, `accepted_bad`, `accepted_good`, and `good`.
-    scheme : str
-        How the motions were divided.
-    threshold : float
-        Error on the boundary [-].
-    metric : str
-        Which error.
-    truth : str
-        What the errors rest on: "simulated", or "ellipse" where only fitted ellipses are known.
-    """
-
+    # Over (candidate, confidence, side, f, xi, motion), for actuators that are late and those that are early:
+    # times `judged` and `contained` by the true error, times `unresolved`, where the error along the edge is
+    # not known; times `fitted`, where the motion has an ellipse, and `within_ellipse`, where it contains the
+    # criterion's; trials `tried`, `accepted`, `accepted_bad`, `accepted_good`, and `good`
     counts: xr.Dataset
-    scheme: str
-    threshold: float
-    metric: str
-    truth: str
+    scheme: str  # How the motions were divided
+    threshold: float  # Error on the boundary [-]
+    metric: str  # Which error
+    truth: str  # What the errors rest on: "simulated", or "ellipse" where only fitted ellipses are known
 
     def containment(self, over: Sequence[str] = ("f", "xi"), side: Side = Side.LAG) -> xr.Dataset:
-        """Share of judged motions under which the error stays below the threshold along the whole edge.
-
-        Parameters
-        ----------
-        over : sequence of str, optional
-            Dimensions that are averaged over beside the motions.
-        side : Side, optional
-            Actuators that are late or early.
-
-        Returns
-        -------
-        xarray.Dataset
-            `rate`, `low` and `high` (95 % interval that respects the earthquakes).
-        """
+        """Share of judged motions under which the error stays below the threshold along the whole edge."""
         return self._rate("contained", "judged", over, side)
 
     def containment_by_ellipse(self, over: Sequence[str] = ("f", "xi"), side: Side = Side.LAG) -> xr.Dataset:
@@ -79,18 +53,8 @@ class CrossValidation:
     def confusion(self, over: Sequence[str] = ("f", "xi", "motion"), side: Side = Side.LAG) -> xr.Dataset:
         """Confusion matrix of the verdicts on trials.
 
-        Parameters
-        ----------
-        over : sequence of str, optional
-            Dimensions that are added up.
-        side : Side, optional
-            Actuators that are late or early.
-
-        Returns
-        -------
-        xarray.Dataset
-            Trials `good_accepted`, `good_rejected`, `bad_accepted` and `bad_rejected`, the error of good
-            ones staying below the threshold.
+        Returns trials `good_accepted`, `good_rejected`, `bad_accepted` and `bad_rejected`, the error of good
+        ones staying below the threshold.
         """
         total = self.counts.sel(side=str(side), drop=True).sum(list(over))
         good_rejected = total["good"] - total["accepted_good"]

@@ -15,23 +15,15 @@ from reliab.errors import InputError
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Fold:
-    """One division.
+    """One division."""
 
-    Parameters
-    ----------
-    name : str
-        What is judged.
-    learned, judged : numpy.ndarray
-        Which motions, boolean, shape (motions,); no earthquake is both. Where another suite is learned from,
-        the first is about the motions of that suite.
-    left_out : tuple of str and float, optional
-        A dimension, "f" or "xi", and its value that is judged but not learned from; by default all structures
-        are learned from and judged.
-    """
-
-    name: str
+    name: str  # What is judged
+    # learned, judged: Which motions, boolean, shape (motions,); no earthquake is both. Where another suite is
+    # learned from, the first is about the motions of that suite
     learned: NDArray[np.bool_]
     judged: NDArray[np.bool_]
+    # A dimension, "f" or "xi", and its value that is judged but not learned from; by default all structures
+    # are learned from and judged
     left_out: tuple[str, float] | None = None
 
     def judges(self, frequency: float, damping_ratio: float) -> bool:
@@ -45,15 +37,7 @@ class Fold:
 def leave_one_event_out(events: NDArray[np.str_]) -> Iterator[Fold]:
     """Judge each earthquake by all others.
 
-    Parameters
-    ----------
-    events : array of str, shape (motions,)
-        Earthquake of each motion.
-
-    Yields
-    ------
-    Fold
-        One for each earthquake.
+    `events` (motions,).
     """
     for event in _distinct(events, 2):
         judged = events == event
@@ -63,19 +47,7 @@ def leave_one_event_out(events: NDArray[np.str_]) -> Iterator[Fold]:
 def k_fold(events: NDArray[np.str_], folds: int, *, seed: int = 0) -> Iterator[Fold]:
     """Divide the earthquakes at random into groups and judge each group by the others.
 
-    Parameters
-    ----------
-    events : array of str, shape (motions,)
-        Earthquake of each motion.
-    folds : int
-        Number of groups.
-    seed : int, optional
-        Seed of the division.
-
-    Yields
-    ------
-    Fold
-        One for each group.
+    `events` (motions,).
     """
     shuffled = np.random.default_rng(seed).permutation(_distinct(events, folds))
     for number, group in enumerate(np.array_split(shuffled, folds), start=1):
@@ -86,19 +58,7 @@ def k_fold(events: NDArray[np.str_], folds: int, *, seed: int = 0) -> Iterator[F
 def random_halves(events: NDArray[np.str_], splits: int, *, seed: int = 0) -> Iterator[Fold]:
     """Learn from a random half of the earthquakes and judge the other, again and again.
 
-    Parameters
-    ----------
-    events : array of str, shape (motions,)
-        Earthquake of each motion.
-    splits : int
-        Number of divisions.
-    seed : int, optional
-        Seed of the divisions.
-
-    Yields
-    ------
-    Fold
-        One for each division.
+    `events` (motions,).
     """
     distinct = _distinct(events, 4)
     rng = np.random.default_rng(seed)
@@ -109,22 +69,7 @@ def random_halves(events: NDArray[np.str_], splits: int, *, seed: int = 0) -> It
 
 
 def leave_structures_out(folds: Iterable[Fold], dimension: str, values: Sequence[float]) -> Iterator[Fold]:
-    """Leave out one frequency, or one damping ratio, in addition to the motions of each fold.
-
-    Parameters
-    ----------
-    folds : iterable of Fold
-        Divisions of the motions.
-    dimension : {"f", "xi"}
-        What is left out.
-    values : sequence of float
-        Its values in the dataset.
-
-    Yields
-    ------
-    Fold
-        One for each fold and value.
-    """
+    """Leave out one frequency, or one damping ratio, in addition to the motions of each fold."""
     for fold in folds:
         for value in values:
             yield replace(fold, name=f"{fold.name}, {dimension} = {value:g}", left_out=(dimension, value))
@@ -135,22 +80,7 @@ def transfer(
 ) -> Iterator[Fold]:
     """Learn from some sets of motions and judge others, never by motions of the same earthquake.
 
-    Parameters
-    ----------
-    sets, events : array of str, shape (motions,)
-        Set and earthquake of each motion.
-    learned, judged : sequence of str
-        Names of sets. An earthquake that is in both is not learned from while it is judged.
-
-    Yields
-    ------
-    Fold
-        One for each earthquake that is in both, and one for all others.
-
-    Raises
-    ------
-    InputError
-        If there is no such set.
+    `sets`, `events` (motions,).
     """
     unknown = sorted({*learned, *judged} - set(sets.tolist()))
     if unknown:
@@ -171,17 +101,7 @@ def transfer(
 def from_another(recognised: Sequence[str | None], events: NDArray[np.str_]) -> Iterator[Fold]:
     """Learn from another suite and judge all motions of this one, never by motions of the same earthquake.
 
-    Parameters
-    ----------
-    recognised : sequence of str or None
-        Earthquake of each motion that is judged, as the other suite names it; None where it has none of it.
-    events : array of str, shape (motions of the other suite,)
-        Earthquake of each motion that may be learned from, under the same names; empty where it has another.
-
-    Yields
-    ------
-    Fold
-        One for each earthquake that is in both, and one for all others.
+    `events` (motions of the other suite,).
     """
     names = np.array([name or "" for name in recognised], dtype=np.str_)
     for name in np.unique(names):

@@ -16,24 +16,10 @@ def event_bootstrap(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Interval of Σ numerator / Σ denominator, whole earthquakes being drawn with replacement.
 
-    Parameters
-    ----------
-    numerator, denominator : numpy.ndarray
-        Contributions of each motion, shape (motions, ...).
-    events : array of str, shape (motions,)
-        Earthquake of each motion.
-    level : float, optional
-        Level of the interval.
-    seed : int, optional
-        Seed of the drawing.
+    `events` (motions,).
+    Returns `low, high`: ends of the interval, in the trailing shape; NaN where there is nothing to be
+    counted.
 
-    Returns
-    -------
-    low, high : numpy.ndarray
-        Ends of the interval, in the trailing shape; NaN where there is nothing to be counted.
-
-    References
-    ----------
     Davison, A. C. and Hinkley, D. V. (1997). *Bootstrap Methods and their Application*, section 3.8.
     """
     distinct, group = np.unique(events, return_inverse=True)

@@ -13,35 +13,19 @@ _EDGE_POINTS = 33
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Actuators:
-    """Amplitudes and delays of tests.
+    """Amplitudes and delays of tests."""
 
-    Attributes
-    ----------
-    gain : numpy.ndarray
-        Amplitude A [-], shape (tests,).
-    delay : numpy.ndarray
-        Equivalent delay d [s], shape (tests,); leads are negative.
-    """
-
-    gain: NDArray[np.float64]
-    delay: NDArray[np.float64]
+    gain: NDArray[np.float64]  # Amplitude A [-], shape (tests,)
+    delay: NDArray[np.float64]  # Equivalent delay d [s], shape (tests,); leads are negative
 
 
 @dataclass(frozen=True, kw_only=True)
 class Region:
-    """Half an ellipse (A − 1)²/a + d²/b ≤ 1.
+    """Half an ellipse (A − 1)²/a + d²/b ≤ 1."""
 
-    Parameters
-    ----------
-    a, b : float
-        Its parameters [-] and [ms²]; zero where no test but the perfect one is accepted.
-    side : Side, optional
-        Whether it holds for actuators that are late or early.
-    """
-
-    a: float
+    a: float  # a, b: Its parameters [-] and [ms²]; zero where no test but the perfect one is accepted
     b: float
-    side: Side = Side.LAG
+    side: Side = Side.LAG  # Whether it holds for actuators that are late or early
 
     def accepts(self, tests: Actuators) -> NDArray[np.bool_]:
         """Which tests, all of this side, it accepts; shape (tests,)."""
@@ -53,10 +37,8 @@ class Region:
     def edge(self) -> Actuators:
         """Points on the edge, from the greatest amplitude over the greatest delay to the least amplitude.
 
-        Returns
-        -------
-        Actuators
-            33 points, so close that the error between two of them exceeds that of both by less than 0.1 %.
+        Returns 33 points, so close that the error between two of them exceeds that of both by less than 0.1
+        %.
         """
         angle = np.linspace(0.0, np.pi, _EDGE_POINTS)
         delay = self.side.sign * np.sqrt(self.b) * np.sin(angle) / _MILLISECONDS

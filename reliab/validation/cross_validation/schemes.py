@@ -26,25 +26,8 @@ SCHEMES: Final[Mapping[str, Callable[[NDArray[np.str_]], Iterator[Fold]]]] = {
 def folds_of(scheme: str, events: NDArray[np.str_]) -> list[Fold]:
     """Divide motions.
 
-    Parameters
-    ----------
-    scheme : str
-        One of `SCHEMES`.
-    events : array of str, shape (motions,)
-        Earthquake of each motion.
+    `events` (motions,).
 
-    Returns
-    -------
-    list of Fold
-        The divisions.
-
-    Raises
-    ------
-    InputError
-        If there is no such scheme, or too few earthquakes.
-
-    Examples
-    --------
     >>> len(folds_of("leave_one_event_out", np.array(["K", "K", "L", "M"])))
     3
     """

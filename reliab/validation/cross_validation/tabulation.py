@@ -18,21 +18,9 @@ def tabulate(
 ) -> pd.DataFrame:
     """Tabulate the rates of a cross-validation.
 
-    Parameters
-    ----------
-    validation : CrossValidation
-        Its counts.
-    over : sequence of str, optional
-        Dimensions that are averaged over beside the motions.
-    side : Side, optional
-        Actuators that are late or early.
-
-    Returns
-    -------
-    pandas.DataFrame
-        One row for each candidate, confidence and structure that was judged, in this order: each of `RATES`
-        [-] with `_low` and `_high` ends of its 95 % interval (NaN where there is nothing to count), and the
-        confusion matrix `good_accepted`, `good_rejected`, `bad_accepted`, `bad_rejected` [trials].
+    Returns one row for each candidate, confidence and structure that was judged, in this order: each of
+    `RATES` [-] with `_low` and `_high` ends of its 95 % interval (NaN where there is nothing to count), and
+    the confusion matrix `good_accepted`, `good_rejected`, `bad_accepted`, `bad_rejected` [trials].
     """
     rates = [
         getattr(validation, name)(over, side).rename(

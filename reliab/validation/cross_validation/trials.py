@@ -22,26 +22,7 @@ _MILLISECONDS: Final = 1e3
 def draw_trials(
     ellipses: xr.Dataset, cell: Cell, count: int, *, side: Side = Side.LAG, seed: int = 0
 ) -> Actuators:
-    """Draw tests for one structure.
-
-    Parameters
-    ----------
-    ellipses : xarray.Dataset
-        Ellipses of all motions.
-    cell : Cell
-        Structure and error.
-    count : int
-        Number of tests.
-    side : Side, optional
-        Whether they are late or early.
-    seed : int, optional
-        Seed of the scrambled Sobol points.
-
-    Returns
-    -------
-    Actuators
-        The tests.
-    """
+    """Draw tests for one structure."""
     parameters = cell.parameters(ellipses, side=side)
     half_axes = _SIZE * np.exp([0.5 * np.nanmean(np.log(values)) for values in parameters])
     uniform = scipy.stats.qmc.Sobol(2, rng=seed).random_base2(max(count - 1, 0).bit_length())[:count]

@@ -30,15 +30,9 @@ _MILLISECONDS = 1e3
 
 
 class Truth(ABC):
-    """Errors of tests under the ground motions on trial.
+    """Errors of tests under the ground motions on trial."""
 
-    Attributes
-    ----------
-    name : str
-        Source of the errors: "simulated" or "ellipse".
-    """
-
-    name: str
+    name: str  # Source of the errors: "simulated" or "ellipse"
 
     @abstractmethod
     def errors(
@@ -46,21 +40,8 @@ class Truth(ABC):
     ) -> NDArray[np.float64]:
         """Errors of tests under one ground motion, relative to the threshold.
 
-        Parameters
-        ----------
-        cell : Cell
-            Structure, threshold and metric.
-        motion : int
-            Place of the motion among those on trial.
-        gain : numpy.ndarray
-            Amplitudes A [-], shape (tests,).
-        delay : numpy.ndarray
-            Delays d [s], shape (tests,); leads are negative.
-
-        Returns
-        -------
-        numpy.ndarray
-            Error over threshold [-], shape (tests,); above 1 a test is bad, NaN where it is not known.
+        `gain` [-]; `delay` [s]; returns [-].
+        Returns error over threshold [-], shape (tests,); above 1 a test is bad, NaN where it is not known.
         """
 
 
@@ -68,17 +49,6 @@ class Truth(ABC):
 class SimulatedTruth(Truth):
     """Errors from the loop, solved for each test.
 
-    Parameters
-    ----------
-    motions : sequence of Motion
-        The ground motions on trial, in their order.
-    window : Window, optional
-        Part of the record over which errors are computed.
-    experimental_fraction : float, optional
-        Share of the stiffness in the laboratory [-].
-
-    Examples
-    --------
     >>> record = np.sin(2 * np.pi * np.arange(0, 20, 0.01))
     >>> truth = SimulatedTruth(motions=[Motion(name="sine", acceleration=record, time_step=0.01)])
     >>> cell = Cell(frequency=1.0, damping_ratio=0.05, threshold=0.05, metric="rms")
@@ -88,9 +58,9 @@ class SimulatedTruth(Truth):
 
     name = "simulated"
 
-    motions: Sequence[Motion]
-    window: Window = field(default_factory=Window)
-    experimental_fraction: float = 1.0
+    motions: Sequence[Motion]  # The ground motions on trial, in their order
+    window: Window = field(default_factory=Window)  # Part of the record over which errors are computed
+    experimental_fraction: float = 1.0  # Share of the stiffness in the laboratory [-]
 
     def errors(
         self, cell: Cell, motion: int, gain: NDArray[np.float64], delay: NDArray[np.float64]
@@ -109,13 +79,7 @@ class SimulatedTruth(Truth):
 
 
 class StoredTruth(Truth):
-    """Errors read between the cells of stored results.
-
-    Parameters
-    ----------
-    results : xarray.Dataset
-        Results of the ground motions on trial, in their order, as `reliab.open_results` gives them.
-    """
+    """Errors read between the cells of stored results."""
 
     name = "simulated"
 
@@ -135,11 +99,6 @@ class EllipseTruth(Truth):
     """Errors from fitted ellipses, for use where nothing was simulated.
 
     The error over the threshold is taken for √((A−1)²/a + d²/b), which is 1 on the ellipse.
-
-    Parameters
-    ----------
-    ellipses : xarray.Dataset
-        Ellipses of the ground motions on trial, in their order.
     """
 
     name = "ellipse"

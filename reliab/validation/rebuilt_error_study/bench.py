@@ -79,20 +79,7 @@ class _Bench:
 
 
 def tests_of_round(design: Design, number: int) -> Iterator[dict[str, object]]:
-    """Simulate the tests of a round, and have them judged.
-
-    Parameters
-    ----------
-    design : Design
-        Which tests.
-    number : int
-        Number of the round.
-
-    Yields
-    ------
-    dict of str to object
-        The columns of a study, for each judge of each test under each condition.
-    """
+    """Simulate the tests of a round, and have them judged."""
     place = number % len(design.motions)
     motion = _cut(design.motions[place])
     record = resample(motion, RATE_HZ)

@@ -23,23 +23,15 @@ _DECIBELS: Final[Mapping[str, float]] = MappingProxyType(
 
 @dataclass(frozen=True, kw_only=True)
 class Condition:
-    """A sensor, and the structure as the laboratory states it.
+    """A sensor, and the structure as the laboratory states it."""
 
-    Parameters
-    ----------
-    sensor : str
-        White noise so many decibels below the RMS of the motion, "20 dB" to "60 dB", or a sensor whose steps
-        are as coarse, "quantised, 40 dB".
-    quantity : str, optional
-        The quantity that is stated wrongly: "frequency", "damping_ratio" or "experimental_fraction"; nothing
-        by default.
-    wrong_by : float, optional
-        By how much, relative [-]; stated as the tolerance too.
-    """
-
+    # White noise so many decibels below the RMS of the motion, "20 dB" to "60 dB", or a sensor whose steps
+    # are as coarse, "quantised, 40 dB"
     sensor: str
+    # The quantity that is stated wrongly: "frequency", "damping_ratio" or "experimental_fraction"; nothing by
+    # default
     quantity: str = ""
-    wrong_by: float = 0.0
+    wrong_by: float = 0.0  # By how much, relative [-]; stated as the tolerance too
 
     @property
     def stated(self) -> str:

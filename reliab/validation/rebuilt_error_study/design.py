@@ -20,41 +20,17 @@ from reliab.vocabulary import Metric
 
 @dataclass(frozen=True, kw_only=True)
 class Design:
-    """Which tests are simulated.
+    """Which tests are simulated."""
 
-    Parameters
-    ----------
-    motions : sequence of Motion
-        Ground motions; each round takes the next one.
-    structures : sequence of Structure
-        Structures, each of which sees every round.
-    trials : int
-        Rounds: tests of each kind of actuator and of specimen, for each structure.
-    threshold : float
-        Error up to which a test is good [-]; tests are made with 0.2 to 3 times this error.
-    metric : Metric
-        Which error.
-    confidence : float
-        Share of ground motions that the criterion states [-].
-    learned_without : sequence of str or None
-        For each motion its earthquake in the suite from which the shipped criterion was learned.
-    seed : int, optional
-        Seed of sizes, noise and specimens.
-
-    Raises
-    ------
-    InputError
-        If there is no motion.
-    """
-
-    motions: Sequence[Motion]
-    structures: Sequence[Structure]
-    trials: int
-    threshold: float
-    metric: Metric
-    confidence: float
+    motions: Sequence[Motion]  # Ground motions; each round takes the next one
+    structures: Sequence[Structure]  # Structures, each of which sees every round
+    trials: int  # Rounds: tests of each kind of actuator and of specimen, for each structure
+    threshold: float  # Error up to which a test is good [-]; tests are made with 0.2 to 3 times this error
+    metric: Metric  # Which error
+    confidence: float  # Share of ground motions that the criterion states [-]
+    # For each motion its earthquake in the suite from which the shipped criterion was learned
     learned_without: Sequence[str | None]
-    seed: int = 0
+    seed: int = 0  # Seed of sizes, noise and specimens
 
     def __post_init__(self) -> None:
         if not self.motions:

@@ -35,39 +35,20 @@ _MILLISECONDS = 1e3
 
 @dataclass(frozen=True, kw_only=True)
 class Question:
-    """What is asked of every test.
+    """What is asked of every test."""
 
-    Parameters
-    ----------
-    threshold : float
-        Error up to which a test is good [-].
-    metric : Metric
-        Which error.
-    confidence : float
-        Share of ground motions that the criterion states [-].
-    """
-
-    threshold: float
-    metric: Metric
-    confidence: float
+    threshold: float  # Error up to which a test is good [-]
+    metric: Metric  # Which error
+    confidence: float  # Share of ground motions that the criterion states [-]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Judgement:
-    """The verdict of one method on a test.
+    """The verdict of one method on a test."""
 
-    Parameters
-    ----------
-    judge : str
-        Who.
-    accepted : bool
-        Whether the test is called good.
-    estimate, low, high : float
-        Error that the judge states, with its 90 % interval [-]; NaN where it states none.
-    """
-
-    judge: str
-    accepted: bool
+    judge: str  # Who
+    accepted: bool  # Whether the test is called good
+    # estimate, low, high: Error that the judge states, with its 90 % interval [-]; NaN where it states none
     estimate: float = np.nan
     low: float = np.nan
     high: float = np.nan
@@ -93,38 +74,18 @@ def by_verdict(error: RebuiltError, question: Question, *, looks_nonlinear: bool
 
 @dataclass(frozen=True, kw_only=True)
 class ByIndices:
-    """Methods that use only A and d of a test, its structure and its ground motion.
+    """Methods that use only A and d of a test, its structure and its ground motion."""
 
-    Parameters
-    ----------
-    excitation : Excitation
-        The ground motion that the test saw.
-    structure : Structure
-        The structure as the laboratory states it.
-    criteria : mapping of str to Criterion
-        Criteria by name.
-    question : Question
-        What is asked.
-    """
-
-    excitation: Excitation
-    structure: Structure
-    criteria: Mapping[str, Criterion]
-    question: Question
+    excitation: Excitation  # The ground motion that the test saw
+    structure: Structure  # The structure as the laboratory states it
+    criteria: Mapping[str, Criterion]  # Criteria by name
+    question: Question  # What is asked
 
     @classmethod
     def of(
         cls, excitation: Excitation, structure: Structure, question: Question, learned_without: str | None
     ) -> "ByIndices":
-        """Take the printed laws where they hold, and the shipped criterion for tests of this length.
-
-        Parameters
-        ----------
-        excitation, structure, question
-            As above.
-        learned_without : str or None
-            Earthquake of the ground motion, if the shipped criterion was learned from it.
-        """
+        """Take the printed laws where they hold, and the shipped criterion for tests of this length."""
         criteria = {}
         for name in _PRINTED:
             law = OF_MANY_MOTIONS[name]
@@ -152,18 +113,7 @@ class ByIndices:
     def judge(self, command: Array, measured: Array, time_step: float) -> Iterator[Judgement]:
         """Judge a test by A and d of its histories.
 
-        Parameters
-        ----------
-        command, measured : numpy.ndarray
-            Command and displacement as recorded [m], shape (n,).
-        time_step : float
-            Step between samples [s].
-
-        Yields
-        ------
-        Judgement
-            Of each criterion, and of the own boundary: the error of a constant gain A and delay d under this
-            motion. A criterion without limits for leads accepts no lead.
+        `command`, `measured` [m]; `time_step` [s].
         """
         index = frequency_evaluation(command, measured, time_step)
         for name, criterion in self.criteria.items():

@@ -31,26 +31,14 @@ _LARGEST = 0.999  # share of a peak that an actuator may fail to reach
 
 @dataclass(frozen=True, kw_only=True)
 class Scales:
-    """Reference values by which sizes are scaled.
+    """Reference values by which sizes are scaled."""
 
-    Parameters
-    ----------
-    structure : Structure
-        The structure.
-    displacement, velocity : float
-        Peaks of the undisturbed response [m, m/s].
-    duration, step : float
-        Length of the test and step between samples [s].
-    lean : float
-        Between −1 and 1: size and sign of an actuator's gain error beside its delay.
-    """
-
-    structure: Structure
-    displacement: float
+    structure: Structure  # The structure
+    displacement: float  # displacement, velocity: Peaks of the undisturbed response [m, m/s]
     velocity: float
-    duration: float
+    duration: float  # duration, step: Length of the test and step between samples [s]
     step: float
-    lean: float
+    lean: float  # Between −1 and 1: size and sign of an actuator's gain error beside its delay
 
     def delay(self, size: float) -> float:
         """Delay [s] that takes a share `size` of the damping: ατω₀² = size·2ξω₀."""
@@ -121,18 +109,10 @@ LINEAR: Final = "linear"
 
 @dataclass(frozen=True, kw_only=True)
 class NonlinearSpecimen:
-    """A specimen per unit mass.
+    """A specimen per unit mass."""
 
-    Parameters
-    ----------
-    stiffness : float
-        Of its linear spring [1/s²].
-    effect : Effect
-        Its further effect.
-    """
-
-    stiffness: float
-    effect: Effect
+    stiffness: float  # Of its linear spring [1/s²]
+    effect: Effect  # Its further effect
 
     def specimen(self) -> Specimen:
         """Its linear part."""

@@ -18,25 +18,12 @@ _TAIL = 0.025
 def shares(tests: pd.DataFrame, by: Sequence[str]) -> pd.DataFrame:
     """Count the tests that each method accepted.
 
-    Parameters
-    ----------
-    tests : pandas.DataFrame
-        As :func:`~reliab.validation.rebuilt_error_study.study.try_tests` gives it.
-    by : sequence of str
-        Columns that name the groups, such as "judge" or "rig".
+    Returns one row a group, in the order of the tests: `tests`, `motions`; `bad` tests and the share
+    `bad_accepted` of them, `good` tests and the share `good_accepted` of them, each with `_low` and `_high`
+    ends of its 95 % interval over earthquakes; `contained`, the share of motions of which no bad test is
+    accepted; quantiles `ratio_05`, `ratio_50`, `ratio_95` of the stated over the true error, and `covered`,
+    the share of true errors inside the stated 90 % interval. NaN where there is nothing to count.
 
-    Returns
-    -------
-    pandas.DataFrame
-        One row a group, in the order of the tests: `tests`, `motions`; `bad` tests and the share
-        `bad_accepted` of them, `good` tests and the share `good_accepted` of them, each with `_low` and
-        `_high` ends of its 95 % interval over earthquakes; `contained`, the share of motions of which no bad
-        test is accepted; quantiles `ratio_05`, `ratio_50`, `ratio_95` of the stated over the true error, and
-        `covered`, the share of true errors inside the stated 90 % interval. NaN where there is nothing to
-        count.
-
-    Examples
-    --------
     >>> tests = pd.DataFrame(
     ...     {
     ...         "motion": ["a", "a", "b", "b"],
@@ -63,19 +50,12 @@ def shares(tests: pd.DataFrame, by: Sequence[str]) -> pd.DataFrame:
 def summarised(tests: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """Summarise a study in the tables that are printed and reported.
 
-    Parameters
-    ----------
-    tests : pandas.DataFrame
-        As :func:`~reliab.validation.rebuilt_error_study.study.try_tests` gives it, with at least one test.
-
-    Returns
-    -------
-    dict of str to pandas.DataFrame
-        Each as :func:`shares` makes it: "judges" on linear specimens with a sensor of 40 dB and all stated
-        rightly; "rigs", the same by actuator for the rebuilt error and the motion's own boundary;
-        "conditions", every judge by sensor and by what is stated wrongly; "specimens", every judge by
-        nonlinear specimen; and "looks", by specimen and sensor the share of tests whose recorded force
-        `looks_nonlinear` [-] among so many `tests`.
+    Returns [-].
+    Returns each as :func:`shares` makes it: "judges" on linear specimens with a sensor of 40 dB and all
+    stated rightly; "rigs", the same by actuator for the rebuilt error and the motion's own boundary;
+    "conditions", every judge by sensor and by what is stated wrongly; "specimens", every judge by nonlinear
+    specimen; and "looks", by specimen and sensor the share of tests whose recorded force `looks_nonlinear`
+    [-] among so many `tests`.
     """
     linear = tests[tests["specimen"] == LINEAR]
     plain = linear[(linear["sensor"] == PLAIN.sensor) & (linear["stated"] == RIGHT)]

@@ -21,29 +21,11 @@ STUDY_COLUMNS: Final = (
 def try_tests(design: Design, *, kept: Path | None = None, progress: Progress = silent) -> pd.DataFrame:
     """Simulate tests and let every judge judge them.
 
-    Parameters
-    ----------
-    design : Design
-        Which tests.
-    kept : pathlib.Path, optional
-        CSV to which the rows of a round are written as soon as it is done; rounds of the same study that it
-        holds are not simulated again.
-    progress : callable, optional
-        Called after each round.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns :data:`STUDY_COLUMNS`: the true `error` [-] of the test and whether it is `good`; of the
-        `judge` whether it `accepted` the test, and the error that it stated, `estimate` with its 90 %
-        interval `low` to `high` [-], where it states one; and whether the specimen `looks_nonlinear`, where
-        the recorded force was looked at (1 or 0). Tests that run away are not judged, since nobody takes
-        them for good.
-
-    Raises
-    ------
-    InputError
-        If the file holds another study or cannot be read.
+    Returns [-].
+    Returns columns :data:`STUDY_COLUMNS`: the true `error` [-] of the test and whether it is `good`; of the
+    `judge` whether it `accepted` the test, and the error that it stated, `estimate` with its 90 % interval
+    `low` to `high` [-], where it states one; and whether the specimen `looks_nonlinear`, where the recorded
+    force was looked at (1 or 0). Tests that run away are not judged, since nobody takes them for good.
     """
     table = _kept(kept, design.digest)
     table = table[table["round"] < design.trials]

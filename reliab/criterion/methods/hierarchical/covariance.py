@@ -13,20 +13,8 @@ from reliab.sampling import Parameter
 def covariance_parameters(prefix: str, typical_spread: float, doubt: float = 0.8) -> tuple[Parameter, ...]:
     """Parameters of one covariance with their priors.
 
-    Parameters
-    ----------
-    prefix : str
-        What the covariance is called.
-    typical_spread : float
-        Prior median of both spreads.
-    doubt : float, optional
-        Prior standard deviation of the logarithm of a spread; 0.8 allows a factor of 5 either way.
-
-    Returns
-    -------
-    tuple of Parameter
-        ln σ_a, ln σ_b ~ N(ln typical, doubt²) and artanh ρ ~ N(1.5, 0.75²): a and b are expected to move
-        together (ρ of 0.9), with −0.03 … 0.995 allowed.
+    Returns ln σ_a, ln σ_b ~ N(ln typical, doubt²) and artanh ρ ~ N(1.5, 0.75²): a and b are expected to move
+    together (ρ of 0.9), with −0.03 … 0.995 allowed.
     """
     return (
         Parameter(name=f"{prefix}: log spread of a", mean=float(np.log(typical_spread)), spread=doubt),
@@ -38,8 +26,6 @@ def covariance_parameters(prefix: str, typical_spread: float, doubt: float = 0.8
 def covariance_of(theta: NDArray[np.float64]) -> NDArray[np.float64]:
     """Covariance of sampled parameters, last axis 3 to 3.
 
-    Examples
-    --------
     >>> covariance_of(np.array([0.0, np.log(2.0), np.arctanh(0.5)])).round(6)
     array([1., 4., 1.])
     """
@@ -52,19 +38,7 @@ def normal_log_density(
 ) -> NDArray[np.float64]:
     """Log-density up to a constant of pairs with mean zero, by their sums of squares.
 
-    Parameters
-    ----------
-    covariance : array of float, shape (..., 3)
-        Covariance of each pair.
-    squares : array of float, shape (..., 3)
-        Sums over the pairs of a², b² and ab.
-    count : float or array of float
-        Number of pairs.
-
-    Returns
-    -------
-    array of float, shape (...)
-        −½ (count · ln det + tr(covariance⁻¹ squares)).
+    `covariance`, `squares` (..., 3); returns (...).
     """
     determinant = covariance[..., 0] * covariance[..., 1] - covariance[..., 2] ** 2
     return np.asarray(-0.5 * (count * np.log(determinant) + distance(covariance, squares, determinant)))

@@ -13,25 +13,7 @@ def log_distances(
     groups: NDArray[np.int64],
     degrees: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Sum ln(1 + d²/ν) over the motions of each earthquake.
-
-    Parameters
-    ----------
-    strayed : numpy.ndarray
-        Means of the motions in whitened coordinates, shape (vectors, motions, 2).
-    effects : numpy.ndarray
-        Possible effects of the earthquakes, from which the distances d are taken, shape
-        (vectors, events, nodes, 2).
-    groups : numpy.ndarray
-        Number of each motion's earthquake, shape (motions,).
-    degrees : numpy.ndarray
-        Degrees of freedom ν, shape (vectors,).
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (vectors, events, nodes).
-    """
+    """Sum ln(1 + d²/ν) over the motions of each earthquake."""
     vectors, events, nodes, _ = effects.shape
     sums = np.zeros((vectors, events, nodes))
     for vector in range(vectors):

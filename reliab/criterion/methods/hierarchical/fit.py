@@ -28,27 +28,13 @@ _LONGEST = 4  # times as many steps where these were too few
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class HierarchicalFit(Learned):
-    """A posterior of the hierarchical model, and what it was fitted to.
+    """A posterior of the hierarchical model, and what it was fitted to."""
 
-    Parameters
-    ----------
-    grid : SampleGrid
-        The motions.
-    method : str
-        Name of the method.
-    assurance : float, optional
-        Posterior probability of the promise; predictive limits by default.
-    model : Hierarchical
-        The model with its data.
-    posterior : PosteriorSample
-        Its draws.
-    """
-
-    grid: SampleGrid
-    method: str
-    assurance: float | None
-    model: Hierarchical
-    posterior: PosteriorSample
+    grid: SampleGrid  # The motions
+    method: str  # Name of the method
+    assurance: float | None  # Posterior probability of the promise; predictive limits by default
+    model: Hierarchical  # The model with its data
+    posterior: PosteriorSample  # Its draws
 
     def limits(self, confidence: float, *, joint: bool) -> NDArray[np.float64]:
         """Limits of every structure, shape (F, X, 2)."""
@@ -133,35 +119,7 @@ def fit_hierarchical(
     chains: Path | None = None,
     progress: Progress = silent,
 ) -> HierarchicalFit:
-    """Sample the posterior of the hierarchical model of ellipses.
-
-    Parameters
-    ----------
-    grid : SampleGrid
-        Ellipses of motions over structures.
-    method : str
-        Name of the method that asks.
-    assurance : float, optional
-        Posterior probability of the promise; predictive limits by default.
-    steps : int, optional
-        Steps of every walker; by default as many as needed.
-    curved, robust : bool, optional
-        See :class:`~reliab.criterion.methods.hierarchical.model.Hierarchical`.
-    chains : pathlib.Path, optional
-        HDF5 file of the chains, from which a run that stopped, or was too short, resumes.
-    progress : callable, optional
-        Called with finished and all steps.
-
-    Returns
-    -------
-    HierarchicalFit
-        The posterior; `posterior.converged` says whether it can be relied on.
-
-    Raises
-    ------
-    InputError
-        If too few motions have an ellipse at every structure, or the file holds another run.
-    """
+    """Sample the posterior of the hierarchical model of ellipses."""
     model = hierarchical_model(grid.population, curved=curved, robust=robust)
     length = steps or _steps_for(model)
     ensembles = Ensembles(steps=length, thin=_THIN, longest=0 if steps else _LONGEST * length)
@@ -177,26 +135,7 @@ def fit_hierarchical(
 
 
 def hierarchical_model(population: Population, *, curved: bool = True, robust: bool = False) -> Hierarchical:
-    """Make the hierarchical model of motions.
-
-    Parameters
-    ----------
-    population : Population
-        Ellipses over motions, f and ξ; see :func:`~reliab.criterion.methods.hierarchical.missing.filled` for
-        motions that lack one at some structure. Those that have none at all are left out.
-    curved, robust : bool, optional
-        See :class:`~reliab.criterion.methods.hierarchical.model.Hierarchical`.
-
-    Returns
-    -------
-    Hierarchical
-        The model with its data.
-
-    Raises
-    ------
-    InputError
-        If fewer than three motions have an ellipse at every structure.
-    """
+    """Make the hierarchical model of motions."""
     values = _values(population)
     known = np.isfinite(values)
     complete = known.all(axis=(1, 2, 3))

@@ -18,37 +18,19 @@ _WIDER = 1e-9  # of a bracket, so that rounding leaves the root inside
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FurtherMotions:
-    """Normal ln α and ln β of one motion at each structure, or mixtures of such that differ in their spread.
+    """Normal ln α and ln β of one motion at each structure, or mixtures that differ in their spread."""
 
-    Parameters
-    ----------
-    mean : array of float, shape (vectors, F, X, 2)
-        Means, for each vector of parameters.
-    covariance : array of float, shape (vectors, F, X, parts, 3)
-        Variance of ln α, variance of ln β and covariance of each part of the mixture.
-    weights : array of float, shape (parts,)
-        Shares of the mixture.
-    """
-
-    mean: NDArray[np.float64]
+    mean: NDArray[np.float64]  # Means, for each vector of parameters, shape (vectors, F, X, 2)
+    # Variance of ln α, variance of ln β and covariance of each part of the mixture, shape (vectors, F, X,
+    # parts, 3)
     covariance: NDArray[np.float64]
-    weights: NDArray[np.float64]
+    weights: NDArray[np.float64]  # Shares of the mixture, shape (parts,)
 
     @classmethod
     def of(cls, model: Hierarchical, theta: NDArray[np.float64]) -> Self:
         """Integrate out every effect of a motion and of its earthquake.
 
-        Parameters
-        ----------
-        model : Hierarchical
-            The model. Where it is robust, a motion's mean over all structures is Student's t.
-        theta : array of float, shape (vectors, parameters)
-            Vectors of its parameters.
-
-        Returns
-        -------
-        FurtherMotions
-            The distribution at each structure for each vector.
+        `theta` (vectors, parameters).
         """
         effects = model.covariances(theta)
         mean = np.einsum("wtq,fxt->wfxq", model.coefficients(theta), model.terms)
@@ -67,19 +49,7 @@ class FurtherMotions:
     def depth(self, share: float, scatter: Scatter, *, joint: bool) -> NDArray[np.float64]:
         """Standardised logarithms that a share of the motions exceeds.
 
-        Parameters
-        ----------
-        share : float
-            Share of the motions, in (0, 1).
-        scatter : Scatter
-            Centre and spread of ln α and ln β, shape (F, X, 2), by which they are standardised.
-        joint : bool
-            Whether both exceed the same depth together, or each alone its own.
-
-        Returns
-        -------
-        array of float, shape (vectors, F, X, 2)
-            Depths of ln α and ln β.
+        Returns (vectors, F, X, 2).
         """
         mean = scatter.standard(self.mean)[..., None, :]
         spread = np.sqrt(self.covariance[..., :2]) / scatter.spread[:, :, None]

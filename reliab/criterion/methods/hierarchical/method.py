@@ -28,21 +28,16 @@ class HierarchicalMethod(Method):
     Unlike the other methods, which take each structure for itself, this one learns all of them together, with
     the law inside (:class:`~reliab.criterion.methods.hierarchical.model.Hierarchical`): it is quadratic in
     ln f and ln ξ for the laws `table` and `dimensionless`, and linear for `power`.
-
-    Parameters
-    ----------
-    assurance : float, optional
-        Posterior probability of the promise, in (0, 1); predictive limits by default.
-    steps : int, optional
-        Steps of every walker, a multiple of 4; by default as many as a suite of 100 motions needs, doubled
-        up to twice while the run has not converged.
     """
 
     exchangeable: ClassVar[str] = "earthquakes, and motions within each, lognormal about a common law"
     samples_chains: ClassVar[bool] = True
     robust: ClassVar[bool]
 
+    # Posterior probability of the promise, in (0, 1); predictive limits by default
     assurance: float | None = None
+    # Steps of every walker, a multiple of 4; by default as many as a suite of 100 motions needs, doubled up
+    # to twice while the run has not converged
     steps: int | None = None
 
     def __post_init__(self) -> None:
@@ -80,8 +75,6 @@ class HierarchicalMethod(Method):
 class HierarchicalNormal(HierarchicalMethod):
     """Motions are normal about their earthquakes; see :class:`HierarchicalMethod`.
 
-    Examples
-    --------
     >>> HierarchicalNormal(assurance=0.9).settings
     {'robust': False, 'assurance': 0.9}
     """

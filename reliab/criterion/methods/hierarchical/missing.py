@@ -31,19 +31,7 @@ def filled(model: Hierarchical, lacking: NDArray[np.float64], events: NDArray[np
     What is missing is drawn once, given what the motion has at its other structures, at the mode of the
     posterior; this is done again with the mode of the filled model.
 
-    Parameters
-    ----------
-    model : Hierarchical
-        Model of the complete motions.
-    lacking : array of float, shape (motions, F, X, 2)
-        ln α and ln β of the others, NaN where there is no ellipse.
-    events : array of str, shape (motions,)
-        Their earthquakes.
-
-    Returns
-    -------
-    Hierarchical
-        The model of all motions, the complete ones first.
+    `lacking` (motions, F, X, 2); `events` (motions,).
     """
     if not len(lacking):
         return model

@@ -52,26 +52,6 @@ class Hierarchical(Model):
     standard deviation 0.8 about ln 0.3 (event), ln 0.4 (motion, motion at a frequency), ln 0.2
     (slopes), ln 0.1 (remainder); Fisher's z of correlations N(1.5, 0.75²); ln ν ~ N(ln 10, 0.8²).
 
-    Parameters
-    ----------
-    values : array of float, shape (motions, F, X, 2)
-        ln α and ln β, all finite.
-    events : array of str, shape (motions,)
-        Earthquake of each motion.
-    frequencies, damping_ratios : array of float, shape (F,) and (X,)
-        The grid [Hz, -].
-    curved : bool, optional
-        Whether the law has squares and products of its terms.
-    robust : bool, optional
-        Whether motions are Student-t.
-
-    Raises
-    ------
-    InputError
-        If a value is missing.
-
-    Examples
-    --------
     >>> model = Hierarchical(
     ...     values=np.zeros((4, 2, 2, 2)), events=np.array(["K", "K", "L", "L"]),
     ...     frequencies=np.array([1.0, 2.0]), damping_ratios=np.array([0.02, 0.05]),
@@ -82,12 +62,12 @@ class Hierarchical(Model):
 
     name: ClassVar[str] = "hierarchical"
 
-    values: NDArray[np.float64]
-    events: NDArray[np.str_]
-    frequencies: NDArray[np.float64]
+    values: NDArray[np.float64]  # ln α and ln β, all finite, shape (motions, F, X, 2)
+    events: NDArray[np.str_]  # Earthquake of each motion, shape (motions,)
+    frequencies: NDArray[np.float64]  # frequencies, damping_ratios: The grid [Hz, -], shape (F,) and (X,)
     damping_ratios: NDArray[np.float64]
-    curved: bool = False
-    robust: bool = False
+    curved: bool = False  # Whether the law has squares and products of its terms
+    robust: bool = False  # Whether motions are Student-t
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.values).all():
@@ -193,19 +173,7 @@ class Hierarchical(Model):
     ) -> NDArray[np.float64]:
         """Draw motions of further earthquakes.
 
-        Parameters
-        ----------
-        theta : array of float, shape (vectors, parameters)
-            Parameter vectors.
-        groups : array of int, shape (motions,)
-            Number of each motion's earthquake, from zero.
-        rng : numpy.random.Generator
-            Source of the draws.
-
-        Returns
-        -------
-        array of float, shape (vectors, motions, F, X, 2)
-            ln α and ln β.
+        `theta` (vectors, parameters); `groups` (motions,); returns (vectors, motions, F, X, 2).
         """
         along_f, along_xi = self.grid.shape
         eta = self.grid.eta[:, None]

@@ -15,18 +15,10 @@ _ROUNDS: Final = 6  # reweighted means that place them
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MotionMeans:
-    """Means of ln α and ln β of each motion over all structures, grouped by earthquake.
+    """Means of ln α and ln β of each motion over all structures, grouped by earthquake."""
 
-    Parameters
-    ----------
-    means : array of float, shape (motions, 2)
-        The means.
-    groups : array of int, shape (motions,)
-        Number of each motion's earthquake, from zero.
-    """
-
-    means: NDArray[np.float64]
-    groups: NDArray[np.int64]
+    means: NDArray[np.float64]  # The means, shape (motions, 2)
+    groups: NDArray[np.int64]  # Number of each motion's earthquake, from zero, shape (motions,)
 
     def normal(
         self,
@@ -36,17 +28,7 @@ class MotionMeans:
     ) -> NDArray[np.float64]:
         """Log-likelihood with normal event and motion effects.
 
-        Parameters
-        ----------
-        centre : array of float, shape (vectors, 2)
-            Mean of the law over the structures.
-        between, within : array of float, shape (vectors, 3)
-            Covariance of event effects, and of motions about their earthquake.
-
-        Returns
-        -------
-        array of float, shape (vectors,)
-            Up to a constant.
+        `centre` (vectors, 2); `between`, `within` (vectors, 3); returns (vectors,).
         """
         sizes, event_means, scatter = self._by_event
         below = normal_log_density(within, scatter, float(self.groups.size - sizes.size))
@@ -66,17 +48,7 @@ class MotionMeans:
         The event effects are integrated out by Gauss–Hermite quadrature about their conditional mode,
         which is found by reweighting.
 
-        Parameters
-        ----------
-        centre, between, within
-            As for :meth:`normal`; `within` is the scale of the Student-t distribution.
-        degrees : array of float, shape (vectors,)
-            Its degrees of freedom.
-
-        Returns
-        -------
-        array of float, shape (vectors,)
-            Up to a constant.
+        `degrees` (vectors,); returns (vectors,).
         """
         # In coordinates in which the scale is the identity, distances are Euclidean.
         whitening = _inverse_of_triangle(_cholesky(_matrix(within)))

@@ -25,27 +25,7 @@ def posterior_limits(
 ) -> NDArray[np.float64]:
     """Limits that the stated share of motions of further earthquakes exceeds.
 
-    Parameters
-    ----------
-    posterior : PosteriorSample
-        Draws of the model.
-    model : Hierarchical
-        The model.
-    confidence : float
-        Share of the motions, in (0, 1).
-    joint : bool
-        Whether a and b hold together: the worse of the two, each in units of its spread, represents the
-        motion.
-    assurance : float, optional
-        Posterior probability that at least that share of all motions exceeds the limits; without it the
-        limits are predictive, and a further motion exceeds them with the probability `confidence`.
-    seed : int, optional
-        Seed of the draws of motions.
-
-    Returns
-    -------
-    array of float, shape (F, X, 2)
-        Limits a [-] and b [ms²].
+    Returns (F, X, 2).
     """
     rng = np.random.default_rng(seed)
     drawn = model.draw_motions(posterior.spread_out(_DRAWS), np.arange(_MOTIONS), rng)

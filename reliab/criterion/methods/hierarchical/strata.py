@@ -25,18 +25,11 @@ REMAINDER: Final = "remainder"
 class Grid:
     """Structures over which motions are compared.
 
-    Parameters
-    ----------
-    frequencies, damping_ratios : array of float, shape (F,) and (X,)
-        The grid [Hz, -].
-
-    Examples
-    --------
     >>> Grid(frequencies=np.array([1.0]), damping_ratios=np.array([0.02, 0.05])).effects
     ('event', 'motion', 'motion, slope in ln ξ')
     """
 
-    frequencies: NDArray[np.float64]
+    frequencies: NDArray[np.float64]  # frequencies, damping_ratios: The grid [Hz, -], shape (F,) and (X,)
     damping_ratios: NDArray[np.float64]
 
     @property
@@ -76,20 +69,12 @@ class Grid:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Strata:
-    """Sums over the pairs (ln α, ln β) of each stratum, which are independent given the law.
+    """Sums over the pairs (ln α, ln β) of each stratum, which are independent given the law."""
 
-    Parameters
-    ----------
-    weights : array of float, shape (strata, effects)
-        Weight of each effect's covariance in that of each stratum.
-    counts : array of float, shape (strata,)
-        Numbers of pairs.
-    products : array of float, shape (strata, terms + 2, terms + 2)
-        Sums of products of the terms and values of each pair.
-    """
-
+    # Weight of each effect's covariance in that of each stratum, shape (strata, effects)
     weights: NDArray[np.float64]
-    counts: NDArray[np.float64]
+    counts: NDArray[np.float64]  # Numbers of pairs, shape (strata,)
+    # Sums of products of the terms and values of each pair, shape (strata, terms + 2, terms + 2)
     products: NDArray[np.float64]
 
     def log_likelihood(
@@ -97,17 +82,7 @@ class Strata:
     ) -> NDArray[np.float64]:
         """Log-likelihood up to a constant.
 
-        Parameters
-        ----------
-        coefficients : array of float, shape (vectors, terms, 2)
-            Of the law.
-        covariances : array of float, shape (vectors, effects, 3)
-            Of the effects.
-
-        Returns
-        -------
-        array of float, shape (vectors,)
-            Sum over the strata.
+        `coefficients` (vectors, terms, 2); `covariances` (vectors, effects, 3); returns (vectors,).
         """
         identity = np.broadcast_to(np.eye(2), (len(coefficients), 2, 2))
         residual = np.concatenate([-coefficients, identity], axis=1)[:, None]  # values minus the law
@@ -120,19 +95,7 @@ class Strata:
 def divide(grid: Grid, values: NDArray[np.float64], terms: NDArray[np.float64]) -> Strata:
     """Divide values into the strata below that of the motions' means.
 
-    Parameters
-    ----------
-    grid : Grid
-        The structures.
-    values : array of float, shape (motions, F, X, 2)
-        ln α and ln β.
-    terms : array of float, shape (F, X, terms)
-        Terms of the law.
-
-    Returns
-    -------
-    Strata
-        Those that the grid has.
+    `values` (motions, F, X, 2); `terms` (F, X, terms).
     """
     of_f, of_xi = grid.bases
     y = np.einsum("mfxq,fi,xj->mijq", values, of_f, of_xi)
@@ -163,15 +126,7 @@ def divide(grid: Grid, values: NDArray[np.float64], terms: NDArray[np.float64]) 
 def weights_of_motion_mean(grid: Grid) -> NDArray[np.float64]:
     """Weight of each effect in the mean of a motion over all structures, about its earthquake.
 
-    Parameters
-    ----------
-    grid : Grid
-        The structures.
-
-    Returns
-    -------
-    array of float, shape (effects,)
-        Slopes have none, since η is centred.
+    Returns (effects,).
     """
     along_f, along_xi = grid.shape
     return _weights(grid, {MOTION: 1.0, FREQUENCY: 1.0 / along_f, REMAINDER: 1.0 / (along_f * along_xi)})
@@ -180,15 +135,7 @@ def weights_of_motion_mean(grid: Grid) -> NDArray[np.float64]:
 def weights_of_motion(grid: Grid) -> NDArray[np.float64]:
     """Weight of each effect in the covariance of one motion of a further earthquake.
 
-    Parameters
-    ----------
-    grid : Grid
-        The structures.
-
-    Returns
-    -------
-    array of float, shape (X, effects)
-        At each damping ratio.
+    Returns (X, effects).
     """
     squares = grid.eta**2
     return np.stack(

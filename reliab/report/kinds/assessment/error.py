@@ -27,20 +27,7 @@ _MILLISECONDS = 1e3
 
 
 def errors_table(error: ErrorOfTest, recording: Recording) -> Table:
-    """Tabulate the error with its interval, and its parts.
-
-    Parameters
-    ----------
-    error : ErrorOfTest
-        The error of the test.
-    recording : Recording
-        The test.
-
-    Returns
-    -------
-    Table
-        RMS^R and MTE^R, and RMS^R of each part.
-    """
+    """Tabulate the error with its interval, and its parts."""
     sizes = {"RMSᴿ": Metric.RMS, "MTEᴿ": Metric.MTE}
     rows = [(name, *_with_interval(error.of(metric)), "") for name, metric in sizes.items()]
     for name, part in error.parts.by_name.items():
@@ -63,20 +50,7 @@ def _with_interval(size: Estimate) -> tuple[str, str]:
 
 
 def histories_figure(error: ErrorOfTest, recording: Recording) -> Figure:
-    """Draw exact and measured history, the error with its band, and its parts.
-
-    Parameters
-    ----------
-    error : ErrorOfTest
-        The error of the test.
-    recording : Recording
-        The test.
-
-    Returns
-    -------
-    Figure
-        Three panels over time.
-    """
+    """Draw exact and measured history, the error with its band, and its parts."""
     rebuilt = error.rebuilt
     stretch = recording.duration / _STRETCHES
     return Figure(
@@ -104,20 +78,7 @@ def improve_first(error: ErrorOfTest) -> str:
 
 
 def error_sentence(error: ErrorOfTest, word: Word) -> Prose:
-    """State the verdict on a test, its error, and the probability that it is small enough.
-
-    Parameters
-    ----------
-    error : ErrorOfTest
-        The error of the test.
-    word : Word
-        The verdict.
-
-    Returns
-    -------
-    Prose
-        The answer of a report.
-    """
+    """State the verdict on a test, its error, and the probability that it is small enough."""
     size = error.of(error.metric)
     return (
         *prose("The test is *{word}*: its ", word=spelled_out(word)),
@@ -134,18 +95,7 @@ def error_sentence(error: ErrorOfTest, word: Word) -> Prose:
 
 
 def advice(assessment: Assessment) -> Prose:
-    """Say what to improve first, by the error and by the index.
-
-    Parameters
-    ----------
-    assessment : Assessment
-        The assessed test.
-
-    Returns
-    -------
-    Prose
-        A paragraph.
-    """
+    """Say what to improve first, by the error and by the index."""
     by_index = assessment.improvement
     share = by_index.share_of_delay if by_index.first == "delay" else 1.0 - by_index.share_of_delay
     late, off = _MILLISECONDS * by_index.tolerable_delay, by_index.tolerable_amplitude_error

@@ -27,20 +27,7 @@ _KILO = 1e3
 
 
 def frame_assessment_report(assessment: FrameAssessment, *, provenance: Mapping[str, object]) -> Document:
-    """Report the verdict on a test of a frame.
-
-    Parameters
-    ----------
-    assessment : FrameAssessment
-        What was found, from :func:`reliab.assessment.frame_test.assess_frame`.
-    provenance : mapping
-        What the report can be made again from, by name: files and their checksums, …
-
-    Returns
-    -------
-    Document
-        A sheet of two pages.
-    """
+    """Report the verdict on a test of a frame."""
     of_test = assessment.error, assessment.recording
     sections = (
         Section(title="The error of this test", blocks=(errors_table(*of_test), histories_figure(*of_test))),

@@ -11,24 +11,7 @@ from reliab.report.prose import Prose
 def quantities_table(
     rows: Sequence[tuple[str, ...]], headings: Sequence[str], *, caption: Prose, label: str
 ) -> Table:
-    """Tabulate quantities.
-
-    Parameters
-    ----------
-    rows : sequence of tuple of str
-        The name of the quantity, and its numbers.
-    headings : sequence of str
-        Headings of the columns, the first that of the names.
-    caption : Prose
-        What the table shows.
-    label : str
-        By which the report refers to it.
-
-    Returns
-    -------
-    Table
-        The table.
-    """
+    """Tabulate quantities."""
     frame = pd.DataFrame(rows, columns=[str(place) for place in range(len(headings))])
     return Table(
         frame=frame,

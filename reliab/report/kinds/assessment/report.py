@@ -27,24 +27,7 @@ def assessment_report(
     provenance: Mapping[str, object],
     notes: Sequence[Prose] = (),
 ) -> Document:
-    """Report the verdict on a test.
-
-    Parameters
-    ----------
-    assessment : Assessment
-        What was found, from :func:`reliab.assessment.assess`.
-    title : str, optional
-        Title; the name of the test by default.
-    provenance : mapping
-        What the report can be made again from, by name: file, checksum, …
-    notes : sequence of Prose, optional
-        What the reader should know beside the assessment's own warnings.
-
-    Returns
-    -------
-    Document
-        A sheet of two pages.
-    """
+    """Report the verdict on a test."""
     of_test = assessment.error, assessment.recording
     sections = [
         Section(title="The error of this test", blocks=(errors_table(*of_test), histories_figure(*of_test))),

@@ -24,18 +24,7 @@ _LONG_TABLE = 160
 
 
 def motions_section(reported: ReportedCriteria) -> Section:
-    """Show the motions behind the criterion and the uncertainty that remains.
-
-    Parameters
-    ----------
-    reported : ReportedCriteria
-        The criteria with their ellipses.
-
-    Returns
-    -------
-    Section
-        With four figures or five.
-    """
+    """Show the motions behind the criterion and the uncertainty that remains."""
     sample, (f, xi) = reported.sample, reported.structure
     opening = Paragraph(
         text=prose(

@@ -21,26 +21,7 @@ def no_criterion_report(
     provenance: Mapping[str, object],
     purpose: str = "",
 ) -> Document:
-    """Report the boundaries of the motions, and why no criterion follows from them.
-
-    Parameters
-    ----------
-    title : str
-        Title of the report.
-    ellipses : xarray.Dataset
-        `a` [-] and `b` [ms²] over (motion, f, xi, threshold, metric, curve) with the coordinate `event`.
-    reasons : sequence of str
-        Why not: a sentence for each criterion that was asked for.
-    provenance : mapping
-        What the report can be made again from, by name.
-    purpose : str, optional
-        What the study is for.
-
-    Returns
-    -------
-    Document
-        The report.
-    """
+    """Report the boundaries of the motions, and why no criterion follows from them."""
     events = len(set(ellipses["event"].values.tolist()))
     motions = ellipses.sizes["motion"]
     return Document(

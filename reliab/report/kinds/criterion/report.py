@@ -49,36 +49,7 @@ def criterion_report(
 ) -> Document:
     """Report criteria and the motions behind them.
 
-    Parameters
-    ----------
-    title : str
-        Title of the report.
-    ellipses : xarray.Dataset
-        `a` [-] and `b` [ms²] over (motion, f, xi, threshold, metric, curve, side) with the coordinate
-        `event`, as `reliab.sweep.trace_ellipses` makes it.
-    criteria : sequence of Criterion
-        Derived from these ellipses; the verdict, the figures and the tables over structures are those of
-        the first, the others are compared with it.
-    coverage : pandas.DataFrame, optional
-        Shares of held-out motions that criteria contain, one row each: `candidate` (name), `confidence`
-        (stated), `f` [Hz] (NaN for all structures together), `rate`, `low`, `high` [-], as
-        :func:`reliab.report.sections.rates.rates_table` makes it.
-    population : str, optional
-        What the ground motions are, "synthetic ground motions" where they are no real ones.
-    real_motions : mapping of str to float, optional
-        How many of the real motions that ship contain the first criterion, where it was derived from others:
-        `rate`, `low`, `high` [-], `n_motions` and `n_events`.
-    provenance : mapping
-        What the report can be made again from, by name: the hash of the study, seeds, …
-    notes : sequence of Prose, optional
-        What the reader should know beside the criterion's own warnings.
-    purpose : str, optional
-        What the study is for, for the first page.
-
-    Returns
-    -------
-    Document
-        The report.
+    `real_motions` [-].
     """
     reported = ReportedCriteria(ellipses=ellipses, criteria=tuple(criteria))
     chosen = reported.criterion

@@ -151,20 +151,7 @@ def _strongest(values: NDArray[np.float64], rate: float) -> slice:
 
 
 def drawn(what: str, draw: Callable[[], Figure | None]) -> tuple[DocumentBlock, ...]:
-    """Return a figure as a block, or a line that says why it could not be drawn; the report goes on.
-
-    Parameters
-    ----------
-    what : str
-        What the figure shows, in a few words.
-    draw : callable
-        Draws it; None where there is nothing to draw.
-
-    Returns
-    -------
-    tuple of reliab.report.document.Block
-        The figure, a line in its place, or nothing.
-    """
+    """Return a figure as a block, or a line that says why it could not be drawn; the report goes on."""
     try:
         figure = draw()
     except Exception as error:  # noqa: BLE001 - whatever fails in a figure must cost the figure alone

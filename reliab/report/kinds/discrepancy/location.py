@@ -19,15 +19,7 @@ from reliab.report.wording import spelled_out
 def location_section(diagnosis: Diagnosis) -> Section:
     """Show the block that fails, and what its residuals vary with.
 
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        The diagnosis.
-
-    Returns
-    -------
-    Section
-        The loop, the findings as a list and as a table, residuals over frequency and state.
+    Returns the loop, the findings as a list and as a table, residuals over frequency and state.
     """
     blocks: list[Block] = [*drawn("the loop", partial(block_figure, diagnosis))]
     if diagnosis.where:

@@ -19,17 +19,7 @@ from reliab.significant import significant
 def missing_effects_section(diagnosis: Diagnosis, sampled: Mapping[str, Posterior]) -> Section:
     """Name the effects that the model lacks.
 
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        The diagnosis.
-    sampled : mapping of str to Posterior
-        Sampled posteriors by the name of the block; may be empty.
-
-    Returns
-    -------
-    Section
-        Parameters of the effects, their rivals, what no known effect explains, and the calibration.
+    Returns parameters of the effects, their rivals, what no known effect explains, and the calibration.
     """
     effects = (*diagnosis.effects, *diagnosis.doubtful)
     blocks: list[Block] = []

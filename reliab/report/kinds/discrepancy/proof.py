@@ -14,18 +14,7 @@ from reliab.report.wording import percent
 
 
 def proof_section(diagnosis: Diagnosis) -> Section:
-    """Show how much of the gap between model and measurement closes on held-out tests.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        The diagnosis.
-
-    Returns
-    -------
-    Section
-        Errors by channel and by test, residuals and histories.
-    """
+    """Show how much of the gap between model and measurement closes on held-out tests."""
     rows = [
         {
             **diagnosed.gap.to_dict(),

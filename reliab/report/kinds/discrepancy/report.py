@@ -34,25 +34,7 @@ def discrepancy_report(
     provenance: Mapping[str, object],
     notes: Sequence[Prose] = (),
 ) -> Document:
-    """Report a diagnosis.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        What was found, from :func:`reliab.discrepancy.diagnose`.
-    posteriors : mapping of str to Posterior, optional
-        Sampled posteriors by the name of the block; without them parameters stand with their approximate
-        standard deviations only.
-    provenance : mapping
-        What the report can be made again from, by name.
-    notes : sequence of Prose, optional
-        What the reader should know beside the diagnosis' own remarks.
-
-    Returns
-    -------
-    Document
-        The report.
-    """
+    """Report a diagnosis."""
     sampled = posteriors or {}
     sections = [
         location_section(diagnosis),

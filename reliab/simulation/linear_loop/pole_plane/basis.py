@@ -47,21 +47,11 @@ _FAST_PAIRS = 6
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PoleBasis:
-    """Poles and fast pairs in which actuators before one structure are expanded.
+    """Poles and fast pairs in which actuators before one structure are expanded."""
 
-    Attributes
-    ----------
-    structure : Structure
-        The structure under test.
-    poles : numpy.ndarray
-        Poles p_k [1/s], that of the structure first, shape (poles,).
-    fast : ModalLoop
-        Reduced loops at gain 1 whose fast pairs are used, shape (pairs,).
-    """
-
-    structure: Structure
-    poles: NDArray[np.complex128]
-    fast: ModalLoop
+    structure: Structure  # The structure under test
+    poles: NDArray[np.complex128]  # Poles p_k [1/s], that of the structure first, shape (poles,)
+    fast: ModalLoop  # Reduced loops at gain 1 whose fast pairs are used, shape (pairs,)
 
     @cached_property
     def orthogonal(self) -> NDArray[np.float64]:
@@ -82,18 +72,9 @@ class PoleBasis:
     ) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
         """Expand responses 1/(s − p).
 
-        Parameters
-        ----------
-        pole : numpy.ndarray
-            Poles p [1/s], shape (cells,).
-
-        Returns
-        -------
-        coefficients : numpy.ndarray
-            The c_k, complex, shape (poles, cells).
-        left_out : numpy.ndarray
-            |γ_n|, the share that is left out at every frequency [-], shape (cells,); infinite for a pole
-            that is too far from the structure's.
+        Returns left_out [-].
+        Returns `left_out`: |γ_n|, the share that is left out at every frequency [-], shape (cells,); infinite
+        for a pole that is too far from the structure's.
         """
         near = distance(pole, complex(self.poles[0])) <= FARTHEST
         pole = np.where(near, pole, self.poles[0])
@@ -107,18 +88,9 @@ class PoleBasis:
     def fast_coefficients(self, loop: ModalLoop) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Expand the fast pairs of late actuators in those of the basis.
 
-        Parameters
-        ----------
-        loop : ModalLoop
-            The reduced loop, one entry per cell.
-
-        Returns
-        -------
-        coefficients : numpy.ndarray
-            Shape (pairs, cells).
-        left_out : numpy.ndarray
-            Largest modulus, over the frequencies, of what the expansion leaves out of the transfer function
-            from −a_g [s²], shape (cells,).
+        Returns left_out [s²].
+        Returns `left_out`: largest modulus, over the frequencies, of what the expansion leaves out of the
+        transfer function from −a_g [s²], shape (cells,).
         """
         at = compared_frequencies(self.structure)
         wanted, given = loop.fast_transfer(at), self.fast.fast_transfer(at)
@@ -135,16 +107,8 @@ class PoleBasis:
 def pole_basis(structure: Structure) -> PoleBasis:
     """Choose the poles in which actuators before a structure are expanded.
 
-    Parameters
-    ----------
-    structure : Structure
-        The structure under test.
-
-    Returns
-    -------
-    PoleBasis
-        Poles that leave out less than 2e-5 of the deviation of any actuator with an error of up to
-        about 20 % RMS^R, but no more than twenty.
+    Returns poles that leave out less than 2e-5 of the deviation of any actuator with an error of up to about
+    20 % RMS^R, but no more than twenty.
     """
     undisturbed = structure.pole
     scale = structure.damping_ratio / structure.circular_frequency

@@ -27,24 +27,14 @@ from reliab.simulation.linear_loop.pole_recursion import FROM_BLOCK, leading_rec
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Expansion:
-    """Weights of actuators that look the same number of blocks ahead.
+    """Weights of actuators that look the same number of blocks ahead."""
 
-    Attributes
-    ----------
-    cells : numpy.ndarray
-        Which cells, shape (n,).
-    ahead : int
-        Blocks by which the displacement is ahead of the exact response; 0 for actuators that are late.
-    weights : numpy.ndarray
-        Weight of each function that `Responses` steps, shape (n, functions).
-    left_out : numpy.ndarray
-        Largest displacement that is left out, for responses of size 1 of the poles and, last, for a ground
-        acceleration of size 1, shape (n, poles + 1).
-    """
-
-    cells: NDArray[np.intp]
+    cells: NDArray[np.intp]  # Which cells, shape (n,)
+    # Blocks by which the displacement is ahead of the exact response; 0 for actuators that are late
     ahead: int
-    weights: NDArray[np.float64]
+    weights: NDArray[np.float64]  # Weight of each function that `Responses` steps, shape (n, functions)
+    # Largest displacement that is left out, for responses of size 1 of the poles and, last, for a ground
+    # acceleration of size 1, shape (n, poles + 1)
     left_out: NDArray[np.float64]
 
 
@@ -55,19 +45,8 @@ def expansions(
 ) -> list[Expansion]:
     """Expand the deviations of all cells whose poles are near enough to that of the structure.
 
-    Parameters
-    ----------
-    basis : PoleBasis
-        Poles and fast pairs.
-    parts : sequence of tuple
-        Numbers of cells and their reduced loops, as `Cells.reduced`.
-    step : float
-        Length H of a block [s].
-
-    Returns
-    -------
-    list of Expansion
-        One for each number of blocks that cells look ahead; cells that cannot be expanded are in none.
+    `step` [s].
+    Returns one for each number of blocks that cells look ahead; cells that cannot be expanded are in none.
     """
     expanded = []
     for cells, loop in parts:

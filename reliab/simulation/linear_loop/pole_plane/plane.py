@@ -18,21 +18,10 @@ def mean_squares(
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Mean square deviations where the expansion is precise enough under the motion.
 
-    Parameters
-    ----------
-    responses : sequence of Responses
-        Responses of the basis to the record of each motion.
-    expansions : sequence of Expansion
-        The actuators, expanded in that basis.
-    motion : numpy.ndarray
-        Which of the motions each actuator is under, shape (cells,).
-
-    Returns
-    -------
-    mean_square : numpy.ndarray
-        Mean of (x_m − x_I)² over the window [m²], shape (cells,); zero where it is not known.
-    known : numpy.ndarray
-        Whether what the expansion leaves out is at most `LEFT_OUT` of RMS^R, shape (cells,).
+    Returns mean_square [m²].
+    Returns `mean_square`: mean of (x_m − x_I)² over the window [m²], shape (cells,); zero where it is not
+    known.
+    Returns `known`: whether what the expansion leaves out is at most `LEFT_OUT` of RMS^R, shape (cells,).
     """
     mean_square, known = np.zeros(motion.size), np.zeros(motion.size, dtype=np.bool_)
     for expansion in expansions:

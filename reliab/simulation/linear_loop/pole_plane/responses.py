@@ -30,44 +30,24 @@ _PIECE = 512  # blocks; the functions of a piece stay in the second-level cache
 
 
 class Sums(NamedTuple):
-    """What is summed up over the window.
+    """What is summed up over the window."""
 
-    Attributes
-    ----------
-    mean_products : numpy.ndarray
-        The matrix G, shape (functions, functions), in the order of `Expansion.weights`.
-    root_energy : numpy.ndarray
-        Root of the energy of each pole's response, followed to rest, and of the record, over the window's
-        length, shape (poles + 1,), in m s and m/s².
-    """
-
+    # The matrix G, shape (functions, functions), in the order of `Expansion.weights`
     mean_products: NDArray[np.float64]
+    # Root of the energy of each pole's response, followed to rest, and of the record, over the window's
+    # length, shape (poles + 1,), in m s and m/s²
     root_energy: NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Responses:
-    """Responses of a basis to one record.
+    """Responses of a basis to one record."""
 
-    Parameters
-    ----------
-    blocks : Blocks
-        Record and window, cut for the structure.
-    basis : PoleBasis
-        Poles and fast pairs.
-    """
-
-    blocks: Blocks
-    basis: PoleBasis
+    blocks: Blocks  # Record and window, cut for the structure
+    basis: PoleBasis  # Poles and fast pairs
 
     def sums(self, ahead: int) -> Sums:
-        """Sum up products and energies of the responses, once for each number of blocks ahead.
-
-        Parameters
-        ----------
-        ahead : int
-            Blocks by which the actuators look ahead; 0 for those that are late.
-        """
+        """Sum up products and energies of the responses, once for each number of blocks ahead."""
         if ahead not in self._sums:
             self._sums[ahead] = self._summed(ahead)
         return self._sums[ahead]
