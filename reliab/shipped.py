@@ -102,7 +102,8 @@ def _verify(path: Path, changed: int, expected: str) -> None:
         )
 
 
-def _folder(kind: str) -> Path:
+def shipped_folder(kind: str) -> Path:
+    """Return the folder of what ships of a kind; it need not exist: the product runs without the studies."""
     folder = _INSTALLED / kind
     return folder if folder.is_dir() else _CHECKOUT / kind
 

@@ -26,7 +26,6 @@ FILE: Final = "study.toml"
 """What a study asks for, in its folder."""
 
 _CODE: Final = "kind"
-_SHIPPED: Final = shipped("studies", "")
 
 
 def shipped_folders() -> dict[str, Path]:
