@@ -1,12 +1,13 @@
-"""Former names of arguments, which do what they did through one further minor version."""
+"""Former names of arguments and methods, which do what they did through one further minor version."""
 
 import warnings
 from collections.abc import Callable
 from functools import wraps
-from typing import ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 _Parameters = ParamSpec("_Parameters")
 _Result = TypeVar("_Result")
+_Class = TypeVar("_Class", bound=type)
 
 
 def renamed(
@@ -27,14 +28,32 @@ def renamed(
         @wraps(function)
         def accepting(*arguments: _Parameters.args, **named: _Parameters.kwargs) -> _Result:
             for former in names.keys() & named.keys():
-                warnings.warn(
-                    f"`{former}` is called `{names[former]}` now; the former name ends with version {ends}",
-                    DeprecationWarning,
-                    stacklevel=2,
-                )
+                _warn(former, names[former], ends)
                 named[names[former]] = named.pop(former)
             return function(*arguments, **named)
 
         return accepting
 
     return decorate
+
+
+def renamed_method(ends: str, former: str, name: str) -> Callable[[_Class], _Class]:
+    """Let the instances of a class have a method by its former name too, with a warning."""
+
+    def decorate(owner: _Class) -> _Class:
+        def as_before(instance: object, *arguments: object, **named: object) -> Any:  # noqa: ANN401 - its own result
+            _warn(former, name, ends)
+            return getattr(instance, name)(*arguments, **named)
+
+        setattr(owner, former, as_before)
+        return owner
+
+    return decorate
+
+
+def _warn(former: str, name: str, ends: str) -> None:
+    warnings.warn(
+        f"`{former}` is called `{name}` now; the former name ends with version {ends}",
+        DeprecationWarning,
+        stacklevel=3,
+    )

@@ -2,10 +2,11 @@
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TypedDict, Unpack, overload
+from typing import Unpack, overload
 
 from reliab.api.arguments import Quantity, stated_values
 from reliab.api.channels import Channels, Test
+from reliab.api.former import Former, accepted
 from reliab.api.judging import Judge, Terms
 from reliab.assessment import Assessment, Assessments, FrameAssessment
 from reliab.criterion import Criterion
@@ -18,7 +19,7 @@ from reliab.simulation.hybrid_test import UpdatedModel
 from reliab.structures import Structure
 
 
-class Stated(TypedDict, total=False):
+class Stated(Former, total=False):
     """Arguments of `assess` that need a name; they are declared here for the checkers of types."""
 
     f: Quantity | None
@@ -83,6 +84,7 @@ def assess(
     time_units: str | None = None,
     delimiter: str | None = None,
     progress: Progress = silent,
+    **former: Unpack[Former],
 ) -> Assessment | FrameAssessment | Assessments:
     """Judge a test, or several, by the error computed from command and measured displacement.
 
@@ -124,6 +126,8 @@ def assess(
         What separates the columns of a text.
     progress : callable, optional
         Called before each of several tests.
+    **former
+        `stated`, `taper` and `seed` of :func:`reliab.assessment.assess`, which end with version 0.4.
 
     Returns
     -------
@@ -152,6 +156,7 @@ def assess(
         threshold=threshold,
         confidence=confidence,
         metric=metric,
+        former=accepted(former),
     ).judge()
     channels = Channels(
         command=command,

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from reliab.api.arguments import require_positive, unused
+from reliab.api.former import Former
 from reliab.assessment import Assessment, FrameAssessment, assess_frame
 from reliab.assessment.assess import assess as assess_structure
 from reliab.criterion import Criterion
@@ -48,6 +49,7 @@ class Terms:
     threshold: float | None
     confidence: float | None
     metric: str | None
+    former: Former
 
     def judge(self) -> Judge:
         """Read what tests share, and return what judges one of them."""
@@ -94,6 +96,7 @@ class Terms:
                 "feedback_lag": StatedValue(0.0),
                 **stated,
             }
+            former: Former = {**self.former, "stated": {**complete, **self.former.get("stated", {})}}
             return assess_structure(
                 recording,
                 Structure(
@@ -101,7 +104,7 @@ class Terms:
                     damping_ratio=complete["xi"].value,
                     experimental_fraction=complete["alpha"].value,
                 ),
-                stated=complete,
+                **former,
                 motion=motion,
                 criterion=criterion,
                 threshold=self._threshold,
@@ -115,6 +118,8 @@ class Terms:
 
     def _judge_of_frames(self, structure: FrameUnderTest | str | Path) -> Judge:
         self._refuse_beside_structure("mass")
+        for name in self.former:
+            raise unused(name, "beside the `structure` of a frame")
         for name, reason in _NOT_FOR_FRAMES.items():
             if getattr(self, name) is not None:
                 raise InputError(

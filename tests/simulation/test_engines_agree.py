@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from reliab import ellipses
 from reliab.errors import InputError
 from reliab.indices.response_error import relative_error
-from reliab.motions import load_motions
+from reliab.motions import Motion, MotionSuite, load_motions
 from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop import delay_stepper
@@ -147,3 +148,29 @@ def test_pole_engine_refuses_delays_for_which_it_is_not_valid(random_record):
     )
     with pytest.raises(InputError, match="dominant pole"):
         loop.deviation(loop.cells(gain=1.0, delay=0.2))
+
+
+@pytest.mark.parametrize("damping_ratio", [0.7, 0.95, 0.9999])
+@pytest.mark.parametrize("fraction", [1.0, 0.4])
+def test_loops_without_oscillation_are_solved(damping_ratio, fraction):
+    """A weak actuator leaves a highly damped structure without a pair of poles that oscillates."""
+    time = np.arange(0.0, 20.0, 0.005)
+    record = np.exp(-((time / 5.0 - 1.5) ** 2)) * (np.sin(5.0 * time) + np.sin(17.0 * time))
+    structure = Structure(frequency=1.0, damping_ratio=damping_ratio, experimental_fraction=fraction)
+    meeting = max(1.0 + (damping_ratio**2 - 1.0) / fraction, 0.4)  # gain at which both poles meet
+    loop = Loop(excitation=Excitation(acceleration=record, time_step=0.005), structure=structure)
+    for delays in ([0.0, 0.004, 0.04], [-0.004, -0.04]):
+        gain, delay = np.meshgrid([0.3, meeting, meeting + 1e-9, 0.7, 1.7], delays)
+        found = differences(loop, loop.cells(gain=gain, delay=delay), Engine.SPECTRAL)
+        assert found[Metric.RMS] < 1e-3
+        assert found[Metric.MTE] < 2e-3
+
+
+@pytest.mark.parametrize("damping_ratio", [0.7, 0.99])
+def test_ellipses_of_highly_damped_structures_are_numbers(damping_ratio):
+    time = np.arange(0.0, 8.0, 0.01)
+    motion = Motion(name="M", acceleration=np.sin(8.0 * time) * np.exp(-time), time_step=0.01)
+    traced = ellipses(MotionSuite.from_motions([motion]), f=1.0, xi=damping_ratio)
+    for name in ("a", "b"):
+        assert (traced[name].to_numpy() > 0.0).all()
+        assert np.isfinite(traced[name].to_numpy()).all()

@@ -14,9 +14,11 @@ from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.discrepancy.result.missing_effect import MissingEffect
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
+from reliab.renamed import renamed_method
 from reliab.simulation.hybrid_test import MODEL_FILE, UpdatedModel, write_model
 
 
+@renamed_method("0.4", "as_dict", "to_dict")
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Addition:
     """A diagnosis with its posteriors, its updated model and its effect on the criterion.

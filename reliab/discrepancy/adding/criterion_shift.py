@@ -12,6 +12,7 @@ from reliab.boundary.curves import Ellipse
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.errors import InputError
 from reliab.motions import load_motions
+from reliab.renamed import renamed_method
 from reliab.simulation import EffectLoop, Excitation
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
 
@@ -26,6 +27,7 @@ _PHASE_STEP = 0.08  # rad; errors of the step cancel in the ratio
 _SYNTHETIC_STRIDE = 16  # through the built-in suite, whose neighbours are of one earthquake
 
 
+@renamed_method("0.4", "as_dict", "to_dict")
 @dataclass(frozen=True, kw_only=True)
 class CriterionShift:
     """Criterion with effects over criterion without them."""

@@ -3,7 +3,10 @@
 from dataclasses import dataclass
 from typing import Any
 
+from reliab.renamed import renamed_method
 
+
+@renamed_method("0.4", "as_dict", "to_dict")
 @dataclass(frozen=True, kw_only=True)
 class Finding:
     """A place where the calibrated model fails."""

@@ -14,6 +14,7 @@ from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.locating.finding import Finding
 from reliab.discrepancy.result.gap import FurtherError, Gap
 from reliab.discrepancy.result.missing_effect import Estimate, MissingEffect, Unknown
+from reliab.renamed import renamed_method
 
 Array = NDArray[np.float64]
 
@@ -64,6 +65,7 @@ class Ranked:
     probability: float
 
 
+@renamed_method("0.4", "as_dict", "to_dict")
 @dataclass(frozen=True, kw_only=True, eq=False)
 class BlockDiagnosis:
     """All that was found in one observed block.

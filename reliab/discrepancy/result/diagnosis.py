@@ -10,6 +10,7 @@ from reliab.discrepancy.result.gap import Gap
 from reliab.discrepancy.result.missing_effect import MissingEffect, Unknown
 from reliab.discrepancy.result.showing import draw_gap, table_of_diagnosis
 from reliab.discrepancy.result.statements import is_explained, remainder_statement, statement
+from reliab.renamed import renamed_method
 from reliab.significant import significant
 from reliab.vocabulary import Block
 
@@ -24,6 +25,7 @@ SHORT_RECORD = 256
 _LIKE_A_STRUCTURE = {"added_mass", "viscous_damping"}
 
 
+@renamed_method("0.4", "as_dict", "to_dict")
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Diagnosis:
     """The results for a campaign.

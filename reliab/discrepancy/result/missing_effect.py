@@ -5,8 +5,10 @@ from typing import Any
 
 from reliab.discrepancy.degeneracy import remark
 from reliab.effects import Effect
+from reliab.renamed import renamed_method
 
 
+@renamed_method("0.4", "as_dict", "to_dict")
 @dataclass(frozen=True, kw_only=True)
 class Estimate:
     """A parameter: name, most probable value, standard deviation, units, central 90 % interval if sampled."""
@@ -23,6 +25,7 @@ class Estimate:
         return {"value": self.value, "sd": self.sd, "units": self.units, **sampled}
 
 
+@renamed_method("0.4", "as_dict", "to_dict")
 @dataclass(frozen=True, kw_only=True)
 class Rival:
     """Another effect in the place of a named one, with its probability and its error on held-out tests."""
@@ -40,6 +43,7 @@ class Rival:
         }
 
 
+@renamed_method("0.4", "as_dict", "to_dict")
 @dataclass(frozen=True, kw_only=True)
 class MissingEffect:
     """An effect that the nominal model lacks.
@@ -95,6 +99,7 @@ class MissingEffect:
         }
 
 
+@renamed_method("0.4", "as_dict", "to_dict")
 @dataclass(frozen=True, kw_only=True)
 class Unknown:
     """A missing effect that is none of the known ones."""

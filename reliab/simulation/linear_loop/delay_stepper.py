@@ -24,6 +24,7 @@ LANES = 48
 """Cells that advance side by side; their state fits the first-level cache."""
 
 _COEFFICIENTS = 25
+_PARTED = 1e-5  # of ω₀, least distance of the oscillator's poles
 _GAUSS_NODES, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
@@ -67,19 +68,23 @@ def coefficients(
     """
     w0, xi, alpha = structure.circular_frequency, structure.damping_ratio, structure.experimental_fraction
     coupling = alpha * gain * w0**2
-    pole = -xi * w0 + 1j * np.sqrt((1.0 - alpha) * w0**2 + coupling - (xi * w0) ** 2)
-    early, late, decay = ramp_weights(pole, step)
+    # Both poles p and q, conjugate or real; equal ones are parted by little.
+    discriminant = (1.0 - alpha) * w0**2 + coupling - (xi * w0) ** 2
+    discriminant = np.where(np.abs(discriminant) < (_PARTED * w0) ** 2, (_PARTED * w0) ** 2, discriminant)
+    poles = -xi * w0 + np.multiply.outer([1.0, -1.0], np.sqrt(-discriminant + 0j))
+    early, late, decay = ramp_weights(poles, step)
     fraction = np.floor(delay / step) + 1.0 - delay / step
     place, pace = _cubics(fraction, step), _cubic_rates(fraction, step)
 
-    # z = v − p̄x carries the state: x = Im z / Im p, v = Im(pz) / Im p.
+    # z = v − qx and y = v − px carry the state: x = (z − y)/(p − q), v = (pz − qy)/(p − q).
     def state(effect: NDArray[np.complex128]) -> NDArray[np.float64]:
-        return np.stack([effect.imag, (pole * effect).imag]) / pole.imag
+        moved = np.stack([effect[0] - effect[1], poles[0] * effect[0] - poles[1] * effect[1]])
+        return np.asarray((moved / (poles[0] - poles[1])).real)
 
-    value, rate, end_value, end_rate = (coupling * state(effect) for effect in _cubic_effects(pole, step))
+    value, rate, end_value, end_rate = (coupling * state(effect) for effect in _cubic_effects(poles, step))
     known = np.stack(
         [
-            state(-decay * pole.conj()) + value,
+            state(-decay * poles[::-1]) + value,
             state(decay) + rate,
             -value,
             -rate,

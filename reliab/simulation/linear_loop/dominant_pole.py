@@ -36,7 +36,7 @@ class ModalLoop:
     """Two pole pairs with their residues, one entry per cell."""
 
     # pole, residue: Dominant pole p [1/s] and residue r [s] of the response to −a_g, complex, shape (cells,);
-    # their conjugates belong to them
+    # their conjugates belong to them. The residue is zero where the loop does not oscillate
     pole: NDArray[np.complex128]
     residue: NDArray[np.complex128]
     # fast_poles, fast_residues: Poles [1/s] and residues [s] of the fast pair, complex, shape (2, cells); the
@@ -87,6 +87,15 @@ def dominant_pole(
     return np.where(settled & (pole.imag > 0.0), pole, np.nan)
 
 
+def pole_or_own(
+    structure: Structure, gain: NDArray[np.float64], delay: NDArray[np.float64]
+) -> tuple[NDArray[np.complex128], NDArray[np.bool_]]:
+    """Dominant poles [1/s], the structure's own where there is none, and whether there is, shape (cells,)."""
+    pole = dominant_pole(structure, gain, delay)
+    oscillates = np.isfinite(pole)
+    return np.where(oscillates, pole, structure.pole), oscillates
+
+
 def modal_loop(
     structure: Structure, gain: NDArray[np.float64], delay: NDArray[np.float64], *, measured: bool = True
 ) -> ModalLoop:
@@ -94,10 +103,10 @@ def modal_loop(
     w0, xi = structure.circular_frequency, structure.damping_ratio
     alpha = structure.experimental_fraction
     coupled = alpha * gain * w0**2
-    pole = dominant_pole(structure, gain, delay)
+    pole, oscillates = pole_or_own(structure, gain, delay)
     slope = 2.0 * pole + 2.0 * xi * w0 - delay * coupled * np.exp(-pole * delay)
     output, late = (gain, delay) if measured else (np.ones_like(gain), np.zeros_like(delay))
-    residue = output * np.exp(-pole * late) / slope
+    residue = np.where(oscillates, output * np.exp(-pole * late) / slope, 0.0)
     rest = _series(structure, gain, delay, output, late)
     for power in range(_MOMENTS):
         rest[power] += 2.0 * (residue / pole ** (power + 1)).real

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.simulation.linear_loop.dominant_pole import dominant_pole
+from reliab.simulation.linear_loop.dominant_pole import pole_or_own
 from reliab.structures import Structure
 
 
@@ -55,8 +55,9 @@ def leading_loop(structure: Structure, gain: NDArray[np.float64], lead: NDArray[
     """Split the loop of a leading actuator into its dominant pair and a feed-through."""
     w0, xi, alpha = structure.circular_frequency, structure.damping_ratio, structure.experimental_fraction
     coupled = alpha * gain * w0**2
-    pole = dominant_pole(structure, gain, -lead)
-    residue = gain / (2.0 * pole + 2.0 * xi * w0 + lead * coupled * np.exp(pole * lead))
+    pole, oscillates = pole_or_own(structure, gain, -lead)
+    slope = 2.0 * pole + 2.0 * xi * w0 + lead * coupled * np.exp(pole * lead)
+    residue = np.where(oscillates, gain / slope, 0.0)
     static = gain / ((1.0 - alpha) * w0**2 + coupled)
     feedthrough = static + 2.0 * (residue / pole).real
     return LeadingLoop(pole=pole, residue=residue, feedthrough=feedthrough, lead=lead)

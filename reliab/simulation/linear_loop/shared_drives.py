@@ -99,7 +99,8 @@ def _candidates(structure: Structure, step: float) -> NDArray[np.float64]:
     delays = _LONGEST_DELAY * step * np.linspace(0.0, 1.0, _DELAYS)
     gain, delay = (values.ravel() for values in np.meshgrid(gains, delays))
     moved = (gain != 1.0) | (delay > 0.0)
-    return recursion(modal_loop(structure, gain[moved], delay[moved]), step)
+    loop = modal_loop(structure, gain[moved], delay[moved])
+    return recursion(loop, step)[:, loop.residue != 0.0]
 
 
 def _drives(
