@@ -32,9 +32,10 @@ ROOMS = (
     "structures",
     "effects",
     "motions",
+    "signals",
 )
 NUMERIC_CORE = (
-    *("motions", "effects", "structures", "simulation", "indices", "boundary"),
+    *("signals", "motions", "effects", "structures", "simulation", "indices", "boundary"),
     "assessment/rebuilt_error",
 )
 GROUND = {
@@ -168,7 +169,7 @@ def test_neither_files_nor_folders_import_one_another_in_a_circle():
 
 @pytest.mark.parametrize(
     "room",
-    ["motions", "effects", "structures", "simulation", "indices", "boundary", "assessment/rebuilt_error"],
+    NUMERIC_CORE,
 )
 def test_numeric_core_does_not_speak_of_labels(room):
     for path in sorted((PACKAGE / room).rglob("*.py")):

@@ -7,6 +7,7 @@ import scipy
 from numpy.typing import NDArray
 
 from reliab.recordings import Recording
+from reliab.signals import periodogram, upper_level
 
 Array = NDArray[np.float64]
 
@@ -27,7 +28,7 @@ class Band:
 
 def in_band(recording: Recording) -> Band:
     """Filter both histories alike at twice the highest frequency where the command rises above its noise."""
-    power = periodogram(recording.command)
+    power = power_of(recording.command)
     floor, _ = noise_floor(recording.command)
     smooth = np.convolve(power, np.full(_SMOOTHED, 1.0 / _SMOOTHED), mode="same")
     bins = int(np.flatnonzero(smooth >= np.minimum(_ABOVE_FLOOR * floor, smooth.max()))[-1]) + 1
@@ -36,18 +37,16 @@ def in_band(recording: Recording) -> Band:
         sections = scipy.signal.butter(4, 2.0 * bins / power.size, output="sos")
         histories = [np.asarray(scipy.signal.sosfiltfilt(sections, history)) for history in histories]
         passed = np.abs(scipy.signal.sosfreqz(sections, power.size)[1]) ** 4  # forwards and backwards
-    total = float(periodogram(histories[0]).sum())
+    total = float(power_of(histories[0]).sum())
     return Band(command=histories[0], measured=histories[1], bins=bins, noise=floor * passed / total)
 
 
 def noise_floor(values: Array) -> tuple[float, float]:
     """Level of the upper half of a periodogram, per bin, and its total."""
-    power = periodogram(values)
-    floor = float(np.median(power[power.size // 2 :])) / np.log(2.0)  # of an exponential distribution
-    return floor, float(power.sum())
+    power = power_of(values)
+    return upper_level(power), float(power.sum())
 
 
-def periodogram(values: Array) -> Array:
-    """Squared magnitudes of a tapered history without its mean, by frequency above zero."""
-    taper = scipy.signal.get_window("hann", values.size)
-    return np.asarray(np.abs(np.fft.rfft((values - values.mean()) * taper))[1:] ** 2)
+def power_of(values: Array) -> Array:
+    """Periodogram of a history, shape (n,), by frequency above zero."""
+    return periodogram(values, scipy.signal.get_window("hann", values.size))

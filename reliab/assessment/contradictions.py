@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.assessment.band import noise_floor, periodogram
+from reliab.assessment.band import noise_floor, power_of
 from reliab.assessment.own_motion import OwnPlacement
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.verdict import Verdict, Word
@@ -62,7 +62,7 @@ def of_frequency(
 
 def _resonance(recording: Recording, frequency: float) -> float:
     """Power of the command at a frequency over that below and above it."""
-    power = periodogram(recording.command)
+    power = power_of(recording.command)
     ratio = (np.arange(power.size) + 1.0) / (recording.command.size * recording.time_step * frequency)
     at, below, above = (_mean(power[(low <= ratio) & (ratio <= high)]) for low, high in (_AT, _BELOW, _ABOVE))
     beside = float(np.sqrt(below * above))

@@ -19,7 +19,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reliab.assessment.band import Band, in_band, noise_floor, periodogram
+from reliab.assessment.band import Band, in_band, noise_floor, power_of
 from reliab.assessment.block_bootstrap import index_errors
 from reliab.indices import FrequencyEvaluation
 from reliab.indices.frequency_evaluation import frequency_evaluation
@@ -130,5 +130,5 @@ def _without_noise(plain: FrequencyEvaluation, band: Band, step: float) -> Frequ
 def _unexplained(residual: Array, noise: Array, band: Band) -> float:
     """Share of the remainder in the band that noise of the level beyond the band does not account for."""
     floor, _ = noise_floor(noise)
-    excess = float(periodogram(residual)[: band.bins].sum()) - floor * band.bins
-    return float(np.sqrt(max(excess, 0.0) / periodogram(band.measured).sum()))
+    excess = float(power_of(residual)[: band.bins].sum()) - floor * band.bins
+    return float(np.sqrt(max(excess, 0.0) / power_of(band.measured).sum()))

@@ -13,10 +13,10 @@ from reliab.discrepancy.fitting.fit import fit, jacobian, refined, reweighted, s
 from reliab.discrepancy.fitting.left_out import left_out
 from reliab.discrepancy.fitting.problem import Problem, relative_powers
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.spectra.noise import NoiseModel
 from reliab.discrepancy.spectra.scales import motions_of, scales_of
 from reliab.discrepancy.spectra.segment import cut_segments
 from reliab.effects import find_effect
+from reliab.signals import NoiseModel
 from reliab.simulation.actuator import Actuator
 from reliab.simulation.hybrid_test import HybridTest, Motion3, load, read_force
 from reliab.structures import Specimen

@@ -13,8 +13,8 @@ from reliab.discrepancy.fitting.left_out import LeftOut, _determined, refitted
 from reliab.discrepancy.fitting.observations import observations
 from reliab.discrepancy.fitting.problem import Problem, real_parts, relative_powers
 from reliab.discrepancy.fitting.screening import screened
-from reliab.discrepancy.spectra.noise import NoiseModel
 from reliab.discrepancy.spectra.segment import Segment
+from reliab.signals import NoiseModel
 
 ROWS, SIZE = 60, 4
 RNG = np.random.default_rng(1)

@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from reliab.discrepancy.spectra.smoothing import smoothed_motion, velocity_spread
+from reliab.discrepancy.spectra.smoothing import (
+    _spectra,
+    reliable_frequency,
+    smoothed_motion,
+    velocity_spread,
+)
 
 RATE = 1024.0
 TIME = np.arange(46080) / RATE
@@ -35,3 +40,34 @@ def test_steps_of_a_converter_are_not_taken_for_fast_motion():
     found = smoothed_motion(step * np.round(slow / step), 1.0 / RATE, 45.0).values
     acceleration = np.gradient(np.gradient(slow, 1.0 / RATE), 1.0 / RATE)
     assert found[2].std() < 1.5 * acceleration.std()
+
+
+@pytest.mark.parametrize("signal_up_to", [3.0, 8.0])
+def test_coloured_noise_is_followed_below_the_signal_free_band(signal_up_to):
+    random = np.random.default_rng(12)
+    time = np.arange(int(40 * RATE)) / RATE
+    band = signal.butter(4, [0.3, signal_up_to], "bandpass", fs=RATE)
+    truth = signal.lfilter(*band, random.normal(size=time.size))
+    coloured = signal.lfilter([1.0], [1.0, -0.95], random.normal(size=time.size))
+    noise = 0.03 * truth.std() * coloured / coloured.std()
+    moved = truth + noise
+    _, frequency, _, floor = _spectra(moved, 1.0 / RATE, 45.0)
+    turn = 2.0 * np.pi * frequency / RATE
+    variance = (0.03 * truth.std() / coloured.std()) ** 2
+    expected = variance / (1.0 - 2.0 * 0.95 * np.cos(turn) + 0.95**2)
+    inside = (frequency > 1.0) & (frequency < 45.0)
+    ratio = (floor / expected)[inside]
+    assert 0.5 < ratio.min() < ratio.max() < 2.0
+
+
+def test_smoothing_leaves_forces_unattenuated():
+    random = np.random.default_rng(8)
+    time = np.arange(int(40 * RATE)) / RATE
+    truth = signal.lfilter(*signal.butter(2, [0.3, 2.0], "bandpass", fs=RATE), random.normal(size=time.size))
+    noise = 0.05 * truth.std() * random.normal(size=time.size)
+    found = smoothed_motion(truth + noise, 1.0 / RATE, 45.0).values[0]
+    slope = (found @ truth) / (found @ found)
+    assert slope == pytest.approx(1.0, abs=2e-3)
+    inner = slice(1024, -1024)
+    assert np.std((found - truth)[inner]) < 0.3 * np.std(noise)
+    assert 1.5 < reliable_frequency([truth + noise], 1.0 / RATE, 45.0) < 20.0

@@ -3,21 +3,9 @@
 import numpy as np
 import pytest
 import scipy
-from scipy.stats import norm
 
 from reliab.discrepancy.campaign.campaign import Stretch
 from reliab.discrepancy.spectra import smoothing
-from reliab.discrepancy.spectra.noise import (
-    CORNERS,
-    NoiseModel,
-    Periodogram,
-    fit_noise,
-    line_places,
-    mains_frequencies,
-    near_mains,
-    spectral_shapes,
-)
-from reliab.discrepancy.spectra.quantisation import converter_step, expected_error
 from reliab.discrepancy.spectra.segment import Segment, _value_and_slope, cut_segments, energy_of
 from reliab.discrepancy.spectra.smoothing import (
     _averaged,
@@ -28,6 +16,9 @@ from reliab.discrepancy.spectra.smoothing import (
     reliable_frequency,
 )
 from reliab.discrepancy.spectra.starting import answered, settled
+from reliab.signals import (
+    NoiseModel,
+)
 from reliab.simulation.hybrid_test import Motion3
 from reliab.structures.structure import Structure
 
@@ -126,74 +117,6 @@ def test_displacements_are_reliable_where_most_of_them_are_clear(monkeypatch):
     assert reliable_frequency([55.0], 0.01, 45.0) == 45.0
     assert reliable_frequency([0.5], 0.01, 45.0) == 1.0
     assert reliable_frequency([-1.0], 0.01, 45.0) == 1.0
-
-
-@pytest.mark.parametrize("share", [0.03, 0.06, 0.2, 0.449])
-def test_the_error_of_a_converter_is_the_mean_over_normal_noise(share):
-    """E[round(u + z)] = Σ k (Φ((k + ½ − u)/σ) − Φ((k − ½ − u)/σ))."""
-    step, level = 0.2, 0.05
-    values = np.linspace(-0.5, 0.5, 23) + 0.003
-    turns = (values - level) / step
-    k = np.arange(-9.0, 10.0)[:, np.newaxis]
-    chance = norm.cdf((k + 0.5 - turns) / share) - norm.cdf((k - 0.5 - turns) / share)
-    expected = step * ((k * chance).sum(axis=0) - turns)
-    exact = share < 0.05  # there the noise is left out
-    assert expected_error(values, step, share * step, level) == pytest.approx(
-        step * (np.round(turns) - turns) if exact else expected, abs=1e-9 if exact else 1e-6
-    )
-
-
-def test_converters_have_three_levels_and_four_samples_for_each():
-    assert converter_step(np.tile([0.0, 0.1, 0.3], 9)) == pytest.approx(0.1)
-    assert converter_step(np.tile([0.0, 0.1], 9)) == 0.0
-    levels = 0.5 * np.arange(8.0)
-    assert converter_step(np.concatenate([levels, np.zeros(25)])) == 0.5
-    assert converter_step(np.concatenate([levels, np.zeros(24)])) == 0.0
-    for off, step in ((0.019, 0.5), (0.021, 0.0)):
-        slanted = np.tile(levels + np.array([0.0] * 7 + [0.5 * off]), 9)
-        assert converter_step(slanted) == pytest.approx(step)
-
-
-def test_the_fitted_weights_are_where_the_likelihood_does_not_rise():
-    """Of Σ n (ln S + P/S) the slope by a weight vanishes, or falls for a weight that is nothing."""
-    frequency = np.linspace(0.5, 127.0, 2000)
-    power = np.random.default_rng(3).exponential(size=2000) * (1.0 + 40.0 / (1.0 + (frequency / 4.0) ** 2))
-    found = fit_noise([Periodogram(frequency=frequency, power=power)], RATE)
-    shapes = spectral_shapes(frequency, RATE)
-    density = found.density(frequency)
-    slopes = shapes @ (1.0 / density - power / density**2) / np.sum(shapes / density, axis=1)
-    large = found.weights > 0.02 * found.weights.max()
-    assert np.abs(slopes[large]).max() < 0.03
-    assert slopes.min() > -0.03
-    assert found.weights.size == 1 + len(CORNERS)
-
-
-def test_pickup_lies_within_seven_tenths_of_a_hertz():
-    lines = np.array(mains_frequencies(500.0))
-    assert near_mains(lines + 0.69, 500.0).all()
-    assert near_mains(lines - 0.69, 500.0).all()
-    assert not near_mains(lines + 0.71, 500.0).any()
-    assert 350.0 in lines
-    assert 400.0 not in lines
-    assert not near_mains(np.array([4.0]), 10.0).any()
-
-
-def test_a_line_is_twelve_times_its_surroundings_and_six_tenths_of_a_hertz_wide():
-    frequency = 0.1 * np.arange(1, 2001)
-    place = 499  # 50 Hz
-    for height, count in ((11.0, 0), (13.0, 1)):
-        power = np.ones(2000)
-        power[place + 5] = height
-        found = line_places(Periodogram(frequency=frequency, power=power), 256.0)
-        assert len(found) == count
-        if count:
-            assert frequency[found[0][0]] == pytest.approx(49.5, abs=0.11)
-            assert frequency[found[0][1] - 1] == pytest.approx(50.5, abs=0.11)
-    beside = np.ones(2000)
-    beside[place + 8] = 100.0
-    assert line_places(Periodogram(frequency=frequency, power=beside), 256.0) == []
-    few = Periodogram(frequency=frequency[:2], power=np.array([1.0, 99.0]))
-    assert line_places(few, 256.0) == []
 
 
 def motion(velocity):

@@ -6,8 +6,8 @@ import pytest
 from reliab.assessment.rebuilt_error.difference_draws import draw_differences
 from reliab.assessment.rebuilt_error.lapped_transform import analyse
 from reliab.assessment.rebuilt_error.noise import estimate_noise
-from reliab.assessment.rebuilt_error.rounding import rounding_step
 from reliab.assessment.rebuilt_error.spread import Spread
+from reliab.signals import converter_step
 from reliab.vocabulary import Metric
 
 STEP = 0.01
@@ -26,7 +26,7 @@ def test_steps_of_a_rounded_reading(by_javascript):
     motion = np.sin(np.arange(0.0, 20.0, 0.01))
     readings = [0.05 * np.round(motion / 0.05), motion, np.round(motion, 4)]
     answers = by_javascript(*[("rounding", {"values": reading.tolist()}) for reading in readings])
-    assert answers == pytest.approx([rounding_step(reading) for reading in readings], rel=1e-9)
+    assert answers == pytest.approx([converter_step(reading) for reading in readings], rel=1e-9)
     assert answers[0] == pytest.approx(0.05)
 
 

@@ -1,6 +1,5 @@
 from .force_form import Form as Form
 from .identification import Identification as Identification, Identified as Identified, identify as identify
-from .logarithmic_bins import binned as binned
 from .monitor import Monitor as Monitor
 from .nonlinear_reference import rebuild_with_specimen as rebuild_with_specimen
 from .parts import Part as Part, Parts as Parts

@@ -25,7 +25,7 @@ from threadpoolctl import threadpool_limits
 from reliab.assessment.rebuilt_error.lapped_transform import analyse, synthesise
 from reliab.assessment.rebuilt_error.level_likelihood import level_likelihood
 from reliab.assessment.rebuilt_error.noise import SensorNoise, white_floor
-from reliab.assessment.rebuilt_error.rounding import rounded_differently, rounding_step
+from reliab.signals import converter_step, rounded_differently
 
 Array = NDArray[np.float64]
 
@@ -131,7 +131,7 @@ def _rounding(
     motion: Array, measured: Array, noise: SensorNoise, every: int, hop: int
 ) -> tuple[Array, SensorNoise]:
     """Variance of the rounding noise in each coefficient [m²], and the noise that is not rounding."""
-    step = rounding_step(measured)
+    step = converter_step(measured)
     if step == 0.0 or noise.weights[0] >= _DITHERED * step**2 / 12.0:
         return np.zeros((1, hop)), noise
     powers, floors = [], []

@@ -3,9 +3,8 @@
 The noise is read at frequencies where the command's motion makes up only a small share of the residual,
 mostly above the motion. A smooth spectrum that is fitted there extends it to all other frequencies. The
 spectrum is a sum, with coefficients that are not negative, of white noise and of first-order autoregressive
-noises with fixed corner frequencies, of highest Whittle likelihood (multiplicative updates, as for the
-Itakura–Saito divergence: Févotte, Bertin and Durrieu 2009, Neural Computation 21, eq. 2.16). Narrow lines
-above the motion (mains) are not part of it: the filter keeps them out.
+noises with fixed corner frequencies, of highest Whittle likelihood (`reliab.signals`). Narrow lines above the
+motion (mains) are not part of it: the filter keeps them out.
 """
 
 from dataclasses import dataclass
@@ -15,7 +14,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reliab.assessment.rebuilt_error.logarithmic_bins import binned
+from reliab.signals import binned, fit_levels, low_pass, noise_shapes, periodogram, smoothed, upper_level
 
 Array = NDArray[np.float64]
 
@@ -26,10 +25,7 @@ _BINS = 100
 _UPDATES = 400
 _ABOVE_NOISE = 4.0  # times the noise that the difference must exceed to be motion
 _MOTION_LEFT = 0.1  # share of the residual that the actuator's motion may make up where noise is read
-_ROOM = 0.9  # of the Nyquist frequency: a wider pass band is no filter
 _MARGIN = 1.3
-_RIPPLE = 60.0  # dB
-_REACH = 0.2  # share of the record that the filter may be long
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -63,27 +59,11 @@ class SensorNoise:
     @cached_property
     def filter(self) -> Array:
         """Coefficients of the symmetric low-pass filter that passes the band, shape (odd,)."""
-        nyquist = 0.5 / self.time_step
-        edge = _MARGIN * self.band
-        if not edge < _ROOM * nyquist:
-            return np.ones(1)
-        taps, beta = scipy.signal.kaiserord(_RIPPLE, 0.6 * edge / nyquist)
-        return np.asarray(scipy.signal.firwin(taps | 1, edge / nyquist, window=("kaiser", beta)))
+        return low_pass(_MARGIN * self.band, 1.0 / self.time_step)
 
     def smooth(self, values: Array) -> Array:
-        """Filter a history without delay.
-
-        Beyond its ends the history is continued point-symmetrically about the end of a straight line through
-        the nearest samples, so that the noise of the last sample is not continued with it.
-        """
-        reach = self.filter.size // 2
-        if reach == 0 or reach > _REACH * values.size:
-            return values
-        before = 2.0 * _end_of_line(values[reach::-1]) - values[reach:0:-1]
-        after = 2.0 * _end_of_line(values[-reach - 1 :]) - values[-2 : -reach - 2 : -1]
-        return np.asarray(
-            scipy.signal.fftconvolve(np.concatenate([before, values, after]), self.filter, mode="valid")
-        )
+        """Return a history, shape (n,), without what lies above the band, and without delay."""
+        return smoothed(values, self.filter)
 
     def passed(self, frequency: Array) -> Array:
         """Return the density [m²] of the noise that the filter lets pass at frequencies [Hz]."""
@@ -94,13 +74,6 @@ class SensorNoise:
         gain = np.abs(scipy.fft.rfft(self.filter, points))
         places = frequency * (self.time_step * points)
         return np.asarray(self.density(frequency) * np.interp(places, np.arange(gain.size), gain) ** 2)
-
-
-def _end_of_line(values: Array) -> float:
-    """Last value of the straight line of least squares through values."""
-    place = np.arange(values.size) - 0.5 * (values.size - 1)
-    slope = float(place @ values) / float(place @ place)
-    return float(values.mean()) + slope * float(place[-1])
 
 
 def estimate_noise(command: Array, measured: Array, time_step: float) -> SensorNoise:
@@ -139,8 +112,7 @@ def estimate_noise(command: Array, measured: Array, time_step: float) -> SensorN
 
 def white_floor(values: Array) -> float:
     """Level of the periodogram above half of the Nyquist frequency [m²]: of white noise its mean square."""
-    power = _periodogram(values)
-    return float(np.median(power[power.size // 2 :])) / float(np.log(2.0))  # of an exponential distribution
+    return upper_level(_periodogram(values))
 
 
 def _followed(command: Array, measured: Array, step: float) -> Array:
@@ -155,9 +127,7 @@ def _followed(command: Array, measured: Array, step: float) -> Array:
 
 
 def _periodogram(values: Array) -> Array:
-    """|Σ x w e^(−iωt)|² over the mean square of the Hann taper w, above zero frequency."""
-    taper = np.hanning(values.size)
-    return np.asarray(np.abs(np.fft.rfft((values - values.mean()) * taper))[1:] ** 2 / np.sum(taper**2))
+    return periodogram(values, np.hanning(values.size))
 
 
 def _without_lines(power: Array) -> Array:
@@ -171,20 +141,13 @@ def _without_lines(power: Array) -> Array:
 
 
 def _shapes(frequency: Array, step: float) -> Array:
-    """Spectra of which the noise is a sum: white, then slow, shape (1 + corners, frequencies)."""
-    cosine = np.cos(2.0 * np.pi * step * np.asarray(frequency))
-    rho = np.exp(-2.0 * np.pi * step * np.array(CORNERS))[:, np.newaxis]
-    slow = (1.0 - rho) ** 2 / (1.0 - 2.0 * rho * cosine + rho**2)
-    return np.concatenate([np.ones((1, cosine.size)), slow])
+    return noise_shapes(frequency, 1.0 / step, CORNERS)
 
 
 def _fitted(shapes: Array, mean: Array, count: Array) -> Array:
     tiny = 1e-12 * float(mean.max()) + np.finfo(float).tiny
-    weights = np.full(shapes.shape[0], float(np.average(mean, weights=count)) / shapes.shape[0] + tiny)
-    for _ in range(_UPDATES):
-        density = weights @ shapes + tiny
-        weights *= (shapes @ (count * mean / density**2)) / (shapes @ (count / density))
-    return weights
+    start = float(np.average(mean, weights=count)) / shapes.shape[0] + tiny
+    return fit_levels(shapes, mean, count, start=start, floor=tiny, updates=_UPDATES)
 
 
 def _band(values: Array, white: float, step: float) -> float:

@@ -10,7 +10,7 @@ from scipy import optimize
 
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.spectra.noise import NoiseModel
+from reliab.signals import NoiseModel
 
 Array = NDArray[np.float64]
 

@@ -10,9 +10,9 @@ from reliab.discrepancy.fitting.fit import Fit, fit, refined
 from reliab.discrepancy.fitting.left_out import LeftOut, left_out
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.spectra.noise import NoiseModel
 from reliab.discrepancy.terms import is_outside
 from reliab.effects import Effect
+from reliab.signals import NoiseModel
 
 Array = NDArray[np.float64]
 

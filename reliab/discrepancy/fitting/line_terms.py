@@ -5,9 +5,9 @@ from numpy.typing import NDArray
 
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
-from reliab.discrepancy.spectra.noise import near_mains
 from reliab.discrepancy.terms.periodic import Disturbance, disturbance
 from reliab.effects import Role
+from reliab.signals import near_mains
 from reliab.vocabulary import Block
 
 Array = NDArray[np.float64]

@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.spectra.noise import NoiseModel, Periodogram, fit_noise
-from reliab.discrepancy.spectra.quantisation import converter_step, expected_error
 from reliab.discrepancy.spectra.segment import Segment
+from reliab.signals import NoiseModel, Periodogram, converter_step, expected_error, fit_noise
 
 Array = NDArray[np.float64]
 

@@ -15,8 +15,8 @@ from scipy import fft, ndimage, signal, stats
 from reliab.discrepancy.campaign.campaign import Channel
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
-from reliab.discrepancy.spectra.noise import near_mains
 from reliab.discrepancy.spectra.segment import Segment
+from reliab.signals import near_mains
 from reliab.vocabulary import Block
 
 Array = NDArray[np.float64]

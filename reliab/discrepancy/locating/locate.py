@@ -16,7 +16,7 @@ from scipy import stats
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem, real_parts
 from reliab.discrepancy.locating.finding import Finding
-from reliab.discrepancy.spectra.noise import NoiseModel
+from reliab.signals import NoiseModel
 from reliab.simulation.hybrid_test import Motion3
 
 Array = NDArray[np.float64]

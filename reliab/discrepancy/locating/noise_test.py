@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
-from reliab.discrepancy.spectra.noise import near_mains
+from reliab.signals import near_mains
 
 Array = NDArray[np.float64]
 Spectrum = NDArray[np.complex128]

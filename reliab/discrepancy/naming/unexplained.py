@@ -12,10 +12,10 @@ from reliab.discrepancy.locating.standstill import standstill
 from reliab.discrepancy.naming.estimates import estimates
 from reliab.discrepancy.result.gap import Gap
 from reliab.discrepancy.result.missing_effect import Unknown
-from reliab.discrepancy.spectra.noise import NoiseModel
 from reliab.discrepancy.spectra.segment import energy_of
 from reliab.discrepancy.terms import OutsideTerm
 from reliab.discrepancy.terms.periodic import Disturbance
+from reliab.signals import NoiseModel
 from reliab.significant import significant
 from reliab.vocabulary import Block
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy import fft, signal
 
 from reliab.discrepancy.campaign.campaign import Channel, MeasuredTest
-from reliab.discrepancy.spectra.noise import near_mains
+from reliab.signals import near_mains
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from reliab.discrepancy.campaign.campaign import Stretch
-from reliab.discrepancy.spectra.noise import NoiseModel, Periodogram, spectral_shapes
+from reliab.signals import NoiseModel, Periodogram, noise_shapes
 
 Array = NDArray[np.float64]
 Spectrum = NDArray[np.complex128]
@@ -39,7 +39,7 @@ class Segment:
 
     @cached_property
     def _shapes(self) -> Array:
-        return spectral_shapes(self.frequency, self.rate)
+        return noise_shapes(self.frequency, self.rate)
 
     def density(self, noise: NoiseModel) -> Array:
         """Return the expected periodogram of a noise at the frequencies that count, shape (bins,)."""

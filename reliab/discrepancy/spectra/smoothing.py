@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft, signal
 
-from reliab.discrepancy.spectra.noise import NoiseModel, Periodogram, fit_noise
+from reliab.signals import NoiseModel, Periodogram, fit_noise
 from reliab.simulation.hybrid_test import Motion3
 from reliab.structures import Structure
 

@@ -6,8 +6,8 @@ import pytest
 from rebuilt_error.laboratory import BACKLASH, BIAS, DELAY, RATE, Lab, noise, quantised, run, synthetic_ground
 from reliab.assessment.rebuilt_error import Tolerances, rebuild
 from reliab.assessment.rebuilt_error.force_form import Form
-from reliab.assessment.rebuilt_error.rounding import rounding_step
 from reliab.errors import InputError
+from reliab.signals import converter_step
 from reliab.structures.structure import Structure
 from reliab.vocabulary import Metric
 
@@ -228,7 +228,7 @@ def test_a_nearly_perfect_actuator_is_not_overstated(kind):
 
 def test_rounding_is_told_from_white_noise():
     motion = np.sin(np.arange(0.0, 40.0, 0.01))
-    assert rounding_step(quantised(motion, 0.01, np.random.default_rng(1))) == pytest.approx(
+    assert converter_step(quantised(motion, 0.01, np.random.default_rng(1))) == pytest.approx(
         np.sqrt(12.0) * 0.01
     )
-    assert rounding_step(motion + noise("white", motion.size, 0.01, np.random.default_rng(1))) == 0.0
+    assert converter_step(motion + noise("white", motion.size, 0.01, np.random.default_rng(1))) == 0.0

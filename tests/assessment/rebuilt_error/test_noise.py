@@ -7,11 +7,9 @@ import scipy
 from reliab.assessment.rebuilt_error.noise import (
     CORNERS,
     SensorNoise,
-    _end_of_line,
     estimate_noise,
     white_floor,
 )
-from reliab.assessment.rebuilt_error.rounding import rounded_differently, rounding_step
 
 STEP = 1.0 / 512.0
 
@@ -88,12 +86,6 @@ def test_a_record_shorter_than_five_half_filters_is_not_filtered():
     np.testing.assert_array_equal(noise.smooth(history[:-2]), history[:-2])
 
 
-def test_the_end_of_a_line_is_that_of_least_squares():
-    values = np.random.default_rng(3).standard_normal(17)
-    line = np.polyfit(np.arange(17), values, 1)
-    assert _end_of_line(values) == pytest.approx(np.polyval(line, 16))
-
-
 @pytest.mark.parametrize("deviation", [1.0, 3e-5])
 def test_the_floor_of_white_noise_is_its_mean_square(deviation):
     values = deviation * np.random.default_rng(4).standard_normal(40_000)
@@ -134,39 +126,6 @@ def test_the_mains_are_neither_noise_nor_motion():
     with_mains, without = (estimate_noise(command, command + noise + line, STEP) for line in (mains, 0.0))
     assert with_mains.white == pytest.approx(without.white, rel=0.05)
     assert with_mains.band == pytest.approx(without.band, rel=0.2)
-
-
-def test_all_levels_are_whole_steps_apart():
-    places = np.array([0, 1, 3, 4, 9, 15, 16, 20])
-    reading = np.tile(0.7 + 0.25 * places, 20)
-    assert rounding_step(reading) == pytest.approx(0.25)
-    broken = reading.copy()
-    broken[5] += 0.1
-    assert rounding_step(broken) == 0.0
-
-
-def test_steps_need_levels_far_fewer_than_samples_and_more_than_one():
-    levels = 0.5 * np.arange(17.0)
-    assert rounding_step(np.tile(levels, 8)[:128]) == pytest.approx(0.5)
-    assert rounding_step(np.tile(levels, 8)[:127]) == 0.0
-    assert rounding_step(np.full(50, 0.3)) == 0.0
-
-
-def test_levels_that_differ_by_rounding_of_the_computer_are_one():
-    levels = 0.1 * np.arange(10.0)
-    reading = np.concatenate([levels, levels * (1.0 + 1e-15), np.tile(levels, 30)])
-    assert rounding_step(reading) == pytest.approx(0.1)
-
-
-def test_a_motion_is_rounded_on_every_shifted_grid():
-    motion = 0.04 * np.random.default_rng(9).standard_normal(3000)
-    noises = np.array(list(rounded_differently(motion, 0.02)))
-    places = (motion + noises) / 0.02
-    shifts = np.sort(np.unique(np.round(places - np.floor(places), 9)))
-    assert shifts == pytest.approx((np.arange(8) + 0.5) / 8)
-    assert np.abs(noises).max() <= 0.01 * (1.0 + 1e-9)
-    # of a value that stands, the grids together give Δ²/12 less that of their own spacing
-    assert np.mean(noises**2, axis=0) == pytest.approx(np.full(3000, 0.02**2 / 12.0), rel=0.05)
 
 
 def test_both_ends_of_a_record_are_continued_alike():

@@ -10,10 +10,10 @@ import scipy
 from reliab.assessment.rebuilt_error.feedback import delayed
 from reliab.assessment.rebuilt_error.kernel import Kernel
 from reliab.assessment.rebuilt_error.lapped_transform import analyse, synthesise
-from reliab.assessment.rebuilt_error.logarithmic_bins import binned
 from reliab.assessment.rebuilt_error.size import fits, require_fitting, samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.errors import InputError
+from reliab.signals import binned
 from reliab.structures.structure import Structure
 
 

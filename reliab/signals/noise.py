@@ -1,10 +1,10 @@
-"""The noise of a channel: a smooth spectrum fitted to the residual of a model.
+"""The noise of a channel: a smooth spectrum fitted where there is nothing else.
 
 The power spectral density of the noise is taken as a sum, with coefficients that are not negative, of white
 noise and first-order autoregressive noises of fixed corner frequencies. Their maximum-likelihood coefficients
 under Whittle's approximation follow from a multiplicative iteration (majorise–minimise for the Itakura–Saito
-divergence). A smooth spectrum cannot imitate the narrow lines of a structure's response, so that an effect is
-not mistaken for noise.
+divergence: Févotte, Bertin and Durrieu 2009, Neural Computation 21, eq. 2.16). A smooth spectrum cannot
+imitate the narrow lines of a structure's response, so that an effect is not mistaken for noise.
 """
 
 from collections.abc import Sequence
@@ -13,15 +13,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.assessment.rebuilt_error import binned
 from reliab.compiled import compiled
+from reliab.signals.spectra import binned
 
 Array = NDArray[np.float64]
 
 CORNERS = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
 """Corner frequencies of the coloured parts [Hz]."""
 
-_ITERATIONS = 3000
+_UPDATES = 3000
 _BINS = 160
 _LOWEST_LINE = 10.0  # Hz, of the mains folded at the Nyquist frequency
 _PICKUP = 0.7  # Hz
@@ -45,7 +45,7 @@ class NoiseModel:
 
     def density(self, frequency: Array) -> Array:
         """Return the expected periodogram |Σxe^(−iωt)|²/n at frequencies [Hz], shape of `frequency`."""
-        return np.asarray(self.weights @ spectral_shapes(frequency, self.rate))
+        return np.asarray(self.weights @ noise_shapes(frequency, self.rate))
 
     @property
     def rms(self) -> float:
@@ -54,14 +54,27 @@ class NoiseModel:
         return float(np.sqrt(np.trapezoid(self.density(frequency), frequency) / (0.5 * self.rate)))
 
 
-def spectral_shapes(frequency: Array, rate: float) -> Array:
-    """Spectra of which a noise is a sum: white, then coloured, shape (1 + corners, frequencies)."""
-    turn = 2.0 * np.pi * np.asarray(frequency) / rate
-    rows = [np.ones_like(turn)]
-    for corner in CORNERS:
-        rho = np.exp(-2.0 * np.pi * corner / rate)
-        rows.append((1.0 - rho) ** 2 / (1.0 - 2.0 * rho * np.cos(turn) + rho**2))
-    return np.stack(rows)
+def noise_shapes(frequency: Array, rate: float, corners: Sequence[float] = CORNERS) -> Array:
+    """Spectra of which a noise is a sum: white, then first-order autoregressive, each 1 at zero frequency.
+
+    Parameters
+    ----------
+    frequency : numpy.ndarray
+        Frequencies [Hz], shape (n,).
+    rate : float
+        Sampling rate [Hz].
+    corners : sequence of float, optional
+        Corner frequencies of the coloured parts [Hz].
+
+    Returns
+    -------
+    numpy.ndarray
+        Expected periodograms, shape (1 + corners, n).
+    """
+    cosine = np.cos(2.0 * np.pi * np.asarray(frequency) / rate)
+    rho = np.exp(-2.0 * np.pi * np.asarray(corners) / rate)[:, np.newaxis]
+    coloured = (1.0 - rho) ** 2 / (1.0 - 2.0 * rho * cosine + rho**2)
+    return np.concatenate([np.ones((1, cosine.size)), coloured])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,20 +100,48 @@ def fit_noise(periodograms: Sequence[Periodogram], rate: float, *, least: float 
     power = np.concatenate([_without_lines(periodogram, 0.5 * rate) for periodogram in periodograms])
     valid = np.isfinite(power)
     centre, mean, count = binned(frequency[valid], power[valid], _BINS)
-    shapes = spectral_shapes(centre, rate)
+    shapes = noise_shapes(centre, rate)
     floor = 1e-12 * float(mean.max()) + 1e-300 + least
-    weights = np.full(shapes.shape[0], max(float(np.average(mean, weights=count)), floor) / shapes.shape[0])
-    _iterate(np.ascontiguousarray(shapes.T), mean, count, floor, weights)
+    start = max(float(np.average(mean, weights=count)), floor) / shapes.shape[0]
+    weights = fit_levels(shapes, mean, count, start=start, floor=floor, updates=_UPDATES)
     weights[0] += floor
     return NoiseModel(rate=rate, weights=weights)
 
 
+def fit_levels(
+    shapes: Array, mean: Array, count: Array, *, start: float, floor: float, updates: int
+) -> Array:
+    """Fit a sum of spectra, with coefficients that are not negative, to mean powers of bins.
+
+    Parameters
+    ----------
+    shapes : numpy.ndarray
+        The spectra at the bins, shape (parts, bins).
+    mean, count : numpy.ndarray
+        Mean power of a bin and the number of frequencies in it, shape (bins,).
+    start : float
+        Coefficient of every part from which the updates begin.
+    floor : float
+        White level that is there in any case.
+    updates : int
+        How often the coefficients are improved.
+
+    Returns
+    -------
+    numpy.ndarray
+        Coefficients of the highest Whittle likelihood, shape (parts,).
+    """
+    weights = np.full(shapes.shape[0], start)
+    _improve(np.ascontiguousarray(shapes.T), mean, count, floor, weights, updates)
+    return weights
+
+
 @compiled
-def _iterate(shapes: Array, mean: Array, count: Array, floor: float, weights: Array) -> None:
+def _improve(shapes: Array, mean: Array, count: Array, floor: float, weights: Array, updates: int) -> None:
     """Improve the coefficients in place; shapes are of the bins, shape (bins, parts)."""
     parts = weights.size
     rises, falls = np.empty(parts), np.empty(parts)
-    for _ in range(_ITERATIONS):
+    for _ in range(updates):
         rises[:] = 0.0
         falls[:] = 0.0
         for i in range(mean.size):

@@ -1,10 +1,10 @@
-"""Noise spectra of known processes, the converter's error against Monte Carlo, smoothing against truth."""
+"""Noise spectra of known processes, and lines of the mains."""
 
 import numpy as np
 import pytest
 from scipy import signal
 
-from reliab.discrepancy.spectra.noise import (
+from reliab.signals import (
     CORNERS,
     NoiseModel,
     Periodogram,
@@ -12,9 +12,8 @@ from reliab.discrepancy.spectra.noise import (
     line_places,
     mains_frequencies,
     near_mains,
+    noise_shapes,
 )
-from reliab.discrepancy.spectra.quantisation import converter_step, expected_error
-from reliab.discrepancy.spectra.smoothing import _spectra, reliable_frequency, smoothed_motion
 
 RATE = 1024.0
 
@@ -111,53 +110,43 @@ def test_lines_lie_where_the_mains_fold_whatever_the_band(rate, band):
     assert 0.7 < np.median(found) < 1.5
 
 
-@pytest.mark.parametrize("signal_up_to", [3.0, 8.0])
-def test_coloured_noise_is_followed_below_the_signal_free_band(signal_up_to):
-    random = np.random.default_rng(12)
-    time = np.arange(int(40 * RATE)) / RATE
-    band = signal.butter(4, [0.3, signal_up_to], "bandpass", fs=RATE)
-    truth = signal.lfilter(*band, random.normal(size=time.size))
-    coloured = signal.lfilter([1.0], [1.0, -0.95], random.normal(size=time.size))
-    noise = 0.03 * truth.std() * coloured / coloured.std()
-    moved = truth + noise
-    _, frequency, _, floor = _spectra(moved, 1.0 / RATE, 45.0)
-    turn = 2.0 * np.pi * frequency / RATE
-    variance = (0.03 * truth.std() / coloured.std()) ** 2
-    expected = variance / (1.0 - 2.0 * 0.95 * np.cos(turn) + 0.95**2)
-    inside = (frequency > 1.0) & (frequency < 45.0)
-    ratio = (floor / expected)[inside]
-    assert 0.5 < ratio.min() < ratio.max() < 2.0
+def test_the_fitted_weights_are_where_the_likelihood_does_not_rise():
+    """Of Σ n (ln S + P/S) the slope by a weight vanishes, or falls for a weight that is nothing."""
+    frequency = np.linspace(0.5, 127.0, 2000)
+    power = np.random.default_rng(3).exponential(size=2000) * (1.0 + 40.0 / (1.0 + (frequency / 4.0) ** 2))
+    found = fit_noise([Periodogram(frequency=frequency, power=power)], 256.0)
+    shapes = noise_shapes(frequency, 256.0)
+    density = found.density(frequency)
+    slopes = shapes @ (1.0 / density - power / density**2) / np.sum(shapes / density, axis=1)
+    large = found.weights > 0.02 * found.weights.max()
+    assert np.abs(slopes[large]).max() < 0.03
+    assert slopes.min() > -0.03
+    assert found.weights.size == 1 + len(CORNERS)
 
 
-@pytest.mark.parametrize("spread", [0.0, 0.1, 0.3])
-def test_expected_error_of_a_converter_against_simulation(spread):
-    step, level = 0.2, 0.05
-    signal_values = np.linspace(-0.5, 0.5, 31) + 0.003
-    found = expected_error(signal_values, step, spread * step, level)
-    noise = spread * step * np.random.default_rng(6).normal(size=(20_000, 1))
-    noisy = signal_values + noise
-    converted = step * np.round((noisy - level) / step) + level
-    np.testing.assert_allclose(found, (converted - signal_values).mean(axis=0), atol=0.02 * step)
+def test_pickup_lies_within_seven_tenths_of_a_hertz():
+    lines = np.array(mains_frequencies(500.0))
+    assert near_mains(lines + 0.69, 500.0).all()
+    assert near_mains(lines - 0.69, 500.0).all()
+    assert not near_mains(lines + 0.71, 500.0).any()
+    assert 350.0 in lines
+    assert 400.0 not in lines
+    assert not near_mains(np.array([4.0]), 10.0).any()
 
 
-def test_much_noise_leaves_nothing_to_correct():
-    assert expected_error(np.zeros(3), 1.0, 0.6, 0.0) is None
-
-
-def test_steps_are_found_where_they_are():
-    wave = np.sin(np.linspace(0.0, 60.0, 4000))
-    assert converter_step(0.03 * np.round(wave / 0.03)) == pytest.approx(0.03)
-    assert converter_step(wave) == 0.0
-
-
-def test_smoothing_leaves_forces_unattenuated():
-    random = np.random.default_rng(8)
-    time = np.arange(int(40 * RATE)) / RATE
-    truth = signal.lfilter(*signal.butter(2, [0.3, 2.0], "bandpass", fs=RATE), random.normal(size=time.size))
-    noise = 0.05 * truth.std() * random.normal(size=time.size)
-    found = smoothed_motion(truth + noise, 1.0 / RATE, 45.0).values[0]
-    slope = (found @ truth) / (found @ found)
-    assert slope == pytest.approx(1.0, abs=2e-3)
-    inner = slice(1024, -1024)
-    assert np.std((found - truth)[inner]) < 0.3 * np.std(noise)
-    assert 1.5 < reliable_frequency([truth + noise], 1.0 / RATE, 45.0) < 20.0
+def test_a_line_is_twelve_times_its_surroundings_and_six_tenths_of_a_hertz_wide():
+    frequency = 0.1 * np.arange(1, 2001)
+    place = 499  # 50 Hz
+    for height, count in ((11.0, 0), (13.0, 1)):
+        power = np.ones(2000)
+        power[place + 5] = height
+        found = line_places(Periodogram(frequency=frequency, power=power), 256.0)
+        assert len(found) == count
+        if count:
+            assert frequency[found[0][0]] == pytest.approx(49.5, abs=0.11)
+            assert frequency[found[0][1] - 1] == pytest.approx(50.5, abs=0.11)
+    beside = np.ones(2000)
+    beside[place + 8] = 100.0
+    assert line_places(Periodogram(frequency=frequency, power=beside), 256.0) == []
+    few = Periodogram(frequency=frequency[:2], power=np.array([1.0, 99.0]))
+    assert line_places(few, 256.0) == []

@@ -1,0 +1,57 @@
+"""Spectra of a history: its periodogram, the level of what lies above the motion, means over bins."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def binned(frequency: Array, power: Array, bins: int) -> tuple[Array, Array, Array]:
+    """Average a spectrum over bins.
+
+    `frequency` [Hz]; returns [Hz].
+    Returns mean frequency [Hz], mean power and number of frequencies of each bin that is not empty.
+
+    >>> centre, mean, count = binned(np.array([1.0, 10.0, 11.0]), np.array([1.0, 2.0, 4.0]), 2)
+    >>> centre.tolist(), mean.tolist(), count.tolist()
+    ([1.0, 10.5], [1.0, 3.0], [1.0, 2.0])
+    """
+    edges = np.geomspace(frequency.min() * 0.999, frequency.max() * 1.001, bins + 1)
+    place = np.digitize(frequency, edges) - 1
+    count = np.bincount(place, minlength=bins).astype(np.float64)
+    used = count > 0
+    centre = np.bincount(place, frequency, minlength=bins)[used] / count[used]
+    mean = np.bincount(place, power, minlength=bins)[used] / count[used]
+    return centre, mean, count[used]
+
+
+def periodogram(values: Array, taper: Array) -> Array:
+    """Power of a history without its mean, over the mean square of the taper.
+
+    Parameters
+    ----------
+    values : numpy.ndarray
+        A history, shape (n,).
+    taper : numpy.ndarray
+        Weights that fall to zero at both ends, shape (n,).
+
+    Returns
+    -------
+    numpy.ndarray
+        |Σ x w e^(−iωt)|²/Σ w² at the Fourier frequencies above zero, shape (n // 2,); of white noise its mean
+        square.
+    """
+    spectrum = np.fft.rfft((values - values.mean()) * taper)[1:]
+    return np.asarray(np.abs(spectrum) ** 2 / np.sum(taper**2))
+
+
+def upper_level(power: Array) -> float:
+    """Level of noise in the upper half of a periodogram, from the median of its exponential distribution.
+
+    Examples
+    --------
+    >>> noise = np.random.default_rng(1).normal(size=4000)
+    >>> round(upper_level(periodogram(noise, np.hanning(4000))), 1)
+    1.0
+    """
+    return float(np.median(power[power.size // 2 :])) / float(np.log(2.0))
