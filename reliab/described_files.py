@@ -10,14 +10,16 @@ import re
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from reliab.encodings import encoding_of_file
 from reliab.errors import InputError
 from reliab.files import require_small
 
 if TYPE_CHECKING:
-    from pydantic import ValidationError
+    from pydantic import BaseModel, ValidationError
+
+Model = TypeVar("Model", bound="BaseModel")
 
 MOST_BYTES_OF_JSON: Final = 200_000_000
 """Largest size of a JSON file, a criterion of some ten thousand motions."""
@@ -135,14 +137,28 @@ def _too_deep(where: str) -> InputError:
     )
 
 
-def first_fault(error: "ValidationError") -> tuple[str, str | None, list[str]]:
-    """Say in words what a schema first found wrong."""
-    first = error.errors()[0]
-    place = [str(part) for part in first["loc"]]
-    key = ".".join(place)
-    rule = {
-        "missing": f"The key {key} must be given",
-        "extra_forbidden": f"There is no key {key}",
-    }.get(first["type"], f"{key}: {first['msg'][0].lower()}{first['msg'][1:]}")
-    given = first.get("input")
-    return rule, repr(given) if isinstance(given, str | int | float | bool) else None, place
+def described(schema: "type[Model]", content: object, *, rule: str, remedy: str, where: str = "") -> "Model":
+    """Return what parsed TOML or JSON describes by a schema, or refuse it with all faults in words."""
+    from pydantic import ValidationError
+
+    try:
+        return schema.model_validate(content)
+    except ValidationError as error:
+        raise InputError(rule, value=faults_in_words(error), remedy=remedy, where=where) from None
+
+
+def faults_in_words(error: "ValidationError") -> str:
+    """Say in words what a schema holds to be wrong, and where."""
+    return "; ".join(_fault(details) for details in error.errors())
+
+
+def _fault(details: Mapping[str, Any]) -> str:
+    place = ".".join(str(part) for part in details["loc"]) or "the file"
+    given = details["input"]
+    if details["type"] == "extra_forbidden":
+        return f"{place} is not a known {'table' if isinstance(given, Mapping) else 'key'}"
+    if details["type"] == "missing":
+        return f"{place} is missing"
+    message = details["msg"].removeprefix("Value error, ")
+    shown = f", not {given!r}" if isinstance(given, str | int | float | bool) else ""
+    return f"{place}: {message[0].lower()}{message[1:]}{shown}"

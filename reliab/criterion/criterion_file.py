@@ -5,12 +5,12 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Strict, ValidationError
+from pydantic import BaseModel, ConfigDict, Strict
 
 from reliab.criterion.laws import Law, law_from_dict, law_to_dict
 from reliab.criterion.population import Population
 from reliab.criterion.provenance import SCHEMA_VERSION, Provenance
-from reliab.described_files import first_fault, parse_json
+from reliab.described_files import described, parse_json
 from reliab.errors import InputError
 
 PLAIN = ("threshold", "metric", "confidence", "method", "joint")
@@ -41,16 +41,8 @@ def from_text(text: str, where: str = "") -> dict[str, Any]:
     rule = "A criterion must be JSON as written by `reliab criterion --out`"
     content = parse_json(text, rule=rule, remedy=_REMEDY, where=where)
     _require_schema(content, where)
-    try:
-        checked = _CriterionFile.model_validate(content)
-    except ValidationError as error:
-        rule, value, _ = first_fault(error)
-        raise InputError(
-            f"A criterion must be as `reliab criterion --out` writes it. {rule}",
-            value=value,
-            remedy=_REMEDY,
-            where=where,
-        ) from None
+    rule = "A criterion must be as `reliab criterion --out` writes it"
+    checked = described(_CriterionFile, content, rule=rule, remedy=_REMEDY, where=where)
     laws = {name: getattr(checked, name) for name in ("law", "lead_law")}
     motions = {name: getattr(checked, name) for name in ("population", "lead_population")}
     return {

@@ -4,9 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from pydantic import ValidationError
-
-from reliab.described_files import read_toml
+from reliab.described_files import described, read_toml
 from reliab.errors import InputError
 from reliab.study.description import Study
 from reliab.study.folders import FILE, kind_of, shipped_folders
@@ -71,15 +69,13 @@ def study_from(content: Mapping[str, Any], *, where: str = "") -> Study:
             where=where,
         )
     tables = KINDS[name].tables
-    try:
-        return tables.model_validate(content)
-    except ValidationError as error:
-        raise InputError(
-            "A study holds the keys that its kind knows, with allowed values",
-            value="; ".join(_fault(details) for details in error.errors()),
-            remedy=f"A study of the kind {name} knows {', '.join(tables.model_fields)}",
-            where=where,
-        ) from None
+    return described(
+        tables,
+        content,
+        rule="A study holds the keys that its kind knows, with allowed values",
+        remedy=f"A study of the kind {name} knows {', '.join(tables.model_fields)}",
+        where=where,
+    )
 
 
 def open_study(name: str | Path) -> Study:
@@ -122,16 +118,3 @@ def open_study(name: str | Path) -> Study:
 def shipped_studies() -> dict[str, Study]:
     """Return every study that ships, by its name."""
     return {name: read_study(folder / FILE) for name, folder in shipped_folders().items()}
-
-
-def _fault(error: object) -> str:
-    """One fault with the place of its key."""
-    details = dict(error)  # type: ignore[call-overload]
-    place = ".".join(str(part) for part in details["loc"]) or "the file"
-    if details["type"] == "extra_forbidden":
-        what = "table" if isinstance(details["input"], Mapping) else "key"
-        return f"{place} is not a known {what}"
-    if details["type"] == "missing":
-        return f"{place} is missing"
-    message = details["msg"].removeprefix("Value error, ")
-    return f"{place}: {message[0].lower()}{message[1:]}, not {details['input']!r}"

@@ -255,7 +255,7 @@ def test_a_line_of_too_many_cells_is_refused(tmp_path):
 
 def test_a_description_that_is_no_table_is_explained(tmp_path):
     (tmp_path / "campaign.toml").write_text("")
-    with pytest.raises(InputError, match="sampling must be given"):
+    with pytest.raises(InputError, match="sampling is missing"):
         read_campaign(tmp_path)
 
 

@@ -13,7 +13,7 @@ from reliab.criterion.laws.law import Law
 from reliab.criterion.laws.log_linear import LogLinearLaw
 from reliab.criterion.laws.power import Power
 from reliab.criterion.laws.table import Table
-from reliab.described_files import first_fault
+from reliab.described_files import faults_in_words
 from reliab.errors import InputError
 from reliab.registry import Registry
 
@@ -75,10 +75,9 @@ def _checked(law: type[Law], name: str, value: object) -> object:
     try:
         return schema.validate_python(value)
     except ValidationError as error:
-        rule, found, _ = first_fault(error)
         raise InputError(
-            f"The parameter {name} of the law {law.name} must be numbers, as the law states them. {rule}",
-            value=found,
+            f"The parameter {name} of the law {law.name} must be numbers, as the law states them",
+            value=faults_in_words(error),
             remedy="Derive the criterion again",
         ) from None
 

@@ -28,7 +28,7 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from reliab.described_files import described_text, first_fault, parse_toml
+from reliab.described_files import described_text, faults_in_words, parse_toml
 from reliab.discrepancy.campaign.campaign import Campaign, MeasuredTest
 from reliab.discrepancy.campaign.description import (
     CampaignDescription,
@@ -178,12 +178,13 @@ def _described(path: Path) -> CampaignDescription:
 
 
 def _explained(error: ValidationError, text: str, path: Path) -> InputError:
-    """Turn the first validation error into a rule with its line."""
-    rule, value, place = first_fault(error)
-    line = _line_of(text, place)
+    """Say what is wrong, with the line of the first fault."""
+    first = error.errors()[0]
+    line = _line_of(text, [str(part) for part in first["loc"]])
+    known = "A campaign is described by known keys with allowed values"
     return InputError(
-        "A campaign must have at least one test" if error.errors()[0]["type"] == "too_short" else rule,
-        value=value,
+        "A campaign must have at least one test" if first["type"] == "too_short" else known,
+        value=faults_in_words(error),
         remedy="Compare with datasets/campaigns/README.md, which `reliab samples` writes",
         where=f"{path.name}, line {line}" if line else path.name,
     )

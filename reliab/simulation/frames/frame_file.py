@@ -53,9 +53,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ValidationError
 
-from reliab.described_files import read_toml
+from reliab.described_files import described, read_toml
 from reliab.errors import InputError
 from reliab.simulation.frames.frame_tables import FrameDescription
 from reliab.simulation.transfer_systems import TransferSystem
@@ -80,15 +79,13 @@ class FrameUnderTest:
 
 def frame_of_tables(content: dict[str, Any], where: str) -> FrameUnderTest:
     """Build a tested frame from the tables of a file."""
-    try:
-        description = FrameDescription.model_validate(content)
-    except ValidationError as error:
-        raise InputError(
-            "A description of a frame holds known keys with allowed values",
-            value="; ".join(_fault(dict(fault)) for fault in error.errors()),
-            remedy="Compare with the frames that ship in datasets/frames",
-            where=where,
-        ) from None
+    description = described(
+        FrameDescription,
+        content,
+        rule="A description of a frame holds known keys with allowed values",
+        remedy="Compare with the frames that ship in datasets/frames",
+        where=where,
+    )
     try:
         with np.errstate(over="raise", invalid="raise", divide="raise"):
             return _built(description, Path(where).parent)
@@ -151,14 +148,3 @@ def _built(description: FrameDescription, folder: Path) -> FrameUnderTest:
         error_of=words.get(of.of, f"degree of freedom {of.of}"),
         transfer_system=rig,
     )
-
-
-def _fault(fault: dict[str, Any]) -> str:
-    """One fault with the place of its key."""
-    place = ".".join(str(part) for part in fault["loc"]) or "the file"
-    if fault["type"] == "extra_forbidden":
-        return f"{place} is not a known key"
-    if fault["type"] == "missing":
-        return f"{place} is missing"
-    message = str(fault["msg"]).removeprefix("Value error, ")
-    return f"{place}: {message[0].lower()}{message[1:]}"

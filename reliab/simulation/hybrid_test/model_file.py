@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field
 
-from reliab.described_files import first_fault, read_toml
+from reliab.described_files import described, read_toml
 from reliab.effects import Effect, Parameter, find_effect
 from reliab.errors import InputError
 from reliab.files import written_whole
@@ -137,11 +137,8 @@ class _ModelFile(_Table):
 def _described(path: Path) -> _ModelFile:
     remedy = f"Compare with a {MODEL_FILE} that `reliab diagnose --out` writes"
     content = read_toml(path, rule="A model must be a readable TOML file", remedy=remedy)
-    try:
-        return _ModelFile.model_validate(content)
-    except ValidationError as error:
-        rule, value, _ = first_fault(error)
-        raise InputError(rule, value=value, remedy=remedy, where=path.name) from error
+    rule = "A model holds known keys with allowed values"
+    return described(_ModelFile, content, rule=rule, remedy=remedy, where=path.name)
 
 
 def _effect(entry: _Effect, where: str) -> Effect:
