@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 from reliab.errors import InputError
 from reliab.significant import significant
+from reliab.vocabulary import PERCENT
 
 _STATED = re.compile(
     r"^\s*(?P<value>[+-]?[\d.]+(?:e[+-]?\d+)?)\s*"
     r"(?:(?:±|\+/?-|,(?=[^,.]*\.))\s*(?P<deviation>[\d.]+(?:e[+-]?\d+)?)\s*(?P<percent>%?))?\s*$",
     re.IGNORECASE,
 )
-_PERCENT = 100.0
 _SMALLEST, _LARGEST = 1e-30, 1e30  # whose squares are numbers, and their products with those of recordings
 
 
@@ -55,7 +55,7 @@ class StatedValue:
                 value=repr(text),
                 remedy="Write 1.5, 1±0.01, 1+-0.01, 1,0.01 or 1±1%",
             )
-        return cls(value, deviation * abs(value) / _PERCENT if match["percent"] else deviation)
+        return cls(value, deviation * abs(value) / PERCENT if match["percent"] else deviation)
 
     def __str__(self) -> str:
         return f"{self.value:g}" + (f" ± {significant(self.deviation)}" if self.deviation else "")

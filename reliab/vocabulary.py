@@ -12,6 +12,12 @@ from reliab.errors import InputError
 STANDARD_GRAVITY: Final = 9.80665
 """Standard gravity [m/s²], by definition."""
 
+PERCENT: Final = 100.0
+"""Hundredths in one."""
+
+MILLI: Final = 1e3
+"""Thousandths in one: milliseconds in a second, millimetres in a metre."""
+
 
 class Dimension(StrEnum):
     """Dimensions of a results dataset in storage order, and those that ellipses add.

@@ -39,6 +39,7 @@ NUMERIC_CORE = (
     "assessment/rebuilt_error",
 )
 GROUND = {
+    "arrays",
     "compiled",
     "described_files",
     "encodings",

@@ -10,15 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.motions import Motion
 from reliab.recordings import Recording
 from reliab.simulation import Excitation
 from reliab.simulation.linear_loop import cut
 from reliab.structures import Structure
-
-Array = NDArray[np.float64]
 
 LEAST_MATCH = 0.9
 """Similarity from which on a place counts as found: 1 for equal histories, 0 for unrelated ones."""

@@ -4,12 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.recordings import Recording
 from reliab.signals import periodogram, upper_level
-
-Array = NDArray[np.float64]
 
 _ABOVE_FLOOR = 10.0
 _SMOOTHED = 16  # bins over which a periodogram is averaged

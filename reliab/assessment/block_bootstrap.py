@@ -15,7 +15,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from reliab.arrays import Array
 
 _CELLS = 1024  # stretches whose contributions are summed before blocks are formed
 _RUN = 5  # lags that must be quiet

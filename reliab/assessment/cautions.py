@@ -9,7 +9,7 @@ from reliab.assessment.findings import FaultEffect, Findings
 from reliab.assessment.verdict import Word
 from reliab.criterion import whole_is_worst
 from reliab.significant import significant
-from reliab.vocabulary import Metric
+from reliab.vocabulary import MILLI, Metric
 
 _BY_SHAPE = "shape of the response"
 _FEW_PERIODS = 10.0
@@ -18,7 +18,6 @@ _NOISY = 0.05
 _FAR_FROM_ONE = 0.2
 _VARYING = 0.1  # share of a limit
 _UNEXPLAINED = 0.3  # share of the amplitude limit
-_MILLISECONDS = 1e3
 
 
 def cautions(findings: Findings) -> tuple[str, ...]:
@@ -126,9 +125,9 @@ def _of_signal(findings: Findings) -> Iterator[str]:
 def _of_constancy(findings: Findings) -> Iterator[str]:
     a, b = findings.limits
     windows = findings.windows
-    late = _MILLISECONDS * windows.delay_range
+    late = MILLI * windows.delay_range
     if late > _VARYING * np.sqrt(b):
-        first, last = (_MILLISECONDS * delay for delay in (windows.delay.min(), windows.delay.max()))
+        first, last = (MILLI * delay for delay in (windows.delay.min(), windows.delay.max()))
         yield (
             f"The delay varies over the test, from {significant(first)} to {significant(last)} ms. A and "
             "d are averages; the "

@@ -12,6 +12,7 @@ from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.verdict import Verdict, Word
 from reliab.recordings import Recording
 from reliab.significant import significant
+from reliab.vocabulary import MILLI
 
 _OFF_RESONANCE = (0.5, 1.7)
 _PEAK = 8.0
@@ -21,7 +22,6 @@ records it was 5 to 350 for structures of 0.5 to 8 Hz, and 0.1 to 10 at frequenc
 _AT, _BELOW, _ABOVE = (0.9, 1.1), (0.55, 0.8), (1.25, 1.8)  # of the natural frequency
 _LEAD = 1e-5  # s
 _NOISIER, _ROUNDING = 10.0, 1e-8  # in power
-_MILLISECONDS = 1e3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,7 +99,7 @@ def of_columns(recording: Recording, tracking: TrackingIndex) -> Iterator[Contra
     remedy = "Find out which column is the command: the verdict depends on it."
     _, (_, latest) = tracking.interval(0.99)
     if tracking.delay < -_LEAD and latest < 0.0:
-        lead = -_MILLISECONDS * tracking.delay
+        lead = -MILLI * tracking.delay
         yield Contradiction(
             finding=f"The measured displacement leads the command by {significant(lead)} ms: the columns "
             "may be swapped, or a compensator overcorrects.",

@@ -10,11 +10,10 @@ from reliab.assessment.placement import carried_limits
 from reliab.criterion import Criterion
 from reliab.structures import Structure
 from reliab.structures.stability import critical_delay
+from reliab.vocabulary import MILLI
 
 CONFIDENCES = (0.80, 0.90, 0.95, 0.99)
 """Shares of ground motions for which tolerable errors are stated."""
-
-_MILLISECONDS = 1e3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,7 +53,7 @@ class Tolerance:
     @property
     def delay(self) -> float:
         """Tolerable delay [s] of a rig without amplitude error."""
-        return float(np.sqrt(self.b)) / _MILLISECONDS
+        return float(np.sqrt(self.b)) / MILLI
 
     @property
     def both(self) -> tuple[float, float]:
@@ -64,7 +63,7 @@ class Tolerance:
     def to_dict(self) -> dict[str, float | None]:
         """Plain numbers with stable keys; delays in milliseconds."""
         amplitude, delay = self.both
-        critical = _MILLISECONDS * self.critical_delay
+        critical = MILLI * self.critical_delay
         return {
             "f": self.frequency,
             "xi": self.damping_ratio,
@@ -73,9 +72,9 @@ class Tolerance:
             "a": self.a,
             "b": self.b,
             "amplitude_limit": self.amplitude_error,
-            "delay_limit_ms": _MILLISECONDS * self.delay,
+            "delay_limit_ms": MILLI * self.delay,
             "amplitude_limit_of_both": amplitude,
-            "delay_limit_of_both_ms": _MILLISECONDS * delay,
+            "delay_limit_of_both_ms": MILLI * delay,
             "critical_delay_ms": critical if np.isfinite(critical) else None,
             "outside_validity": self.outside_validity,
         }

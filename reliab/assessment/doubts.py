@@ -5,10 +5,9 @@ from reliab.assessment.findings import FaultEffect
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.verdict import Verdict, Word, word_of_probability
 from reliab.significant import significant
-from reliab.vocabulary import Metric
+from reliab.vocabulary import PERCENT, Metric
 
 ERROR_NAMES = {Metric.RMS: "RMS^R", Metric.MTE: "MTE^R"}
-_PERCENT = 100.0
 _STRUCTURE = "Find out why the structure differs from the stated one: the verdict depends on it."
 _SKEW = (
     "Measure the skew of the channels, by one signal on all of them, and the damping ratio, by a free "
@@ -34,7 +33,7 @@ def verdict_of_error(
     name = ERROR_NAMES[error.metric]
     reason = (
         f"{name} is {size.value:.2%}, 90 % interval {size.low:.2%} to {size.high:.2%}, against a threshold "
-        f"of {significant(_PERCENT * error.threshold)}%: "
+        f"of {significant(PERCENT * error.threshold)}%: "
         f"probability {probability_text(error.probability)} of staying below it."
     )
     verdict = Verdict(

@@ -6,8 +6,8 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.assessment.rebuilt_error import Estimate, Parts, RebuiltError, Tolerances, Widening, rebuild
 from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen
 from reliab.assessment.rebuilt_error.whole_structure import whole_structure
@@ -17,9 +17,7 @@ from reliab.significant import significant
 from reliab.simulation.hybrid_test import UpdatedModel
 from reliab.stated_value import StatedValue
 from reliab.structures import Structure
-from reliab.vocabulary import Metric
-
-Array = NDArray[np.float64]
+from reliab.vocabulary import MILLI, PERCENT, Metric
 
 _RELATIVE = {
     "f": "frequency",
@@ -27,8 +25,6 @@ _RELATIVE = {
     "alpha": "experimental_fraction",
     "scale": "sensor_scale",
 }
-_MILLISECONDS = 1e3
-_PERCENT = 100.0
 _HALF = 0.5
 PART_NAMES: Final[Mapping[str, str]] = {
     "amplitude": "amplitude",
@@ -78,7 +74,7 @@ class Question:
             if key in self.stated and self.stated[key].value
         }
         lag = self.stated.get("feedback_lag", StatedValue(0.0))
-        return Tolerances(**relative, feedback_lag=lag.deviation / _MILLISECONDS)
+        return Tolerances(**relative, feedback_lag=lag.deviation / MILLI)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -155,7 +151,7 @@ class ErrorOfTest:
         spoken = _SPOKEN[widest.name]
         if widest.deviation_for_half is None or widest.name in ("time_shift", "feedback_lag"):
             return (f"Determine {spoken} better: its uncertainty widens the interval most.",)
-        half = _PERCENT * widest.deviation_for_half
+        half = PERCENT * widest.deviation_for_half
         return (f"Determine {spoken} to {significant(half, 2)} %: the interval is then half as wide.",)
 
 
@@ -171,7 +167,7 @@ def error_of_test(
     `sensor_offset` [m]; `specimen_damping` [s].
     """
     scale = question.stated.get("scale", StatedValue(1.0)).value
-    lag = question.stated.get("feedback_lag", StatedValue(0.0)).value / _MILLISECONDS
+    lag = question.stated.get("feedback_lag", StatedValue(0.0)).value / MILLI
     measured = recording.measured / scale
     whole = whole_structure(question.structure)
     if question.model is not None:

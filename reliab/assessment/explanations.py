@@ -17,8 +17,8 @@ from reliab.recordings import Recording
 from reliab.significant import significant
 from reliab.stated_value import StatedValue
 from reliab.structures import Structure
+from reliab.vocabulary import MILLI
 
-_MILLISECONDS = 1e3
 _SIGNIFICANT = 3.0  # standard errors
 
 
@@ -51,12 +51,12 @@ class Explanation:
             parts.append(f"a damping ratio of {self.damping_ratio(structure):.4g}")
         if self.skew:
             parts.append(
-                f"a skew of {significant(abs(_MILLISECONDS * self.skew), 2)} ms between command and measured "
+                f"a skew of {significant(abs(MILLI * self.skew), 2)} ms between command and measured "
                 "displacement"
             )
         if self.feedback_lag:
             parts.append(
-                f"a force that is fed back {significant(abs(_MILLISECONDS * self.feedback_lag), 2)} ms "
+                f"a force that is fed back {significant(abs(MILLI * self.feedback_lag), 2)} ms "
                 f"{'later' if self.feedback_lag > 0.0 else 'earlier'}"
             )
         if self.dashpot:
@@ -137,7 +137,7 @@ def error_under(explanation: Explanation, recording: Recording, question: Questi
     """Rebuild the error of a test as if an explanation held."""
     structure = question.structure
     lag = question.stated.get("feedback_lag", StatedValue(0.0))
-    later = replace(lag, value=lag.value + _MILLISECONDS * explanation.feedback_lag)
+    later = replace(lag, value=lag.value + MILLI * explanation.feedback_lag)
     changed = replace(
         question,
         structure=replace(structure, damping_ratio=explanation.damping_ratio(structure)),

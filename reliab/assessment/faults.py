@@ -13,11 +13,11 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.recordings import Recording, without_spikes
 from reliab.significant import significant
-
-Array = NDArray[np.float64]
+from reliab.vocabulary import MILLI
 
 COPY_TOLERANCE: Final = 1e-6
 """Largest difference of a copied channel, over the command's peak [-]; sensors are noisier."""
@@ -29,7 +29,6 @@ _STANDSTILL_SHARE = 0.05  # of the command's peak
 _SAME = 1e-9  # of the peak: a smaller step between samples counts as standstill
 _FELT, _NOT_FELT = (0.7, 1.3), (-0.3, 0.3)
 _LEAST_SHARE = 0.1  # of the threshold: an offset or drift below which nothing is said
-_PERCENT, _MILLI = 100.0, 1e3
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -113,7 +112,7 @@ def _spikes(
     for name, marked, added in channels:
         if marked.any():
             first = int(np.flatnonzero(marked)[0]) * recording.time_step
-            lasting = _MILLI * int(marked.sum()) * recording.time_step
+            lasting = MILLI * int(marked.sum()) * recording.time_step
             size = float(np.abs(added).max()) / peak
             yield Fault(
                 kind="spike",

@@ -20,9 +20,7 @@ from reliab.indices import TrackingOverFrequency
 from reliab.recordings import Recording
 from reliab.simulation.frames import FrameUnderTest
 from reliab.structures import Structure
-from reliab.vocabulary import Metric
-
-_MILLISECONDS = 1e3
+from reliab.vocabulary import MILLI, Metric
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -149,8 +147,8 @@ class FrameAssessment:
             "A": tracking.amplitude,
             "phi": -2.0 * np.pi * plain.equivalent_frequency * tracking.delay,
             "f_eq_hz": plain.equivalent_frequency,
-            "d_ms": _MILLISECONDS * tracking.delay,
-            "critical_delay_ms": finite(_MILLISECONDS * self.critical_delay),
+            "d_ms": MILLI * tracking.delay,
+            "critical_delay_ms": finite(MILLI * self.critical_delay),
             "stability_margin": self.stability_margin,
             "modes": [_mode(mode) for mode in self.modes],
             "over_frequency": _over_frequency(self),
@@ -184,7 +182,7 @@ def _mode(mode: ModeOfTest) -> dict[str, float | None]:
         "xi": mode.damping_ratio,
         "alpha": mode.share,
         "A": mode.amplitude,
-        "d_ms": None if mode.delay is None else _MILLISECONDS * mode.delay,
+        "d_ms": None if mode.delay is None else MILLI * mode.delay,
     }
 
 
@@ -208,8 +206,8 @@ def _over_frequency(assessment: FrameAssessment) -> dict[str, Any] | None:
         "frequency_hz": resolved.frequency.tolist(),
         "A": resolved.amplitude.tolist(),
         "A_deviation": resolved.amplitude_deviation.tolist(),
-        "d_ms": (_MILLISECONDS * resolved.delay).tolist(),
-        "d_ms_deviation": (_MILLISECONDS * resolved.delay_deviation).tolist(),
+        "d_ms": (MILLI * resolved.delay).tolist(),
+        "d_ms_deviation": (MILLI * resolved.delay_deviation).tolist(),
         "coherence": resolved.coherence.tolist(),
         "error": plain_part(part),
     }

@@ -27,9 +27,8 @@ from reliab.stated_value import StatedValue
 from reliab.structures import Partition, Structure
 from reliab.structures.critical_delay import critical_delay
 from reliab.sweep import governing_mode
-from reliab.vocabulary import Metric
+from reliab.vocabulary import MILLI, Metric
 
-_MILLISECONDS = 1e3
 _FEW_DRAWS = 2
 _SAME_SHARE = 1e-3
 
@@ -164,7 +163,7 @@ def _rebuilding(
 ) -> Callable[[Recording, float | None], ErrorOfTest]:
     """Give the function that rebuilds the error of a recording whose sensor has a stated offset [m]."""
     structure, tolerances = whole_structure(frame.partition), _tolerances(feedback_lag, scale)
-    lag = 0.0 if feedback_lag is None else feedback_lag.value / _MILLISECONDS
+    lag = 0.0 if feedback_lag is None else feedback_lag.value / MILLI
     damping_ratio = governing_mode(frame).damping_ratio
 
     def rebuilt(test: Recording, offset: float | None) -> ErrorOfTest:
@@ -218,5 +217,5 @@ def _share_at_rest(partition: Partition) -> float:
 def _tolerances(feedback_lag: StatedValue | None, scale: StatedValue | None) -> Tolerances:
     return Tolerances(
         sensor_scale=0.0 if scale is None else scale.deviation / scale.value,
-        feedback_lag=0.0 if feedback_lag is None else feedback_lag.deviation / _MILLISECONDS,
+        feedback_lag=0.0 if feedback_lag is None else feedback_lag.deviation / MILLI,
     )

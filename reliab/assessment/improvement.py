@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-_MILLISECONDS = 1e3
+from reliab.vocabulary import MILLI
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,13 +27,13 @@ def improvement(amplitude: float, delay: float, a: float, b: float) -> Improveme
     ('delay', 0.89, 0.929)
     """
     of_amplitude = _part((amplitude - 1.0) ** 2, a)
-    of_delay = _part((_MILLISECONDS * delay) ** 2, b)
+    of_delay = _part((MILLI * delay) ** 2, b)
     total = of_amplitude + of_delay
     share = 0.5 if total == 0.0 or np.isinf(total) else of_delay / total
     return Improvement(
         first="delay" if of_delay >= of_amplitude else "amplitude",
         share_of_delay=share,
-        tolerable_delay=float(np.sqrt(max(1.0 - of_amplitude, 0.0) * b)) / _MILLISECONDS,
+        tolerable_delay=float(np.sqrt(max(1.0 - of_amplitude, 0.0) * b)) / MILLI,
         tolerable_amplitude_error=float(np.sqrt(max(1.0 - of_delay, 0.0) * a)),
     )
 

@@ -3,9 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
-import numpy as np
-from numpy.typing import NDArray
-
+from reliab.arrays import Array
 from reliab.assessment.explanations import (
     Explanation,
     VelocityTerm,
@@ -20,8 +18,7 @@ from reliab.recordings import Recording
 from reliab.significant import significant
 from reliab.stated_value import StatedValue
 from reliab.structures import Structure
-
-Array = NDArray[np.float64]
+from reliab.vocabulary import MILLI
 
 _LARGEST_MISFIT = 0.3
 """Largest residual over ground acceleration; above it the channel is not this test's ground motion."""
@@ -29,7 +26,6 @@ _LARGEST_MISFIT = 0.3
 _FEWEST_PERIODS = 5.0
 _AGREES = 2.0  # stated standard deviations
 _LEAST = 0.02  # of the damping ratio, below which nothing is said of it; it moves the error by about 0.5 %
-_MILLISECONDS = 1e3
 _TOO_SHORT = "The test is too short for its structure to be identified from the recorded ground acceleration."
 _QUANTITIES = {
     "frequency": ("f", "a natural frequency", " Hz", 1.0),
@@ -84,7 +80,7 @@ def examine_equation(
     """
     nonlinear = _nonlinear(recording, structure, smoothed)
     lag = stated.get("feedback_lag", StatedValue(0.0))
-    seconds = lag.value / _MILLISECONDS
+    seconds = lag.value / MILLI
     of_force = None if nonlinear else _term_of_force(recording, structure, lag)
     identified, notes = _identified(recording, structure, stated, seconds)
     if identified is None:
@@ -150,7 +146,7 @@ def _term_of_force(recording: Recording, structure: Structure, lag: StatedValue)
     kernel = Kernel.of(structure.frequency, recording.time_step)
     spring = fit_spring(recording.measured, recording.force, kernel)
     least = _LEAST * structure.damping_ratio / ratio_per_second(structure)
-    tolerated = _AGREES * lag.deviation / _MILLISECONDS
+    tolerated = _AGREES * lag.deviation / MILLI
     return VelocityTerm(value=spring.late, deviation=spring.late_deviation, least=max(least, tolerated))
 
 
@@ -165,7 +161,7 @@ def _term_of_equation(
     tolerated = [
         _LEAST * structure.damping_ratio / per_second,
         _AGREES * stated.get("xi", StatedValue(0.0)).deviation / per_second,
-        _AGREES * stated.get("feedback_lag", StatedValue(0.0)).deviation / _MILLISECONDS,
+        _AGREES * stated.get("feedback_lag", StatedValue(0.0)).deviation / MILLI,
     ]
     term = VelocityTerm(
         value=(ratio.value - ratio.stated) / per_second,
@@ -182,7 +178,7 @@ def _said(
 ) -> Iterator[str]:
     """Say what the recorded force shows, and what may have caused it and the damping ratio."""
     if of_force is not None and of_force.matters:
-        size, deviation = (_MILLISECONDS * number for number in (abs(of_force.value), of_force.deviation))
+        size, deviation = (MILLI * number for number in (abs(of_force.value), of_force.deviation))
         where = "ahead of" if of_force.value > 0.0 else "behind"
         shift = f"{significant(size, 2)} ± {significant(deviation, 1)} ms"
         yield f"The recorded force is {shift} {where} the measured displacement."

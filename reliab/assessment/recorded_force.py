@@ -9,14 +9,12 @@ from typing import Final
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.kernel import Kernel
 from reliab.assessment.rebuilt_error.specimen_check import slipped
 from reliab.errors import InputError
 from reliab.significant import significant
-
-Array = NDArray[np.float64]
 
 _FEWEST_SAMPLES = 32  # of the smoothed histories
 _UNRELATED = 0.9  # of the force's power, above which it follows no motion

@@ -6,14 +6,13 @@ import numpy as np
 
 from reliab.html_table import html_table
 from reliab.significant import significant
+from reliab.vocabulary import MILLI
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from reliab.assessment.findings import Findings
     from reliab.assessment.rebuilt_error import Estimate
-
-_MILLI = 1e3
 
 
 def table_of_assessment(assessment: "Findings") -> str:
@@ -27,7 +26,7 @@ def table_of_assessment(assessment: "Findings") -> str:
         "RMS error": _interval(error.rebuilt.rms),
         "largest error": _interval(error.rebuilt.mte),
         "amplitude A": f"{assessment.tracking.amplitude:.4f}",
-        "equivalent delay d": f"{_MILLI * assessment.tracking.delay:.3f} ms",
+        "equivalent delay d": f"{MILLI * assessment.tracking.delay:.3f} ms",
         "index by the criterion": "none" if placed.index is None else significant(placed.index),
     }
     return html_table(assessment.recording.name, rows, assessment.verdict.reasons)
@@ -54,9 +53,9 @@ def draw_error(assessment: "Findings", axes: "Axes | None" = None) -> "Axes":
     shown = plt.subplots(figsize=(8.0, 3.0))[1] if axes is None else axes
     rebuilt = assessment.error.rebuilt
     time = np.arange(rebuilt.error.size) * rebuilt.time_step
-    bound = _MILLI * assessment.error.threshold * float(np.abs(rebuilt.reference).max())
-    shown.fill_between(time, _MILLI * rebuilt.low, _MILLI * rebuilt.high, alpha=0.3, label="90 % band")
-    shown.plot(time, _MILLI * rebuilt.smooth_error, linewidth=0.8, label="rebuilt error")
+    bound = MILLI * assessment.error.threshold * float(np.abs(rebuilt.reference).max())
+    shown.fill_between(time, MILLI * rebuilt.low, MILLI * rebuilt.high, alpha=0.3, label="90 % band")
+    shown.plot(time, MILLI * rebuilt.smooth_error, linewidth=0.8, label="rebuilt error")
     for sign in (-1.0, 1.0):
         shown.axhline(sign * bound, color="0.3", linewidth=0.8, linestyle="--")
     shown.set(xlabel="time [s]", ylabel="x_m − x_I [mm]", title=assessment.recording.name)

@@ -11,9 +11,7 @@ from reliab.assessment.rebuilt_error import Widening
 from reliab.assessment.rebuilt_error.spread import LEVEL as ERROR_LEVEL
 from reliab.assessment.tracking_index import LEVEL
 from reliab.assessment.verdict import Word
-from reliab.vocabulary import Metric
-
-_MILLISECONDS = 1e3
+from reliab.vocabulary import MILLI, Metric
 
 
 def summarise(findings: Findings) -> dict[str, Any]:
@@ -35,9 +33,9 @@ def summarise(findings: Findings) -> dict[str, Any]:
         "A": tracking.amplitude,
         "phi": -turn * tracking.delay,
         "f_eq_hz": tracking.plain.equivalent_frequency,
-        "d_ms": _MILLISECONDS * tracking.delay,
+        "d_ms": MILLI * tracking.delay,
         "A_interval": list(of_a),
-        "d_ms_interval": [_MILLISECONDS * bound for bound in of_d],
+        "d_ms_interval": [MILLI * bound for bound in of_d],
         "interval_level": LEVEL,
         "index": finite(findings.index),
         "index_interval": _ends(findings.index_interval),
@@ -49,7 +47,7 @@ def summarise(findings: Findings) -> dict[str, Any]:
         "error": _error(findings),
         "by_index": _by_index(findings),
         "stability_margin": finite(findings.stability_margin),
-        "critical_delay_ms": finite(_MILLISECONDS * findings.critical_delay),
+        "critical_delay_ms": finite(MILLI * findings.critical_delay),
         "basis": "population" if findings.placement is None else "motion",
         "population": _population(findings),
         "motion": None if findings.placement is None else _motion(findings),
@@ -158,7 +156,7 @@ def _tracking(findings: Findings) -> dict[str, Any]:
         "paei_amplitude": measures.amplitude_error,
         "energy_error": measures.energy_error,
         "energy_of_recorded_force": measures.of_recorded_force,
-        "delay_by_correlation_ms": _MILLISECONDS * measures.delay_by_correlation,
+        "delay_by_correlation_ms": MILLI * measures.delay_by_correlation,
     }
 
 
@@ -213,7 +211,7 @@ def _improve(findings: Findings) -> dict[str, Any]:
     return {
         "first": advice.first,
         "share_of_delay": advice.share_of_delay,
-        "tolerable_delay_ms": _MILLISECONDS * advice.tolerable_delay,
+        "tolerable_delay_ms": MILLI * advice.tolerable_delay,
         "tolerable_amplitude_error": advice.tolerable_amplitude_error,
     }
 
@@ -225,9 +223,9 @@ def _windows(findings: Findings) -> dict[str, Any]:
         "time_s": windows.centre.tolist(),
         "A": windows.amplitude.tolist(),
         "A_sd": windows.amplitude_sd.tolist(),
-        "d_ms": (_MILLISECONDS * windows.delay).tolist(),
-        "d_ms_sd": (_MILLISECONDS * windows.delay_sd).tolist(),
-        "d_ms_range": _MILLISECONDS * windows.delay_range,
+        "d_ms": (MILLI * windows.delay).tolist(),
+        "d_ms_sd": (MILLI * windows.delay_sd).tolist(),
+        "d_ms_range": MILLI * windows.delay_range,
         "A_range": windows.amplitude_range,
     }
 
@@ -241,5 +239,5 @@ def _noise(findings: Findings) -> dict[str, Any]:
         "unexplained_share": tracking.unexplained_share,
         "attenuation": tracking.attenuation,
         "correction_of_A": tracking.amplitude - plain.amplitude,
-        "correction_of_d_ms": _MILLISECONDS * (tracking.delay - plain.equivalent_delay),
+        "correction_of_d_ms": MILLI * (tracking.delay - plain.equivalent_delay),
     }

@@ -17,15 +17,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.assessment.band import Band, in_band, noise_floor, power_of
 from reliab.assessment.block_bootstrap import index_errors
 from reliab.indices import FrequencyEvaluation
 from reliab.indices.frequency_evaluation import frequency_evaluation
 from reliab.recordings import Recording
-
-Array = NDArray[np.float64]
 
 LEVEL = 0.95
 """Level of the intervals of A and d, and of what follows from them."""

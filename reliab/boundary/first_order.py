@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from reliab.simulation import Excitation, peak_of_history
 from reliab.simulation.linear_loop import respond
 from reliab.structures import Structure
-
-_MILLISECONDS_SQUARED = 1e6
+from reliab.vocabulary import MILLI
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,6 +78,4 @@ def first_order_ellipse(excitation: Excitation, structure: Structure) -> FirstOr
     peak = peak_of_history(exact)
     duration = excitation.window_duration
     by_gain, by_delay = (np.trapezoid(response**2, dx=step) / duration for response in (of_gain, of_delay))
-    return FirstOrderEllipse(
-        amplitude=float(peak**2 / by_gain), delay=float(_MILLISECONDS_SQUARED * peak**2 / by_delay)
-    )
+    return FirstOrderEllipse(amplitude=float(peak**2 / by_gain), delay=float(MILLI**2 * peak**2 / by_delay))

@@ -16,12 +16,10 @@ from reliab.criterion.showing import draw_region, table_of_criterion
 from reliab.described_files import MOST_BYTES_OF_JSON, described_text
 from reliab.errors import InputError
 from reliab.significant import significant
-from reliab.vocabulary import Metric, Side
+from reliab.vocabulary import MILLI, Metric, Side
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-_MILLISECONDS = 1e3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -190,7 +188,7 @@ class Criterion:
             if population is None:
                 raise _no_leads()
             probability[chosen] = population.probability(
-                1.0 + offset[chosen], milliseconds[chosen] / _MILLISECONDS, f[chosen], xi[chosen]
+                1.0 + offset[chosen], milliseconds[chosen] / MILLI, f[chosen], xi[chosen]
             )
         return probability
 
@@ -281,7 +279,7 @@ def _broadcast(
                 value=values[~np.isfinite(values)].flat[0],
                 remedy="Check the recordings from which it was computed",
             )
-    return arrays[0] - 1.0, _MILLISECONDS * arrays[1], arrays[2], arrays[3]
+    return arrays[0] - 1.0, MILLI * arrays[1], arrays[2], arrays[3]
 
 
 def _sides(milliseconds: NDArray[np.float64]) -> list[tuple[str, NDArray[np.bool_]]]:

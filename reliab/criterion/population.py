@@ -15,11 +15,10 @@ from reliab.criterion.laws.validity import Validity
 from reliab.criterion.motion_predictive import MotionPredictive
 from reliab.criterion.scaling import scales
 from reliab.errors import InputError
-from reliab.vocabulary import CurveName, Side
+from reliab.vocabulary import MILLI, CurveName, Side
 
 _DIGITS = 5
 _LARGEST_LOGARITHM = 300.0  # whose exponential is still a number, as is its square
-_MILLISECONDS = 1e3
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -161,7 +160,7 @@ class Population:
         )
         capital_a, d, f, xi = (values.ravel() for values in arrays)
         scale_a, scale_b = scales(f, xi)
-        u, v = (capital_a - 1.0) ** 2 / scale_a, (_MILLISECONDS * d) ** 2 / scale_b
+        u, v = (capital_a - 1.0) ** 2 / scale_a, (MILLI * d) ** 2 / scale_b
         along_f, along_xi = tents(self.frequencies, f), tents(self.damping_ratios, xi)
         perfect = (u == 0.0) & (v == 0.0)
         probability = perfect.astype(np.float64)

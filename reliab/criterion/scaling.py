@@ -8,7 +8,7 @@ broad-band the motion is, and hardly on the structure.
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-_MILLISECONDS_SQUARED = 1e6
+from reliab.vocabulary import MILLI
 
 
 def scales(frequency: ArrayLike, damping_ratio: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -33,4 +33,4 @@ def scales(frequency: ArrayLike, damping_ratio: ArrayLike) -> tuple[NDArray[np.f
     f, xi = np.broadcast_arrays(
         np.asarray(frequency, dtype=np.float64), np.asarray(damping_ratio, dtype=np.float64)
     )
-    return xi**2, _MILLISECONDS_SQUARED * (xi / (2.0 * np.pi * f)) ** 2
+    return xi**2, MILLI**2 * (xi / (2.0 * np.pi * f)) ** 2

@@ -8,12 +8,10 @@ import numpy as np
 from reliab.criterion.laws import Law
 from reliab.criterion.provenance import Provenance
 from reliab.html_table import html_table
-from reliab.vocabulary import Side
+from reliab.vocabulary import PERCENT, Side
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-_PERCENT = 100.0
 
 
 def table_of_criterion(promise: Mapping[str, str], law: Law, origin: Provenance) -> str:
@@ -50,7 +48,7 @@ def draw_region(limits: Mapping[Side, tuple[float, float]], axes: "Axes | None" 
     turn = np.linspace(0.0, np.pi, 181)
     for side, (a, b) in limits.items():
         name, sign = ("late", 1.0) if side is Side.LAG else ("early", -1.0)
-        width, height = _PERCENT * np.sqrt(a), np.sqrt(b)
+        width, height = PERCENT * np.sqrt(a), np.sqrt(b)
         across, up = width * np.cos(turn), sign * height * np.sin(turn)
         shown.fill(across, up, alpha=0.2)
         shown.plot(across, up, label=f"{name}: up to {width:.2f} % or {height:.2f} ms")

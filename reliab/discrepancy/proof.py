@@ -3,16 +3,14 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.result.gap import Gap
 from reliab.discrepancy.spectra.floor import floors
 from reliab.discrepancy.spectra.segment import Segment
 from reliab.effects import Effect
-
-Array = NDArray[np.float64]
 
 
 def residuals(proof: Problem, fitted: Fit, *, without: Sequence[type[Effect]] = ()) -> dict[int, Array]:

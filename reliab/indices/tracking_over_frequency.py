@@ -18,10 +18,9 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.indices.frequency_evaluation import frequency_evaluation
-
-Array = NDArray[np.float64]
 
 _LONGEST = 8.0  # s, in which the spectra are taken
 _LEAST_STRETCHES = 4

@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.recordings.recording import Recording
-
-Array = NDArray[np.float64]
 
 _QUANTILE = 0.995  # of the steps between samples, nearly the largest one of a history that moves
 _JUMP = 4.0  # times that step

@@ -3,7 +3,6 @@ from .axes import (
     DELAY as DELAY,
     DISPLACEMENT as DISPLACEMENT,
     ERRORS as ERRORS,
-    MILLI as MILLI,
     TIME as TIME,
     label_logarithmic as label_logarithmic,
     legend_below as legend_below,
@@ -51,7 +50,6 @@ from .style import (
     svg as svg,
 )
 from .wording import (
-    PERCENT as PERCENT,
     law_in_words as law_in_words,
     listed as listed,
     percent as percent,

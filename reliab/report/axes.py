@@ -19,8 +19,6 @@ from reliab.vocabulary import Metric
 _STEPS = ((1, 2, 3, 4, 5, 6, 7, 8, 9), (1, 1.5, 2, 3, 5, 7), (1, 2, 5), (1, 3), (1,))
 _LEAST_PLAIN, _GREATEST_PLAIN = 1e-2, 1e4
 
-MILLI: Final = 1e3
-"""Milliseconds in a second, millimetres in a metre."""
 
 AMPLITUDE: Final = "Amplitude $A$ [-]"
 DELAY: Final = "Equivalent delay $d$ [ms]"

@@ -9,9 +9,7 @@ import numpy as np
 from reliab.criterion.methods import METHODS
 from reliab.report.prose import Math, Piece
 from reliab.significant import significant
-from reliab.vocabulary import Metric
-
-PERCENT: Final = 100.0
+from reliab.vocabulary import PERCENT, Metric
 
 ERRORS: Final = {Metric.RMS: Math(source='"RMS"^R'), Metric.MTE: Math(source='"MTE"^R')}
 """The errors of the whole test in mathematics."""

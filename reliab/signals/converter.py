@@ -9,9 +9,8 @@ conversion remains unknown.
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from reliab.arrays import Array
 
 _MOST_LEVELS = 0.25  # of the samples; the error of more levels is as good as white
 _FEWEST_LEVELS = 3  # any two lie on a grid

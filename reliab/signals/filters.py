@@ -2,9 +2,8 @@
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from reliab.arrays import Array
 
 _ROOM = 0.9  # of the Nyquist frequency: a wider pass band is no filter
 _RIPPLE = 60.0  # dB

@@ -13,10 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.compiled import compiled
 from reliab.signals.spectra import binned
-
-Array = NDArray[np.float64]
 
 CORNERS = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
 """Corner frequencies of the coloured parts [Hz]."""

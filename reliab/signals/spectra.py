@@ -1,9 +1,8 @@
 """Spectra of a history: its periodogram, the level of what lies above the motion, means over bins."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from reliab.arrays import Array
 
 
 def binned(frequency: Array, power: Array, bins: int) -> tuple[Array, Array, Array]:

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.effects import Role
 from reliab.errors import InputError
 from reliab.simulation.actuator import Actuator
@@ -15,8 +15,6 @@ from reliab.simulation.excitation import Excitation
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
 from reliab.simulation.linear_loop.cells import Cells
 from reliab.structures import Structure
-
-Array = NDArray[np.float64]
 
 LARGEST_PHASE_STEP = 0.04
 """Largest ω₀h of a step [rad]: a and b of a linear loop are then within 1e-3 of those of the exact one."""

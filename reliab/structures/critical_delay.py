@@ -14,12 +14,10 @@ The smallest is the critical delay.
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.structures.partition import Partition
-
-Array = NDArray[np.float64]
 
 _ON_AXIS = 1e-6  # real part over modulus of an eigenvalue that may lie on the imaginary axis
 _NEWTON_STEPS = 40

@@ -7,14 +7,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.effects import Effect, Role
 from reliab.errors import InputError
 from reliab.structures.frames import Frame
 from reliab.structures.frames.matrices import require_positive_definite, require_positive_semidefinite
 from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

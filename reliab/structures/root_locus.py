@@ -14,12 +14,11 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.structures.critical_delay import critical_delay
 from reliab.structures.frames.response import exact_step
 from reliab.structures.partition import Partition
-
-Array = NDArray[np.float64]
 
 _LONGEST_MEMORY = 400  # steps of delay that the map holds
 

@@ -13,9 +13,7 @@ from reliab.motions import Motion
 from reliab.progress import Progress, silent
 from reliab.simulation.frames import FrameUnderTest, rig_response, stable_with
 from reliab.sweep.excitation import excitation_of
-from reliab.vocabulary import Metric
-
-_MILLISECONDS = 1e3
+from reliab.vocabulary import MILLI, Metric
 
 
 def errors_of_rig(
@@ -67,7 +65,7 @@ def errors_of_rig(
         )
         index = frequency_evaluation(test.command, test.measured, test.step)
         errors = [response_error(test.response, test.ideal, metric) for metric in (Metric.RMS, Metric.MTE)]
-        rows.append((motion.name, *errors, index.amplitude, _MILLISECONDS * index.equivalent_delay))
+        rows.append((motion.name, *errors, index.amplitude, MILLI * index.equivalent_delay))
         progress(done, len(motions))
     return pd.DataFrame(rows, columns=columns)
 

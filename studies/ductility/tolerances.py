@@ -13,8 +13,8 @@ from typing import Any, Final
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.boundary import first_order_ellipse
 from reliab.motions import Motion
 from reliab.progress import Progress, silent
@@ -23,8 +23,6 @@ from reliab.simulation.hybrid_test import HybridTest
 from reliab.structures import Structure
 
 from .specimens import SPECIMENS, NonlinearSpecimen
-
-Array = NDArray[np.float64]
 
 DIRECTIONS: Final = ("late", "large", "small", "late_large", "late_small")
 """Lines from the perfect actuator: late (a delay alone), a gain above or below 1 alone, both together."""

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from reliab.criterion.laws import OF_MANY_MOTIONS
-from reliab.vocabulary import STANDARD_GRAVITY
+from reliab.vocabulary import MILLI, PERCENT, STANDARD_GRAVITY
 
 from .cases import DELAY_STEPS
 from .item import MISSING, Item
@@ -26,8 +26,6 @@ from .printed import (
     PrintedTables,
 )
 from .records import Records
-
-_PERCENT, _MILLISECONDS = 100.0, 1e3
 
 
 def equation_18() -> Iterator[Item]:
@@ -108,14 +106,14 @@ def table_6(printed: PrintedTables, records: Records) -> Iterator[Item]:
         number = int(case["case"])
         a, b = (float(limit) for limit in law.limits(case["f_hz"], case["xi"]))
         amplitude, delay = (_of_case(records, name, number) for name in "Ad")
-        simulated = (amplitude - 1.0) ** 2 / a + (_MILLISECONDS * delay) ** 2 / b
+        simulated = (amplitude - 1.0) ** 2 / a + (MILLI * delay) ** 2 / b
         of_table = (case["A"] - 1.0) ** 2 / a + case["d_ms"] ** 2 / b
-        late = _MILLISECONDS * (DELAY_STEPS - case["alpha_es"]) / RATE_HZ
+        late = MILLI * (DELAY_STEPS - case["alpha_es"]) / RATE_HZ
         for quantity, value, tables, recomputed, unit in (
             ("A − 1", case["A"] - 1.0, case["amplitude_error"] - 1.0, amplitude - 1.0, "1"),
-            ("d", case["d_ms"], late, _MILLISECONDS * delay, "ms"),
+            ("d", case["d_ms"], late, MILLI * delay, "ms"),
             ("index of equation (18)", case["index_eq18"], of_table, simulated, "1"),
-            ("RMS^R", case["rms_percent"], MISSING, _PERCENT * _of_case(records, "rms", number), "%"),
+            ("RMS^R", case["rms_percent"], MISSING, PERCENT * _of_case(records, "rms", number), "%"),
         ):
             yield Item(
                 item="Table 6",

@@ -6,10 +6,9 @@ import pandas as pd
 
 from reliab.criterion import Criterion
 from reliab.motions import Motion
+from reliab.vocabulary import MILLI
 
 from .cases import run_paper_cases
-
-_MILLISECONDS = 1e3
 
 CriterionOf = Callable[[float, float], Criterion]
 """Gives the criterion of a structure: frequency [Hz] and damping ratio [-]."""
@@ -55,7 +54,7 @@ def case_verdicts(
                     "xi": case.damping_ratio,
                     "estimated_delay": case.estimated_delay,
                     "A": outcome.amplitude,
-                    "d_ms": _MILLISECONDS * outcome.equivalent_delay,
+                    "d_ms": MILLI * outcome.equivalent_delay,
                     "rms": outcome.rms,
                     "good": outcome.rms <= criterion.threshold,
                     "criterion": name,

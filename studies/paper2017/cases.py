@@ -21,6 +21,7 @@ from reliab.motions import Motion, resample, truncate
 from reliab.simulation import Actuator
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
 from reliab.structures import Structure
+from reliab.vocabulary import MILLI
 
 from .equipment import compensator_of, integrator_of
 from .printed import (
@@ -31,7 +32,6 @@ from .printed import (
     PrintedTables,
 )
 
-_MILLISECONDS = 1e3
 DELAY_STEPS = 4
 """Steps by which the actuator is late; not printed, but in Table 6 d is this less α_es, in steps."""
 
@@ -251,7 +251,7 @@ def case_table(cases: xr.Dataset) -> pd.DataFrame:
     printed = PrintedTables.read().cases.set_index("case").loc[cases["case"].values]
     f, xi, amplitude, delay, rms = (cases[name].values for name in ("f", "xi", "A", "d", "rms"))
     a, b = OF_MANY_MOTIONS["guo_2017_18"].limits(f, xi)
-    index = (amplitude - 1.0) ** 2 / a + (_MILLISECONDS * delay) ** 2 / b
+    index = (amplitude - 1.0) ** 2 / a + (MILLI * delay) ** 2 / b
     ideal = cases["ideal"].transpose("case", "time").values
     crest = np.abs(ideal).max(axis=1) / np.sqrt(np.mean(ideal**2, axis=1))
     return pd.DataFrame(

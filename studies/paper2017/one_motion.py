@@ -6,6 +6,7 @@ import numpy as np
 
 from reliab.structures import Structure
 from reliab.structures.stability import critical_delay
+from reliab.vocabulary import MILLI, PERCENT
 
 from .fits import exponential, proportional
 from .item import MISSING, Item
@@ -34,7 +35,6 @@ from .printed import (
 )
 from .records import Records
 
-_PERCENT, _MILLISECONDS = 100.0, 1e3
 _UNITS = {"ellipse": ("1", "ms2"), "cosine": ("ms", "1"), "parabola": ("ms", "ms")}
 
 
@@ -127,7 +127,7 @@ def figures_2_to_9(records: Records) -> Iterator[Item]:
 def _histories(records: Records) -> Iterator[Item]:
     peak, late, raised = MISSING, MISSING, MISSING
     if records.example is not None:
-        displacement = _MILLISECONDS * abs(records.example["displacement"])
+        displacement = MILLI * abs(records.example["displacement"])
         peak = float(displacement.isel(test=0).sel(time=slice(*INTERVAL_OF_FIGURE_2)).max())
         around = slice(INSTANT_OF_FIGURE_3 - 1.0, INSTANT_OF_FIGURE_3 + 1.0)
         late = float(displacement.isel(test=1).sel(time=around).max())
@@ -143,11 +143,11 @@ def _histories(records: Records) -> Iterator[Item]:
 def _errors(records: Records) -> Iterator[Item]:
     example = records.example
     amplitude, _ = SHOWN_TESTS[2]
-    critical = _MILLISECONDS * critical_delay(Structure(frequency=ONE_HERTZ, damping_ratio=TWO_PERCENT))
+    critical = MILLI * critical_delay(Structure(frequency=ONE_HERTZ, damping_ratio=TWO_PERCENT))
     yield Item(
         item="Figure 4",
         quantity="critical delay",
-        printed=_MILLISECONDS * CRITICAL_DELAY,
+        printed=MILLI * CRITICAL_DELAY,
         from_tables=float(critical),
         unit="ms",
     )
@@ -155,8 +155,8 @@ def _errors(records: Records) -> Iterator[Item]:
         late, small = MISSING, MISSING
         if example is not None:
             errors = example.sel(metric=name)
-            late = _PERCENT * float(errors["error_of_delay"].sel(long_delay=CRITICAL_DELAY, method="nearest"))
-            small = _PERCENT * float(errors["error_of_gain"].sel(gain=amplitude, method="nearest"))
+            late = PERCENT * float(errors["error_of_delay"].sel(long_delay=CRITICAL_DELAY, method="nearest"))
+            small = PERCENT * float(errors["error_of_gain"].sel(gain=amplitude, method="nearest"))
         yield Item(
             item="Figure 4",
             quantity=f"{name.upper()}^R at 6.4 ms",

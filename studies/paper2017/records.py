@@ -5,8 +5,8 @@ from functools import cached_property
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.boundary import Contour
 from reliab.boundary.curves import Cosine, Curve, Ellipse, Parabola
 from reliab.criterion import EllipseSample, is_ellipse
@@ -14,8 +14,6 @@ from reliab.vocabulary import CurveName, Metric, Side
 
 from .fits import quantile
 from .printed import EXAMPLE, FIVE_PERCENT, ONE_HERTZ, TWO_PERCENT
-
-Values = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -38,12 +36,12 @@ class Records:
     cases: xr.Dataset | None = None
 
     @cached_property
-    def frequencies(self) -> Values:
+    def frequencies(self) -> Array:
         """Frequencies of the ellipses [Hz], increasing."""
         return self._nodes("f")
 
     @cached_property
-    def damping_ratios(self) -> Values:
+    def damping_ratios(self) -> Array:
         """Damping ratios of the ellipses [-], increasing."""
         return self._nodes("xi")
 
@@ -52,8 +50,8 @@ class Records:
         """Names of the motions that have ellipses."""
         return [] if self.ellipses is None else [str(name) for name in self.ellipses["motion"].values]
 
-    def of_motions(self, parameter: str, frequency: float, damping_ratio: float = TWO_PERCENT) -> Values:
-        """Values "a" [-], "b" [ms²] or "sse" [ms⁴] of all motions at a structure; empty where unknown."""
+    def of_motions(self, parameter: str, frequency: float, damping_ratio: float = TWO_PERCENT) -> Array:
+        """Array "a" [-], "b" [ms²] or "sse" [ms⁴] of all motions at a structure; empty where unknown."""
         if self.ellipses is None or parameter not in self.ellipses:
             return np.empty(0)
         cells = self.ellipses[parameter]
@@ -74,15 +72,15 @@ class Records:
         values = self.of_motions(parameter, frequency, damping_ratio)
         return float(values[self.motions.index(motion)]) if values.size and motion in self.motions else np.nan
 
-    def over_frequencies(self, parameter: str) -> Values:
+    def over_frequencies(self, parameter: str) -> Array:
         """Value of the example's motion at each frequency, at 2 % damping."""
         return np.array([self.of_motion(parameter, f, TWO_PERCENT) for f in self.frequencies.tolist()])
 
-    def over_damping_ratios(self, parameter: str) -> Values:
+    def over_damping_ratios(self, parameter: str) -> Array:
         """Value of the example's motion at each damping ratio, at 1 Hz."""
         return np.array([self.of_motion(parameter, ONE_HERTZ, xi) for xi in self.damping_ratios.tolist()])
 
-    def guaranteed(self, parameter: str) -> Values:
+    def guaranteed(self, parameter: str) -> Array:
         """5 % quantiles over the motions at each frequency, at 2 % damping: Table 3."""
         return np.array([quantile(self.of_motions(parameter, f)) for f in self.frequencies.tolist()])
 
@@ -115,7 +113,7 @@ class Records:
         contour, kinds = contour_with_ends(self.example), (Ellipse, Cosine, Parabola)
         return {kind.name: kind.fit(contour) for kind in kinds}
 
-    def _nodes(self, name: str) -> Values:
+    def _nodes(self, name: str) -> Array:
         if self.ellipses is None:
             return np.empty(0)
         return np.sort(self.ellipses[name].values.astype(np.float64))

@@ -1,15 +1,12 @@
 """Structures of the study: springs, dampers and masses, at floors and in storeys."""
 
-import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from reliab_studies.rths_benchmark.benchmark import benchmark_partition
 
+from reliab.arrays import Array
 from reliab.structures import Partition, Specimen, Structure, drift_interface, floor_interface, with_specimen
 from reliab.structures.critical_delay import critical_delay
 from reliab.structures.frames import Frame, modal_damping, shear_frame
-
-Array = NDArray[np.float64]
 
 
 def partitioned_structures() -> dict[str, Partition]:

@@ -6,11 +6,9 @@ The paper of the benchmark numbers J5 to J7 differently (its J5 is J6 here, its 
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.simulation.laboratory import Run
-
-Array = NDArray[np.float64]
 
 NAMES: Final = tuple(f"J{number}" for number in range(1, 10))
 

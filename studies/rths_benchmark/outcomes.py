@@ -9,7 +9,6 @@ from typing import Any, Final
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from reliab.assessment import whole_structure, word_of_probability
 from reliab.assessment.rebuilt_error import rebuild
@@ -32,8 +31,6 @@ from .benchmark import (
     scaled_record,
 )
 from .criteria import NAMES, benchmark_criteria
-
-Array = NDArray[np.float64]
 
 NOMINAL: Final = "nominal"
 """What the plant of the benchmark is called in results; others by their number."""

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from reliab_studies.paper2017.item import CLOSE
 from reliab_studies.paper2017.printed import ONE_HERTZ, TWO_PERCENT
 
+from reliab.arrays import Array
 from reliab.boundary.curves import Ellipse
 from reliab.errors import InputError
 from reliab.motions import Motion
@@ -26,8 +27,6 @@ from reliab.progress import Progress, silent
 from reliab.structures import Structure
 
 from .hidden_difference import Difference, differences, logarithms, simulated_ellipse
-
-Array = NDArray[np.float64]
 
 LARGEST_CHANCE = 0.05
 """Probability of an explanation by chance from which no name is given."""

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.boundary import motion_contours
 from reliab.boundary.curves import Ellipse
 from reliab.motions import Motion
@@ -16,7 +16,6 @@ from reliab.significant import significant
 from reliab.simulation import Excitation, Loop
 from reliab.structures import Structure
 
-Array = NDArray[np.float64]
 Pair = tuple[float, float]
 
 NO_ELLIPSE: Pair = (np.nan, np.nan)

@@ -3,15 +3,13 @@
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.initial import Start, examine_start
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.errors import InputError
 from reliab.significant import significant
-
-Array = NDArray[np.float64]
 
 FEWEST_SAMPLES = 64
 """Smallest number of samples from which an error is rebuilt."""

@@ -22,12 +22,11 @@ import scipy
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.lapped_transform import analyse, synthesise
 from reliab.assessment.rebuilt_error.level_likelihood import level_likelihood
 from reliab.assessment.rebuilt_error.noise import SensorNoise, white_floor
 from reliab.signals import converter_step, rounded_differently
-
-Array = NDArray[np.float64]
 
 _PERIODS_OF_HOP = 4.0  # of the structure, from one frame to the next
 _FEWEST_FRAMES = 4

@@ -5,11 +5,9 @@ the kernel's length.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.kernel import Kernel
-
-Array = NDArray[np.float64]
 
 
 def fit_equation(columns: Array, target: Array, kernel: Kernel) -> tuple[Array, Array, Array]:

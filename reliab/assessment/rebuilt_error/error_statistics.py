@@ -6,12 +6,10 @@ Both are normalised by the peak of the exact response, as in `reliab.indices.res
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.recursion import advance
 from reliab.compiled import compiled
-
-Array = NDArray[np.float64]
 
 
 def mean_square(values: Array) -> float:

@@ -1,11 +1,9 @@
 """A force that is fed back late: the earlier displacement to which the fed-back force belongs."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.errors import InputError
-
-Array = NDArray[np.float64]
 
 _SUPPORT = 3  # samples before the newest that the interpolation uses
 

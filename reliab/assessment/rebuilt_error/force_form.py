@@ -12,15 +12,13 @@ influence, a wrong scale of the force is not detected, and the channel with less
 from enum import StrEnum
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.noise import estimate_noise
 from reliab.assessment.rebuilt_error.spectral import filtered
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.errors import InputError
 from reliab.significant import significant
-
-Array = NDArray[np.float64]
 
 _TINY = 1e-12
 

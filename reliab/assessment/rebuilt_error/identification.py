@@ -23,16 +23,14 @@ derivatives are put on the kernel (weak form: Messenger and Bortz 2021, Multisca
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.equation_fit import fit_equation
 from reliab.assessment.rebuilt_error.kernel import Kernel
 from reliab.assessment.rebuilt_error.specimen_spring import fit_spring
 from reliab.errors import InputError
 from reliab.significant import significant
 from reliab.structures import Structure
-
-Array = NDArray[np.float64]
 
 _FEWEST_PERIODS = 4.0
 _SIGNIFICANT = 3.0  # standard errors

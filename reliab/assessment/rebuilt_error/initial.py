@@ -15,9 +15,8 @@ from dataclasses import dataclass
 from enum import Enum, auto
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from reliab.arrays import Array
 
 _AT_REST = 1e-3  # share of the largest displacement up to which the first motion counts as rest
 _STILL = 2e-3  # share up to which the command still counts as standing

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.error_statistics import mean_square, sweep_draws
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.recursion import Recursion, equilibrium, respond
@@ -18,8 +18,6 @@ from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.swept import Swept
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, first_mode
-
-Array = NDArray[np.float64]
 
 _LEAST = 0.05  # of a stated value: a draw goes no lower
 _IN_PERIOD_OF_BAND = 0.25  # of the period of the highest frequency of the motion that a step may be

@@ -4,9 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from reliab.arrays import Array
 
 _PERIODS_OF_KERNEL = 0.5
 _PER_PERIOD = 24.0  # samples of the equation in a period

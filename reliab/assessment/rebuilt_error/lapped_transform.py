@@ -8,9 +8,8 @@ uncorrelated; coefficient k of a frame stands at the frequency (k + 1/2)/(2·hop
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from reliab.arrays import Array
 
 
 def analyse(values: Array, hop: int) -> Array:

@@ -1,11 +1,9 @@
 """Likelihood of the level of an actuator's remaining error in a band of frequencies."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.compiled import compiled
-
-Array = NDArray[np.float64]
 
 _FACTORS_OF_A_LOGARITHM = 8  # each below 1e25, so that their product stays finite
 

@@ -16,8 +16,8 @@ do not, one in a hundred fell to less than half of its error after that.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.channels import FEWEST_SAMPLES
 from reliab.assessment.rebuilt_error.rebuild import DRAWS as DRAWS_AT_END
 from reliab.assessment.rebuilt_error.running_error import RunningError
@@ -34,8 +34,6 @@ from reliab.errors import InputError
 from reliab.recordings import LARGEST_READING
 from reliab.structures import Partition, Structure
 from reliab.vocabulary import Metric
-
-Array = NDArray[np.float64]
 
 DRAWS = 64
 """Draws behind the intervals of a running test."""

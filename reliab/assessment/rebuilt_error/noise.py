@@ -12,11 +12,9 @@ from functools import cached_property
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.signals import binned, fit_levels, low_pass, noise_shapes, periodogram, smoothed, upper_level
-
-Array = NDArray[np.float64]
 
 CORNERS = (0.3, 1.0, 3.0, 10.0, 30.0)
 """Corner frequencies of the slow parts [Hz]."""

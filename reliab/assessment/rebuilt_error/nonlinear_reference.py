@@ -18,8 +18,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.channels import checked_histories, stated_start
 from reliab.assessment.rebuilt_error.difference_draws import draw_differences
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
@@ -33,8 +33,6 @@ from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.effects import Effect, Role
 from reliab.errors import InputError
 from reliab.simulation.hybrid_test import HybridTest, Motion3, load, run_closed_loop
-
-Array = NDArray[np.float64]
 
 DRAWS = 64
 """Number of draws of the specimen and of everything else that is uncertain."""

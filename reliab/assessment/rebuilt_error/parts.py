@@ -13,14 +13,12 @@ without a part holds to first order only, because a better actuator also changes
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.interval import Histories
 from reliab.assessment.rebuilt_error.recursion import Recursion, equilibrium, respond
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
-
-Array = NDArray[np.float64]
 
 AMPLITUDE = "amplitude"
 DELAY = "delay"

@@ -13,8 +13,8 @@ a linear structure with the stated properties (derivation: subtract the two equa
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.channels import checked_histories, stated_start
 from reliab.assessment.rebuilt_error.feedback import delayed
 from reliab.assessment.rebuilt_error.force_form import Form, combined_reading, felt_displacement
@@ -27,8 +27,6 @@ from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, whole_structure
 from reliab.errors import InputError
 from reliab.structures import Partition, Structure
-
-Array = NDArray[np.float64]
 
 DRAWS = 256
 """Number of draws of the uncertain quantities, a power of two."""

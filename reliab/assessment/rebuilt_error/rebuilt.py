@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.initial import Start
 from reliab.assessment.rebuilt_error.interval import Histories, Unknown
 from reliab.assessment.rebuilt_error.noise import SensorNoise
@@ -13,8 +13,6 @@ from reliab.assessment.rebuilt_error.spread import HALF_WIDTH, Estimate, Spread
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.assessment.rebuilt_error.widenings import Widening, widenings
 from reliab.vocabulary import Metric
-
-Array = NDArray[np.float64]
 
 _WIDENING_DRAWS = 128
 

@@ -8,14 +8,12 @@ offset.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.feedback import delayed
 from reliab.assessment.rebuilt_error.recursion import Recursion, advance, equilibrium
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.compiled import compiled
-
-Array = NDArray[np.float64]
 
 _ROWS = 5  # command, measured, error, response to a constant, decay from equilibrium
 _CAPACITY = 4096

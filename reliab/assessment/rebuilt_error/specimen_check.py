@@ -15,11 +15,10 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.compiled import compiled
 from reliab.errors import InputError
 from reliab.significant import significant
-
-Array = NDArray[np.float64]
 
 _PER_PERIOD = 48.0  # samples in a period
 _BAND = 10.0  # natural frequencies that are kept

@@ -8,12 +8,10 @@ between the two channels, a dashpot in the specimen or a force that comes late (
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.equation_fit import fit_equation
 from reliab.assessment.rebuilt_error.kernel import Kernel
-
-Array = NDArray[np.float64]
 
 _CLEAR = 10.0  # standard errors: a stiffness that is less certain is none
 

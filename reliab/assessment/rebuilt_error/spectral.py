@@ -15,9 +15,9 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 
-Array = NDArray[np.float64]
 Transfer = Callable[[NDArray[np.complex128]], NDArray[np.complex128]]
 
 _WRAPAROUND = 1e-11  # what is left of a response after one period of the transform

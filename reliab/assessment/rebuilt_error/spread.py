@@ -13,11 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.vocabulary import Metric
-
-Array = NDArray[np.float64]
 
 LEVEL = 0.90
 """Level of the intervals."""

@@ -26,11 +26,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, first_mode
-
-Array = NDArray[np.float64]
 
 MEMORY = 2.0
 """Periods after which the window has forgotten all but 1/e."""

@@ -10,8 +10,8 @@ makes the interval rather too wide than too narrow.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.channels import checked_histories, stated_start
 from reliab.assessment.rebuilt_error.difference_draws import draw_differences
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
@@ -26,8 +26,6 @@ from reliab.assessment.rebuilt_error.swept import Swept
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.vocabulary import Metric
-
-Array = NDArray[np.float64]
 
 _STANDS = 1e-9  # share of the largest response up to which a command counts as standing still
 _SAMPLES_SWEPT = 1 << 15  # of a stretch

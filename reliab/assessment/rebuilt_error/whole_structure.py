@@ -5,10 +5,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.structures import Partition, Structure
-
-Array = NDArray[np.float64]
 
 _MOVES = 1e-6  # of a mode's largest displacement: less at the interface is none
 

@@ -3,14 +3,10 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-import numpy as np
-from numpy.typing import NDArray
-
+from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.interval import Histories, Unknown, sweep
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.vocabulary import Metric
-
-Array = NDArray[np.float64]
 
 _HALVINGS = 6
 

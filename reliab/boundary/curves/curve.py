@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 
 from reliab.boundary.contour import Contour
 from reliab.errors import InputError
-from reliab.vocabulary import CurveName
+from reliab.vocabulary import MILLI, CurveName
 
-MILLISECONDS = 1e3
 _FEWEST_POINTS = 3
 
 
@@ -81,7 +80,7 @@ class Curve(ABC):
                 value=contour.amplitude.size,
                 remedy="Sample the contour more finely",
             )
-        offset, delay = contour.amplitude - 1.0, MILLISECONDS * contour.delay
+        offset, delay = contour.amplitude - 1.0, MILLI * contour.delay
         a, b = cls._parameters(offset, delay)
         misfit = cls._squared_delay(offset, a, b) - delay**2
         return cls(a=a, b=b, sse=float(misfit @ misfit), n=offset.size)
@@ -91,4 +90,4 @@ class Curve(ABC):
         if self.n == 0:
             return np.full(np.shape(amplitude), np.nan)
         squared = self._squared_delay(np.asarray(amplitude) - 1.0, self.a, self.b)
-        return np.sqrt(np.where(squared >= 0.0, squared, np.nan)) / MILLISECONDS
+        return np.sqrt(np.where(squared >= 0.0, squared, np.nan)) / MILLI

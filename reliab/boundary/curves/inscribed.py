@@ -7,9 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.boundary.contour import Contour
-from reliab.boundary.curves.curve import MILLISECONDS
 from reliab.boundary.curves.ellipse import Ellipse
-from reliab.vocabulary import CurveName
+from reliab.vocabulary import MILLI, CurveName
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,9 +54,9 @@ class InscribedEllipse(Ellipse):
             return cls(a=0.0, b=0.0, sse=0.0, n=0)
         offset = amplitude - 1.0
         width = min(-float(offset.min()), float(offset.max()))
-        squares = np.stack([np.append(offset**2, width**2), np.append((MILLISECONDS * delay) ** 2, 0.0)])
+        squares = np.stack([np.append(offset**2, width**2), np.append((MILLI * delay) ** 2, 0.0)])
         a, b = _largest_below(_lower_hull(squares))
-        misfit = cls._squared_delay(contour.amplitude - 1.0, a, b) - (MILLISECONDS * contour.delay) ** 2
+        misfit = cls._squared_delay(contour.amplitude - 1.0, a, b) - (MILLI * contour.delay) ** 2
         return cls(a=a, b=b, sse=float(misfit @ misfit), n=contour.amplitude.size)
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 from reliab.cli.output import console, table, write_json
 from reliab.errors import InputError
 from reliab.files import written_whole
+from reliab.vocabulary import MILLI
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -15,7 +16,6 @@ if TYPE_CHECKING:
 
 _NINETY_FIVE = 0.95
 _BAR = 40
-_MILLISECONDS = 1e3
 
 
 def answer_design(design: "Design", figure: Path | None, json_target: str | None) -> None:
@@ -58,9 +58,9 @@ def _show_design(rows: "Sequence[Tolerance]", chart: "Sequence[Tolerance]") -> N
             f"{tolerance.frequency:g}{'*' if tolerance.outside_validity else ''}",
             f"{tolerance.confidence:.0%}",
             f"{tolerance.amplitude_error:.4f}",
-            f"{_MILLISECONDS * tolerance.delay:.3f}",
+            f"{MILLI * tolerance.delay:.3f}",
             f"{amplitude:.4f}",
-            f"{_MILLISECONDS * delay:.3f}",
+            f"{MILLI * delay:.3f}",
         )
     terminal = console()
     terminal.print(shown)
@@ -83,6 +83,6 @@ def _show_chart(chart: "Sequence[Tolerance]", terminal: Any) -> None:  # noqa: A
     for point in chosen:
         bar = "█" * max(round(_BAR * point.delay / longest), 1)
         shown.add_row(
-            f"{point.frequency:g}", f"{point.amplitude_error:.4f}", f"{_MILLISECONDS * point.delay:.3f}", bar
+            f"{point.frequency:g}", f"{point.amplitude_error:.4f}", f"{MILLI * point.delay:.3f}", bar
         )
     terminal.print(shown)

@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING, Any
 
 from reliab.cli.output import console, table
 from reliab.significant import significant
+from reliab.vocabulary import PERCENT
 
 if TYPE_CHECKING:
     from reliab.assessment import Assessment
 
 _STYLES = {"reliable": "bold green", "undecided": "bold yellow", "not_reliable": "bold red"}
-_PERCENT = 100.0
 
 
 def show_assessment(assessment: "Assessment") -> None:
@@ -39,7 +39,7 @@ def _headline(assessment: "Assessment") -> str:
     name = ERROR_NAMES[assessment.metric]
     return (
         f"{assessment.verdict.word.shout}: {name} is {assessment.error.of(assessment.metric).value:.2%} "
-        f"against {significant(_PERCENT * assessment.criterion.threshold)}%, "
+        f"against {significant(PERCENT * assessment.criterion.threshold)}%, "
         f"probability {probability_text(assessment.probability)} of staying below"
     )
 
@@ -52,7 +52,7 @@ def _asked(assessment: "Assessment") -> str:
         for name, symbol, unit in (("f", "f", " Hz"), ("xi", "ξ", ""), ("alpha", "α", ""))
     )
     return (
-        f"Structure {stated}; threshold {significant(_PERCENT * assessment.criterion.threshold)}% "
+        f"Structure {stated}; threshold {significant(PERCENT * assessment.criterion.threshold)}% "
         f"({ERROR_NAMES[assessment.metric]}); "
         f"window of the error: the test's own {assessment.recording.duration:.4g} s. RMS^R is the root mean "
         "square, MTE^R the largest value, of measured minus exact displacement, both over the peak of the "
@@ -69,7 +69,7 @@ def _errors(summary: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
     )
     for name, key in (("RMS^R", "rms"), ("MTE^R", "mte")):
         size = summary["error"][key]
-        shown.add_row(name, f"{size['value']:.2%}", f"{_PERCENT * size['low']:.2f} … {size['high']:.2%}")
+        shown.add_row(name, f"{size['value']:.2%}", f"{PERCENT * size['low']:.2f} … {size['high']:.2%}")
     for name, part in summary["error"]["parts"].items():
         shown.add_row(
             f"  from {PART_NAMES[name]}",

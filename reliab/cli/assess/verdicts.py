@@ -11,12 +11,12 @@ from reliab.encodings import as_cell
 from reliab.errors import InputError
 from reliab.files import written_whole
 from reliab.significant import significant
+from reliab.vocabulary import PERCENT
 
 if TYPE_CHECKING:
     from reliab.assessment import Assessment, Assessments, FrameAssessment
     from reliab.cli.assess.filed_report import Report
 
-_PERCENT = 100.0
 _COLUMNS = {
     "test": "left",
     "verdict": "left",
@@ -108,7 +108,7 @@ def _write_table(out: Path | None, contents: list[dict[str, Any]]) -> None:
 def _show(contents: list[dict[str, Any]]) -> None:
     judged = [content for content in contents if "fault" not in content]
     asked = (
-        f", {judged[0]['metric'].upper()} against {significant(_PERCENT * judged[0]['threshold'])}%"
+        f", {judged[0]['metric'].upper()} against {significant(PERCENT * judged[0]['threshold'])}%"
         if judged
         else ""
     )
@@ -132,7 +132,7 @@ def _row(content: dict[str, Any]) -> list[str]:
         content["file"],
         content["verdict"].replace("_", " "),
         f"{error['value']:.2%}",
-        f"{_PERCENT * error['low']:.2f} … {error['high']:.2%}",
+        f"{PERCENT * error['low']:.2f} … {error['high']:.2%}",
         probability_text(content["probability"]),
         f"{content['A']:.5f}",
         f"{content['d_ms']:.4f}",

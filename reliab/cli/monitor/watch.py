@@ -13,9 +13,8 @@ from reliab.cli.monitor.sample_times import at_equal_steps, time_step
 from reliab.cli.monitor.stated_test import StatedTest
 from reliab.cli.output import console, table
 from reliab.significant import significant
-from reliab.vocabulary import Metric
+from reliab.vocabulary import PERCENT, Metric
 
-_PERCENT = 100.0
 _GLANCE = 0.1  # s of the test between two looks at the alarms
 _CRITICAL = 0.25  # share of the structure's damping ratio below which a warning is given
 
@@ -152,7 +151,7 @@ class Watch:
         return (
             f"{message['time_s']:8.2f} s  {self.metric.upper()} {error['value']:.2%} (90 %: "
             f"{error['low']:.2%} to {error['high']:.2%}), below "
-            f"{significant(_PERCENT * self.threshold)}% with "
+            f"{significant(PERCENT * self.threshold)}% with "
             f"probability {message['error']['probability']:.3f}, net damping "
             + ("not settled" if damping is None else f"{damping:.2%}")
         )
@@ -172,9 +171,7 @@ class Watch:
                 f"{error.value:.2%} ({error.low:.2%} to {error.high:.2%})",
             )
             probability = result.probability(self.threshold, self.metric)
-            shown.add_row(
-                f"probability below {significant(_PERCENT * self.threshold)}%", f"{probability:.3f}"
-            )
+            shown.add_row(f"probability below {significant(PERCENT * self.threshold)}%", f"{probability:.3f}")
         damping = None if now.damping is None else now.damping.ratio
         shown.add_row("net damping ratio", "not settled" if damping is None else f"{damping:.2%}")
         for alarm in self.alarms.values():

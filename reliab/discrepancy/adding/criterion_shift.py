@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import norm
 
+from reliab.arrays import Array
 from reliab.boundary import motion_contours
 from reliab.boundary.curves import Ellipse
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
@@ -15,8 +15,6 @@ from reliab.motions import load_motions
 from reliab.renamed import renamed_method
 from reliab.simulation import EffectLoop, Excitation
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
-
-Array = NDArray[np.float64]
 
 THRESHOLD, CONFIDENCE = 0.05, 0.95
 """Error on the boundary [-] and share of the motions for which the criterion holds, as in the paper."""

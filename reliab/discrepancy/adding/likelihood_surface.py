@@ -15,13 +15,11 @@ from itertools import combinations
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.sampling import Model, Parameter
-
-Array = NDArray[np.float64]
 
 _REACH = np.sqrt(3.0)  # standard deviations: the nodes of Gauss and Hermite of order three
 _WIDE = 10.0  # standard deviations within which the mode is looked for

@@ -6,16 +6,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.discrepancy.adding.likelihood_surface import LikelihoodSurface, log_density, simulated
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import MODEL_ERROR, ModelSpace
 from reliab.progress import Progress, silent
 from reliab.sampling import Ensembles, PosteriorSample, sample
-
-Array = NDArray[np.float64]
 
 SMALLEST_AGREEMENT = 0.7
 """Share of simulated draws that importance weights leave in effect, from which the surface is trusted."""

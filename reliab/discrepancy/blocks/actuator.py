@@ -5,8 +5,8 @@ from copy import copy
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.discrepancy.blocks.calibration import delay, gain
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
@@ -14,8 +14,6 @@ from reliab.discrepancy.terms import outside_terms
 from reliab.effects import Role, Scales, SensorBias, library
 from reliab.simulation.hybrid_test import HybridTest, Motion3, drive, read_displacement
 from reliab.vocabulary import Block
-
-Array = NDArray[np.float64]
 
 _ON_THE_WAY = (Role.DELAY, Role.PISTON)
 _SKETCHED_RATE = 500.0  # Hz

@@ -15,9 +15,9 @@ from copy import copy
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft
 
+from reliab.arrays import Array, Spectrum
 from reliab.discrepancy.blocks.calibration import structure_damping, structure_frequency
 from reliab.discrepancy.blocks.curved_ground import curvature_between_samples
 from reliab.discrepancy.blocks.observed import ObservedBlock
@@ -25,9 +25,6 @@ from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.effects import IntegrationError, RecordEffect, Role, Scales, library
 from reliab.simulation.hybrid_test import HybridTest, Motion3
 from reliab.vocabulary import Block
-
-Array = NDArray[np.float64]
-Spectrum = NDArray[np.complex128]
 
 _RETURN = 1.0  # s, within which a record is closed to a period
 _STEPS_TO_ANSWER = 2.0  # of an integration, after which the command shows what was demanded

@@ -13,9 +13,9 @@ is stepped exactly for loads that are straight between samples.
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import null_space
 
+from reliab.arrays import Array
 from reliab.compiled import compiled
 from reliab.discrepancy.blocks.balance import motion_of_command
 from reliab.discrepancy.blocks.curved_ground import curvature_between_samples
@@ -27,8 +27,6 @@ from reliab.simulation.hybrid_test import HybridTest
 from reliab.structures import Partition
 from reliab.structures.frames import exact_step
 from reliab.vocabulary import Block
-
-Array = NDArray[np.float64]
 
 
 class InnerMotion:

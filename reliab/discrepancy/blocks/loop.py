@@ -6,9 +6,9 @@ from dataclasses import replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import signal
 
+from reliab.arrays import Array
 from reliab.discrepancy.blocks.calibration import damping, delay, gain, scale_of_excitation, stiffness
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
@@ -26,8 +26,6 @@ from reliab.effects import (
 )
 from reliab.simulation.hybrid_test import HybridTest, Motion3, read_displacement, run_closed_loop
 from reliab.vocabulary import Block
-
-Array = NDArray[np.float64]
 
 _COARSEST_RATE = 500.0  # Hz; at half of this the error of the integration looks like an added mass at 50 dB
 _FEWEST_STEPS = 60.0  # of the integration in a natural period; what they miss is 70 dB below the signal

@@ -4,17 +4,15 @@ from abc import ABC, abstractmethod
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from reliab.arrays import Array
 from reliab.discrepancy.blocks.calibration import Calibration
 from reliab.discrepancy.campaign.campaign import Channel, MeasuredTest
 from reliab.discrepancy.spectra.smoothing import highest_frequency
 from reliab.effects import AddedMass, Effect, Scales, ViscousDamping
 from reliab.simulation.hybrid_test import HybridTest, Motion3
 from reliab.vocabulary import Block
-
-Array = NDArray[np.float64]
 
 
 class ObservedBlock(ABC):

@@ -6,8 +6,8 @@ from dataclasses import replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.discrepancy.blocks.calibration import Calibration, stiffness, unknown_stiffness
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
@@ -27,8 +27,6 @@ from reliab.effects import (
 from reliab.simulation.hybrid_test import HybridTest, Motion3, follow, load, read_displacement, read_force
 from reliab.structures import Specimen
 from reliab.vocabulary import Block
-
-Array = NDArray[np.float64]
 
 _NODES = np.sqrt(3.0) * np.array([-1.0, 0.0, 1.0])  # of Gauss and Hermite
 _WEIGHTS = np.array([1.0, 4.0, 1.0]) / 6.0

@@ -12,13 +12,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Spectrum
 from reliab.assessment import plain_faults, require_plausible, require_restoring_force
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.errors import InputError
 from reliab.recordings import Recording
 from reliab.significant import significant
 
-Spectrum = NDArray[np.complex128]
 Pair = tuple[Channel, Channel]
 
 _REMEDY: Final = (

@@ -4,7 +4,6 @@ from collections.abc import Iterable
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from numpy.typing import NDArray
 
 from reliab.discrepancy.fitting.fit import Fit, fit, refined
 from reliab.discrepancy.fitting.left_out import LeftOut, left_out
@@ -13,8 +12,6 @@ from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.terms import is_outside
 from reliab.effects import Effect
 from reliab.signals import NoiseModel
-
-Array = NDArray[np.float64]
 
 COST = 4.0
 """Logarithm of the prior odds against one more effect."""

@@ -1,13 +1,11 @@
 """The band in which a block's input tells anything of its output."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.spectra.segment import Segment
-
-Array = NDArray[np.float64]
 
 _LEAST_EXPLAINED = 0.5  # of the channel's power
 _SMOOTHED = 1.0  # Hz

@@ -13,12 +13,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.discrepancy.fitting.fit import Fit, bounded_step, improved
 from reliab.discrepancy.fitting.problem import Problem, relative_powers
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.spectra.segment import Segment, energy_of
-
-Array = NDArray[np.float64]
 
 _RAN_AWAY = 1e300
 _FEWEST_TESTS = 2  # that have a standard error

@@ -1,16 +1,14 @@
 """Lines in the spectrum of what a model leaves over."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.terms.periodic import Disturbance, disturbance
 from reliab.effects import Role
 from reliab.signals import near_mains
 from reliab.vocabulary import Block
-
-Array = NDArray[np.float64]
 
 _HIGH = 25.0  # times the noise's power, on the average of the segments
 _LOWEST = 0.2  # Hz

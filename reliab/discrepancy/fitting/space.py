@@ -5,13 +5,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.effects import Effect, LinearEffect, Parameter
 from reliab.simulation.hybrid_test import HybridTest
-
-Array = NDArray[np.float64]
 
 MODEL_ERROR = 1e-4
 """Relative standard deviation that is added to every parameter, because simulation and machine differ too.

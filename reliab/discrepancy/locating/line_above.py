@@ -9,17 +9,15 @@ displacement; and it must not lie at a multiple of the mains' frequency, where i
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft, ndimage, signal, stats
 
+from reliab.arrays import Array
 from reliab.discrepancy.campaign.campaign import Channel
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.spectra.segment import Segment
 from reliab.signals import near_mains
 from reliab.vocabulary import Block
-
-Array = NDArray[np.float64]
 
 _CHANCE = 1e-7  # that noise alone shows a line anywhere
 _LEAST = 8.0  # times the power around it, on the average of the stretches

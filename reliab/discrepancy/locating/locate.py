@@ -10,16 +10,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import stats
 
+from reliab.arrays import Array
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem, real_parts
 from reliab.discrepancy.locating.finding import Finding
 from reliab.signals import NoiseModel
 from reliab.simulation.hybrid_test import Motion3
-
-Array = NDArray[np.float64]
 
 _BANDS = ((0.0, 0.5), (0.5, 2.0), (2.0, 8.0), (8.0, 45.0))  # Hz
 _SIGNIFICANT = 1e-4

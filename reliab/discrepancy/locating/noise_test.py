@@ -8,14 +8,11 @@ more energy than noise would. The share of the energy in such cells is what this
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Spectrum
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.signals import near_mains
-
-Array = NDArray[np.float64]
-Spectrum = NDArray[np.complex128]
 
 LARGEST_STRUCTURED_SHARE = 0.02
 """Largest share of a residual's energy in cells that noise would not fill for it to count as noise."""

@@ -9,13 +9,11 @@ of a record are rest, and a few events that contain almost none of the residual 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import signal
 
+from reliab.arrays import Array
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
-
-Array = NDArray[np.float64]
 
 _FEWEST_SAMPLES = 5
 _FEWEST_EVENTS = 3

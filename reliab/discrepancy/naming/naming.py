@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.discrepancy.fitting.fit import Fit, transferred
 from reliab.discrepancy.fitting.left_out import refitted
 from reliab.discrepancy.fitting.problem import Problem
@@ -23,8 +23,6 @@ from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Ranked
 from reliab.discrepancy.result.missing_effect import MissingEffect, Rival
 from reliab.discrepancy.terms import is_outside
 from reliab.effects import Effect
-
-Array = NDArray[np.float64]
 
 MOST_SURE = 0.99
 """Largest probability that is stated where what the best model leaves fails the noise test."""

@@ -3,15 +3,13 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.fitted_models import cost
 from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.result.block_diagnosis import Ranked
 from reliab.effects import Effect
-
-Array = NDArray[np.float64]
 
 SURE = 0.9
 """Probability from which an effect is named."""

@@ -5,9 +5,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from reliab.arrays import Array
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
@@ -15,9 +13,6 @@ from reliab.discrepancy.locating.finding import Finding
 from reliab.discrepancy.result.gap import FurtherError, Gap
 from reliab.discrepancy.result.missing_effect import Estimate, MissingEffect, Unknown
 from reliab.renamed import renamed_method
-
-Array = NDArray[np.float64]
-
 
 _CLEAR = 3.0  # standard deviations between a calibrated value and a nominal one that is wrong
 

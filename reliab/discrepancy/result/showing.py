@@ -8,11 +8,10 @@ from reliab.discrepancy.result.gap import Gap
 from reliab.discrepancy.result.missing_effect import MissingEffect
 from reliab.html_table import html_table
 from reliab.significant import significant
+from reliab.vocabulary import PERCENT
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-_PERCENT = 100.0
 
 
 def table_of_diagnosis(
@@ -49,7 +48,7 @@ def draw_gap(name: str, blocks: Sequence[BlockDiagnosis], axes: "Axes | None" = 
     shown = plt.subplots(figsize=(6.0, 3.0))[1] if axes is None else axes
     names = [f"{block.block.block}: {block.gap.channel}" for block in blocks]
     for shift, label in ((-0.2, "before"), (0.2, "after")):
-        shares = [_PERCENT * float(getattr(block.gap, label)) for block in blocks]
+        shares = [PERCENT * float(getattr(block.gap, label)) for block in blocks]
         shown.bar([place + shift for place in range(len(names))], shares, width=0.4, label=label)
     shown.set_xticks(range(len(names)), names)
     shown.set(ylabel="error [% of RMS]", yscale="log", title=name)

@@ -6,13 +6,11 @@ from enum import StrEnum
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft, signal
 
+from reliab.arrays import Array
 from reliab.discrepancy.campaign.campaign import Channel, MeasuredTest
 from reliab.signals import near_mains
-
-Array = NDArray[np.float64]
 
 _SAME_INPUT = 0.02  # RMS of a difference over that of the input
 _REST = 0.002  # of the input's range

@@ -3,15 +3,12 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.spectra.smoothing import highest_frequency, smoothed_motion
 from reliab.effects import Scales
 from reliab.errors import InputError
 from reliab.simulation.hybrid_test import Motion3
-
-Array = NDArray[np.float64]
 
 
 def motions_of(campaign: Campaign) -> tuple[Motion3, ...]:

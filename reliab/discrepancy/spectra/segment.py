@@ -5,14 +5,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft
 
+from reliab.arrays import Array, Spectrum
 from reliab.discrepancy.campaign.campaign import Stretch
 from reliab.signals import NoiseModel, Periodogram, noise_shapes
-
-Array = NDArray[np.float64]
-Spectrum = NDArray[np.complex128]
 
 _FEWEST_SEGMENTS = 4
 

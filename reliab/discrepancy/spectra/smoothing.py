@@ -9,14 +9,12 @@ expected where the velocity spreads about that of p̂.
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft, signal
 
+from reliab.arrays import Array
 from reliab.signals import NoiseModel, Periodogram, fit_noise
 from reliab.simulation.hybrid_test import Motion3
 from reliab.structures import Structure
-
-Array = NDArray[np.float64]
 
 HIGHEST_SIGNAL = 45.0
 """Highest frequency [Hz] at which the test of a structure of some hertz may hold a signal."""

@@ -2,15 +2,12 @@
 
 from dataclasses import dataclass
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.report.axes import legend_below, name_axes
 from reliab.report.style import BLUE, INK, VERMILION, panels, styled
-
-Array = NDArray[np.float64]
 
 _HEIGHT = 62.0
 _MOST_SAMPLES = 3000

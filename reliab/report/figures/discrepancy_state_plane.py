@@ -7,8 +7,9 @@ from matplotlib.image import AxesImage
 from numpy.typing import NDArray
 from scipy.stats import binned_statistic_2d
 
-from reliab.report.axes import MILLI, name_axes
+from reliab.report.axes import name_axes
 from reliab.report.style import letters, panels, styled
+from reliab.vocabulary import MILLI
 
 _HEIGHT = 66.0
 _BINS = 25

@@ -9,10 +9,10 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from reliab.assessment import Windows
-from reliab.report.axes import MILLI, TIME, legend_below, name_axes, plain
+from reliab.report.axes import TIME, legend_below, name_axes, plain
 from reliab.report.style import BLUE, GREY, INK, PALE, blank, line, panels, styled
+from reliab.vocabulary import MILLI, PERCENT
 
-_PERCENT = 100.0
 _MARGIN = 1.12
 _POINTS = 241
 _MOST_SAMPLES = 4000
@@ -58,11 +58,11 @@ def _draw_plane(
     angle = np.linspace(0.0, np.pi if delay >= 0.0 else -np.pi, _POINTS)
     for rank, (name, (a, b)) in enumerate(boundaries.items()):
         if a > 0.0 and b > 0.0:
-            x, y = _PERCENT * np.sqrt(a) * np.cos(angle), np.sqrt(b) * np.sin(angle)
+            x, y = PERCENT * np.sqrt(a) * np.cos(angle), np.sqrt(b) * np.sin(angle)
             place.plot(x, y, label=plain(name), **{**line(rank), "linewidth": 1.8})
-    cloud = _PERCENT * (draws[0] - 1.0), MILLI * draws[1]
+    cloud = PERCENT * (draws[0] - 1.0), MILLI * draws[1]
     place.plot(*cloud, ".", color=GREY, markersize=1.2, alpha=0.35, zorder=1.0)
-    at = np.array([[_PERCENT * (amplitude - 1.0)], [MILLI * delay]])
+    at = np.array([[PERCENT * (amplitude - 1.0)], [MILLI * delay]])
     ends = np.quantile(np.stack(cloud), [0.025, 0.975], axis=1)
     reach = np.maximum(np.stack([at[:, 0] - ends[0], ends[1] - at[:, 0]]), 0.0)
     place.errorbar(
@@ -84,7 +84,7 @@ def _draw_plane(
 def _draw_windows(above: Axes, below: Axes, windows: Windows) -> None:
     bars: dict[str, Any] = {"fmt": "o", "color": BLUE, "capsize": 2.0, "elinewidth": 0.8, "markersize": 3.0}
     rows = (
-        (above, _PERCENT * (windows.amplitude - 1.0), _PERCENT * windows.amplitude_sd, "$A - 1$ [%]"),
+        (above, PERCENT * (windows.amplitude - 1.0), PERCENT * windows.amplitude_sd, "$A - 1$ [%]"),
         (below, MILLI * windows.delay, MILLI * windows.delay_sd, "$d$ [ms]"),
     )
     for place, values, deviations, name in rows:
@@ -120,16 +120,16 @@ def error_over_time(
     histories.set_ylabel("Displacement\nover peak [-]")
     errors.fill_between(
         times[kept],
-        *(_PERCENT / peak * end[kept] for end in band),
+        *(PERCENT / peak * end[kept] for end in band),
         color=PALE,
         label="90 % band",
         linewidth=0.0,
     )
-    errors.plot(times[kept], _PERCENT / peak * error[kept], color=BLUE, linewidth=0.7, label="$x_m - x_I$")
+    errors.plot(times[kept], PERCENT / peak * error[kept], color=BLUE, linewidth=0.7, label="$x_m - x_I$")
     errors.set_ylabel("Error\nover peak [%]")
     for rank, (name, sizes) in enumerate(parts.items()):
         edges = np.linspace(times[0], times[-1], sizes.size + 1)
-        divided.stairs(_PERCENT / peak * sizes, edges, label=plain(name), baseline=None, **line(rank))
+        divided.stairs(PERCENT / peak * sizes, edges, label=plain(name), baseline=None, **line(rank))
     divided.set_ylabel("RMS of parts\nover peak [%]")
     divided.set_xlabel(TIME)
     for place in axes[:, 0]:

@@ -10,11 +10,11 @@ from reliab.report.axes import A_PARAMETER, B_PARAMETER, label_logarithmic, lege
 from reliab.report.style import BLUE, GREEN, GREY, INK, PALE, VERMILION, letters, panels, styled
 from reliab.sampling import NormalInverseChiSquared
 from reliab.significant import significant
+from reliab.vocabulary import PERCENT
 
 _HEIGHT = 88.0
 _POINTS = 241
 _TAIL = 1e-3
-_PERCENT = 100.0
 
 
 @styled
@@ -28,7 +28,7 @@ def posterior_and_predictive(
     of a further earthquake with the motions as steps.
     """
     figure, axes = panels(2, 2, height=_HEIGHT)
-    share = _PERCENT * (1.0 - confidence)
+    share = PERCENT * (1.0 - confidence)
     quantile, further = f"{significant(share)} % quantile", "a further motion"
     letters(axes, (f"{quantile} of $a$", f"{quantile} of $b$", f"{further}: $a$", f"{further}: $b$"))
     for k, (values, name) in enumerate(((sample.a, A_PARAMETER), (sample.b, B_PARAMETER))):

@@ -11,11 +11,11 @@ from matplotlib.figure import Figure
 
 from reliab.report.axes import FREQUENCY, legend_below, name_axes, plain
 from reliab.report.style import GREY, INK, line, panels, styled
+from reliab.vocabulary import PERCENT
 
 _HEIGHT = 76.0
 _WIDTH = 102.0
 _FREQUENCY_HEIGHT = 78.0
-_PERCENT = 100.0
 _SPLIT_HEIGHT = 92.0
 _SHIFT = 0.006
 _FAR = 0.8  # of what is stated; a criterion that contains less everywhere has axes of its own
@@ -29,11 +29,11 @@ def calibration_curve(rates: pd.DataFrame) -> Figure:
     """
     figure, axes = panels(height=_HEIGHT, width=_WIDTH)
     place = axes[0, 0]
-    least = _PERCENT * min(rates["confidence"].min(), rates["low"].min())
+    least = PERCENT * min(rates["confidence"].min(), rates["low"].min())
     ends = (max(0.0, least - 3.0), 101.0)
     place.plot(ends, ends, color=GREY, linewidth=0.9, label="observed as stated")
     for rank, (name, chosen) in enumerate(rates.groupby("candidate", sort=False)):
-        _curve(place, _PERCENT * chosen[["confidence", "rate", "low", "high"]], str(name), rank)
+        _curve(place, PERCENT * chosen[["confidence", "rate", "low", "high"]], str(name), rank)
     place.set(xlim=ends, ylim=ends, aspect="equal")
     name_axes(place, "Stated confidence [%]", "Observed containment [%]")
     legend_below(figure, place, columns=3)
@@ -48,7 +48,7 @@ def coverage_by_frequency(rates: pd.DataFrame, *, confidence: float) -> Figure:
     Returns observed containment [%] with intervals over the frequency [Hz]; criteria that fall far short of
     what is stated are drawn in separate axes, so that the others can be distinguished.
     """
-    stated = _PERCENT * confidence
+    stated = PERCENT * confidence
     groups = list(rates.groupby("candidate", sort=False))
     far = {str(name) for name, chosen in groups if chosen["rate"].max() < _FAR * confidence}
     near = rates[~rates["candidate"].isin(far)]
@@ -60,7 +60,7 @@ def coverage_by_frequency(rates: pd.DataFrame, *, confidence: float) -> Figure:
     )
     for rank, (name, chosen) in enumerate(groups):
         ordered = chosen.sort_values("f")
-        percent = _PERCENT * ordered[["rate", "low", "high"]]
+        percent = PERCENT * ordered[["rate", "low", "high"]]
         shifted = ordered["f"] * np.exp(_SHIFT * 2.0 * (rank - 0.5 * (len(groups) - 1)))
         row = 1 if split and str(name) in far else 0
         _curve(axes[row, 0], percent.assign(confidence=shifted), str(name), rank)
@@ -76,9 +76,9 @@ def coverage_by_frequency(rates: pd.DataFrame, *, confidence: float) -> Figure:
 
 def _scale(axes: Axes, rates: pd.DataFrame, stated: float) -> None:
     """Spread what is drawn over the whole height; criteria that fall far short have axes of their own."""
-    low, high = _PERCENT * float(rates["low"].min()), _PERCENT * float(rates["high"].max())
+    low, high = PERCENT * float(rates["low"].min()), PERCENT * float(rates["high"].max())
     margin = 0.06 * (max(high, stated) - low) if high > _FAR * stated else 0.06 * (high - low) + 1.0
-    axes.set(xscale="log", ylim=(max(-margin, low - margin), min(high + margin, _PERCENT + margin)))
+    axes.set(xscale="log", ylim=(max(-margin, low - margin), min(high + margin, PERCENT + margin)))
     ticks = np.unique(rates["f"]).tolist()
     axes.set_xticks(ticks, [f"{frequency:g}" for frequency in ticks], minor=False)
     axes.set_xticks([], minor=True)

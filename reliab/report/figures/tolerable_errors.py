@@ -7,8 +7,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
 from reliab.assessment import Tolerance
-from reliab.report.axes import AMPLITUDE_LIMIT, DELAY_LIMIT, FREQUENCY, MILLI, legend_below, name_axes
+from reliab.report.axes import AMPLITUDE_LIMIT, DELAY_LIMIT, FREQUENCY, legend_below, name_axes
 from reliab.report.style import letters, line, panels, styled
+from reliab.vocabulary import MILLI
 
 _HEIGHT = 76.0
 

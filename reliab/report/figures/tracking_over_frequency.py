@@ -6,10 +6,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from reliab.indices import TrackingOverFrequency
-from reliab.report.axes import MILLI, legend_below
+from reliab.report.axes import legend_below
 from reliab.report.style import BLUE, GREY, PALE, VERMILION, panels, styled
+from reliab.vocabulary import MILLI, PERCENT
 
-_PERCENT = 100.0
 _NINETY = 1.645  # standard deviations
 _MARGIN = 0.25  # of the range of the values
 
@@ -30,9 +30,9 @@ def amplitude_and_delay_over_frequency(
     figure, axes = panels(1, 2, height=height)
     rows = (
         (
-            _PERCENT * (resolved.amplitude - 1.0),
-            _PERCENT * resolved.amplitude_deviation,
-            _PERCENT * (amplitude - 1.0),
+            PERCENT * (resolved.amplitude - 1.0),
+            PERCENT * resolved.amplitude_deviation,
+            PERCENT * (amplitude - 1.0),
         ),
         (MILLI * resolved.delay, MILLI * resolved.delay_deviation, MILLI * delay),
     )

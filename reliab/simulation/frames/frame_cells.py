@@ -6,12 +6,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.simulation.frames.loop_poles import PoleLoop, pole_loop, transfer
 from reliab.structures import Partition
 from reliab.structures.critical_delay import critical_delay
-
-Array = NDArray[np.float64]
 
 _COMPARED = 61
 

@@ -52,16 +52,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.described_files import described, read_toml
 from reliab.errors import InputError
 from reliab.simulation.frames.frame_tables import FrameDescription
 from reliab.simulation.transfer_systems import TransferSystem
 from reliab.structures import Partition, with_specimen
 from reliab.structures.frames import Frame
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -12,6 +12,7 @@ from functools import cached_property, partial
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.significant import significant
 from reliab.simulation.deviation import Deviation, peak_of_history, summary
@@ -24,8 +25,6 @@ from reliab.simulation.linear_loop.spectral import respond
 from reliab.structures import Partition, Structure
 from reliab.structures.critical_delay import critical_delay
 from reliab.structures.frames import undivided_response
-
-Array = NDArray[np.float64]
 
 REDUCTION_TOLERANCE = 3e-3
 """Largest relative error of RMS^R that the reduction to pole pairs may cause [-]."""

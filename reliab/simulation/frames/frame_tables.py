@@ -4,17 +4,15 @@ import math
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from reliab.arrays import Array
 from reliab.effects import Effect, find_effect
 from reliab.errors import InputError
 from reliab.simulation.frames.described_table import DescribedTable
 from reliab.simulation.frames.transfer_table import TransferTable
 from reliab.structures import Specimen, drift_interface, floor_interface
 from reliab.structures.frames import Frame, PlanarFrame, modal_damping, rayleigh_damping, shear_frame
-
-Array = NDArray[np.float64]
 
 Row = tuple[float, ...]
 

@@ -15,11 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array, Spectrum
 from reliab.errors import InputError
 from reliab.structures import Partition
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 _PARTS = 4  # in which the actuator's error is approached
 _NEWTON_STEPS = 30
@@ -35,8 +33,8 @@ class PoleLoop:
 
     # poles, residues: Poles p [1/s] with positive imaginary part and residues r [s] of the response to −a_g,
     # shape (modes, cells); their conjugates belong to them. NaN where Newton's iteration did not converge
-    poles: ComplexArray
-    residues: ComplexArray
+    poles: Spectrum
+    residues: Spectrum
     # rest, rest_time: Static value R [s²] and time constant T [s] of the fast rest, shape (cells,): R/(1 +
     # Ts), or for T < 0 the ground ahead, R e^(−Ts)
     rest: Array
@@ -48,7 +46,7 @@ class PoleLoop:
         return np.asarray((self.poles.real < 0.0).all(axis=0))
 
     @_UNKNOWN_POLES
-    def transfer(self, s: ComplexArray) -> ComplexArray:
+    def transfer(self, s: Spectrum) -> Spectrum:
         """Reduced transfer function from −a_g [s²] at s [rad/s], shape (frequencies, cells)."""
         at = np.asarray(s)[:, np.newaxis]
         lag, ahead = np.maximum(self.rest_time, 0.0), np.maximum(-self.rest_time, 0.0)
@@ -74,7 +72,7 @@ def pole_loop(partition: Partition, gain: Array, delay: Array, output: Array | N
     return PoleLoop(poles=poles, residues=residues, rest=rest, rest_time=rest_time)
 
 
-def _followed(partition: Partition, pole: complex, gain: Array, delay: Array) -> ComplexArray:
+def _followed(partition: Partition, pole: complex, gain: Array, delay: Array) -> Spectrum:
     """Pole that grows out of one of the structure's, shape (cells,)."""
     start, others, residue, other_residues = _receptance(partition, pole)
     k, c, m = partition.specimen.stiffness, partition.specimen.damping, partition.specimen.mass
@@ -103,7 +101,7 @@ def _followed(partition: Partition, pole: complex, gain: Array, delay: Array) ->
     return np.asarray(np.where(settled, s, np.nan))
 
 
-def _receptance(partition: Partition, pole: complex) -> tuple[complex, ComplexArray, complex, ComplexArray]:
+def _receptance(partition: Partition, pole: complex) -> tuple[complex, Spectrum, complex, Spectrum]:
     """Split g = Σ r/(s − λ) into the pole nearest to a given one and the others."""
     matrix = partition.frame.state_matrix
     n = partition.frame.size
@@ -121,8 +119,8 @@ def _receptance(partition: Partition, pole: complex) -> tuple[complex, ComplexAr
 
 
 def _residues(
-    partition: Partition, poles: ComplexArray, gain: Array, delay: Array, output: Array | None
-) -> ComplexArray:
+    partition: Partition, poles: Spectrum, gain: Array, delay: Array, output: Array | None
+) -> Spectrum:
     """Residues of the output at each pole, shape (modes, cells)."""
     frame, gamma = partition.frame, partition.interface
     load = frame.mass @ frame.influence
@@ -144,8 +142,8 @@ def _residues(
 
 def _rest(
     partition: Partition,
-    poles: ComplexArray,
-    residues: ComplexArray,
+    poles: Spectrum,
+    residues: Spectrum,
     gain: Array,
     delay: Array,
     output: Array | None,
@@ -165,8 +163,8 @@ def _rest(
 
 
 def transfer(
-    partition: Partition, gain: Array, delay: Array, s: ComplexArray, output: Array | None = None
-) -> ComplexArray:
+    partition: Partition, gain: Array, delay: Array, s: Spectrum, output: Array | None = None
+) -> Spectrum:
     """Exact transfer function of an output from −a_g [s²], for many actuators.
 
     The structure is solved once for each frequency; an actuator's error only adds a multiple of γγᵀ, which

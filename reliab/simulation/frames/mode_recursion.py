@@ -7,14 +7,12 @@ E = e^(ph) and the weights F₀, F₁ of both ends of a step its displacement y 
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.compiled import compiled
 from reliab.simulation.deviation import LATEST, TRACKS, follow
 from reliab.simulation.frames.loop_poles import PoleLoop
 from reliab.simulation.linear_loop.blocks import ramp_weights
-
-Array = NDArray[np.float64]
 
 LANES = 64
 """Cells that advance side by side."""

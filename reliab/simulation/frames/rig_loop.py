@@ -11,15 +11,12 @@ while s runs up the imaginary axis (criterion of Nyquist).
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array, Spectrum
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.spectral import respond
 from reliab.simulation.transfer_systems import TransferSystem
 from reliab.structures import Partition
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 _FREQUENCIES = 6000
 _AROUND_A_MODE = 400
@@ -48,16 +45,16 @@ def rig_response(
     """Solve a test with a transfer system exactly, in the frequency domain."""
     interface = np.array(partition.interface)
 
-    def command(s: Complex) -> Complex:
+    def command(s: Spectrum) -> Spectrum:
         return partition.responses(s, transfer_system.transfer(s, partition.specimen), interface)
 
-    def measured(s: Complex) -> Complex:
+    def measured(s: Spectrum) -> Spectrum:
         return partition.responses(s, transfer_system.transfer(s, partition.specimen))
 
-    def counted(s: Complex) -> Complex:
+    def counted(s: Spectrum) -> Spectrum:
         return partition.responses(s, transfer_system.transfer(s, partition.specimen), output)
 
-    def ideal(s: Complex) -> Complex:
+    def ideal(s: Spectrum) -> Spectrum:
         return partition.responses(s, np.ones_like(s), output)
 
     sent, step = respond(excitation, command)

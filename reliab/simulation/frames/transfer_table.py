@@ -10,13 +10,12 @@ from reliab.received import named_within
 from reliab.simulation.frames.described_table import DescribedTable
 from reliab.simulation.transfer_systems import ServoHydraulic, TransferFunction, TransferSystem
 from reliab.simulation.transfer_systems.reading import read_matlab
+from reliab.vocabulary import MILLI
 
 Positive = Annotated[float, Field(gt=0.0)]
 
 Root = float | tuple[float, float]
 """A real zero or pole [1/s], or real and imaginary part of one that stands for a conjugate pair."""
-
-_MILLISECONDS = 1e3
 
 
 class ServoHydraulicTable(DescribedTable):
@@ -104,7 +103,7 @@ class TransferTable(DescribedTable):
 
     def system(self, folder: Path) -> TransferSystem:
         """Transfer system; a file is looked for in the folder of the description."""
-        delay = self.delay_ms / _MILLISECONDS
+        delay = self.delay_ms / MILLI
         gain = 1.0 if self.gain is None else self.gain
         if self.servo_hydraulic is not None:
             return self.servo_hydraulic.plant

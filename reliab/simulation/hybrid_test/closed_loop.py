@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.effects import IntegrationError, RecordEffect, Role, Setting
 from reliab.simulation.compensators.compensator import Compensator
 from reliab.simulation.hybrid_test.marching import march
@@ -19,8 +19,6 @@ from reliab.simulation.hybrid_test.open_loop import Motion3, read_displacement
 from reliab.simulation.hybrid_test.plan import STATES, Plan, plan
 from reliab.simulation.integrators.coarse import CoarseExplicit
 from reliab.simulation.integrators.integrator import ExactIntegrator, Integrator
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,14 +1,12 @@
 """The steps of a whole hybrid test, compiled: command, actuator, specimen and load cell at each instant."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.compiled import compiled
 from reliab.effects import call_kernel, pointer_to
 from reliab.simulation.hybrid_test.plan import Plan
 from reliab.simulation.hybrid_test.stepping import call_all, read_delayed
-
-Array = NDArray[np.float64]
 
 BEYOND_ALL = 1e100
 """Command [m] beyond which a loop counts as diverged."""

@@ -6,14 +6,13 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.compiled import compiled
 from reliab.effects import Kernel, Role, Setting
 from reliab.errors import InputError
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.plan import STATES, plan
 from reliab.simulation.hybrid_test.stepping import call_all, read_delayed
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

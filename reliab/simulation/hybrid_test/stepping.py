@@ -3,10 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.compiled import compiled
 from reliab.effects import call_kernel, pointer_to
-
-Array = NDArray[np.float64]
 
 
 @compiled

@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.effects import Setting
 from reliab.errors import InputError
 from reliab.simulation.hybrid_test.plan import STATES, Plan, plan
@@ -14,8 +14,6 @@ from reliab.simulation.laboratory.rig import Rig
 from reliab.simulation.transfer_systems import Plant
 from reliab.structures import Partition
 from reliab.structures.frames import exact_step, undivided_response
-
-Array = NDArray[np.float64]
 
 _LOST = 10.0
 """A test counts as lost where the piston moves this many times further than the reference does."""

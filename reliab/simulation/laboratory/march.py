@@ -8,14 +8,12 @@ is advanced with f(t_(k−1)), held over the step, as on a real-time target comp
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.compiled import compiled
 from reliab.effects import call_kernel, pointer_to
 from reliab.simulation.hybrid_test.plan import Plan
 from reliab.simulation.hybrid_test.stepping import call_all
-
-Array = NDArray[np.float64]
 
 
 class NumericalStep(NamedTuple):

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.structures import Specimen
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,11 +7,10 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.simulation.transfer_systems.plant import Plant, TransferSystem
 from reliab.structures import Specimen
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

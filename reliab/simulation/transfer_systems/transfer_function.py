@@ -9,11 +9,10 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
+from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.simulation.transfer_systems.plant import Plant, TransferSystem
 from reliab.structures import Specimen
-
-Array = NDArray[np.float64]
 
 _ON_AXIS = 1e-9  # real part over modulus of a pole that lies on the imaginary axis
 _SAME = 1e-6  # relative distance of poles that are one pole repeated

@@ -9,6 +9,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
+from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.structures.frames.matrices import (
     require_positive_definite,
@@ -16,8 +17,6 @@ from reliab.structures.frames.matrices import (
     square_matrix,
 )
 from reliab.structures.structure import Structure
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,11 +4,9 @@ import math
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.errors import InputError
-
-Array = NDArray[np.float64]
 
 _MOST_UNKNOWNS = 5_000  # whose matrix takes 200 MB
 _SMALLEST = 1e-100  # of a member's stiffness, and the inverse of the largest

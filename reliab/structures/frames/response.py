@@ -2,12 +2,10 @@
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.compiled import compiled
 from reliab.structures.frames.frame import Frame
-
-Array = NDArray[np.float64]
 
 
 def exact_step(dynamics: Array, loads: Array, step: float) -> tuple[Array, Array, Array]:

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.vocabulary import Side
+from reliab.vocabulary import MILLI, Side
 
-_MILLISECONDS = 1e3
 _EDGE_POINTS = 33
 
 
@@ -31,7 +30,7 @@ class Region:
         """Which tests, all of this side, it accepts; shape (tests,)."""
         if not (self.a > 0.0 and self.b > 0.0):
             return np.zeros(tests.gain.size, dtype=np.bool_)
-        index = np.square(tests.gain - 1.0) / self.a + np.square(_MILLISECONDS * tests.delay) / self.b
+        index = np.square(tests.gain - 1.0) / self.a + np.square(MILLI * tests.delay) / self.b
         return np.asarray(index <= 1.0)
 
     def edge(self) -> Actuators:
@@ -41,6 +40,6 @@ class Region:
         %.
         """
         angle = np.linspace(0.0, np.pi, _EDGE_POINTS)
-        delay = self.side.sign * np.sqrt(self.b) * np.sin(angle) / _MILLISECONDS
+        delay = self.side.sign * np.sqrt(self.b) * np.sin(angle) / MILLI
         delay[[0, -1]] = 0.0
         return Actuators(gain=1.0 + np.sqrt(self.a) * np.cos(angle), delay=delay)

@@ -13,10 +13,9 @@ import xarray as xr
 
 from reliab.validation.cross_validation.cell import Cell
 from reliab.validation.cross_validation.region import Actuators
-from reliab.vocabulary import Side
+from reliab.vocabulary import MILLI, Side
 
 _SIZE: Final = 2.0
-_MILLISECONDS: Final = 1e3
 
 
 def draw_trials(
@@ -29,5 +28,5 @@ def draw_trials(
     radius, angle = np.sqrt(uniform[:, 0]), np.pi * uniform[:, 1]
     return Actuators(
         gain=1.0 + half_axes[0] * radius * np.cos(angle),
-        delay=side.sign * half_axes[1] * radius * np.sin(angle) / _MILLISECONDS,
+        delay=side.sign * half_axes[1] * radius * np.sin(angle) / MILLI,
     )

@@ -24,9 +24,7 @@ from reliab.simulation import Loop
 from reliab.structures import Structure
 from reliab.sweep import excitation_of
 from reliab.validation.cross_validation.cell import Cell
-from reliab.vocabulary import Metric, Side
-
-_MILLISECONDS = 1e3
+from reliab.vocabulary import MILLI, Metric, Side
 
 
 class Truth(ABC):
@@ -115,7 +113,7 @@ class EllipseTruth(Truth):
             a, b = (float(values[motion]) for values in cell.parameters(self._ellipses, side=side))
             of_side = side.sign * delay >= 0.0
             index[of_side] = np.square(gain[of_side] - 1.0) / a
-            index[of_side] += np.square(_MILLISECONDS * delay[of_side]) / b
+            index[of_side] += np.square(MILLI * delay[of_side]) / b
         return np.asarray(np.sqrt(index))
 
 

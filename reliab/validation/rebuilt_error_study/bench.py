@@ -6,8 +6,8 @@ from itertools import product
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.assessment.rebuilt_error import (
     FEWEST_PERIODS,
     RebuiltError,
@@ -37,8 +37,6 @@ from reliab.validation.rebuilt_error_study.rigs import (
     NonlinearSpecimen,
     Scales,
 )
-
-Array = NDArray[np.float64]
 
 RATE_HZ: Final = 512.0
 LONGEST: Final = 40.0

@@ -6,12 +6,10 @@ from types import MappingProxyType
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.assessment.rebuilt_error import Tolerances
 from reliab.structures import Structure
-
-Array = NDArray[np.float64]
 
 QUANTISED: Final = "quantised, 40 dB"
 RIGHT: Final = "right"

@@ -6,8 +6,8 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.assessment import Word, carried_limits, word_of_probability
 from reliab.assessment.default_criterion import default_criterion
 from reliab.assessment.rebuilt_error import RebuiltError
@@ -18,9 +18,7 @@ from reliab.indices import FrequencyEvaluation, relative_error
 from reliab.indices.frequency_evaluation import frequency_evaluation
 from reliab.simulation import Excitation, Loop
 from reliab.structures import Structure
-from reliab.vocabulary import Metric, Side
-
-Array = NDArray[np.float64]
+from reliab.vocabulary import MILLI, Metric, Side
 
 REBUILT: Final = "rebuilt error"
 CERTAIN: Final = "rebuilt error, verdict reliable"
@@ -30,7 +28,6 @@ CRITERION: Final = "criterion (dirichlet)"
 
 _PRINTED = ("guo_2017_15", "guo_2017_18")
 _NO_LEAD = -1e-5  # s
-_MILLISECONDS = 1e3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,4 +130,4 @@ class ByIndices:
         a, b, _ = carried_limits(criterion, self.structure, side)
         if not (a > 0.0 and b > 0.0):
             return False
-        return (index.amplitude - 1.0) ** 2 / a + (_MILLISECONDS * delay) ** 2 / b <= 1.0
+        return (index.amplitude - 1.0) ** 2 / a + (MILLI * delay) ** 2 / b <= 1.0

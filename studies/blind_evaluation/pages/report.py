@@ -7,7 +7,6 @@ import pandas as pd
 
 from reliab.effects import library
 from reliab.report import (
-    PERCENT,
     Column,
     Document,
     Figure,
@@ -23,6 +22,7 @@ from reliab.report import (
     spelled_out,
 )
 from reliab.report.prose import prose
+from reliab.vocabulary import PERCENT
 
 from ..pages.confusions import discrepancy_confusion, discrepancy_reliability
 

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 import pandas as pd
 
 from reliab.report import (
-    PERCENT,
     Column,
     Document,
     Figure,
@@ -22,6 +21,7 @@ from reliab.report import (
     values,
 )
 from reliab.report.prose import prose
+from reliab.vocabulary import PERCENT
 
 from .. import FARTHEST
 from ..pages.tolerance_over_level import tolerance_over_level

@@ -2,7 +2,8 @@
 
 import xarray as xr
 
-from reliab.report import PERCENT, Figure, Prose
+from reliab.report import Figure, Prose
+from reliab.vocabulary import PERCENT
 
 from ..pages.displacement_histories import HistoryPanel, displacement_histories
 

@@ -7,8 +7,9 @@ from matplotlib.figure import Figure
 
 from reliab.boundary import Contour
 from reliab.boundary.curves import Curve
-from reliab.report import AMPLITUDE, DELAY, INK, MILLI, line, name_axes, panels, styled
+from reliab.report import AMPLITUDE, DELAY, INK, line, name_axes, panels, styled
 from reliab.significant import significant
+from reliab.vocabulary import MILLI
 
 _HEIGHT = 68.0
 _POINTS = 201

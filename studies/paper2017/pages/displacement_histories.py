@@ -16,7 +16,6 @@ from reliab.report import (
     BLUE,
     DISPLACEMENT,
     INK,
-    MILLI,
     PALE,
     TIME,
     VERMILION,
@@ -27,6 +26,7 @@ from reliab.report import (
     plain,
     styled,
 )
+from reliab.vocabulary import MILLI
 
 _PANEL_HEIGHT, _MARGIN = 32.0, 16.0
 _HEADROOM = 1.45

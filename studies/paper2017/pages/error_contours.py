@@ -7,12 +7,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from reliab.boundary import Contour
-from reliab.report import AMPLITUDE, DELAY, ERRORS, MILLI, letters, line, mark, name_axes, panels, styled
-from reliab.vocabulary import Metric
+from reliab.report import AMPLITUDE, DELAY, ERRORS, letters, line, mark, name_axes, panels, styled
+from reliab.vocabulary import MILLI, PERCENT, Metric
 
 _HEIGHT = 62.0
 _HEADROOM = 1.18
-_PERCENT = 100.0
 
 
 @styled
@@ -33,7 +32,7 @@ def error_contours(contours: Mapping[Metric, Mapping[float, Contour]]) -> Figure
     letters(axes, tuple(ERRORS[metric] for metric in contours))
     for place, by_threshold in zip(axes[0], contours.values(), strict=True):
         for rank, (threshold, contour) in enumerate(by_threshold.items()):
-            _draw(place, contour, f"{_PERCENT * threshold:g} %", rank)
+            _draw(place, contour, f"{PERCENT * threshold:g} %", rank)
         name_axes(place, AMPLITUDE, DELAY)
         place.legend(loc="upper right", title="error of the test")
     drawn = [contour for of_metric in contours.values() for contour in of_metric.values()]

@@ -12,7 +12,6 @@ from reliab.report import (
     ERRORS,
     GREY,
     INK,
-    MILLI,
     label_logarithmic,
     legend_below,
     letters,
@@ -21,10 +20,9 @@ from reliab.report import (
     panels,
     styled,
 )
-from reliab.vocabulary import Metric
+from reliab.vocabulary import MILLI, PERCENT, Metric
 
 _HEIGHT = 62.0
-_PERCENT = 100.0
 _MANY = 12
 _LEAST = 0.5
 
@@ -66,7 +64,7 @@ def error_curves(
     amplitude.set_xlabel(AMPLITUDE)
     amplitude.set_ylim(bottom=0.0)
     for place in axes[0]:
-        place.axhline(_PERCENT * threshold, color=GREY, linewidth=0.8, label=f"{_PERCENT * threshold:g} %")
+        place.axhline(PERCENT * threshold, color=GREY, linewidth=0.8, label=f"{PERCENT * threshold:g} %")
     logarithmic.set_yscale("log")
     logarithmic.set_ylim(bottom=_LEAST)
     label_logarithmic(logarithmic.yaxis)
@@ -80,7 +78,7 @@ def _curves(axes: Axes, x: NDArray[np.float64], errors: Mapping[Metric, NDArray[
     for rank, (metric, values) in enumerate(errors.items()):
         axes.plot(
             x,
-            _PERCENT * values,
+            PERCENT * values,
             label=ERRORS[metric],
             markevery=max(1, x.size // _MANY),
             **line(rank, marker=True),

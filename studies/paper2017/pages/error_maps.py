@@ -10,11 +10,10 @@ from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d.axes3d import Axes3D  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
-from reliab.report import AMPLITUDE, ERRORS, INK, MILLI, SEQUENTIAL, blank, name_axes, styled
-from reliab.vocabulary import Metric
+from reliab.report import AMPLITUDE, ERRORS, INK, SEQUENTIAL, blank, name_axes, styled
+from reliab.vocabulary import MILLI, PERCENT, Metric
 
 _HEIGHT = 124.0
-_PERCENT = 100.0
 _LEVELS = 8
 _VIEW = {"elev": 27.0, "azim": -58.0}
 
@@ -49,13 +48,13 @@ def error_maps(
     figure.set_layout_engine("constrained", w_pad=0.12, h_pad=0.06)
     milliseconds = MILLI * delays
     for rank, (metric, values) in enumerate(errors.items()):
-        percent = _PERCENT * values.T
+        percent = PERCENT * values.T
         surface = figure.add_subplot(2, len(errors), 1 + rank, projection="3d")
         surface.set_title(f"({'abcd'[rank]}) {ERRORS[metric]}, surface", loc="left")
         _draw_surface(cast("Axes3D", surface), amplitudes, milliseconds, percent)
         plan = figure.add_subplot(2, len(errors), 1 + len(errors) + rank)
         plan.set_title(f"({'abcd'[len(errors) + rank]}) {ERRORS[metric]} [%], plan", loc="left")
-        _draw_plan(plan, amplitudes, milliseconds, percent, _PERCENT * threshold)
+        _draw_plan(plan, amplitudes, milliseconds, percent, PERCENT * threshold)
     return figure
 
 

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.boundary import Contour
 from reliab.criterion.distributions import Lognormal
 from reliab.criterion.laws import (
@@ -39,8 +39,6 @@ from ..records import Records, contour_with_ends
 
 _METRICS = (Metric.MTE, Metric.RMS)
 _FINE = 101
-
-Values = NDArray[np.float64]
 
 
 def loop_section(example: xr.Dataset) -> Section:
@@ -263,12 +261,12 @@ def _over_damping(records: Records, printed: PrintedTables) -> Iterator[Paramete
 
 
 def _law(
-    law: Law, name: str, frequency: Values | float, damping_ratio: Values | float, *, along: Values
+    law: Law, name: str, frequency: Array | float, damping_ratio: Array | float, *, along: Array
 ) -> ParameterSeries:
     a, b = law.limits(frequency, damping_ratio)
     a, b = (np.broadcast_to(limit, along.shape) for limit in (a, b))
     return ParameterSeries(name=name, x=along, a=a, b=b, law=True)
 
 
-def _between(nodes: Values) -> Values:
+def _between(nodes: Array) -> Array:
     return np.linspace(nodes[0], nodes[-1], _FINE)

@@ -8,7 +8,6 @@ import xarray as xr
 from reliab.criterion import records_checksum
 from reliab.errors import InputError
 from reliab.report import (
-    PERCENT,
     SOURCES,
     Column,
     Document,
@@ -26,6 +25,7 @@ from reliab.report import (
 from reliab.report.prose import prose
 from reliab.report.sections import limits_section, method_section
 from reliab.sweep import share_of
+from reliab.vocabulary import PERCENT
 
 from ..audit import items_of, tabulate
 from ..containment import LAWS, containment

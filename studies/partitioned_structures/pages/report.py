@@ -5,19 +5,9 @@ from collections.abc import Mapping
 import pandas as pd
 from reliab_studies.validation.pages.actuators_beyond_the_model import error_beyond_the_model
 
-from reliab.report import (
-    PERCENT,
-    Column,
-    Document,
-    Figure,
-    Fixed,
-    Prose,
-    Section,
-    Table,
-    Whole,
-    provenance_of,
-)
+from reliab.report import Column, Document, Figure, Fixed, Prose, Section, Table, Whole, provenance_of
 from reliab.report.prose import prose
+from reliab.vocabulary import PERCENT
 
 from .. import PREDICTIONS, ratios
 

@@ -6,7 +6,6 @@ from typing import Any
 import pandas as pd
 
 from reliab.report import (
-    PERCENT,
     Block,
     Column,
     Document,
@@ -22,6 +21,7 @@ from reliab.report import (
     spelled_out,
 )
 from reliab.report.prose import prose
+from reliab.vocabulary import PERCENT
 
 from ..outcomes import NOMINAL, summary
 from ..pages.errors_by_compensator import benchmark_spread

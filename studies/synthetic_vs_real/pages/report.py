@@ -8,7 +8,6 @@ import xarray as xr
 from scipy.stats import ks_2samp
 
 from reliab.report import (
-    PERCENT,
     SOURCES,
     Block,
     Column,
@@ -27,6 +26,7 @@ from reliab.report import (
 )
 from reliab.report.prose import prose
 from reliab.report.sections import limits_section, method_section, rates_section
+from reliab.vocabulary import PERCENT
 
 from ..pages.suite_comparison import MEASURES, suite_measures, suite_spectra
 

@@ -7,7 +7,6 @@ import pandas as pd
 from reliab_studies.paper2017.item import CLOSE
 
 from reliab.report import (
-    PERCENT,
     SOURCES,
     Column,
     Document,
@@ -24,6 +23,7 @@ from reliab.report import (
 )
 from reliab.report.prose import prose
 from reliab.report.sections import limits_section, method_section
+from reliab.vocabulary import PERCENT
 
 from ..audit import LARGEST_CHANCE, NONE_FOUND
 from ..pages.table_rows import table_rows

@@ -2,8 +2,9 @@
 
 import pandas as pd
 
-from reliab.report import PERCENT, Column, Figure, Fixed, Paragraph, Section, Table, Whole
+from reliab.report import Column, Figure, Fixed, Paragraph, Section, Table, Whole
 from reliab.report.prose import prose
+from reliab.vocabulary import PERCENT
 
 from ..pages.actuators_beyond_the_model import error_beyond_the_model
 

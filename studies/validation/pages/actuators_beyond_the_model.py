@@ -4,10 +4,10 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from reliab.report import GREY, label_logarithmic, legend_below, line, name_axes, panels, plain, styled
+from reliab.vocabulary import PERCENT
 
 _HEIGHT = 76.0
 _WIDTH = 120.0
-_PERCENT = 100.0
 
 
 @styled
@@ -30,7 +30,7 @@ def error_beyond_the_model(
     """
     figure, axes = panels(height=_HEIGHT, width=_WIDTH)
     place = axes[0, 0]
-    percent = _PERCENT * tests[["predicted", "error"]]
+    percent = PERCENT * tests[["predicted", "error"]]
     ends = (0.8 * float(percent.min().min()), 1.25 * float(percent.max().max()))
     place.plot(ends, ends, color=GREY, linewidth=0.9)
     for rank, (name, chosen) in enumerate(percent.groupby(tests["rig"], sort=False)):

@@ -5,10 +5,9 @@ import xarray as xr
 from reliab_studies.paper2017.cases import case_table
 from reliab_studies.paper2017.pages.case_histories import case_histories
 
-from reliab.report import PERCENT, Column, Fixed, Paragraph, Section, Shortest, Table, Whole
+from reliab.report import Column, Fixed, Paragraph, Section, Shortest, Table, Whole
 from reliab.report.prose import prose
-
-_MILLISECONDS = 1e3
+from reliab.vocabulary import MILLI, PERCENT
 
 
 def cases_section(cases: xr.Dataset) -> Section:
@@ -57,7 +56,7 @@ def _table(frame: pd.DataFrame, seconds: str) -> Table:
             Column(key="f", heading=prose("$f$"), unit="Hz", number=Shortest()),
             Column(key="xi", heading=prose("$xi$"), unit="-", number=Shortest()),
             Column(key="A", heading=prose("$A$"), unit="-", number=Fixed(decimals=4)),
-            Column(key="d", heading=prose("$d$"), unit="ms", number=Fixed(factor=_MILLISECONDS)),
+            Column(key="d", heading=prose("$d$"), unit="ms", number=Fixed(factor=MILLI)),
             Column(key="index", heading=simulated, unit="-", number=number, group=index),
             Column(key="index_printed", heading=printed, unit="-", number=number, group=index),
             Column(key="accepted", heading=simulated, group=verdict),

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import pandas as pd
 
-from reliab.report import PERCENT, Column, Figure, Fixed, Paragraph, Prose, Section, Table, Whole, percent
+from reliab.report import Column, Figure, Fixed, Paragraph, Prose, Section, Table, Whole, percent
 from reliab.report.prose import prose
 from reliab.validation.rebuilt_error_study import (
     LINEAR,
@@ -15,6 +15,7 @@ from reliab.validation.rebuilt_error_study import (
     WITH_MODEL,
     summarised,
 )
+from reliab.vocabulary import PERCENT
 
 from ..pages.rebuilt_error_shares import accepted_tests, stated_errors
 

@@ -16,11 +16,11 @@ from reliab.report import (
     plain,
     styled,
 )
+from reliab.vocabulary import PERCENT
 
 _HEIGHT = 92.0
 _ROW = 11.0
 _SHARES_HEIGHT = 40.0
-_PERCENT = 100.0
 _SHIFT = 0.16
 
 
@@ -42,14 +42,14 @@ def stated_errors(tests: pd.DataFrame, judges: tuple[str, ...]) -> Figure:
     """
     figure, axes = panels(1, len(judges), height=_HEIGHT, share_x=True, share_y=True)
     known = tests[tests["judge"].isin(judges) & np.isfinite(tests["estimate"]) & (tests["estimate"] > 0.0)]
-    percent = _PERCENT * known[["error", "estimate"]]
+    percent = PERCENT * known[["error", "estimate"]]
     ends = (0.8 * float(percent.min().min()), 1.25 * float(percent.max().max()))
     for place, judge in zip(axes[0], judges, strict=True):
         place.plot(ends, ends, color=GREY, linewidth=0.9)
         chosen = known[known["judge"] == judge]
         for rank, (name, rows) in enumerate(chosen.groupby("rig", sort=False)):
             look = {**line(rank, marker=True), "linestyle": "none", "fillstyle": "none"}
-            place.plot(_PERCENT * rows["error"], _PERCENT * rows["estimate"], label=plain(str(name)), **look)
+            place.plot(PERCENT * rows["error"], PERCENT * rows["estimate"], label=plain(str(name)), **look)
         place.set(xscale="log", yscale="log", xlim=ends, ylim=ends, aspect="equal")
         label_logarithmic(place.xaxis, place.yaxis)
         name_axes(place, "True error of the test [%]", "Stated error [%]" if place is axes[0, 0] else "")
@@ -78,8 +78,8 @@ def accepted_tests(rows: pd.DataFrame) -> Figure:
     for rank, (name, label) in enumerate(
         (("bad_accepted", "bad tests accepted"), ("good_accepted", "good tests accepted"))
     ):
-        share = _PERCENT * rows[name].to_numpy(float)
-        ends = [_PERCENT * rows[f"{name}_{end}"].to_numpy(float) for end in ("low", "high")]
+        share = PERCENT * rows[name].to_numpy(float)
+        ends = [PERCENT * rows[f"{name}_{end}"].to_numpy(float) for end in ("low", "high")]
         reach = np.nan_to_num(np.maximum(np.stack([share - ends[0], ends[1] - share]), 0.0))
         look = {**line(rank, marker=True), "linestyle": "none"}
         place.errorbar(share, middle + (2 * rank - 1) * _SHIFT, xerr=reach, label=label, capsize=2.0, **look)

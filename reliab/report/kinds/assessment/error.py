@@ -12,8 +12,8 @@ from reliab.report.document import Figure, Table
 from reliab.report.figures.measured_test import error_over_time
 from reliab.report.kinds.assessment.quantities import quantities_table
 from reliab.report.prose import Prose, prose
-from reliab.report.wording import ERRORS, PERCENT, percent, spelled_out
-from reliab.vocabulary import Metric
+from reliab.report.wording import ERRORS, percent, spelled_out
+from reliab.vocabulary import MILLI, PERCENT, Metric
 
 TONES: Final[Mapping[Word, Literal["plain", "good", "bad"]]] = {
     Word.RELIABLE: "good",
@@ -23,7 +23,6 @@ TONES: Final[Mapping[Word, Literal["plain", "good", "bad"]]] = {
 """How a report shows each verdict."""
 
 _STRETCHES = 40
-_MILLISECONDS = 1e3
 
 
 def errors_table(error: ErrorOfTest, recording: Recording) -> Table:
@@ -98,7 +97,7 @@ def advice(assessment: Assessment) -> Prose:
     """Say what to improve first, by the error and by the index."""
     by_index = assessment.improvement
     share = by_index.share_of_delay if by_index.first == "delay" else 1.0 - by_index.share_of_delay
-    late, off = _MILLISECONDS * by_index.tolerable_delay, by_index.tolerable_amplitude_error
+    late, off = MILLI * by_index.tolerable_delay, by_index.tolerable_amplitude_error
     return " ".join(
         (
             improve_first(assessment.error),

@@ -19,10 +19,10 @@ from reliab.report.numbers import MISSING
 from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
 from reliab.report.sources import SOURCES
-from reliab.report.wording import PERCENT, percent
+from reliab.report.wording import percent
 from reliab.significant import significant
+from reliab.vocabulary import MILLI, PERCENT
 
-_MILLISECONDS = 1e3
 _KILO = 1e3
 
 
@@ -114,8 +114,8 @@ def _over_frequency(assessment: FrameAssessment) -> tuple[Block, ...]:
 def _indices(assessment: FrameAssessment) -> Table:
     tracking, margin = assessment.tracking, assessment.stability_margin
     (low_a, high_a), (low_d, high_d) = tracking.interval(LEVEL)
-    late = [f"{_MILLISECONDS * value:.3f}" for value in (tracking.delay, low_d, high_d)]
-    critical = _MILLISECONDS * assessment.critical_delay
+    late = [f"{MILLI * value:.3f}" for value in (tracking.delay, low_d, high_d)]
+    critical = MILLI * assessment.critical_delay
     rows = [
         ("Amplitude A", f"{tracking.amplitude:.5f}", f"{low_a:.5f} to {high_a:.5f}"),
         ("Equivalent delay d [ms]", late[0], f"{late[1]} to {late[2]}"),
@@ -154,7 +154,7 @@ def _of_mode(mode: ModeOfTest) -> tuple[str, ...]:
         f"{PERCENT * mode.damping_ratio:.2f}",
         f"{PERCENT * mode.share:.1f}",
         "" if mode.amplitude is None else f"{mode.amplitude:.4f}",
-        "" if mode.delay is None else f"{_MILLISECONDS * mode.delay:.3f}",
+        "" if mode.delay is None else f"{MILLI * mode.delay:.3f}",
     )
 
 

@@ -13,10 +13,10 @@ from reliab.report.numbers import MISSING, Fixed
 from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
 from reliab.report.sources import SOURCES
-from reliab.report.wording import PERCENT, meaning_of_confidence, percent, spelled_out
+from reliab.report.wording import meaning_of_confidence, percent, spelled_out
 from reliab.significant import significant
+from reliab.vocabulary import MILLI, PERCENT
 
-_MILLISECONDS = 1e3
 _FAR = 10.0
 
 
@@ -120,7 +120,7 @@ def _numbers(assessment: Assessment) -> Table:
 
 
 def _unstable(assessment: Assessment) -> str:
-    critical = _MILLISECONDS * assessment.critical_delay
+    critical = MILLI * assessment.critical_delay
     return f"{critical:.2f}" if np.isfinite(critical) else "none"
 
 
@@ -130,7 +130,7 @@ def _index(value: float) -> str:
 
 
 def _milliseconds(value: float, low: float, high: float) -> tuple[str, str]:
-    value, low, high = (_MILLISECONDS * number for number in (value, low, high))
+    value, low, high = (MILLI * number for number in (value, low, high))
     return f"{value:.3f}", f"{low:.3f} to {high:.3f}"
 
 

@@ -9,8 +9,7 @@ from reliab.report.document import Column, Document, Points, Section, Table
 from reliab.report.numbers import Fixed, Number, Scientific, Significant
 from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
-
-_PERCENT = 100.0
+from reliab.vocabulary import PERCENT
 
 
 def no_criterion_report(
@@ -48,7 +47,7 @@ def _table(ellipses: xr.Dataset) -> Table:
     columns: tuple[tuple[str, Prose, str, Number], ...] = (
         ("a", prose("$a$"), "-", Scientific()),
         ("b", prose("$b$"), "ms²", Significant()),
-        ("amplitude", prose("$sqrt(a)$"), "%", Fixed(factor=_PERCENT)),
+        ("amplitude", prose("$sqrt(a)$"), "%", Fixed(factor=PERCENT)),
         ("delay", prose("$sqrt(b)$"), "ms", Fixed()),
     )
     return Table(
@@ -66,7 +65,7 @@ def _table(ellipses: xr.Dataset) -> Table:
             "{threshold:g} %.",
             f=f,
             xi=xi,
-            threshold=_PERCENT * threshold,
+            threshold=PERCENT * threshold,
         ),
         label="tab:motions",
     )
