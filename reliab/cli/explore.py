@@ -1,4 +1,4 @@
-"""`reliab explore`: a web page with sliders for the tolerable region, which also judges a test file."""
+"""`reliab explore`: a web page with sliders for the tolerable region, in which a test file is placed."""
 
 from pathlib import Path
 from typing import Annotated
@@ -56,7 +56,7 @@ def explore(
     metric: MetricName = None,
     json_target: JsonTarget = None,
 ) -> None:
-    """Write a web page that shows tolerable errors and judges the test files dropped on it, offline."""
+    """Write a web page, for use offline, of tolerable errors and of where a test dropped on it lies."""
     from reliab.explore import Settings, write_page
     from reliab.shipped import or_shipped
     from reliab.sweep import open_windows

@@ -1,4 +1,4 @@
-"""The explorer: one page with sliders for the tolerable region, which also judges a test file."""
+"""The explorer: one page with sliders for the tolerable region, in which a test file is placed."""
 
 import lazy_loader
 

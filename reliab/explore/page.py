@@ -21,7 +21,7 @@ import xarray as xr
 from reliab.errors import InputError
 from reliab.explore.packing import pack
 from reliab.files import written_whole
-from reliab.recordings import ACCELERATIONS, EXTRAS, FORCES, LENGTHS, NAMES, OTHER_QUANTITIES, TIMES
+from reliab.recordings import ACCELERATIONS, FORCES, LENGTHS, NAMES, OTHER_QUANTITIES, TIMES
 from reliab.version import __version__
 
 _FOLDER: Final = Path(__file__).parent / "web"
@@ -115,7 +115,6 @@ def words() -> dict[str, Any]:
     """Return the names and units by which the page recognises columns: those of `reliab assess`."""
     return {
         "names": {part.value: names for part, names in NAMES.items()},
-        "extras": list(EXTRAS),
         "lengths": dict(LENGTHS),
         "times": dict(TIMES),
         "otherUnits": [*ACCELERATIONS, *FORCES],

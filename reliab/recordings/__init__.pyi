@@ -2,7 +2,6 @@ from .reading import read_recording as read_recording
 from .recognition import (
     ACCELERATIONS as ACCELERATIONS,
     DISPLACEMENTS as DISPLACEMENTS,
-    EXTRAS as EXTRAS,
     FORCES as FORCES,
     LENGTHS as LENGTHS,
     NAMES as NAMES,

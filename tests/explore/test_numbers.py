@@ -1,5 +1,8 @@
 """What the page computes is what Python computes."""
 
+import json
+import shlex
+
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
@@ -9,6 +12,7 @@ from scipy.stats import t as student
 from reliab.assessment import assess
 from reliab.assessment.default_criterion import default_criterion
 from reliab.assessment.placement import carried_limits
+from reliab.cli import run
 from reliab.criterion import published_criterion
 from reliab.errors import InputError
 from reliab.recordings import read_recording
@@ -17,6 +21,7 @@ from reliab.stated_value import StatedValue
 from reliab.structures.structure import Structure
 from reliab.vocabulary import Side
 
+SAMPLE = shipped("datasets", "sample_test/test.csv")
 QUESTIONS = [
     (1.0, 0.02, 0.05, 0.95, "rms", None),
     (0.83, 0.037, 0.034, 0.9, "mte", None),
@@ -65,15 +70,16 @@ def test_special_functions(by_javascript):
         np.testing.assert_allclose(answer, values, rtol=1e-10, atol=1e-15)
 
 
-@pytest.mark.parametrize("size", [64, 97, 250])
-def test_transform_and_spline(by_javascript, size):
+@pytest.mark.parametrize(("size", "points"), [(64, 64), (97, 97), (250, 250), (97, 128)])
+def test_transform_and_spline(by_javascript, size, points):
     values = np.random.default_rng(size).normal(size=size)
     places = np.linspace(0.0, size - 1.0, 200)
     (real, imaginary), interpolated = by_javascript(
-        ("transform", {"values": values.tolist()}),
+        ("transform", {"values": values.tolist(), "points": points}),
         ("spline", {"values": values.tolist(), "places": places.tolist()}),
     )
-    np.testing.assert_allclose(np.array(real) + 1j * np.array(imaginary), np.fft.rfft(values), atol=1e-11)
+    expected = np.fft.rfft(values, points)
+    np.testing.assert_allclose(np.array(real) + 1j * np.array(imaginary), expected, atol=1e-11)
     np.testing.assert_allclose(interpolated, CubicSpline(np.arange(size), values)(places), atol=1e-11)
 
 
@@ -150,11 +156,10 @@ def made_tests():
     yield "spike", written(command, spiked, 0.005), (1.2, 0.03, 1.0)
     drifting = noisy + np.linspace(-2e-3, 2e-3, 5000)
     yield "drift", written(command, drifting, 0.005), (1.2, 0.03, 1.0)
-    sample = shipped("datasets", "sample_test/test.csv").read_text(encoding="utf-8")
-    yield "sample", sample, (1.0, 0.02, 1.0)
+    yield "sample", SAMPLE.read_text(encoding="utf-8"), (1.0, 0.02, 1.0)
 
 
-REPRESENTATIVE = {"noisy", "in motion", "sample"}
+REPRESENTATIVE = {"noisy", "drift", "sample"}
 
 
 @pytest.mark.parametrize(
@@ -164,49 +169,75 @@ REPRESENTATIVE = {"noisy", "in motion", "sample"}
         for name, *case in made_tests()
     ],
 )
-def test_a_test_is_judged_as_by_assess(by_javascript, tmp_path, text, structure):
+def test_amplitude_and_delay_are_those_of_assess(by_javascript, tmp_path, text, structure):
     path = tmp_path / "test.csv"
     path.write_text(text, encoding="utf-8")
     f, xi, alpha = structure
-    stated = {"f": StatedValue(f, 0.01 * f)}
     python = assess(
-        read_recording(path),
-        Structure(frequency=f, damping_ratio=xi, experimental_fraction=alpha),
-        stated=stated,
-    )
-    question = {"frequency": f, "dampingRatio": xi, "share": alpha}
-    (page,) = by_javascript(
-        (
-            "test",
-            {
-                "text": text,
-                "structure": question,
-                "threshold": 0.05,
-                "metric": "rms",
-                "deviations": {"frequency": 0.01},
-            },
-        )
-    )
-    rebuilt = python.error.rebuilt
-    assert page["amplitude"] == pytest.approx(python.tracking.amplitude, rel=1e-6)
-    assert page["delay"] == pytest.approx(python.tracking.delay, rel=1e-6, abs=1e-9)
-    assert page["start"]["offset"] == pytest.approx(rebuilt.start.offset, rel=1e-6, abs=1e-12)
-    peak = np.abs(rebuilt.reference).max()
-    np.testing.assert_allclose(page["reference"], rebuilt.reference, atol=1e-6 * peak)
-    np.testing.assert_allclose(page["error"], rebuilt.smooth_error, atol=1e-6 * peak)
-    for name, estimate in (
-        ("rms", rebuilt.rms),
-        ("mte", rebuilt.mte),
-    ):  # 256 draws by other random numbers
-        width = estimate.high - estimate.low
-        for end in ("value", "low", "high"):
-            assert page[name][end] == pytest.approx(getattr(estimate, end), rel=1e-6, abs=0.1 * width)
-    assert page["probability"] == pytest.approx(python.error.probability, abs=0.03)
-    assert [tuple(fault) for fault in page["faults"]] == [
-        (effect.fault.kind, effect.fault.in_loop)
-        for effect in python.faults
-        if effect.fault.kind in ("offset", "drift")
-    ]
+        read_recording(path), Structure(frequency=f, damping_ratio=xi, experimental_fraction=alpha)
+    ).tracking
+    (page,) = by_javascript(("test", {"text": text, "threshold": 0.05}))
+    assert page["amplitude"] == pytest.approx(python.amplitude, rel=1e-6)
+    assert page["delay"] == pytest.approx(python.delay, rel=1e-6, abs=1e-9)
+
+
+CRITERION = {"threshold": 0.05, "confidence": 0.95, "metric": "rms"}
+OTHER_CRITERION = {"threshold": 0.03, "confidence": 0.9, "metric": "mte"}
+
+
+@pytest.mark.parametrize(
+    ("name", "structure", "deviations", "criterion"),
+    [
+        ("test.csv", (1.0, 0.02, 1.0), (0.0, 0.0), CRITERION),
+        ("Versuch 3 (neu), März.csv", (0.83, 0.037, 0.6), (0.013, 0.1), OTHER_CRITERION),
+    ],
+)
+def test_the_command_to_copy_is_one_that_assess_takes(
+    by_javascript, tmp_path, monkeypatch, capsys, name, structure, deviations, criterion
+):
+    (tmp_path / name).write_bytes(SAMPLE.read_bytes())
+    monkeypatch.chdir(tmp_path)
+    (line,) = by_javascript(("command", asked_of(name, structure, deviations, criterion)))
+    program, *arguments = shlex.split(line)
+    assert program == "reliab"
+    assert run([*arguments, "--json", "-"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    f, xi, alpha = structure
+    assert answer.items() >= ({"f": f, "xi": xi, "alpha": alpha} | criterion).items()
+    tolerances = [StatedValue.parse(arguments[place]).deviation for place in (3, 5)]
+    assert tolerances == pytest.approx([f * deviations[0], xi * deviations[1]], rel=2e-3)
+
+
+def asked_of(name, structure, deviations, criterion):
+    f, xi, alpha = structure
+    return {
+        "name": name,
+        "structure": {"frequency": f, "dampingRatio": xi, "share": alpha},
+        "deviations": {"frequency": deviations[0], "dampingRatio": deviations[1]},
+        "criterion": criterion,
+    }
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "$(reboot).csv",
+        "`id`.csv",
+        'a".csv',
+        "a'b.csv",
+        "a;b.csv",
+        "a\nb.csv",
+        "-rf.csv",
+        "a!b.csv",
+        "a%b%.csv",
+        "a\\.csv",
+        "\x1b[2J.csv",
+        "~.csv",
+    ],
+)
+def test_a_name_that_a_shell_could_misread_is_no_part_of_the_command(by_javascript, name):
+    (line,) = by_javascript(("command", asked_of(name, (1.0, 0.02, 1.0), (0.0, 0.0), CRITERION)))
+    assert line == "reliab assess FILE --f 1 --xi 0.02"
 
 
 @pytest.mark.parametrize(
@@ -248,16 +279,17 @@ def test_files_are_read_as_by_python(by_javascript, tmp_path, text):
         *("temperature", "force_rate", "velocity_mps", "forced", "temposonic2", "strain"),
     ],
 )
-def test_channels_that_the_page_does_not_use_are_those_that_python_does(by_javascript, tmp_path, name):
+def test_command_and_measured_are_recognised_beside_other_channels_as_by_python(
+    by_javascript, tmp_path, name
+):
     rows = "\n".join(f"{i / 64},{i % 7},{i % 7},{i % 5}" for i in range(80))
     text = f"time_s,command_mm,measured_mm,{name}\n{rows}\n"
     path = tmp_path / "test.csv"
     path.write_text(text, encoding="utf-8")
     recording = read_recording(path)
     (page,) = by_javascript(("read", {"text": text}))
-    used = {"ground acceleration": recording.ground, "force": recording.force}
-    assert page["unused"] == [part for part, values in used.items() if values is not None]
     np.testing.assert_allclose(page["command"], recording.command, rtol=1e-12)
+    np.testing.assert_allclose(page["measured"], recording.measured, rtol=1e-12)
 
 
 def table(rows):
@@ -279,15 +311,10 @@ def table(rows):
         (table([(k / 50, k % 7, 1) for k in range(900)]), "must move"),
         (table([(k / 50, k % 7, -(k % 7)) for k in range(900)]), "sign"),
         (table([(k / 50, k % 7, 1000 * (k % 7)) for k in range(900)]), "one unit"),
-        (table([(k, k % 7, k % 7) for k in range(90)]), "ten samples"),
+        (table([(k / 50, k % 7, k % 7) for k in range(900)]), "identical"),
+        (table([(k / 50, k % 7, k % 5 if k < 400 else 4) for k in range(900)]), "stands still"),
     ],
 )
-def test_what_cannot_be_judged_is_refused_with_a_reason(by_javascript, text, reason):
-    question = {
-        "text": text,
-        "structure": {"frequency": 1.0, "dampingRatio": 0.02, "share": 1.0},
-        "threshold": 0.05,
-        "metric": "rms",
-    }
-    (page,) = by_javascript(("test", question))
+def test_a_recording_of_which_amplitude_and_delay_say_nothing_is_refused(by_javascript, text, reason):
+    (page,) = by_javascript(("test", {"text": text, "threshold": 0.05}))
     assert reason in page["refused"]

@@ -32,6 +32,11 @@ def test_page_is_one_small_file_that_asks_for_nothing(packed, shipped_ellipses, 
     assert "unsafe" not in policy
 
 
+def test_page_has_no_verdict_of_its_own(packed):
+    page = render(packed, Settings(), source="a test").replace(packed["codes"], "")
+    assert not re.search(r"\b(un)?reliable\b|\bundecided\b|\bverdict\b", page.partition("<body>")[2])
+
+
 def test_no_placeholder_is_left_and_scripts_are_in_order():
     script = bundled_script()
     assert not re.search(r"^(import|export) ", script, flags=re.MULTILINE)

@@ -1,8 +1,8 @@
-// Faults of a recording: spikes, a copied channel, a channel that stands still, an offset, a drift.
-// As reliab/recordings/spikes.py and faults.py.
+// What is taken away before A and d are computed (spikes, a drift), and recordings of which they say nothing.
+// As reliab/recordings/spikes.py and reliab/assessment/faults.py.
 
 import { largest, mean, quantileOf } from "./fourier.js";
-import { fitRows, spline } from "./least_squares.js";
+import { spline } from "./spline.js";
 import { moved } from "./tracking.js";
 
 // Bridge the spikes of a history by straight lines; `count` says how many samples they held.
@@ -42,63 +42,26 @@ function spikes(values) {
   return marked;
 }
 
-// Mean and rise of the command, and of the measured displacement's residual after gain and delay; null for a test
-// that is too short to tell.
-export function slowLines(command, measured, step, tracking) {
+// Drift of the measured displacement beside gain and delay: what it adds [m], and its size over the command's peak;
+// none where it is not significant, or the test is too short to tell.
+export function drift(command, measured, step, tracking) {
   const n = command.length, blocks = Math.min(Math.floor(((n - 1) * step * tracking.frequency) / 2), 40);
-  if (blocks < 6) return null;
+  if (blocks < 6) return { added: null, size: 0 };
   const expected = moved(spline(command), n, tracking.amplitude, tracking.delay / step);
-  const line = lineOf(measured.map((value, i) => value - expected[i]), blocks);
-  return { line, answered: lineOf(command, blocks), peak: largest(command) };
+  const means = blockMeans(measured.map((value, i) => value - expected[i]), blocks), offset = mean(means);
+  const places = means.map((_, k) => (k + 0.5) / blocks - 0.5), sum = (terms) => terms.reduce((total, term) => total + term, 0);
+  const square = sum(places.map((place) => place * place));
+  const rise = sum(places.map((place, k) => place * means[k])) / square;
+  const scatter = sum(means.map((value, k) => (value - offset - rise * places[k]) ** 2)) / (blocks - 2);
+  if (Math.abs(rise) < 4 * Math.sqrt(scatter / square)) return { added: null, size: 0 };
+  return { added: measured.map((_, i) => rise * (i / (n - 1) - 0.5)), size: Math.abs(rise) / largest(command) };
 }
 
-// Offset and drift that the recording shows: what each added to the measured displacement, and whether the
-// loop felt it (null where the command does not tell).
-export function slowFaults(lines, measured, { threshold, share }) {
-  if (lines === null) return [];
-  const { line, answered, peak } = lines, n = measured.length, least = 0.1 * threshold * peak;
-  return ["offset", "drift"].flatMap((kind) => {
-    const [size, error] = line[kind];
-    if (Math.abs(size) < least || Math.abs(size) < 4 * error) return [];
-    const shape = (i) => (kind === "offset" ? 1 : i / (n - 1) - 0.5);
-    const added = measured.map((_, i) => size * shape(i));
-    return [{ kind, size: size / peak, added, felt: feltBy(answered[kind], share * size) }];
-  });
-}
-
-// Mean and rise over the length of a history, each with its standard error, from the means of blocks.
-function lineOf(values, blocks) {
-  const n = values.length, base = Math.floor(n / blocks), longer = n % blocks, means = [];
-  for (let k = 0, start = 0; k < blocks; k += 1) {
-    const end = start + base + (k < longer ? 1 : 0);
-    means.push(mean(values.subarray(start, end)));
-    start = end;
-  }
-  const places = means.map((_, k) => (k + 0.5) / blocks - 0.5);
-  const [offset, drift] = fitRows([means.map(() => 1), places], means);
-  const scatter = means.reduce((sum, value, k) => sum + (value - offset - drift * places[k]) ** 2, 0) / (blocks - 2);
-  const square = places.reduce((sum, place) => sum + place * place, 0);
-  return { offset: [offset, Math.sqrt(scatter / blocks)], drift: [drift, Math.sqrt(scatter / square)] };
-}
-
-function feltBy([size, error], force) {
-  const answer = -size / force, spread = (2 * error) / Math.abs(force);
-  if (spread < 0.3 && answer >= 0.7 && answer <= 1.3) return true;
-  return spread < 0.3 && answer >= -0.3 && answer <= 0.3 ? false : null;
-}
-
-// Sentences about channels that are copies of one another or stand still while the other moves.
-export function brokenChannels(command, measured) {
-  const peak = largest(command), sentences = [];
-  if (largest(command.map((value, i) => measured[i] - value)) <= 1e-6 * peak) {
-    sentences.push("Command and measured displacement are identical, which no sensor reading is: was one channel exported twice?");
-  }
-  for (const [name, history, other] of [["measured displacement", measured, command], ["command", command, measured]]) {
-    if (standsStill(history, other, peak)) {
-      sentences.push(`The ${name} stands still while the other channel moves.`);
-    }
-  }
-  return sentences;
+// Means of blocks of nearly equal length, the longer ones first.
+function blockMeans(values, blocks) {
+  const n = values.length, base = Math.floor(n / blocks), longer = n % blocks;
+  const start = (k) => k * base + Math.min(k, longer);
+  return Array.from({ length: blocks }, (_, k) => mean(values.subarray(start(k), start(k + 1))));
 }
 
 function standsStill(history, other, peak) {
@@ -112,12 +75,19 @@ function standsStill(history, other, peak) {
   return false;
 }
 
-// Why a recording cannot be judged; an empty string where it can.
+// Why A and d say nothing of a recording; an empty string where they do.
 export function refusal(command, measured) {
+  const peak = largest(command);
   const product = (p, q) => p.reduce((sum, value, i) => sum + value * q[i], 0);
   const [x, y] = [command, measured].map((values) => { const m = mean(values); return values.map((value) => value - m); });
   const sizes = [Math.sqrt(product(x, x)), Math.sqrt(product(y, y))];
   if (!(sizes[0] > 0 && sizes[1] > 0)) return "Command and measured displacement must move.";
+  if (largest(command.map((value, i) => measured[i] - value)) <= 1e-6 * peak) {
+    return "Command and measured displacement are identical, which no sensor reading is: was one channel exported twice?";
+  }
+  for (const [name, history, other] of [["measured displacement", measured, command], ["command", command, measured]]) {
+    if (standsStill(history, other, peak)) return `The ${name} stands still while the other channel moves: use reliab assess.`;
+  }
   const correlation = product(x, y) / (sizes[0] * sizes[1]);
   if (correlation < -0.8) return "The measured displacement must have the command's sign: reverse one channel.";
   const ratio = sizes[1] / sizes[0];

@@ -1,17 +1,11 @@
 // Discrete Fourier transforms of any length, with the signs and scales of numpy.fft.
 
-// Transform real and imaginary parts in place; `sign` is -1 forwards and 1 backwards (without 1/n).
-export function transform(real, imaginary, sign = -1) {
-  const n = real.length;
-  if ((n & (n - 1)) === 0) radixTwo(real, imaginary, sign);
-  else chirp(real, imaginary, sign);
-}
-
 // Real and imaginary parts of the transform of a real history at frequencies 0 ... n/2.
 export function realTransform(values, points = values.length) {
   const real = new Float64Array(points), imaginary = new Float64Array(points);
   real.set(values);
-  transform(real, imaginary);
+  if ((points & (points - 1)) === 0) radixTwo(real, imaginary, -1);
+  else chirp(real, imaginary);
   const count = (points >> 1) + 1;
   return [real.subarray(0, count), imaginary.subarray(0, count)];
 }
@@ -23,10 +17,9 @@ export function periodogram(values, taper) {
   return real.map((value, i) => value * value + imaginary[i] * imaginary[i]).subarray(1);
 }
 
-// Hann taper of n samples; a symmetric one ends with the value with which it begins.
-export function hann(n, symmetric = false) {
-  const period = symmetric ? n - 1 : n;
-  return Float64Array.from({ length: n }, (_, i) => 0.5 - 0.5 * Math.cos((2 * Math.PI * i) / period));
+// Hann taper of n samples, as a period of it.
+export function hann(n) {
+  return Float64Array.from({ length: n }, (_, i) => 0.5 - 0.5 * Math.cos((2 * Math.PI * i) / n));
 }
 
 export function mean(values) {
@@ -53,6 +46,7 @@ export function largest(values) {
   return most;
 }
 
+// Transform in place a length that is a power of two; `sign` is -1 forwards and 1 backwards (without 1/n).
 function radixTwo(real, imaginary, sign) {
   const n = real.length;
   for (let i = 1, j = 0; i < n; i += 1) {
@@ -64,7 +58,7 @@ function radixTwo(real, imaginary, sign) {
       [imaginary[i], imaginary[j]] = [imaginary[j], imaginary[i]];
     }
   }
-  const { cosine, sine } = kept(turns, n, turnsOf);
+  const [cosine, sine] = [Math.cos, Math.sin].map((turn) => Float64Array.from({ length: n >> 1 }, (_, k) => turn((2 * Math.PI * k) / n)));
   for (let length = 2; length <= n; length *= 2) {
     const half = length >> 1, stride = n / length;
     for (let start = 0; start < n; start += length) {
@@ -78,33 +72,21 @@ function radixTwo(real, imaginary, sign) {
   }
 }
 
-const turns = new Map(), chirps = new Map();
-const LONGEST_KEPT = 4096; // tables of longer transforms are not used often enough to be kept
-
-function kept(tables, n, make) {
-  if (tables.has(n)) return tables.get(n);
-  const table = make(n);
-  if (Math.abs(n) <= LONGEST_KEPT) tables.set(n, table);
-  return table;
-}
-
-function turnsOf(n) {
-  const angle = (k) => (2 * Math.PI * k) / n;
-  return {
-    cosine: Float64Array.from({ length: n >> 1 }, (_, k) => Math.cos(angle(k))),
-    sine: Float64Array.from({ length: n >> 1 }, (_, k) => Math.sin(angle(k))),
-  };
-}
-
 // Bluestein's algorithm: a transform of any length as a convolution of a length that is a power of two.
-function chirp(real, imaginary, sign) {
-  const n = real.length, { c, s, filterRe, filterIm } = kept(chirps, sign * n, chirpOf), points = filterRe.length;
-  const re = new Float64Array(points), im = new Float64Array(points);
+function chirp(real, imaginary) {
+  const n = real.length;
+  let points = 1;
+  while (points < 2 * n - 1) points *= 2;
+  const [c, s] = [Math.cos, Math.sin].map((turn) => Float64Array.from({ length: n }, (_, k) => turn((Math.PI * ((k * k) % (2 * n))) / n)));
+  const [re, im, filterRe, filterIm] = Array.from({ length: 4 }, () => new Float64Array(points));
   for (let k = 0; k < n; k += 1) {
-    re[k] = real[k] * c[k] - imaginary[k] * s[k];
-    im[k] = real[k] * s[k] + imaginary[k] * c[k];
+    re[k] = real[k] * c[k] + imaginary[k] * s[k];
+    im[k] = imaginary[k] * c[k] - real[k] * s[k];
+    filterRe[k] = filterRe[(points - k) % points] = c[k];
+    filterIm[k] = filterIm[(points - k) % points] = s[k];
   }
   radixTwo(re, im, -1);
+  radixTwo(filterRe, filterIm, -1);
   for (let k = 0; k < points; k += 1) {
     const product = re[k] * filterRe[k] - im[k] * filterIm[k];
     im[k] = re[k] * filterIm[k] + im[k] * filterRe[k];
@@ -112,24 +94,7 @@ function chirp(real, imaginary, sign) {
   }
   radixTwo(re, im, 1);
   for (let k = 0; k < n; k += 1) {
-    const x = re[k] / points, y = im[k] / points;
-    real[k] = x * c[k] - y * s[k];
-    imaginary[k] = x * s[k] + y * c[k];
+    real[k] = (re[k] * c[k] + im[k] * s[k]) / points;
+    imaginary[k] = (im[k] * c[k] - re[k] * s[k]) / points;
   }
-}
-
-// Chirp of a signed length, and the transform of the filter that it is convolved with.
-function chirpOf(signed) {
-  const n = Math.abs(signed), sign = Math.sign(signed);
-  let points = 1;
-  while (points < 2 * n - 1) points *= 2;
-  const c = new Float64Array(n), s = new Float64Array(n), filterRe = new Float64Array(points), filterIm = new Float64Array(points);
-  for (let k = 0; k < n; k += 1) {
-    const angle = (Math.PI * ((k * k) % (2 * n))) / n;
-    c[k] = Math.cos(angle); s[k] = sign * Math.sin(angle);
-    filterRe[k] = c[k]; filterIm[k] = -s[k];
-    if (k > 0) { filterRe[points - k] = c[k]; filterIm[points - k] = -s[k]; }
-  }
-  radixTwo(filterRe, filterIm, -1);
-  return { c, s, filterRe, filterIm };
 }

@@ -20,7 +20,7 @@ const panel = new TestPanel(data.words, () => refresh());
 prepareControls(ellipses, data.settings, () => refresh());
 field("provenance").textContent = data.provenance;
 field("share-hint").textContent = `The tolerable region is that of α = ${ellipses.share}: with a smaller share it is ` +
-  "on the safe side. The error of a test is computed with the share set here.";
+  "on the safe side. `reliab assess` takes the share set here.";
 field("keep").addEventListener("click", keep);
 field("compared").addEventListener("input", () => refresh());
 listenToPlane(field("plane"));
@@ -40,7 +40,6 @@ function refresh() {
   const now = asked();
   const own = bySide((side) => limits(ellipses, { ...now, side }));
   const tracking = panel.show(now, own);
-  panel.wait();
   const motions = bySide((side) => motionLimits(ellipses, { ...now, side }));
   state.drawn = { now, own, motions, compared: comparedLimits(now), test: tracking, band: null };
   draw();
@@ -97,7 +96,6 @@ function explain() {
 // Band and charts over frequency, in slices between which the controls answer; given up when they change.
 async function drawSlowly(round) {
   const pause = sliced(), current = () => round === state.round;
-  await panel.conclude(pause, current);
   await pause();
   if (!current()) return;
   const { now } = state.drawn;

@@ -15,7 +15,7 @@ const MOST_SAMPLES = 2_000_000;
 // A reason why a file cannot be read, in a sentence for its user.
 export class ReadingError extends Error {}
 
-// Command and measured displacement [m], step [s], sentences about what was assumed, and channels that are not used.
+// Command and measured displacement [m], step [s], and sentences about what was assumed.
 export function readTest(text, words) {
   const { rows, names, units } = tableOf(text);
   const places = recognise(names, rows[0].length, words), notes = [];
@@ -30,9 +30,7 @@ export function readTest(text, words) {
   const metres = lengths.map((length, i) => words.lengths[length || lengths[1 - i]] ?? 1);
   const step = stepOf(column("time")) * (words.times[unit("time")] ?? 1);
   const scaled = (part, factor) => column(part).map((value) => value * factor);
-  const plain = (names ?? []).map((name) => normal(name.split(".").pop(), words));
-  const unused = words.extras.filter((part) => plain.some((name) => words.names[part].includes(name)));
-  return { command: scaled("command", metres[0]), measured: scaled("measured", metres[1]), step, notes, unused };
+  return { command: scaled("command", metres[0]), measured: scaled("measured", metres[1]), step, notes };
 }
 
 // Rows of numbers, with the names and units of the columns where lines before them state them.

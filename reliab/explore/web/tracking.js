@@ -5,7 +5,7 @@
 
 import { butterworth, filterBothWays, gainOf } from "./filters.js";
 import { hann, mean, median, periodogram, realTransform } from "./fourier.js";
-import { spline } from "./least_squares.js";
+import { spline } from "./spline.js";
 
 const REFINEMENTS = 3;
 

@@ -1,0 +1,39 @@
+// What the page says of a test: A, d and where they lie, as `reliab assess` computes them. It judges nothing.
+
+import { drift, refusal, withoutSpikes } from "./faults.js";
+import { track } from "./tracking.js";
+
+// Everything of a test that does not depend on the criterion; throws where A and d mean nothing.
+export function examine({ command, measured, step, notes }) {
+  const bridged = [command, measured].map(withoutSpikes), [x, y] = bridged.map(({ values }) => values);
+  const reason = refusal(x, y);
+  if (reason) throw new RangeError(reason);
+  const count = bridged[0].count + bridged[1].count;
+  const spikes = count ? [`Spikes of ${count} samples were replaced by straight lines: no actuator moves like that.`] : [];
+  const plain = track(x, y, step), rise = drift(x, y, step, plain);
+  const straight = rise.added && track(x, y.map((value, i) => value - rise.added[i]), step);
+  return { command: x, measured: y, step, duration: (x.length - 1) * step, notes: [...notes, ...spikes], plain, rise, straight };
+}
+
+// A [-] and d [s] of an examined test, without the drift where it is too large for a threshold; and sentences.
+export function place({ notes, plain, rise, straight }, threshold) {
+  if (rise.size < 0.1 * threshold) return { ...plain, notes };
+  const sentence = `The measured displacement drifts by ${(100 * rise.size).toFixed(2)} % of the command's peak, which was taken away.`;
+  return { ...straight, notes: [...notes, sentence] };
+}
+
+// The command that judges the test, to be copied; a name that a shell could misread is left to the user.
+export function judgingCommand(name, { frequency, dampingRatio, share }, deviations, { threshold, confidence, metric }) {
+  const stated = (value, deviation) => (deviation > 0 ? `${value}±${Number((value * deviation).toPrecision(3))}` : String(value));
+  const options = [["f", stated(frequency, deviations.frequency)], ["xi", stated(dampingRatio, deviations.dampingRatio)]];
+  if (share !== 1) options.push(["alpha", share]);
+  if (threshold !== 0.05) options.push(["threshold", threshold]);
+  if (confidence !== 0.95) options.push(["confidence", confidence]);
+  if (metric !== "rms") options.push(["metric", metric]);
+  return ["reliab assess", fileOf(name), ...options.map(([option, value]) => `--${option} ${value}`)].join(" ");
+}
+
+function fileOf(name) {
+  if (!/^[\p{L}\p{N}_][\p{L}\p{N}\p{M}_ .,()+-]*$/u.test(name)) return "FILE";
+  return /[ ,()]/.test(name) ? `"${name}"` : name;
+}
