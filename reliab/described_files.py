@@ -8,7 +8,7 @@ import json
 import math
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
@@ -152,8 +152,13 @@ def faults_in_words(error: "ValidationError") -> str:
     return "; ".join(_fault(details) for details in error.errors())
 
 
+def keys_of(location: Iterable[str | int]) -> list[str]:
+    """Return the keys that lead to a fault, without the tags in parentheses by which a union is resolved."""
+    return [str(key) for key in location if not str(key).startswith("(")]
+
+
 def _fault(details: Mapping[str, Any]) -> str:
-    place = ".".join(str(part) for part in details["loc"]) or "the file"
+    place = ".".join(keys_of(details["loc"])) or "the file"
     given = details["input"]
     if details["type"] == "extra_forbidden":
         return f"{place} is not a known {'table' if isinstance(given, Mapping) else 'key'}"

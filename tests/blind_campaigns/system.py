@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 
 from blind_campaigns.equations import neutral_parameters
 
+Array = NDArray[np.float64]
+
 
 @dataclass(frozen=True, kw_only=True)
 class Structure:

@@ -65,7 +65,7 @@ def test_the_model_of_a_frame_says_that_it_holds_no_frame(small_campaign, tmp_pa
         (FRAME.replace("degree_of_freedom = 1", "degree_of_freedom = 5"), "", "degree of freedom"),
         (FRAME.replace("1e5", "9e5"), "", "stiffness matrix that is left to the computer"),
         (FRAME.replace("ratio = 0.02", "ratio = 0.02\nratios = [0.1, 0.1]"), "", "known keys"),
-        ("[structure]\nfrequency_hz = 1.0\n" + FRAME, "", "no key"),
+        ("[structure]\nfrequency_hz = 1.0\n" + FRAME, "", r"structure\.frequency_hz is not a known key"),
         (
             FRAME + '[[structure.specimen.effects]]\nname = "cubic_stiffness"\ncubic_n_per_m3 = 1.0\n',
             "",

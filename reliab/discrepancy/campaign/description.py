@@ -67,7 +67,7 @@ class TestTable(_Table):
 
 def _kind_of_structure(table: object) -> str:
     """Distinguish a frame from a structure of one degree of freedom by its tables."""
-    return "frame" if isinstance(table, dict) and "frame" in table else "one_mode"
+    return "(frame)" if isinstance(table, dict) and "frame" in table else "(one_mode)"
 
 
 class CampaignDescription(_Table):
@@ -76,7 +76,7 @@ class CampaignDescription(_Table):
     name: str = Field(default="", description="Free text; without it the name of the folder")
     structure: (
         Annotated[
-            Annotated[StructureTable, Tag("one_mode")] | Annotated[FrameTables, Tag("frame")],
+            Annotated[StructureTable, Tag("(one_mode)")] | Annotated[FrameTables, Tag("(frame)")],
             Discriminator(_kind_of_structure),
         ]
         | None

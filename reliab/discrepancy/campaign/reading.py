@@ -28,7 +28,7 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from reliab.described_files import described_text, faults_in_words, parse_toml
+from reliab.described_files import described_text, faults_in_words, keys_of, parse_toml
 from reliab.discrepancy.campaign.campaign import Campaign, MeasuredTest
 from reliab.discrepancy.campaign.description import (
     CampaignDescription,
@@ -180,7 +180,7 @@ def _described(path: Path) -> CampaignDescription:
 def _explained(error: ValidationError, text: str, path: Path) -> InputError:
     """Say what is wrong, with the line of the first fault."""
     first = error.errors()[0]
-    line = _line_of(text, [str(part) for part in first["loc"]])
+    line = _line_of(text, keys_of(first["loc"]))
     known = "A campaign is described by known keys with allowed values"
     return InputError(
         "A campaign must have at least one test" if first["type"] == "too_short" else known,
