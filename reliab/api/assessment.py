@@ -125,7 +125,7 @@ def assess(
     delimiter : str, optional
         What separates the columns of a text.
     progress : callable, optional
-        Called before each of several tests.
+        Called after each of several tests.
     **former
         `stated`, `taper` and `seed` of :func:`reliab.assessment.assess`, which end with version 0.4.
 
@@ -193,12 +193,12 @@ def _assess_several(
             "`reliab.design_test`)",
         )
     judged, faults = {}, {}
-    for place, (file, test) in enumerate(by_file.items()):
-        progress(place, len(by_file))
+    for done, (file, test) in enumerate(by_file.items(), start=1):
         try:
             judged[file] = judge(channels.read(test))
         except InputError as error:
             faults[file] = str(error)
+        progress(done, len(by_file))
     return Assessments(files=tuple(by_file), judged=judged, faults=faults)
 
 

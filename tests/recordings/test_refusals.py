@@ -1,0 +1,107 @@
+"""What no recording can be is refused, whether it comes from a file, from Python or from a simulation."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import reliab
+from reliab.errors import InputError
+from reliab.recordings.readers.arrays import columns_of_arrays
+from reliab.recordings.recording import FEWEST_SAMPLES, LARGEST_READING, Recording, require_few_samples
+
+MOVING = np.sin(np.arange(0.0, 20.0, 0.01))
+TABLE = pd.DataFrame({"time": 0.01 * np.arange(MOVING.size), "command": MOVING, "measured": MOVING})
+
+
+def recording(**changed):
+    return Recording(**{"command": MOVING, "measured": MOVING, "time_step": 0.01, **changed})
+
+
+def with_a(value):
+    values = MOVING.copy()
+    values[99] = value
+    return values
+
+
+@pytest.mark.parametrize(
+    ("changed", "rule"),
+    [
+        ({"command": MOVING[1:]}, "one length, at least 64; found 1999 and 2000"),
+        ({"command": MOVING[:63], "measured": MOVING[:63]}, "one length, at least 64; found 63 and 63"),
+        ({"time_step": 0.0}, "time step must be positive; found 0.0 s"),
+        ({"time_step": np.nan}, "time step must be positive; found nan s"),
+        ({"time_step": np.inf}, "time step must be positive; found inf s"),
+        ({"command": 0.0 * MOVING}, "command must move; found 0 throughout"),
+        ({"measured": 3.0 + 1e-10 * MOVING}, "measured displacement must move; found 3 throughout"),
+        ({"command": with_a(np.nan)}, "finite number below 1e.30; found nan in the command, sample 100"),
+        ({"measured": with_a(-LARGEST_READING)}, "found -1e.30 in the measured displacement, sample 100"),
+        ({"ground": with_a(np.inf)}, "found inf in the ground acceleration, sample 100"),
+        ({"force": with_a(np.nan)}, "found nan in the force, sample 100"),
+    ],
+)
+def test_a_recording_that_cannot_be_is_refused(changed, rule):
+    with pytest.raises(InputError, match=rule):
+        recording(**changed)
+
+
+def test_the_shortest_and_the_smallest_recording_are_taken():
+    few = MOVING[:FEWEST_SAMPLES]
+    assert recording(command=few, measured=few).duration == pytest.approx(0.01 * 63)
+    assert recording(measured=3.0 + 1e-8 * MOVING, ground=0.0 * MOVING).force is None
+
+
+def test_too_many_samples_are_refused():
+    require_few_samples(20, "test.csv", 20)
+    with pytest.raises(InputError, match=r"test.csv.*20 samples at most; found 21"):
+        require_few_samples(21, "test.csv", 20)
+
+
+def test_files_without_vectors_say_what_they_hold(tmp_path):
+    with pytest.raises(InputError, match=r"vectors of numbers; found words, sizes"):
+        columns_of_arrays(tmp_path / "a.mat", {"words": np.array(["a"]), "sizes": np.array(3.0)})
+    with pytest.raises(InputError, match="found nothing"):
+        columns_of_arrays(tmp_path / "a.mat", {})
+
+
+def test_matrices_may_lie(tmp_path):
+    """A column of a matrix is along its longer side, whichever that is."""
+    standing = np.arange(12.0).reshape(6, 2)
+    for matrix in (standing, standing.T):
+        found = columns_of_arrays(tmp_path / "a.mat", {"x": matrix, "dt": np.array([[0.5]])})
+        assert {name: values.tolist() for name, values in found.values.items()} == {
+            "x[1]": standing[:, 0].tolist(),
+            "x[2]": standing[:, 1].tolist(),
+        }
+        assert found.scalars == {"dt": 0.5}
+        assert not found.named
+
+
+@pytest.mark.parametrize("columns", [1, 4])
+def test_nameless_columns_are_two_or_three(tmp_path, columns):
+    file = tmp_path / "test.csv"
+    np.savetxt(file, np.column_stack([MOVING] * columns), delimiter=",")
+    with pytest.raises(InputError):
+        reliab.assess(file, f=1.0, xi=0.02)
+
+
+def test_four_nameless_columns_are_counted(tmp_path):
+    file = tmp_path / "test.csv"
+    np.savetxt(file, np.column_stack([MOVING] * 4), delimiter=",")
+    with pytest.raises(InputError, match=r"found 4 columns"):
+        reliab.assess(file, f=1.0, xi=0.02)
+
+
+@pytest.mark.parametrize(
+    ("test", "stated", "rule"),
+    [
+        (recording(), {"units": "m"}, "`units` has no meaning beside a test that was read already"),
+        (TABLE, {"rate": 0.0}, "`rate` must be positive and finite; found 0.0"),
+        (TABLE, {"rate": float("inf")}, "`rate` must be positive and finite; found inf"),
+        (TABLE, {"delimiter": ";"}, "`delimiter` has no meaning beside a data frame"),
+        (TABLE, {"command": "commanded"}, "Did you mean 'command'"),
+        (TABLE, {"measured": "zzzz"}, "The file has"),
+    ],
+)
+def test_what_is_stated_of_a_test_must_have_a_meaning(test, stated, rule):
+    with pytest.raises(InputError, match=rule):
+        reliab.assess(test, f=1.0, xi=0.02, **stated)

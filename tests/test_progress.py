@@ -1,0 +1,198 @@
+"""Whatever takes a `progress` reports every piece of its work, and ends at the total that it announced."""
+
+import ast
+import inspect
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import reliab
+from reliab.criterion import Criterion, derive_criterion
+from reliab.criterion.laws import Table
+from reliab.criterion.methods import method_of
+from reliab.criterion.provenance import Provenance
+from reliab.discrepancy.adding import adding
+from reliab.indices.window import Window
+from reliab.motions import load_motions
+from reliab.sampling import Ensembles, NormalValues, calibration, sample
+from reliab.simulation.frames.frame_file import frame_of_tables
+from reliab.structures import Structure
+from reliab.sweep import EllipseRequest, ScaledGrid, SweepRequest, predict_ellipses, run_sweep, trace_ellipses
+from reliab.sweep.frame_table import FrameRequest, trace_frame_ellipses
+from reliab.sweep.rig_table import errors_of_rig
+from reliab.validation.beyond_the_model import try_rigs
+from reliab.validation.criterion_coverage import Truth, coverage_table
+from reliab.validation.cross_validation import cross_validate, k_fold
+from reliab.validation.cross_validation.candidates import Derived
+from reliab.validation.probability_calibration import probability_calibration
+from reliab.validation.rebuilt_error_study import study
+from reliab.validation.yielding import yielding_tests
+
+PACKAGE = Path(reliab.__file__).parent
+MOTIONS = load_motions("synthetic")[:2]
+STRUCTURE = Structure(frequency=1.0, damping_ratio=0.05)
+GRID = ScaledGrid(gain_steps=5, delay_steps=4, lead_steps=4)
+VALUES = NormalValues(values=np.random.default_rng(1).normal(size=30))
+QUICK = Ensembles(steps=40, thin=2, walkers=8)
+REQUEST = EllipseRequest(frequencies=(1.0, 2.0), damping_ratios=(0.02, 0.05), thresholds=(0.02,))
+FRAME = {
+    "frame": {"masses_kg": [2000.0, 1500.0], "storey_stiffnesses_n_per_m": [4e5, 3e5]},
+    "damping": {"ratio": 0.03},
+    "specimen": {"degree_of_freedom": "1", "stiffness_n_per_m": 2e5},
+    "transfer_system": {"gain": 0.98, "delay_ms": 1.0},
+}
+
+
+@pytest.fixture(scope="module")
+def ellipses() -> xr.Dataset:
+    """Ellipses of late actuators under twelve motions."""
+    drawn = np.random.default_rng(2).lognormal(0.0, 0.3, (12, 2, 2, 2, 1, 1, 1, 1))
+    names = ("motion", "f", "xi", "threshold", "metric", "curve", "side")
+    return xr.Dataset(
+        {"a": (names, 2e-4 * drawn[:, 0]), "b": (names, 3.0 * drawn[:, 1])},
+        coords={
+            "motion": [f"M{place}" for place in range(12)],
+            "event": ("motion", [f"E{place}" for place in range(12)]),
+            "f": [1.0, 2.0],
+            "xi": [0.02, 0.05],
+            "threshold": [0.05],
+            "metric": ["rms"],
+            "curve": ["ellipse"],
+            "side": ["lag"],
+        },
+    )
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("progress")
+    return reliab.simulate(MOTIONS, f=[1.0, 2.0], xi=[0.02, 0.05], out=folder / "results.zarr")
+
+
+def of_chains(progress, ellipses):
+    few = ellipses.sel(f=[1.0], xi=[0.02])
+    derive_criterion(few, method="hierarchical", law="power", steps=40, progress=progress)
+
+
+def of_several_tests(progress):
+    reliab.assess(["none.csv", "neither.csv", "nor.csv"], progress=progress)  # each is done with, if refused
+
+
+def of_rigs(progress):
+    words = {"threshold": 0.05, "metric": "rms", "confidence": 0.95, "method": "quantile", "joint": False}
+    law = Table.fit([1.0], [0.05], [[6e-5]], [[1.2]])
+    criterion = Criterion(law=law, provenance=Provenance(source="round numbers"), **words)
+    try_rigs(MOTIONS, [STRUCTURE], lambda _: (), criterion, levels=(), count=len(MOTIONS), progress=progress)
+
+
+def of_posteriors(progress, monkeypatch):
+    """Two of three blocks have effects; what is made of their posteriors is tested beside diagnoses."""
+    blocks = [
+        SimpleNamespace(
+            block=SimpleNamespace(block=name), effects=effects, doubtful=(), problem=None, best=None
+        )
+        for name, effects in (("actuator", ("gain",)), ("balance", ()), ("specimen", ("backlash",)))
+    ]
+    for name in ("sample_posterior", "_sampled", "updated_model", "_shift", "replace"):
+        monkeypatch.setattr(adding, name, lambda *_, **__: None)
+    adding.add(SimpleNamespace(blocks=blocks), progress=progress)
+
+
+def of_rounds(progress, monkeypatch):
+    monkeypatch.setattr(study, "tests_of_round", lambda *_: iter(()))
+    design = study.Design.of(MOTIONS, [STRUCTURE], trials=3)
+    study.try_tests(design, progress=progress)
+
+
+def of_folds(progress, ellipses):
+    candidate = Derived(name="quantile", method=method_of("quantile"))
+    folds = k_fold(ellipses["event"].values, 3)
+    cross_validate(ellipses, folds, [candidate], scheme="k", confidences=[0.5], trials=8, progress=progress)
+
+
+def of_coverage(progress):
+    truth = Truth(n_events=8, motions_per_event=1, event_share=0.0)
+    methods = [(method_of("quantile"), False)]
+    coverage_table(methods, [truth], (0.5, 0.8, 0.9), suites=1, progress=progress)
+
+
+def of_shares(progress, tmp_path):
+    results = reliab.simulate(MOTIONS, alpha=[0.5, 1.0], out=tmp_path / "results.zarr")
+    results.reliab.ellipses(progress=progress)
+
+
+FRAME_UNDER_TEST = frame_of_tables(FRAME, "frame.toml")
+CASES = {
+    "simulate": lambda progress, tmp_path: reliab.simulate(
+        MOTIONS, out=tmp_path / "results.zarr", progress=progress
+    ),
+    "run_sweep": lambda progress, tmp_path: run_sweep(
+        MOTIONS,
+        SweepRequest(frequencies=(1.0,), damping_ratios=(0.02,), grid=GRID),
+        tmp_path / "results.zarr",
+        workers=1,
+        progress=progress,
+    ),
+    "ellipses": lambda progress: reliab.ellipses(MOTIONS, threshold=0.02, progress=progress),
+    "ellipses, stored": lambda progress, results: reliab.ellipses(results, progress=progress),
+    "ellipses, of shares": of_shares,
+    "trace_ellipses": lambda progress: trace_ellipses(MOTIONS, REQUEST, progress=progress),
+    "predict_ellipses": lambda progress: predict_ellipses(MOTIONS, REQUEST, progress=progress),
+    "trace_frame_ellipses": lambda progress: trace_frame_ellipses(
+        MOTIONS, FrameRequest(frame=FRAME_UNDER_TEST), progress=progress
+    ),
+    "errors_of_rig": lambda progress: errors_of_rig(
+        FRAME_UNDER_TEST, MOTIONS, window=Window(), progress=progress
+    ),
+    "assess": of_several_tests,
+    "derive_criterion": of_chains,
+    "sample": lambda progress: sample(VALUES, QUICK, progress=progress),
+    "calibration_ranks": lambda progress: calibration.calibration_ranks(
+        VALUES, fits=3, steps=200, progress=progress
+    ),
+    "probability_calibration": lambda progress, ellipses: probability_calibration(
+        ellipses, trials=8, progress=progress
+    ),
+    "coverage_table": of_coverage,
+    "try_rigs": of_rigs,
+    "yielding_tests": lambda progress: yielding_tests(MOTIONS, [STRUCTURE], reductions=(), progress=progress),
+    "try_tests": of_rounds,
+    "cross_validate": of_folds,
+    "add": of_posteriors,
+}
+PASSED_ON = {  # by a case of the function that calls it
+    "of": "derive_criterion",
+    "learn": "derive_criterion",
+    "fit_hierarchical": "derive_criterion",
+    "draw": "sample",
+    "sample_posterior": "sample",
+}
+ELSEWHERE = {"diagnose": "discrepancy/test_progress.py"}
+
+
+@pytest.mark.filterwarnings("ignore::reliab.sampling.ConvergenceWarning")
+@pytest.mark.parametrize("name", CASES)
+def test_every_piece_is_reported_once_and_the_last_is_the_total(name, request):
+    calls = []
+    work = CASES[name]
+    fixtures = list(inspect.signature(work).parameters)[1:]
+    work(lambda *call: calls.append(call), *map(request.getfixturevalue, fixtures))
+    done, totals = zip(*calls, strict=True)
+    assert list(done) == sorted(set(done))
+    assert set(totals) == {done[-1]}
+
+
+def test_whatever_takes_a_progress_has_a_case():
+    takers = {
+        node.name
+        for file in PACKAGE.rglob("*.py")
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        if isinstance(node, ast.FunctionDef)
+        and any(argument.arg == "progress" for argument in node.args.kwonlyargs)
+    }
+    tried = {name.partition(",")[0] for name in CASES}
+    assert takers == tried | set(PASSED_ON) | set(ELSEWHERE)
+    assert set(PASSED_ON.values()) <= tried
