@@ -1,0 +1,91 @@
+"""What no structure, specimen, partition or effect can be is refused, by its own rule."""
+
+import math
+from functools import partial
+
+import numpy as np
+import pytest
+
+from reliab.effects import find_effect
+from reliab.effects.parameter import Parameter, Scales
+from reliab.errors import InputError
+from reliab.structures.partition import Partition
+from reliab.structures.root_locus import Scheme, amplification_matrix
+from reliab.structures.specimen import Specimen
+from reliab.structures.structure import Structure
+
+SOUND = Structure(frequency=1.0, damping_ratio=0.05)
+PARTITION = Partition.of(SOUND, mass=10.0)
+FRICTION = partial(find_effect("coulomb_friction"), regularisation_velocity_m_per_s=1e-3)
+FORCE = FRICTION(force_n=1.0)
+READING = find_effect("sensor_bias")(bias_m=0.001)
+SCALES = {"displacement": 2.0, "velocity": 3.0, "acceleration": 5.0, "force": 7.0, "duration": 11.0}
+
+
+def parameter(**changed):
+    words = {"name": "force_n", "units": "N", "meaning": "a force", "starts": (1.0,)}
+    return Parameter(**{**words, "lower": 0.1, "upper": 2.0, **changed})
+
+
+def partition(**changed):
+    parts = {"frame": PARTITION.frame, "interface": PARTITION.interface, "specimen": PARTITION.specimen}
+    return Partition(**{**parts, **changed})
+
+
+@pytest.mark.parametrize(
+    ("make", "rule"),
+    [
+        (lambda: Structure(frequency=0.0, damping_ratio=0.05), "positive and finite; found 0.0 Hz"),
+        (lambda: Structure(frequency=math.inf, damping_ratio=0.05), "positive and finite; found inf Hz"),
+        (lambda: Structure(frequency=0.009, damping_ratio=0.05), "between 0.01 and 1e6 Hz; found 0.009"),
+        (lambda: Structure(frequency=1.1e6, damping_ratio=0.05), "between 0.01 and 1e6 Hz; found 1.1e"),
+        (lambda: Structure(frequency=1.0, damping_ratio=1.0), "between 0 and 1; found 1.0"),
+        (lambda: Structure(frequency=1.0, damping_ratio=0.0), "between 0 and 1; found 0.0"),
+        (lambda: Structure(frequency=1.0, damping_ratio=1e-15), "damping ratio must be at least"),
+        (
+            lambda: Structure(frequency=1.0, damping_ratio=0.05, experimental_fraction=1e-15),
+            "experimental fraction must be at least",
+        ),
+        (lambda: Structure(frequency=1.0, damping_ratio=0.05, experimental_fraction=0.0), r"lie in \(0, 1\]"),
+        (lambda: Structure(frequency=1.0, damping_ratio=0.05, experimental_fraction=1.1), r"lie in \(0, 1\]"),
+        (lambda: Specimen(stiffness=-1.0), "specimen's stiffness must be finite and not negative"),
+        (lambda: Specimen(stiffness=1.0, mass=math.inf), "specimen's mass must be finite and not negative"),
+        (lambda: Specimen(stiffness=1.0, damping=math.nan), "specimen's damping must be finite; found nan"),
+        (lambda: partition(interface=np.zeros(1)), "not all zero; found"),
+        (lambda: partition(interface=np.ones(2)), "needs 1 finite numbers"),
+        (lambda: partition(interface=np.array([math.nan])), "not all zero; found"),
+        (lambda: partition(effects=(FORCE, READING)), "must act on its force; found sensor_bias"),
+        (lambda: partition(specimen=Specimen(stiffness=0.0)), "needs stiffness, damping or mass"),
+        (
+            lambda: amplification_matrix(PARTITION, 0.01, 1.0, -0.01, Scheme.CHEN_RICLES),
+            "delays from 0 to .* steps; found -1 steps",
+        ),
+        (
+            lambda: amplification_matrix(PARTITION, 1e-3, 1.0, 10.0, Scheme.CHEN_RICLES),
+            "delays from 0 to .* steps; found 10000 steps",
+        ),
+        (
+            lambda: FRICTION(force_n=math.nan),
+            "force_n of coulomb_friction must be finite",
+        ),
+        (
+            lambda: FRICTION(force_n=0.0),
+            "force_n of coulomb_friction must be positive",
+        ),
+        (lambda: Scales(**{**SCALES, "duration": 0.0}), "scale of duration must be positive and finite"),
+        (lambda: Scales(**{**SCALES, "force": math.inf}), "scale of force must be positive and finite"),
+        (lambda: parameter(lower=2.0), "lower bound of force_n must be below the upper one; found 2.0 and 2"),
+        (lambda: parameter(lower=0.0), "lower bound of force_n must be positive"),
+    ],
+)
+def test_what_cannot_be_is_refused_by_its_own_rule(make, rule):
+    with pytest.raises(InputError, match=rule):
+        make()
+
+
+def test_bounds_themselves_are_allowed():
+    for frequency in (0.01, 1e6):
+        assert Structure(frequency=frequency, damping_ratio=0.05, experimental_fraction=1.0)
+    assert find_effect("sensor_bias")(bias_m=-0.001)
+    assert parameter(lower=-1.0, signed=True)
+    assert partition(effects=(FORCE,), specimen=Specimen(stiffness=0.0)).effects == (FORCE,)
