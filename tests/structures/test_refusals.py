@@ -69,8 +69,8 @@ def partition(**changed):
             "force_n of coulomb_friction must be finite",
         ),
         (
-            lambda: FRICTION(force_n=0.0),
-            "force_n of coulomb_friction must be positive",
+            lambda: find_effect("stroke_saturation")(stroke_m=0.0),
+            "stroke_m of .* must be positive",
         ),
         (lambda: Scales(**{**SCALES, "duration": 0.0}), "scale of duration must be positive and finite"),
         (lambda: Scales(**{**SCALES, "force": math.inf}), "scale of force must be positive and finite"),
