@@ -20,7 +20,7 @@ from reliab.report.document import Document
 from reliab.report.pdf import templates
 from reliab.shipped import shipped
 from reliab.study import folders  # noqa: F401 - makes the studies importable as reliab_studies
-from reliab.sweep.compact import open_compact
+from reliab.sweep.results import open_compact
 
 settings.register_profile("few", derandomize=True, deadline=None, max_examples=40)
 settings.register_profile("many", settings.get_profile("few"), max_examples=300)

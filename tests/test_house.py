@@ -23,21 +23,14 @@ LONG_FUNCTIONS = {
     "simulation/hybrid_test/marching.py:march": "one compiled loop",
     "simulation/compensators/adaptive_time_series.py:_compensate": "one compiled loop",
     "simulation/laboratory/march.py:march": "one compiled loop",
-    "simulation/linear_loop/drive_kernel.py:_track_lanes": "one compiled loop",
+    "simulation/linear_loop/drive_stepping.py:_track_lanes": "one compiled loop",
     "simulation/linear_loop/pole_stepping.py:_track_lanes": "one compiled loop",
     "simulation/linear_loop/short_delay.py:_track_lanes": "one compiled loop",
 }
 """Functions longer than the rule allows, and why."""
 
 WITHOUT_USER_INSIDE = {
-    "structures/critical_delay.py:predictive_stability_indicator": "a published indicator",
-    "structures/partition.py:storey_drifts": "a frame's interfaces",
-    "structures/root_locus.py:discrete_critical_delay": "a published locus",
-    "structures/root_locus.py:root_locus": "a published locus",
     "assessment/rebuilt_error/spectral.py:respond_spectrally": "the recursion's oracle",
-    "sampling/calibration.py:calibration_ranks": "puts a model of one's own to the test",
-    "sampling/calibration.py:uniformity": "puts a model of one's own to the test",
-    "sampling/model.py:prior_predictive": "puts a model of one's own to the test",
     "validation/criterion_coverage.py:coverage_table": "makes a table of criterion/README.md",
     "validation/motion_terms.py:gain_of_terms": "makes a number of criterion/README.md",
     "validation/yielding.py:yielding_tests": "makes datasets/yielding",

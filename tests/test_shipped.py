@@ -9,7 +9,7 @@ import pytest
 from reliab import cli, shipped
 from reliab.errors import InputError
 from reliab.sweep import open_results
-from reliab.sweep.real_suite import real_results
+from reliab.sweep.results import real_results
 
 ROOT = Path(__file__).parents[1]
 

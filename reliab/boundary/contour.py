@@ -14,11 +14,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.structures import Structure, longest_lead
 from reliab.vocabulary import Side
 
-ErrorOfCells = Callable[[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]], NDArray[np.float64]]
+ErrorOfCells = Callable[[Array, Array, NDArray[np.int64]], Array]
 """Error [-] of the whole test for amplitudes [-], delays [s] and indices of contours, shape (cells,)."""
 
 AMPLITUDE_STEP = 0.001
@@ -39,26 +40,17 @@ _TOLERANCES = {"xrtol": 1e-7, "frtol": 1e-8, "xatol": 1e-12}
 
 @dataclass(frozen=True, kw_only=True)
 class Contour:
-    """Points at which the error of the whole test equals a threshold.
+    """Points at which the error of the whole test equals a threshold."""
 
-    Attributes
-    ----------
-    amplitude : numpy.ndarray
-        Amplitude A [-], increasing, shape (points,).
-    delay : numpy.ndarray
-        Delay d [s], shape (points,); negative on the side of leads.
-    corners : numpy.ndarray, optional
-        Amplitudes [-] and delays [s] of the further points that bound the region inside the contour: the
-        tips, at which the contour meets d = 0 or is cut, and the longest lead searched where no lead reaches
-        the threshold; shape (2, corners).
-    """
-
-    amplitude: NDArray[np.float64]
-    delay: NDArray[np.float64]
-    corners: NDArray[np.float64] = field(default_factory=lambda: np.zeros((2, 0)))
+    amplitude: Array  # Amplitude A [-], increasing, shape (points,)
+    delay: Array  # Delay d [s], shape (points,); negative on the side of leads
+    # Amplitudes [-] and delays [s] of the further points that bound the region inside the contour: the tips,
+    # at which the contour meets d = 0 or is cut, and the longest lead searched where no lead reaches the
+    # threshold, of shape (2, corners)
+    corners: Array = field(default_factory=lambda: np.zeros((2, 0)))
 
     @property
-    def outline(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def outline(self) -> tuple[Array, Array]:
         """Amplitudes [-] and delays [s] of the whole outline of the region, points and corners together."""
         return (
             np.concatenate([self.amplitude, self.corners[0]]),
@@ -66,7 +58,7 @@ class Contour:
         )
 
 
-def furthest_lead(structure: Structure, gain: NDArray[np.float64]) -> NDArray[np.float64]:
+def furthest_lead(structure: Structure, gain: Array) -> Array:
     """Longest lead [s] that is searched, at amplitudes [-] of any shape."""
     reach = LEAD_REACH * structure.damping_ratio / structure.circular_frequency
     return np.minimum(reach, longest_lead(structure, gain))
@@ -74,7 +66,7 @@ def furthest_lead(structure: Structure, gain: NDArray[np.float64]) -> NDArray[np
 
 def trace_contours(
     error: ErrorOfCells,
-    thresholds: NDArray[np.float64],
+    thresholds: Array,
     structure: Structure,
     *,
     amplitude_step: float = AMPLITUDE_STEP,
@@ -151,11 +143,7 @@ def trace_contours(
 
 
 def _trace(
-    error: ErrorOfCells,
-    thresholds: NDArray[np.float64],
-    sign: NDArray[np.float64],
-    structure: Structure,
-    amplitude_step: float,
+    error: ErrorOfCells, thresholds: Array, sign: Array, structure: Structure, amplitude_step: float
 ) -> list[Contour]:
     """Trace contours that enclose the perfect actuator; the sign is that of their delays."""
     half_widths = _half_widths(error, thresholds, REACH * structure.damping_ratio)
@@ -180,7 +168,7 @@ def _trace(
     return contours
 
 
-def _half_widths(error: ErrorOfCells, thresholds: NDArray[np.float64], reach: float) -> NDArray[np.float64]:
+def _half_widths(error: ErrorOfCells, thresholds: Array, reach: float) -> Array:
     """Amplitude offsets below and above 1 at which each contour ends; shape (contours, 2)."""
     from scipy.optimize import elementwise
 
@@ -188,9 +176,7 @@ def _half_widths(error: ErrorOfCells, thresholds: NDArray[np.float64], reach: fl
     side = np.tile([-1.0, 1.0], thresholds.size)
     furthest = np.abs(np.expm1(side * reach))
 
-    def excess(
-        offset: NDArray[np.float64], side: NDArray[np.float64], owner: NDArray[np.int64]
-    ) -> NDArray[np.float64]:
+    def excess(offset: Array, side: Array, owner: NDArray[np.int64]) -> Array:
         return _finite(error(1.0 + side * offset, np.zeros_like(offset), owner)) - thresholds[owner]
 
     guess = np.full(owner.size, _FIRST_GUESS)
@@ -204,7 +190,7 @@ def _half_widths(error: ErrorOfCells, thresholds: NDArray[np.float64], reach: fl
     return np.where(inside, furthest, root.x).reshape(-1, 2)
 
 
-def _offsets(below: float, above: float, step: float) -> NDArray[np.float64]:
+def _offsets(below: float, above: float, step: float) -> Array:
     """Amplitude offsets ± j·step inside a contour."""
     narrow, wide = min(below, above), max(below, above)
     if narrow < (_FEWEST_STEPS + 1) * step:
@@ -218,21 +204,19 @@ def _offsets(below: float, above: float, step: float) -> NDArray[np.float64]:
 
 def _delays(
     error: ErrorOfCells,
-    thresholds: NDArray[np.float64],
-    sign: NDArray[np.float64],
-    places: tuple[NDArray[np.float64], NDArray[np.int64]],
-    half_widths: NDArray[np.float64],
+    thresholds: Array,
+    sign: Array,
+    places: tuple[Array, NDArray[np.int64]],
+    half_widths: Array,
     structure: Structure,
-    furthest: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    furthest: Array,
+) -> tuple[Array, NDArray[np.bool_]]:
     """Size of the delay on its contour at each amplitude, and whether one exists in the range searched."""
     from scipy.optimize import elementwise
 
     offset, owner = places
 
-    def excess(
-        size: NDArray[np.float64], offset: NDArray[np.float64], owner: NDArray[np.int64]
-    ) -> NDArray[np.float64]:
+    def excess(size: Array, offset: Array, owner: NDArray[np.int64]) -> Array:
         return _finite(error(1.0 + offset, sign[owner] * size, owner)) - thresholds[owner]
 
     half_width = half_widths[owner, (offset > 0.0).astype(np.int64)]
@@ -253,6 +237,6 @@ def _delays(
     return size, closed
 
 
-def _finite(error: NDArray[np.float64]) -> NDArray[np.float64]:
+def _finite(error: Array) -> Array:
     """Replace errors of diverged loops, which are not finite, by an error above any threshold."""
     return np.nan_to_num(error, nan=1e300, posinf=1e300)

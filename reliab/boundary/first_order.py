@@ -12,8 +12,8 @@ contour of an error ε is then an ellipse with a = ε² peak²/P and b = ε² pe
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Spectrum
 from reliab.simulation import Excitation, peak_of_history
 from reliab.simulation.linear_loop import respond
 from reliab.structures import Structure
@@ -41,20 +41,8 @@ class FirstOrderEllipse:
 def first_order_ellipse(excitation: Excitation, structure: Structure) -> FirstOrderEllipse:
     """Predict the ellipse of RMS^R from the record's spectrum, without simulating a test.
 
-    Parameters
-    ----------
-    excitation : Excitation
-        The record and the window over which errors are computed.
-    structure : Structure
-        The structure under test.
+    `excitation`: the record and the window over which errors are computed. Returns a and b per squared error.
 
-    Returns
-    -------
-    FirstOrderEllipse
-        a and b per squared error.
-
-    Examples
-    --------
     A resonant pulse: the more damped structure tolerates more.
 
     >>> t = np.arange(0.0, 20.0, 0.01)
@@ -66,10 +54,10 @@ def first_order_ellipse(excitation: Excitation, structure: Structure) -> FirstOr
     w0, xi = structure.circular_frequency, structure.damping_ratio
     rest = 1.0 - structure.experimental_fraction
 
-    def dynamic(s: NDArray[np.complex128], stiffness: float) -> NDArray[np.complex128]:
+    def dynamic(s: Spectrum, stiffness: float) -> Spectrum:
         return np.asarray(s**2 + 2.0 * xi * w0 * s + w0**2 * stiffness)
 
-    def to_gain(s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    def to_gain(s: Spectrum) -> Spectrum:
         return np.asarray(dynamic(s, rest) / dynamic(s, 1.0) ** 2)
 
     exact, step = respond(excitation, lambda s: 1.0 / dynamic(s, 1.0))

@@ -1,24 +1,70 @@
-"""Boundaries of RMS^R of one structure under many ground motions, traced together.
+"""Boundaries of one structure, traced by solving the loop for each actuator, under one ground motion or many.
 
-What depends on the actuator alone is computed for the actuators of all motions at once; the error under each
-motion is then a quadratic form (`simulation/linear_loop/pole_plane`). An actuator and motion for which that
-is not precise enough are simulated. The reduction to the dominant pole is checked at the points of the
-resulting contours; a motion for which it is not accurate enough there is traced separately
-(`motion_boundary`).
+For RMS^R under many motions, what depends on the actuator alone is computed for the actuators of all motions
+at once; the error under each motion is then a quadratic form (`simulation/linear_loop/pole_plane`). An
+actuator and motion for which that is not precise enough are simulated. The reduction to the dominant pole is
+checked at the points of the resulting contours; a motion for which it is not accurate enough there is traced
+by itself.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.boundary.contour import Contour, trace_contours
-from reliab.boundary.motion_boundary import motion_contours
-from reliab.simulation import Engine, Loop
+from reliab.arrays import Array
+from reliab.boundary.contour import AMPLITUDE_STEP, Contour, trace_contours
+from reliab.indices import relative_error
+from reliab.simulation import Deviation, Engine, Loop
 from reliab.simulation.linear_loop import Cells, block_length
 from reliab.simulation.linear_loop.pole_plane import mean_squares
+from reliab.structures import Structure
 from reliab.vocabulary import Metric, Side
+
+
+class SolvedLoop(Protocol):
+    """A loop under one ground motion that can be solved for any actuator, with effects or without."""
+
+    @property
+    def structure(self) -> Structure:
+        """The structure under test."""
+
+    def cells(self, *, gain: object, delay: object) -> Cells:
+        """Actuators of given gains [-] and delays [s], negative for a lead."""
+
+    def deviation(self, cells: Cells) -> Deviation:
+        """Deviation of the measured displacement from the exact response."""
+
+    def at_rest(self) -> Deviation:
+        """Deviation of an actuator that does not move."""
+
+
+def motion_contours(
+    loop: SolvedLoop,
+    thresholds: Sequence[float] = (0.05,),
+    metric: Metric = Metric.RMS,
+    *,
+    amplitude_step: float = AMPLITUDE_STEP,
+    side: Side | Sequence[Side] = Side.LAG,
+) -> list[Contour]:
+    """Contours of equal error of one ground motion and one structure.
+
+    `thresholds`: errors on the contours [-], 5 % by default.
+    `metric`: RMS^R (default) or MTE^R.
+    `amplitude_step`: step of the amplitude [-], the paper's 0.001 by default; at least eleven points are
+    found.
+    `side`: side of all contours, or of each; actuators that are late by default.
+    Returns amplitude [-] and delay [s], negative for leads, along the contour of each threshold; gain and
+    delay of the actuator alone where the loop has further effects.
+    """
+
+    def error(amplitude: Array, delay: Array, _: NDArray[np.int64]) -> Array:
+        return relative_error(loop.deviation(loop.cells(gain=amplitude, delay=delay)), metric)
+
+    levels = np.asarray(thresholds, dtype=np.float64)
+    return trace_contours(error, levels, loop.structure, amplitude_step=amplitude_step, side=side)
 
 
 def suite_contours(
@@ -26,19 +72,8 @@ def suite_contours(
 ) -> list[list[Contour]]:
     """Contours of equal RMS^R of one structure under many ground motions.
 
-    Parameters
-    ----------
-    loops : sequence of Loop
-        The same structure under each motion.
-    thresholds : sequence of float
-        Errors on the contours [-].
-    side : sequence of Side
-        Side of each contour.
-
-    Returns
-    -------
-    list of list of Contour
-        For each motion the contour of each threshold, as `motion_contours` gives them.
+    `loops`: the same structure under each motion; `thresholds`: errors on the contours [-]. Returns for each
+    motion the contour of each threshold, as `motion_contours` gives them.
     """
     together = [place for place, loop in enumerate(loops) if _is_regular(loop)]
     contours: dict[int, list[Contour]] = {}
@@ -67,9 +102,7 @@ class _Suite:
     loops: Sequence[Loop]
     contours_of_motion: int
 
-    def error(
-        self, amplitude: NDArray[np.float64], delay: NDArray[np.float64], contour: NDArray[np.int64]
-    ) -> NDArray[np.float64]:
+    def error(self, amplitude: Array, delay: Array, contour: NDArray[np.int64]) -> Array:
         """RMS^R of actuators, each under the motion of its contour."""
         cells = Cells(structure=self.loops[0].structure, gain=amplitude, delay=delay)
         motion = contour // self.contours_of_motion

@@ -10,6 +10,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.compiled import compiled
 
 _FLOOR = 3e-4  # errors below this are not resolved
@@ -20,20 +21,11 @@ GAIN_SCALE, DELAY_SCALE = 0.2, 0.1
 """Shares of the largest |ln k_p| and delay beyond which the coordinates are linear."""
 
 
-def stretched(value: NDArray[np.float64], core: float, scale: float) -> NDArray[np.float64]:
+def stretched(value: Array, core: float, scale: float) -> Array:
     """Coordinate that is linear below the core, logarithmic up to the scale, and linear beyond.
 
-    Parameters
-    ----------
-    value : numpy.ndarray
-        Values, any shape and unit.
-    core, scale : float
-        Limits of the logarithmic part, in the unit of the values.
-
-    Returns
-    -------
-    numpy.ndarray
-        Coordinate [-], odd and increasing in the value.
+    `value`: values, any shape and unit; `core`, `scale`: limits of the logarithmic part, in the unit of the
+    values. Returns coordinate [-], odd and increasing in the value.
     """
     return np.arcsinh(value / core) + value / scale
 
@@ -41,19 +33,11 @@ def stretched(value: NDArray[np.float64], core: float, scale: float) -> NDArray[
 class ErrorSurfaces:
     """Errors over one grid of gains and delays, interpolated.
 
-    Parameters
-    ----------
-    gain : numpy.ndarray
-        Gains k_p [-], increasing, with 1 among them, shape (kp,).
-    delay : numpy.ndarray
-        Delays τ [s], increasing, with 0 among them; negative for leads, shape (tau,).
-    error : numpy.ndarray
-        Errors [-], shape (surfaces, kp, tau).
+    `gain`: gains k_p [-], increasing, with 1 among them, shape (kp,); `delay`: delays τ [s], increasing, with
+    0 among them; negative for leads, shape (tau,); `error`: errors [-], shape (surfaces, kp, tau).
     """
 
-    def __init__(
-        self, gain: NDArray[np.float64], delay: NDArray[np.float64], error: NDArray[np.float64]
-    ) -> None:
+    def __init__(self, gain: Array, delay: Array, error: Array) -> None:
         offset = np.log(gain)
         at_one = int(np.argmin(np.abs(offset)))
         self._cores = (max(offset[at_one + 1], -offset[at_one - 1]), delay[delay > 0.0][0])
@@ -68,25 +52,14 @@ class ErrorSurfaces:
         ).c  # (4, tau, 4, kp, surface)
         self._patches = np.ascontiguousarray(along_delay.transpose(4, 3, 1, 2, 0))
 
-    def _stretch(self, value: NDArray[np.float64], axis: int) -> NDArray[np.float64]:
+    def _stretch(self, value: Array, axis: int) -> Array:
         return stretched(value, self._cores[axis], self._scales[axis])
 
-    def error(
-        self, amplitude: NDArray[np.float64], delay: NDArray[np.float64], surface: NDArray[np.int64]
-    ) -> NDArray[np.float64]:
+    def error(self, amplitude: Array, delay: Array, surface: NDArray[np.int64]) -> Array:
         """Error of given actuators.
 
-        Parameters
-        ----------
-        amplitude, delay : numpy.ndarray
-            Gain [-] and delay [s], shape (cells,).
-        surface : numpy.ndarray
-            Index of the surface for each actuator, shape (cells,).
-
-        Returns
-        -------
-        numpy.ndarray
-            Error [-], shape (cells,); NaN outside the grid.
+        `amplitude`, `delay`: gain [-] and delay [s], shape (cells,); `surface`: index of the surface for each
+        actuator, shape (cells,). Returns error [-], shape (cells,); NaN outside the grid.
         """
         lowest, highest, earliest, latest = self._ends
         inside = (amplitude >= lowest * (1 - 1e-9)) & (amplitude <= highest * (1 + 1e-9))
@@ -99,13 +72,13 @@ class ErrorSurfaces:
 
 @compiled
 def _evaluate(
-    gain_edges: NDArray[np.float64],
-    delay_edges: NDArray[np.float64],
-    patches: NDArray[np.float64],
-    gain: NDArray[np.float64],
-    delay: NDArray[np.float64],
+    gain_edges: Array,
+    delay_edges: Array,
+    patches: Array,
+    gain: Array,
+    delay: Array,
     surface: NDArray[np.int64],
-) -> NDArray[np.float64]:
+) -> Array:
     """Bicubic patches by Horner's scheme; shape of the patches (surface, kp, tau, 4, 4)."""
     errors = np.empty(gain.size)
     for cell in range(gain.size):

@@ -2,9 +2,8 @@
 
 from dataclasses import dataclass
 
-from reliab.effects.effect import Role, SteppedEffect
+from reliab.effects.effect import Parameter, Role, SteppedEffect
 from reliab.effects.kernel import Kernel, Numbers
-from reliab.effects.parameter import Parameter
 from reliab.vocabulary import Block
 
 
@@ -14,13 +13,7 @@ def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _
 
 @dataclass(frozen=True, kw_only=True)
 class AddedMass(SteppedEffect):
-    """An inertia force m·a that the load cell measures because a mass moves between it and the specimen.
-
-    Parameters
-    ----------
-    mass_kg : float
-        Mass [kg].
-    """
+    """An inertia force m·a that the load cell measures because a mass moves between it and the specimen."""
 
     name = "added_mass"
     block = Block.SPECIMEN
@@ -41,4 +34,4 @@ class AddedMass(SteppedEffect):
     )
     kernel = Kernel(function=_force)
 
-    mass_kg: float
+    mass_kg: float  # Mass [kg]

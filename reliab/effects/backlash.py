@@ -2,9 +2,8 @@
 
 from dataclasses import dataclass
 
-from reliab.effects.effect import Role, SteppedEffect
+from reliab.effects.effect import Parameter, Role, SteppedEffect
 from reliab.effects.kernel import Kernel, Numbers
-from reliab.effects.parameter import Parameter
 from reliab.vocabulary import Block
 
 
@@ -21,13 +20,7 @@ def _move(motion: Numbers, _time: float, _step: float, coefficients: Numbers, st
 
 @dataclass(frozen=True, kw_only=True)
 class Backlash(SteppedEffect):
-    """Play: the piston rests until the drive has crossed the slack.
-
-    Parameters
-    ----------
-    width_m : float
-        Whole play w [m]; the piston rests while it is within ±w/2 of the drive.
-    """
+    """Play: the piston rests until the drive has crossed the slack."""
 
     name = "backlash"
     block = Block.ACTUATOR
@@ -47,4 +40,4 @@ class Backlash(SteppedEffect):
     )
     kernel = Kernel(function=_move, states=2)
 
-    width_m: float
+    width_m: float  # Whole play w [m]; the piston rests while it is within ±w/2 of the drive

@@ -2,9 +2,8 @@
 
 from dataclasses import dataclass
 
-from reliab.effects.effect import Role, SteppedEffect
+from reliab.effects.effect import Parameter, Role, SteppedEffect
 from reliab.effects.kernel import Kernel, Numbers
-from reliab.effects.parameter import Parameter
 from reliab.vocabulary import Block
 
 
@@ -14,13 +13,7 @@ def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _
 
 @dataclass(frozen=True, kw_only=True)
 class CubicStiffness(SteppedEffect):
-    """A force k₃x³ beside the linear spring.
-
-    Parameters
-    ----------
-    cubic_n_per_m3 : float
-        Coefficient k₃ [N/m³], negative for a softening spring.
-    """
+    """A force k₃x³ beside the linear spring."""
 
     name = "cubic_stiffness"
     block = Block.SPECIMEN
@@ -41,4 +34,4 @@ class CubicStiffness(SteppedEffect):
     )
     kernel = Kernel(function=_force)
 
-    cubic_n_per_m3: float
+    cubic_n_per_m3: float  # Coefficient k₃ [N/m³], negative for a softening spring

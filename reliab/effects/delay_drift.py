@@ -2,9 +2,8 @@
 
 from dataclasses import dataclass
 
-from reliab.effects.effect import Role, SteppedEffect
+from reliab.effects.effect import Parameter, Role, SteppedEffect
 from reliab.effects.kernel import Kernel, Numbers
-from reliab.effects.parameter import Parameter
 from reliab.vocabulary import Block
 
 
@@ -14,13 +13,7 @@ def _delay(_motion: Numbers, time: float, _step: float, coefficients: Numbers, _
 
 @dataclass(frozen=True, kw_only=True)
 class DelayDrift(SteppedEffect):
-    """A delay that grows in proportion to the time since the start of the test.
-
-    Parameters
-    ----------
-    delay_rate_s_per_s : float
-        Growth r of the delay [s/s].
-    """
+    """A delay that grows in proportion to the time since the start of the test."""
 
     name = "delay_drift"
     block = Block.ACTUATOR
@@ -41,4 +34,4 @@ class DelayDrift(SteppedEffect):
     )
     kernel = Kernel(function=_delay)
 
-    delay_rate_s_per_s: float
+    delay_rate_s_per_s: float  # Growth r of the delay [s/s]

@@ -2,23 +2,14 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
-from reliab.effects.effect import RecordEffect, Role
-from reliab.effects.parameter import Parameter
+from reliab.arrays import Array
+from reliab.effects.effect import Parameter, RecordEffect, Role
 from reliab.vocabulary import Block
 
 
 @dataclass(frozen=True, kw_only=True)
 class ExcitationScale(RecordEffect):
-    """The ground acceleration that acted was s·a_g, where a_g is the recorded one.
-
-    Parameters
-    ----------
-    scale : float
-        Factor s [-].
-    """
+    """The ground acceleration that acted was s·a_g, where a_g is the recorded one."""
 
     name = "excitation_scale"
     block = Block.EXCITATION
@@ -38,9 +29,9 @@ class ExcitationScale(RecordEffect):
         ),
     )
 
-    scale: float
+    scale: float  # Factor s [-]
 
-    def applied(self, acceleration: NDArray[np.float64], step: float) -> NDArray[np.float64]:
+    def applied(self, acceleration: Array, step: float) -> Array:
         """Scaled ground acceleration [m/s²]."""
         del step
         return self.scale * acceleration

@@ -4,11 +4,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from reliab.effects.effect import LinearEffect, Role, Setting
+from reliab.arrays import Array, Spectrum
+from reliab.effects.effect import LinearEffect, Parameter, Role, Setting
 from reliab.effects.kernel import Kernel, Numbers
-from reliab.effects.parameter import Parameter
 from reliab.vocabulary import Block
 
 
@@ -27,13 +26,7 @@ def _move(motion: Numbers, _time: float, step: float, coefficients: Numbers, sta
 
 @dataclass(frozen=True, kw_only=True)
 class FirstOrderLag(LinearEffect):
-    """First-order lag T·y' + y = u between the command and the piston.
-
-    Parameters
-    ----------
-    time_constant_s : float
-        Time constant T [s].
-    """
+    """First-order lag T·y' + y = u between the command and the piston."""
 
     name = "first_order_lag"
     block = Block.ACTUATOR
@@ -53,15 +46,15 @@ class FirstOrderLag(LinearEffect):
     )
     kernel = Kernel(function=_move, states=3)
 
-    time_constant_s: float
+    time_constant_s: float  # Time constant T [s]
 
-    def coefficients(self, setting: Setting) -> NDArray[np.float64]:
+    def coefficients(self, setting: Setting) -> Array:
         """Time constant, decay over a step, weights of the input before and after it."""
         ratio = setting.step / self.time_constant_s
         held = -math.expm1(-ratio)
         late = 1.0 - held / ratio
         return np.array([self.time_constant_s, 1.0 - held, held - late, late])
 
-    def transfer(self, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    def transfer(self, s: Spectrum) -> Spectrum:
         """Transfer function 1/(1 + Ts)."""
         return 1.0 / (1.0 + self.time_constant_s * s)

@@ -3,11 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from reliab.effects.effect import Role, Setting, SteppedEffect
+from reliab.arrays import Array
+from reliab.effects.effect import Parameter, Role, Setting, SteppedEffect
 from reliab.effects.kernel import Kernel, Numbers
-from reliab.effects.parameter import Parameter
 from reliab.vocabulary import Block
 
 
@@ -40,6 +39,6 @@ class Gap(SteppedEffect):
 
     gap_m: float  # Slack g to either side [m]
 
-    def coefficients(self, setting: Setting) -> NDArray[np.float64]:
+    def coefficients(self, setting: Setting) -> Array:
         """Slack and stiffness of the spring."""
         return np.array([self.gap_m, setting.stiffness])

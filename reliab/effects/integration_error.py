@@ -3,10 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from reliab.effects.effect import Effect, Role
-from reliab.effects.parameter import Parameter
+from reliab.arrays import Array, Spectrum
+from reliab.effects.effect import Effect, Parameter, Role
 from reliab.vocabulary import Block
 
 
@@ -25,15 +24,6 @@ class IntegrationError(Effect):
     but for the command, which moves in straight lines: H = 1 + (γ − ½)(1 − e⁻ᶻ) = e⁻ᶻ. An integration that
     removes damping is assumed to be of this kind.
 
-    Parameters
-    ----------
-    numerical_damping_ratio : float
-        Damping ratio ω₀s/2 that the integration adds [-]; negative where it feeds energy in.
-    step_s : float, optional
-        Step Δ of the integration [s].
-
-    Examples
-    --------
     >>> euler = IntegrationError(numerical_damping_ratio=-0.01, step_s=0.02 / 6.0)
     >>> bool(np.isclose(euler.transfer(np.array([10.0]), 6.0)[0], np.exp(-20j * np.pi * 0.02 / 6.0)))
     True
@@ -66,27 +56,18 @@ class IntegrationError(Effect):
         ),
     )
 
+    # Damping ratio ω₀s/2 that the integration adds [-]; negative where it feeds energy in
     numerical_damping_ratio: float
-    step_s: float = 0.001
+    step_s: float = 0.001  # Step Δ of the integration [s]
 
     def shift(self, circular_frequency: float) -> float:
         """Time s [s] by which the acceleration is ahead, for a structure of ω₀ [rad/s]."""
         return 2.0 * self.numerical_damping_ratio / circular_frequency
 
-    def transfer(self, frequency: NDArray[np.float64], circular_frequency: float) -> NDArray[np.complex128]:
+    def transfer(self, frequency: Array, circular_frequency: float) -> Spectrum:
         """Transfer function H [-] from the demanded to the command's acceleration.
 
-        Parameters
-        ----------
-        frequency : numpy.ndarray
-            Frequencies [Hz].
-        circular_frequency : float
-            ω₀ of the structure [rad/s].
-
-        Returns
-        -------
-        numpy.ndarray
-            Shape of `frequency`.
+        `frequency`: frequencies [Hz]; `circular_frequency`: ω₀ of the structure [rad/s].
         """
         gamma = 0.5 + self.shift(circular_frequency) / self.step_s
         turns = np.asarray(frequency) * self.step_s

@@ -3,10 +3,9 @@
 import math
 from dataclasses import dataclass
 
-from reliab.effects.coulomb_friction import CoulombFriction
-from reliab.effects.effect import Role, SteppedEffect
+from reliab.effects.effect import Parameter, Role, SteppedEffect
+from reliab.effects.friction import CoulombFriction
 from reliab.effects.kernel import Kernel, Numbers
-from reliab.effects.parameter import Parameter
 from reliab.effects.viscous_damping import ViscousDamping
 from reliab.vocabulary import Block
 

@@ -2,9 +2,8 @@
 
 from dataclasses import dataclass
 
-from reliab.effects.effect import Role, SteppedEffect
+from reliab.effects.effect import Parameter, Role, SteppedEffect
 from reliab.effects.kernel import Kernel, Numbers
-from reliab.effects.parameter import Parameter
 from reliab.vocabulary import Block
 
 
@@ -14,13 +13,7 @@ def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _
 
 @dataclass(frozen=True, kw_only=True)
 class QuadraticDamping(SteppedEffect):
-    """A force c₂·v·|v|, as that of an orifice.
-
-    Parameters
-    ----------
-    coefficient_n_s2_per_m2 : float
-        Coefficient c₂ [N·s²/m²].
-    """
+    """A force c₂·v·|v|, as that of an orifice."""
 
     name = "quadratic_damping"
     block = Block.SPECIMEN
@@ -41,4 +34,4 @@ class QuadraticDamping(SteppedEffect):
     )
     kernel = Kernel(function=_force)
 
-    coefficient_n_s2_per_m2: float
+    coefficient_n_s2_per_m2: float  # Coefficient c₂ [N·s²/m²]

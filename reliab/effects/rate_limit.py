@@ -2,9 +2,8 @@
 
 from dataclasses import dataclass
 
-from reliab.effects.effect import Role, SteppedEffect
+from reliab.effects.effect import Parameter, Role, SteppedEffect
 from reliab.effects.kernel import Kernel, Numbers
-from reliab.effects.parameter import Parameter
 from reliab.vocabulary import Block
 
 
@@ -21,13 +20,7 @@ def _move(motion: Numbers, _time: float, step: float, coefficients: Numbers, sta
 
 @dataclass(frozen=True, kw_only=True)
 class RateLimit(SteppedEffect):
-    """A piston that cannot move faster than the valve lets it, |y'| ≤ L.
-
-    Parameters
-    ----------
-    velocity_limit_m_per_s : float
-        Largest velocity L [m/s].
-    """
+    """A piston that cannot move faster than the valve lets it, |y'| ≤ L."""
 
     name = "rate_limit"
     block = Block.ACTUATOR
@@ -48,4 +41,4 @@ class RateLimit(SteppedEffect):
     )
     kernel = Kernel(function=_move, states=2)
 
-    velocity_limit_m_per_s: float
+    velocity_limit_m_per_s: float  # Largest velocity L [m/s]

@@ -2,17 +2,14 @@
 
 from reliab.effects.added_mass import AddedMass
 from reliab.effects.backlash import Backlash
-from reliab.effects.coulomb_friction import CoulombFriction
 from reliab.effects.cubic_stiffness import CubicStiffness
-from reliab.effects.degrading_hysteresis import DegradingHysteresis
 from reliab.effects.delay_drift import DelayDrift
-from reliab.effects.directional_friction import DirectionalFriction
 from reliab.effects.effect import Effect
 from reliab.effects.excitation_scale import ExcitationScale
 from reliab.effects.first_order_lag import FirstOrderLag
-from reliab.effects.force_bias import ForceBias
+from reliab.effects.friction import CoulombFriction, DirectionalFriction
 from reliab.effects.gap import Gap
-from reliab.effects.hysteresis import Hysteresis
+from reliab.effects.hysteresis import DegradingHysteresis, Hysteresis
 from reliab.effects.integration_error import IntegrationError
 from reliab.effects.power_law_damping import PowerLawDamping
 from reliab.effects.quadratic_damping import QuadraticDamping
@@ -20,7 +17,7 @@ from reliab.effects.quadratic_stiffness import QuadraticStiffness
 from reliab.effects.rate_limit import RateLimit
 from reliab.effects.rectified_sensor import RectifiedSensor
 from reliab.effects.second_order_dynamics import SecondOrderDynamics
-from reliab.effects.sensor_bias import SensorBias
+from reliab.effects.sensor_bias import ForceBias, SensorBias
 from reliab.effects.sensor_drift import SensorDrift
 from reliab.effects.series_play import SeriesPlay
 from reliab.effects.stroke_saturation import CommandSaturation, StrokeSaturation
@@ -73,16 +70,8 @@ _LIBRARY: Registry[type[Effect]] = Registry(
 def library() -> Registry[type[Effect]]:
     """All effects by name, in the order in which they act within their block.
 
-    Returns
-    -------
-    Registry of str to type
-        The classes of effects.
-
-    Raises
-    ------
-    InputError
-        When it is read: if another package adds something that is not an effect, or a name that is already in
-        use.
+    Raises InputError when it is read: if another package adds something that is not an effect, or a name that
+    is already in use.
     """
     return _LIBRARY
 
@@ -90,23 +79,8 @@ def library() -> Registry[type[Effect]]:
 def find_effect(name: str) -> type[Effect]:
     """Return the effect of a name.
 
-    Parameters
-    ----------
-    name : str
-        Name as in files and reports.
+    `name`: name as in files and reports. Returns the class of the effect. Raises InputError if there is none.
 
-    Returns
-    -------
-    type
-        The class of the effect.
-
-    Raises
-    ------
-    InputError
-        If there is none.
-
-    Examples
-    --------
     >>> find_effect("backlash").__name__
     'Backlash'
     """

@@ -5,12 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
-from reliab.effects.effect import LinearEffect, Role, Setting
+from reliab.arrays import Array, Spectrum
+from reliab.effects.effect import LinearEffect, Parameter, Role, Setting
 from reliab.effects.first_order_lag import FirstOrderLag
 from reliab.effects.kernel import Kernel, Numbers
-from reliab.effects.parameter import Parameter
 from reliab.vocabulary import Block
 
 
@@ -34,15 +33,7 @@ def _move(motion: Numbers, _time: float, step: float, coefficients: Numbers, sta
 
 @dataclass(frozen=True, kw_only=True)
 class SecondOrderDynamics(LinearEffect):
-    """Second-order dynamics y'' + 2ζω·y' + ω²·y = ω²·u, ω = 2πf, between the command and the piston.
-
-    Parameters
-    ----------
-    natural_frequency_hz : float
-        Natural frequency f [Hz].
-    damping_ratio : float
-        Damping ratio ζ [-]; a fit goes up to 1.2, beyond which a servo is a first-order lag and some delay.
-    """
+    """Second-order dynamics y'' + 2ζω·y' + ω²·y = ω²·u, ω = 2πf, between the command and the piston."""
 
     name = "second_order_dynamics"
     block = Block.ACTUATOR
@@ -73,10 +64,11 @@ class SecondOrderDynamics(LinearEffect):
     )
     kernel = Kernel(function=_move, states=4)
 
-    natural_frequency_hz: float
+    natural_frequency_hz: float  # Natural frequency f [Hz]
+    # Damping ratio ζ [-]; a fit goes up to 1.2, beyond which a servo is a first-order lag and some delay
     damping_ratio: float
 
-    def coefficients(self, setting: Setting) -> NDArray[np.float64]:
+    def coefficients(self, setting: Setting) -> Array:
         """ω², 2ζω and the two rows of the transition over a step."""
         omega = 2.0 * math.pi * self.natural_frequency_hz
         stiffness, damping = omega**2, 2.0 * self.damping_ratio * omega
@@ -90,7 +82,7 @@ class SecondOrderDynamics(LinearEffect):
         rows = np.column_stack([transition[:, :2], transition[:, 2] - slope, slope])
         return np.concatenate([[stiffness, damping], rows.ravel()])
 
-    def transfer(self, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    def transfer(self, s: Spectrum) -> Spectrum:
         """Transfer function ω²/(s² + 2ζωs + ω²)."""
         omega = 2.0 * math.pi * self.natural_frequency_hz
         return omega**2 / (s**2 + 2.0 * self.damping_ratio * omega * s + omega**2)

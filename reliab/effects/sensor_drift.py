@@ -2,9 +2,8 @@
 
 from dataclasses import dataclass
 
-from reliab.effects.effect import Role, SteppedEffect
+from reliab.effects.effect import Parameter, Role, SteppedEffect
 from reliab.effects.kernel import Kernel, Numbers
-from reliab.effects.parameter import Parameter
 from reliab.vocabulary import Block
 
 
@@ -14,13 +13,7 @@ def _reading(_motion: Numbers, time: float, _step: float, coefficients: Numbers,
 
 @dataclass(frozen=True, kw_only=True)
 class SensorDrift(SteppedEffect):
-    """A displacement sensor whose zero moves in proportion to the time since the start of the test.
-
-    Parameters
-    ----------
-    drift_m_per_s : float
-        Rate of the drift [m/s].
-    """
+    """A displacement sensor whose zero moves in proportion to the time since the start of the test."""
 
     name = "sensor_drift"
     block = Block.SENSOR
@@ -41,4 +34,4 @@ class SensorDrift(SteppedEffect):
     )
     kernel = Kernel(function=_reading)
 
-    drift_m_per_s: float
+    drift_m_per_s: float  # Rate of the drift [m/s]

@@ -3,11 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from reliab.effects.effect import Role, Setting, SteppedEffect
+from reliab.arrays import Array
+from reliab.effects.effect import Parameter, Role, Setting, SteppedEffect
 from reliab.effects.kernel import Kernel, Numbers
-from reliab.effects.parameter import Parameter
 from reliab.vocabulary import Block
 
 
@@ -47,6 +46,6 @@ class SeriesPlay(SteppedEffect):
 
     width_m: float  # Whole play w [m]
 
-    def coefficients(self, setting: Setting) -> NDArray[np.float64]:
+    def coefficients(self, setting: Setting) -> Array:
         """Play, stiffness and damping of the specimen."""
         return np.array([self.width_m, setting.stiffness, setting.damping])

@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from reliab.effects.effect import Role, SteppedEffect
+from reliab.effects.effect import Parameter, Role, SteppedEffect
 from reliab.effects.kernel import Kernel, Numbers
-from reliab.effects.parameter import Parameter
 from reliab.vocabulary import Block
 
 
@@ -18,13 +17,7 @@ def _move(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _s
 
 @dataclass(frozen=True, kw_only=True)
 class StrokeSaturation(SteppedEffect):
-    """A piston that stops at the end of its stroke, |y| ≤ S.
-
-    Parameters
-    ----------
-    stroke_m : float
-        Largest displacement S to either side [m].
-    """
+    """A piston that stops at the end of its stroke, |y| ≤ S."""
 
     position: ClassVar[str] = "after the dynamics"
     name = "stroke_saturation"
@@ -46,7 +39,7 @@ class StrokeSaturation(SteppedEffect):
     )
     kernel = Kernel(function=_move)
 
-    stroke_m: float
+    stroke_m: float  # Largest displacement S to either side [m]
 
 
 @dataclass(frozen=True, kw_only=True)

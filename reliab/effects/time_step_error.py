@@ -3,10 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from reliab.effects.effect import RecordEffect, Role
-from reliab.effects.parameter import Parameter
+from reliab.arrays import Array
+from reliab.effects.effect import Parameter, RecordEffect, Role
 from reliab.vocabulary import Block
 
 
@@ -34,7 +33,7 @@ class TimeStepError(RecordEffect):
 
     ratio: float  # Ratio q of the time steps [-]
 
-    def applied(self, acceleration: NDArray[np.float64], step: float) -> NDArray[np.float64]:
+    def applied(self, acceleration: Array, step: float) -> Array:
         """Ground acceleration [m/s²] on the stretched time axis, zero after its end."""
         times = step * np.arange(acceleration.size, dtype=np.float64)
         return np.interp(times / self.ratio, times, acceleration, right=0.0)

@@ -2,9 +2,8 @@
 
 from dataclasses import dataclass
 
-from reliab.effects.effect import Role, SteppedEffect
+from reliab.effects.effect import Parameter, Role, SteppedEffect
 from reliab.effects.kernel import Kernel, Numbers
-from reliab.effects.parameter import Parameter
 from reliab.vocabulary import Block
 
 
@@ -14,13 +13,7 @@ def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _
 
 @dataclass(frozen=True, kw_only=True)
 class ViscousDamping(SteppedEffect):
-    """A force c·v beyond the specimen's nominal damping.
-
-    Parameters
-    ----------
-    damping_n_s_per_m : float
-        Damping coefficient c [N·s/m].
-    """
+    """A force c·v beyond the specimen's nominal damping."""
 
     name = "viscous_damping"
     block = Block.SPECIMEN
@@ -41,4 +34,4 @@ class ViscousDamping(SteppedEffect):
     )
     kernel = Kernel(function=_force)
 
-    damping_n_s_per_m: float
+    damping_n_s_per_m: float  # Damping coefficient c [N·s/m]

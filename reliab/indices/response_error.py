@@ -10,32 +10,18 @@ falls with the record's length as about 1/√T.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.simulation import Deviation, peak_of_history
 from reliab.vocabulary import Metric
 
 
-def relative_error(deviation: Deviation, metric: Metric) -> NDArray[np.float64]:
+def relative_error(deviation: Deviation, metric: Metric) -> Array:
     """RMS^R or MTE^R of many simulated tests.
 
-    Parameters
-    ----------
-    deviation : Deviation
-        Statistics of x_m − x_I over the window.
-    metric : Metric
-        Which error.
-
-    Returns
-    -------
-    numpy.ndarray
-        The error [-], shape (cells,).
-
-    Raises
-    ------
-    InputError
-        If the exact response is zero throughout.
+    `deviation`: statistics of x_m − x_I over the window. Returns the error [-], shape (cells,). Raises
+    InputError if the exact response is zero throughout.
     """
     if not deviation.ideal_peak > 0.0:
         raise InputError(
@@ -47,9 +33,7 @@ def relative_error(deviation: Deviation, metric: Metric) -> NDArray[np.float64]:
     return size / deviation.ideal_peak
 
 
-def response_error(
-    measured: NDArray[np.float64], ideal: NDArray[np.float64], metric: Metric = Metric.RMS
-) -> float:
+def response_error(measured: Array, ideal: Array, metric: Metric = Metric.RMS) -> float:
     """RMS^R or MTE^R of one test from its histories.
 
     `measured`, `ideal` [m]; returns [-].

@@ -8,60 +8,36 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
+
+from reliab.arrays import Array
 
 
-def maximum_tracking_error(command: NDArray[np.float64], measured: NDArray[np.float64]) -> float:
+def maximum_tracking_error(command: Array, measured: Array) -> float:
     """Largest |x_m − x_c| over largest |x_c| [-].
 
-    Parameters
-    ----------
-    command, measured : numpy.ndarray
-        Displacements [m], shape (n,).
-
-    Returns
-    -------
-    float
-        The error [-].
+    `command`, `measured`: displacements [m], shape (n,). Returns the error [-].
     """
     return float(np.abs(measured - command).max() / np.abs(command).max())
 
 
-def rms_tracking_error(command: NDArray[np.float64], measured: NDArray[np.float64]) -> float:
+def rms_tracking_error(command: Array, measured: Array) -> float:
     """Root mean square of x_m − x_c over that of x_c [-].
 
-    Parameters
-    ----------
-    command, measured : numpy.ndarray
-        Displacements [m], shape (n,).
-
-    Returns
-    -------
-    float
-        The error [-].
+    `command`, `measured`: displacements [m], shape (n,). Returns the error [-].
     """
     return float(np.linalg.norm(measured - command) / np.linalg.norm(command))
 
 
-def tracking_indicator(command: NDArray[np.float64], measured: NDArray[np.float64]) -> NDArray[np.float64]:
+def tracking_indicator(command: Array, measured: Array) -> Array:
     """Tracking indicator: signed area between the two displacements, Mercan and Ricles 2007.
 
     Half of ∫x_c dx_m − ∫x_m dx_c by the trapezoidal rule; it grows while the actuator lags, falls
     while it leads and stays level while it follows. It is π times amplitude squared times the
     sine of the lag for each cycle of a harmonic.
 
-    Parameters
-    ----------
-    command, measured : numpy.ndarray
-        Displacements [m], shape (n,).
+    `command`, `measured`: displacements [m], shape (n,). Returns indicator [m²] up to each sample, shape
+    (n,); zero at the first.
 
-    Returns
-    -------
-    numpy.ndarray
-        Indicator [m²] up to each sample, shape (n,); zero at the first.
-
-    Examples
-    --------
     One cycle at unit amplitude with a lag of 0.1 rad encloses an area of π sin 0.1:
 
     >>> phase = np.linspace(0.0, 2.0 * np.pi, 1001)
@@ -82,26 +58,14 @@ class PhaseAmplitudeErrors:
     amplitude: float  # Measured over command amplitude, less one [-]
 
 
-def phase_amplitude_errors(
-    command: NDArray[np.float64], measured: NDArray[np.float64]
-) -> PhaseAmplitudeErrors:
+def phase_amplitude_errors(command: Array, measured: Array) -> PhaseAmplitudeErrors:
     """Phase and amplitude error indices from the ellipse of x_m over x_c, Hessabi and Mercan 2012.
 
     The ellipse is the one with the second moments of the trace, which stays meaningful when the
     amplitude varies; for a harmonic it is the trace itself. The direction of travel gives the sign.
 
-    Parameters
-    ----------
-    command, measured : numpy.ndarray
-        Displacements [m], shape (n,).
+    `command`, `measured`: displacements [m], shape (n,). Returns phase lag and relative amplitude error.
 
-    Returns
-    -------
-    PhaseAmplitudeErrors
-        Phase lag and relative amplitude error.
-
-    Examples
-    --------
     >>> phase = np.linspace(0.0, 20.0 * np.pi, 20001)
     >>> found = phase_amplitude_errors(np.sin(phase), 0.98 * np.sin(phase - 0.05))
     >>> round(found.phase, 3), round(found.amplitude, 3)
@@ -113,50 +77,25 @@ def phase_amplitude_errors(
     return PhaseAmplitudeErrors(phase=direction * float(np.arccos(correlation)), amplitude=amplitude - 1.0)
 
 
-def energy_error(
-    command: NDArray[np.float64], measured: NDArray[np.float64], force: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def energy_error(command: Array, measured: Array, force: Array) -> Array:
     """Energy that the tracking error adds to the structure, Mosqueda and others 2007.
 
     The specimen does the work ∫r dx_m; the numerical substructure assumes the work ∫r dx_c. The structure
     receives the difference as energy that no ground motion supplied.
 
-    Parameters
-    ----------
-    command, measured : numpy.ndarray
-        Displacements [m], shape (n,).
-    force : numpy.ndarray
-        Restoring force r of the specimen [N], shape (n,).
-
-    Returns
-    -------
-    numpy.ndarray
-        Energy error [J] up to each sample, positive when energy is added, shape (n,).
+    `command`, `measured`: displacements [m], shape (n,); `force`: restoring force r of the specimen [N],
+    shape (n,). Returns energy error [J] up to each sample, positive when energy is added, shape (n,).
     """
     middle_force = 0.5 * (force[1:] + force[:-1])
     return np.concatenate([[0.0], np.cumsum(middle_force * (np.diff(measured) - np.diff(command)))])
 
 
-def delay_by_cross_correlation(
-    command: NDArray[np.float64], measured: NDArray[np.float64], time_step: float
-) -> float:
+def delay_by_cross_correlation(command: Array, measured: Array, time_step: float) -> float:
     """Delay at which the cross-correlation of command and measured displacement is largest [s].
 
-    Parameters
-    ----------
-    command, measured : numpy.ndarray
-        Displacements [m], shape (n,).
-    time_step : float
-        Step between samples [s].
+    `command`, `measured`: displacements [m], shape (n,); `time_step`: step between samples [s]. Returns delay
+    [s], refined between samples by a parabola; positive when the measured displacement lags.
 
-    Returns
-    -------
-    float
-        Delay [s], refined between samples by a parabola; positive when the measured displacement
-        lags.
-
-    Examples
-    --------
     >>> t = np.arange(0.0, 20.0, 0.001)
     >>> command, measured = np.sin(2 * np.pi * t) * np.exp(-t / 5), np.zeros_like(t)
     >>> measured[4:] = command[:-4]

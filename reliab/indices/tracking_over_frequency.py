@@ -16,9 +16,8 @@ from functools import cached_property
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
-from reliab.arrays import Array
+from reliab.arrays import Array, Spectrum
 from reliab.errors import InputError
 from reliab.indices.frequency_evaluation import frequency_evaluation
 
@@ -32,28 +31,15 @@ _FEWEST = 2
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TrackingOverFrequency:
-    """A(f) and d(f) at the frequencies at which a test shows them.
+    """A(f) and d(f) at the frequencies at which a test shows them."""
 
-    Attributes
-    ----------
-    frequency : numpy.ndarray
-        Frequencies [Hz], ascending, shape (n,).
-    amplitude : numpy.ndarray
-        A [-], shape (n,).
-    delay : numpy.ndarray
-        d [s], positive when the measured displacement lags, shape (n,).
-    amplitude_deviation, delay_deviation : numpy.ndarray
-        Their standard deviations by noise [-] and [s], shape (n,).
-    coherence : numpy.ndarray
-        γ² [-], shape (n,).
-    """
-
-    frequency: Array
-    amplitude: Array
-    delay: Array
+    frequency: Array  # Frequencies [Hz], ascending, shape (n,)
+    amplitude: Array  # A [-], shape (n,)
+    delay: Array  # d [s], positive when the measured displacement lags, shape (n,)
+    # amplitude_deviation, delay_deviation: Their standard deviations by noise [-] and [s], shape (n,)
     amplitude_deviation: Array
     delay_deviation: Array
-    coherence: Array
+    coherence: Array  # γ² [-], shape (n,)
 
     def at(self, frequency: Array | float) -> tuple[Array, Array]:
         """Give A [-] and d [s] at frequencies [Hz]; beyond the known ones those of the nearest."""
@@ -67,7 +53,7 @@ class TrackingOverFrequency:
         """Whether a frequency [Hz] lies between those at which the test shows A and d."""
         return bool(self.frequency[0] <= frequency <= self.frequency[-1])
 
-    def transfer(self, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    def transfer(self, s: Spectrum) -> Spectrum:
         """Measured over command displacement σ = A e^(−sd) [-] at s [rad/s], near the imaginary axis."""
         amplitude, delay = self.at(s.imag / (2.0 * np.pi))
         return np.asarray(amplitude * np.exp(-s * delay))

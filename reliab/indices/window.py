@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.motions import arias_times
 
@@ -23,23 +23,15 @@ _SHORTEST = 1e-9  # s
 class Window:
     """The whole record, its first seconds, or the part between 5 and 95 % of the Arias intensity.
 
-    Parameters
-    ----------
-    kind : {"record", "seconds", "arias"}, optional
-        The whole record by default, as in the paper.
-    seconds : float, optional
-        Length of the window from the record's first sample [s], for `kind` "seconds"; a shorter record is
-        used in full.
-
-    Examples
-    --------
     >>> Window.parse("40").label
     '40'
     >>> Window.parse("arias").label
     'arias'
     """
 
-    kind: str = _Kind.RECORD
+    kind: str = _Kind.RECORD  # The whole record by default, as in the paper
+    # Length of the window from the record's first sample [s], for `kind` "seconds"; a shorter record is used
+    # in full
     seconds: float = np.inf
 
     def __post_init__(self) -> None:
@@ -74,20 +66,11 @@ class Window:
         """Text that `parse` turns back into this window."""
         return f"{self.seconds:g}" if self.kind == _Kind.SECONDS else str(self.kind)
 
-    def bounds(self, acceleration: NDArray[np.float64], time_step: float) -> tuple[float, float]:
+    def bounds(self, acceleration: Array, time_step: float) -> tuple[float, float]:
         """Begin and end of the window on the record's time axis.
 
-        Parameters
-        ----------
-        acceleration : numpy.ndarray
-            Ground acceleration [m/s²], shape (n,).
-        time_step : float
-            Step between samples [s].
-
-        Returns
-        -------
-        tuple of float
-            Begin and end [s].
+        `acceleration`: ground acceleration [m/s²], shape (n,); `time_step`: step between samples [s]. Returns
+        begin and end [s].
         """
         duration = (acceleration.size - 1) * time_step
         if self.kind == _Kind.ARIAS:

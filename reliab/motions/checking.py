@@ -10,8 +10,16 @@ import numpy as np
 from reliab.errors import InputError
 from reliab.motions.catalogue import CATALOGUE, read_catalogue
 from reliab.motions.faults import Fault, Report
-from reliab.motions.folder import UNREAD, motion_name, scan_file, scan_folder, unread_files
-from reliab.motions.loading import BUILT_IN, declare, load_motions
+from reliab.motions.loading import (
+    BUILT_IN,
+    UNREAD,
+    declare,
+    load_motions,
+    motion_name,
+    scan_file,
+    scan_folder,
+    unread_files,
+)
 from reliab.motions.readers.reading import Declared
 from reliab.motions.readers.source import is_file, is_folder
 from reliab.motions.record import RecordFile

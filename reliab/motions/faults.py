@@ -12,27 +12,13 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, kw_only=True)
 class Fault:
-    """One thing that is wrong with one file.
+    """One thing that is wrong with one file."""
 
-    Parameters
-    ----------
-    file : str
-        The file, as the user named it.
-    line : int or None
-        Line in the file, counted from 1; None where the fault has no line.
-    rule : str
-        What must hold.
-    value : str
-        What was found instead; may be empty.
-    remedy : str
-        What to do about it; may be empty.
-    """
-
-    file: str
-    line: int | None
-    rule: str
-    value: str = ""
-    remedy: str = ""
+    file: str  # The file, as the user named it
+    line: int | None  # Line in the file, counted from 1; None where the fault has no line
+    rule: str  # What must hold
+    value: str = ""  # What was found instead; may be empty
+    remedy: str = ""  # What to do about it; may be empty
 
     def error(self) -> InputError:
         """Return the fault as an error of one sentence for the user."""

@@ -15,8 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.motions.motion import Motion
 from reliab.vocabulary import STANDARD_GRAVITY
@@ -38,15 +39,7 @@ class Intensity:
 def measure(motion: Motion) -> Intensity:
     """Measure the intensity of a motion.
 
-    Parameters
-    ----------
-    motion : Motion
-        The motion; not all zeros.
-
-    Returns
-    -------
-    Intensity
-        Its measures.
+    `motion`: the motion; not all zeros.
     """
     acceleration, time_step = motion.acceleration, motion.time_step
     return Intensity(
@@ -69,32 +62,15 @@ def arias_intensity(acceleration: ArrayLike, time_step: float) -> float:
     return float(math.pi / (2 * STANDARD_GRAVITY) * energies.sum())
 
 
-def arias_times(acceleration: ArrayLike, time_step: float, fractions: Sequence[float]) -> NDArray[np.float64]:
+def arias_times(acceleration: ArrayLike, time_step: float, fractions: Sequence[float]) -> Array:
     """Find the times at which fractions of the Arias intensity are reached.
 
     Within a step the squared acceleration is a parabola and its integral a cubic, inverted in closed form.
 
-    Parameters
-    ----------
-    acceleration : array of float, shape (n,)
-        Samples [m/s²], linear in between; not all zeros.
-    time_step : float
-        Interval between samples [s].
-    fractions : sequence of float, shape (m,)
-        Fractions from 0 to 1.
+    `acceleration`: samples [m/s²], linear in between; not all zeros; `time_step`: interval between samples
+    [s]; `fractions`: fractions from 0 to 1. Returns first time at which each is reached, from the first
+    sample [s]. Raises InputError if a fraction lies outside of [0, 1] or the record is all zeros.
 
-    Returns
-    -------
-    array of float, shape (m,)
-        First time at which each is reached, from the first sample [s].
-
-    Raises
-    ------
-    InputError
-        If a fraction lies outside of [0, 1] or the record is all zeros.
-
-    Examples
-    --------
     >>> arias_times([2.0, 2.0, 2.0], 0.5, [0.0, 0.25, 1.0]).tolist()
     [0.0, 0.25, 1.0]
     """
@@ -111,9 +87,7 @@ def arias_times(acceleration: ArrayLike, time_step: float, fractions: Sequence[f
     target = wanted * reached[-1]
     segment = np.clip(np.searchsorted(reached, target, side="left") - 1, 0, samples.size - 2)
     energy = (target - reached[segment]) / time_step
-    times: NDArray[np.float64] = time_step * (
-        segment + _share_of_segment(samples[segment], samples[segment + 1], energy)
-    )
+    times: Array = time_step * (segment + _share_of_segment(samples[segment], samples[segment + 1], energy))
     return times
 
 
@@ -155,15 +129,13 @@ def mean_period(acceleration: ArrayLike, time_step: float) -> float:
     return float((power / frequencies[in_band]).sum() / total)
 
 
-def _segment_energies(samples: NDArray[np.float64], time_step: float) -> NDArray[np.float64]:
+def _segment_energies(samples: Array, time_step: float) -> Array:
     """Integral of the squared acceleration over each step, shape (n - 1,)."""
     start, end = samples[:-1], samples[1:]
     return time_step / 3.0 * (start * start + start * end + end * end)
 
 
-def _share_of_segment(
-    start: NDArray[np.float64], end: NDArray[np.float64], energy: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _share_of_segment(start: Array, end: Array, energy: Array) -> Array:
     """Share x of a step in which the integral of (start + (end - start) x)² reaches an energy.
 
     With v the acceleration at x, v³ = start³ + 3 (end - start) energy, and

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.vocabulary import STANDARD_GRAVITY
 
@@ -50,7 +50,7 @@ class Motion:
     """
 
     name: str
-    acceleration: NDArray[np.float64]
+    acceleration: Array
     time_step: float
     event: str = ""
     set_name: str = ""
@@ -74,7 +74,7 @@ class Motion:
         return float(np.abs(self.acceleration).max())
 
     @property
-    def times(self) -> NDArray[np.float64]:
+    def times(self) -> Array:
         """Times of the samples, from zero [s], shape (n,)."""
         return np.arange(self.acceleration.size, dtype=np.float64) * self.time_step
 
@@ -115,7 +115,7 @@ def require_short(samples: int, name: str, most: int = MOST_SAMPLES) -> None:
         )
 
 
-def _checked_samples(samples: NDArray[np.float64], name: str) -> NDArray[np.float64]:
+def _checked_samples(samples: Array, name: str) -> Array:
     copied = np.array(samples, dtype=np.float64)
     if copied.ndim != 1 or copied.size < 2:  # noqa: PLR2004 - two samples make the shortest record
         raise InputError(

@@ -17,25 +17,10 @@ def resample(motion: Motion, rate_hz: float = 1024.0) -> Motion:
     The paper interpolates every record to 1024 Hz. Linear interpolation changes nothing between the
     samples of a rate above the record's own, but a lower rate drops what lies between its samples.
 
-    Parameters
-    ----------
-    motion : Motion
-        The record, n samples at its own step.
-    rate_hz : float, optional
-        New sampling rate [Hz], positive.
+    `motion`: the record, n samples at its own step; `rate_hz`: new sampling rate [Hz], positive. Returns
+    samples at k / rate_hz for every k that lies within the record; at most one new step shorter. Raises
+    InputError if the rate is not positive or leaves fewer than two samples.
 
-    Returns
-    -------
-    Motion
-        Samples at k / rate_hz for every k that lies within the record; at most one new step shorter.
-
-    Raises
-    ------
-    InputError
-        If the rate is not positive or leaves fewer than two samples.
-
-    Examples
-    --------
     >>> slow = Motion(name="ramp", acceleration=[0.0, 1.0, 0.0], time_step=0.5)
     >>> resample(slow, rate_hz=4.0).acceleration.tolist()
     [0.0, 0.5, 1.0, 0.5, 0.0]
@@ -57,25 +42,10 @@ def resample(motion: Motion, rate_hz: float = 1024.0) -> Motion:
 def truncate(motion: Motion, duration: float) -> Motion:
     """Keep the first seconds of a motion.
 
-    Parameters
-    ----------
-    motion : Motion
-        The record.
-    duration : float
-        Longest duration to keep [s], at least one step of the record.
+    `duration`: longest duration to keep [s], at least one step of the record. Returns the samples up to the
+    given time; the motion itself if it is no longer than that. Raises InputError if the duration is shorter
+    than one step.
 
-    Returns
-    -------
-    Motion
-        The samples up to the given time; the motion itself if it is no longer than that.
-
-    Raises
-    ------
-    InputError
-        If the duration is shorter than one step.
-
-    Examples
-    --------
     >>> record = Motion(name="ramp", acceleration=[0.0, 1.0, 2.0, 3.0], time_step=0.5)
     >>> truncate(record, 1.2).duration
     1.0

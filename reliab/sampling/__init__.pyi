@@ -1,4 +1,3 @@
-from .bivariate_normal import both_below as both_below
 from .diagnostics import (
     ConvergenceWarning as ConvergenceWarning,
     Diagnostics as Diagnostics,
@@ -7,6 +6,8 @@ from .diagnostics import (
 from .ensembles import Ensembles as Ensembles, draw as draw, sample as sample, width_of as width_of
 from .laplace import Laplace as Laplace
 from .model import Model as Model, Parameter as Parameter
-from .normal_inverse_chi_squared import NormalInverseChiSquared as NormalInverseChiSquared
-from .normal_values import NormalValues as NormalValues
+from .normal_inverse_chi_squared import (
+    NormalInverseChiSquared as NormalInverseChiSquared,
+    NormalValues as NormalValues,
+)
 from .posterior_sample import PosteriorSample as PosteriorSample

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
+
+from reliab.arrays import Array
 
 LARGEST_R_HAT: Final = 1.01
 LEAST_EFFECTIVE_SIZE: Final = 1000
@@ -18,28 +19,16 @@ class ConvergenceWarning(UserWarning):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Diagnostics:
-    """Convergence of each parameter.
+    """Convergence of each parameter."""
 
-    Parameters
-    ----------
-    names : tuple of str
-        Parameters.
-    r_hat : array of float, shape (parameters,)
-        Rank-normalised split R-hat over both halves of all ensembles.
-    bulk_size, tail_size : array of float, shape (parameters,)
-        Effective number of independent draws for the centre and for the 5 % and 95 % quantiles.
-    autocorrelation_time : array of float, shape (parameters,)
-        Integrated autocorrelation time [steps].
-    ensembles : int
-        Number of independent ensembles.
-    """
-
-    names: tuple[str, ...]
-    r_hat: NDArray[np.float64]
-    bulk_size: NDArray[np.float64]
-    tail_size: NDArray[np.float64]
-    autocorrelation_time: NDArray[np.float64]
-    ensembles: int
+    names: tuple[str, ...]  # Parameters
+    r_hat: Array  # Rank-normalised split R-hat over both halves of all ensembles
+    # bulk_size, tail_size: Effective number of independent draws for the centre and for the 5 % and 95 %
+    # quantiles
+    bulk_size: Array
+    tail_size: Array
+    autocorrelation_time: Array  # Integrated autocorrelation time [steps]
+    ensembles: int  # Number of independent ensembles
 
     @property
     def complaints(self) -> tuple[str, ...]:
@@ -68,7 +57,7 @@ class Diagnostics:
         return not self.complaints
 
 
-def diagnose(draws: NDArray[np.float64], names: tuple[str, ...], thin: int) -> Diagnostics:
+def diagnose(draws: Array, names: tuple[str, ...], thin: int) -> Diagnostics:
     """Diagnose the kept draws of several ensembles.
 
     Walkers of one ensemble learn from each other, so that R-hat compares ensembles and not walkers: the
@@ -76,22 +65,8 @@ def diagnose(draws: NDArray[np.float64], names: tuple[str, ...], thin: int) -> D
     settled elsewhere and one that still drifts. In the effective sizes every walker counts as a chain, so
     that walkers that are stuck show too.
 
-    Parameters
-    ----------
-    draws : array of float, shape (ensembles, draws, walkers, parameters)
-        Without the beginning that is left out.
-    names : tuple of str
-        Parameters.
-    thin : int
-        Steps from one draw to the next.
+    `draws`: without the beginning that is left out; `thin`: steps from one draw to the next.
 
-    Returns
-    -------
-    Diagnostics
-        For every parameter.
-
-    Examples
-    --------
     >>> draws = np.random.default_rng(1).normal(size=(4, 500, 8, 1))
     >>> diagnose(draws, ("mean",), 1).converged
     True
@@ -119,17 +94,9 @@ def diagnose(draws: NDArray[np.float64], names: tuple[str, ...], thin: int) -> D
     )
 
 
-def walkers_in_turn(draws: NDArray[np.float64]) -> NDArray[np.float64]:
+def walkers_in_turn(draws: Array) -> Array:
     """Put the walkers of each ensemble one after the other.
 
-    Parameters
-    ----------
-    draws : array of float, shape (ensembles, draws, walkers, parameters)
-        Kept draws.
-
-    Returns
-    -------
-    array of float, shape (ensembles, draws of all walkers, parameters)
-        One chain for each ensemble.
+    Returns one chain for each ensemble.
     """
     return draws.transpose(0, 2, 1, 3).reshape(draws.shape[0], -1, draws.shape[-1])

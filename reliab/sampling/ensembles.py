@@ -28,29 +28,14 @@ _START = 2.0  # spread of the first walkers, in spreads of the approximate poste
 
 @dataclass(frozen=True, kw_only=True)
 class Ensembles:
-    """How a posterior is sampled.
+    """How a posterior is sampled."""
 
-    Parameters
-    ----------
-    steps : int
-        Steps of every walker; the first half is left out.
-    thin : int, optional
-        Steps from one kept draw to the next.
-    count : int, optional
-        Number of independent ensembles.
-    walkers : int, optional
-        Walkers of an ensemble; by default three times as many as parameters, and at least 32.
-    seed : int, optional
-        Seed; each ensemble has its own stream.
-    longest : int, optional
-        While a run has not converged its steps are doubled, but not beyond this; by default never.
-    """
-
-    steps: int
-    thin: int = 1
-    count: int = FEWEST_ENSEMBLES
-    walkers: int = 0
-    seed: int = 2017
+    steps: int  # Steps of every walker; the first half is left out
+    thin: int = 1  # Steps from one kept draw to the next
+    count: int = FEWEST_ENSEMBLES  # Number of independent ensembles
+    walkers: int = 0  # Walkers of an ensemble; by default three times as many as parameters, and at least 32
+    seed: int = 2017  # Seed; each ensemble has its own stream
+    # While a run has not converged its steps are doubled, but not beyond this; by default never
     longest: int = 0
 
     def __post_init__(self) -> None:
@@ -130,18 +115,7 @@ def draw(
     group: str = "",
     progress: Progress = silent,
 ) -> PosteriorSample:
-    """Draw as :func:`sample` does, without asking whether the run has converged.
-
-    Parameters
-    ----------
-    model, ensembles, file, group, progress
-        As for :func:`sample`.
-
-    Returns
-    -------
-    PosteriorSample
-        The draws.
-    """
+    """Draw as :func:`sample` does, without asking whether the run has converged."""
     width = ensembles.walkers or width_of(model)
     laplace = Laplace.of(model)
     with _chains(file, group, model, ensembles, width) as (chains, save):
@@ -192,11 +166,7 @@ def _sampler(model: Model, laplace: Laplace, width: int, backend: "Backend") -> 
 
 
 def _run(
-    samplers: "list[EnsembleSampler]",
-    starts: "list[State]",
-    draws: int,
-    thin: int,
-    progress: Progress,
+    samplers: "list[EnsembleSampler]", starts: "list[State]", draws: int, thin: int, progress: Progress
 ) -> None:
     """Step on from where the backends end, in blocks."""
     block = max(1, draws // _BLOCKS)

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.sampling.model import Model
 
 if TYPE_CHECKING:
@@ -23,37 +23,22 @@ _LEAPS = 0.6  # share of the moves
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Laplace:
-    """Normal approximation of a posterior about its mode.
+    """Normal approximation of a posterior about its mode."""
 
-    Parameters
-    ----------
-    mode : array of float, shape (parameters,)
-        Parameters of the greatest density.
-    factor : array of float, shape (parameters, parameters)
-        Square root of the covariance, mapping standard normal variables to deviations from the mode.
-    """
-
-    mode: NDArray[np.float64]
-    factor: NDArray[np.float64]
+    mode: Array  # Parameters of the greatest density
+    # Square root of the covariance, mapping standard normal variables to deviations from the mode
+    factor: Array
 
     @classmethod
     def of(cls, model: Model) -> Self:
         """Approximate the posterior of a model.
 
-        Parameters
-        ----------
-        model : Model
-            The model with its data.
-
-        Returns
-        -------
-        Laplace
-            Nowhere wider than the prior.
+        The approximation is nowhere wider than the prior.
         """
         begin = np.array([parameter.mean for parameter in model.parameters])
         spreads = np.array([parameter.spread for parameter in model.parameters])
 
-        def loss(scaled: NDArray[np.float64]) -> NDArray[np.float64]:
+        def loss(scaled: Array) -> Array:
             return np.minimum(-model.log_posterior(begin + spreads * scaled), _DESERT)
 
         bounds = [(-_FARTHEST, _FARTHEST)] * begin.size
@@ -75,7 +60,7 @@ class Laplace:
         factor = spreads[:, None] * axes / np.sqrt(np.maximum(curvature, 1.0))
         return cls(mode=begin + spreads * optimum.x, factor=factor)
 
-    def around(self, count: int, width: float, rng: np.random.Generator) -> NDArray[np.float64]:
+    def around(self, count: int, width: float, rng: np.random.Generator) -> Array:
         """Draw parameter vectors about the mode, `width` times as far as the posterior reaches."""
         return self.mode + width * rng.standard_normal((count, self.mode.size)) @ self.factor.T
 
@@ -86,9 +71,7 @@ class Laplace:
 
         return [(MHMove(self._leap), _LEAPS), (DEMove(), 1.0 - _LEAPS)]
 
-    def _leap(
-        self, walkers: NDArray[np.float64], rng: np.random.RandomState
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _leap(self, walkers: Array, rng: np.random.RandomState) -> tuple[Array, Array]:
         """Independent Student-t proposals, with the logarithms of their Hastings factors."""
         normal = rng.standard_normal(walkers.shape)
         longer = np.sqrt(_DEGREES / rng.chisquare(_DEGREES, (len(walkers), 1)))
@@ -97,9 +80,7 @@ class Laplace:
         return self.mode + proposed @ self.factor.T, _log_density(present) - _log_density(proposed)
 
 
-def _with_gradient(
-    loss: Callable[[NDArray[np.float64]], NDArray[np.float64]], at: NDArray[np.float64]
-) -> tuple[float, NDArray[np.float64]]:
+def _with_gradient(loss: Callable[[Array], Array], at: Array) -> tuple[float, Array]:
     """Value and central differences, all evaluated at once."""
     steps = _DIFFERENCE * np.concatenate([np.zeros((1, at.size)), np.eye(at.size), -np.eye(at.size)])
     values = loss(at + steps)
@@ -107,7 +88,7 @@ def _with_gradient(
     return float(values[0]), (ahead - behind) / (2.0 * _DIFFERENCE)
 
 
-def _log_density(standard: NDArray[np.float64]) -> NDArray[np.float64]:
+def _log_density(standard: Array) -> Array:
     """Student-t density up to a constant of standardised vectors."""
     squares = (standard**2).sum(axis=1) / _WIDER**2
     return np.asarray(-0.5 * (_DEGREES + standard.shape[1]) * np.log1p(squares / _DEGREES))

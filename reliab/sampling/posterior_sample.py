@@ -8,32 +8,20 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.files import written_whole
 from reliab.sampling.diagnostics import ConvergenceWarning, Diagnostics, diagnose, walkers_in_turn
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PosteriorSample:
-    """Draws from a posterior, in independent ensembles.
+    """Draws from a posterior, in independent ensembles."""
 
-    Parameters
-    ----------
-    names : tuple of str
-        Parameters.
-    draws : array of float, shape (ensembles, draws, walkers, parameters)
-        Draws on the sampled scale, without the first half of the run.
-    thin : int
-        Steps from one draw to the next.
-    accepted : float
-        Share of proposed moves that were taken.
-    """
-
-    names: tuple[str, ...]
-    draws: NDArray[np.float64]
-    thin: int
-    accepted: float
+    names: tuple[str, ...]  # Parameters
+    draws: Array  # Draws on the sampled scale, without the first half of the run
+    thin: int  # Steps from one draw to the next
+    accepted: float  # Share of proposed moves that were taken
 
     @cached_property
     def diagnostics(self) -> Diagnostics:
@@ -46,11 +34,11 @@ class PosteriorSample:
         return self.diagnostics.converged
 
     @property
-    def flat(self) -> NDArray[np.float64]:
+    def flat(self) -> Array:
         """All draws, shape (draws, parameters)."""
         return self.draws.reshape(-1, len(self.names))
 
-    def spread_out(self, count: int) -> NDArray[np.float64]:
+    def spread_out(self, count: int) -> Array:
         """Take draws spread evenly over all of them, shape (count or fewer, parameters)."""
         flat = self.flat
         return np.asarray(flat[np.linspace(0, len(flat) - 1, min(count, len(flat))).astype(int)])

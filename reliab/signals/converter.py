@@ -26,18 +26,9 @@ _HARMONICS = 12
 def converter_step(values: Array) -> float:
     """Step between the levels of a channel, zero where there are none.
 
-    Parameters
-    ----------
-    values : numpy.ndarray
-        Samples of a channel, shape (n,).
+    `values`: samples of a channel, shape (n,). Returns step in the unit of the channel, of which all levels
+    are whole multiples apart.
 
-    Returns
-    -------
-    float
-        Step in the unit of the channel, of which all levels are whole multiples apart.
-
-    Examples
-    --------
     >>> motion = np.sin(np.linspace(0.0, 9.0, 500))
     >>> round(converter_step(np.round(motion, 1)), 9), converter_step(motion)
     (0.1, 0.0)
@@ -58,17 +49,8 @@ def converter_step(values: Array) -> float:
 def rounded_differently(motion: Array, step: float) -> Iterator[Array]:
     """Round a motion on grids of steps that are shifted against each other.
 
-    Parameters
-    ----------
-    motion : numpy.ndarray
-        A motion, shape (n,).
-    step : float
-        Step of the converter, in the unit of the motion.
-
-    Yields
-    ------
-    numpy.ndarray
-        What rounding on a grid adds, shape (n,).
+    `motion`: a motion, shape (n,); `step`: step of the converter, in the unit of the motion. Yields what
+    rounding on a grid adds, shape (n,).
     """
     for shift in (np.arange(_GRIDS) + 0.5) / _GRIDS:
         shifted = motion / step + shift
@@ -78,21 +60,9 @@ def rounded_differently(motion: Array, step: float) -> Iterator[Array]:
 def expected_error(signal: Array, step: float, spread: float, level: float) -> Array | None:
     """Mean of what the converter adds to a signal with some noise on it.
 
-    Parameters
-    ----------
-    signal : numpy.ndarray
-        Predicted signal, shape (n,).
-    step : float
-        Step of the converter.
-    spread : float
-        Standard deviation of what is not predicted.
-    level : float
-        One level of the converter.
-
-    Returns
-    -------
-    numpy.ndarray or None
-        Converted minus predicted signal, shape (n,); None where so much noise is added that nothing is left.
+    `signal`: predicted signal, shape (n,); `spread`: standard deviation of what is not predicted; `level`:
+    one level of the converter. Returns converted minus predicted signal, shape (n,); None where so much noise
+    is added that nothing is left.
     """
     share = spread / step
     if share > _LARGEST_SPREAD:

@@ -13,20 +13,9 @@ _REACH = 0.2  # share of a history that a filter may be long
 def low_pass(edge: float, rate: float) -> Array:
     """Design a symmetric low-pass filter.
 
-    Parameters
-    ----------
-    edge : float
-        Frequency [Hz] at which half of the amplitude passes.
-    rate : float
-        Sampling rate [Hz].
+    `edge`: frequency [Hz] at which half of the amplitude passes; `rate`: sampling rate [Hz]. Returns
+    coefficients, shape (odd,); the single 1 where the edge is too near to the Nyquist frequency.
 
-    Returns
-    -------
-    numpy.ndarray
-        Coefficients, shape (odd,); the single 1 where the edge is too near to the Nyquist frequency.
-
-    Examples
-    --------
     >>> low_pass(49.0, 100.0).tolist(), low_pass(10.0, 100.0).size % 2
     ([1.0], 1)
     """
@@ -43,20 +32,9 @@ def smoothed(values: Array, coefficients: Array) -> Array:
     Beyond its ends the history is continued point-symmetrically about the end of a straight line through
     the nearest samples, so that the noise of the last sample is not continued with it.
 
-    Parameters
-    ----------
-    values : numpy.ndarray
-        A history, shape (n,).
-    coefficients : numpy.ndarray
-        The filter, shape (odd,).
+    `values`: a history, shape (n,); `coefficients`: the filter, shape (odd,). Returns the filtered history,
+    shape (n,); the history itself where the filter is long beside it.
 
-    Returns
-    -------
-    numpy.ndarray
-        The filtered history, shape (n,); the history itself where the filter is long beside it.
-
-    Examples
-    --------
     >>> smoothed(np.arange(20.0), np.array([0.25, 0.5, 0.25])).round(12).tolist() == list(range(20))
     True
     """

@@ -56,19 +56,8 @@ class NoiseModel:
 def noise_shapes(frequency: Array, rate: float, corners: Sequence[float] = CORNERS) -> Array:
     """Spectra of which a noise is a sum: white, then first-order autoregressive, each 1 at zero frequency.
 
-    Parameters
-    ----------
-    frequency : numpy.ndarray
-        Frequencies [Hz], shape (n,).
-    rate : float
-        Sampling rate [Hz].
-    corners : sequence of float, optional
-        Corner frequencies of the coloured parts [Hz].
-
-    Returns
-    -------
-    numpy.ndarray
-        Expected periodograms, shape (1 + corners, n).
+    `frequency`: frequencies [Hz], shape (n,); `rate`: sampling rate [Hz]; `corners`: corner frequencies of
+    the coloured parts [Hz]. Returns expected periodograms, shape (1 + corners, n).
     """
     cosine = np.cos(2.0 * np.pi * np.asarray(frequency) / rate)
     rho = np.exp(-2.0 * np.pi * np.asarray(corners) / rate)[:, np.newaxis]

@@ -8,7 +8,7 @@ from reliab.arrays import Array
 def binned(frequency: Array, power: Array, bins: int) -> tuple[Array, Array, Array]:
     """Average a spectrum over bins.
 
-    `frequency` [Hz]; returns [Hz].
+    `frequency` [Hz].
     Returns mean frequency [Hz], mean power and number of frequencies of each bin that is not empty.
 
     >>> centre, mean, count = binned(np.array([1.0, 10.0, 11.0]), np.array([1.0, 2.0, 4.0]), 2)
@@ -27,18 +27,8 @@ def binned(frequency: Array, power: Array, bins: int) -> tuple[Array, Array, Arr
 def periodogram(values: Array, taper: Array) -> Array:
     """Power of a history without its mean, over the mean square of the taper.
 
-    Parameters
-    ----------
-    values : numpy.ndarray
-        A history, shape (n,).
-    taper : numpy.ndarray
-        Weights that fall to zero at both ends, shape (n,).
-
-    Returns
-    -------
-    numpy.ndarray
-        |Σ x w e^(−iωt)|²/Σ w² at the Fourier frequencies above zero, shape (n // 2,); of white noise its mean
-        square.
+    `values`: a history, shape (n,); `taper`: weights that fall to zero at both ends, shape (n,). Returns |Σ x
+    w e^(−iωt)|²/Σ w² at the Fourier frequencies above zero, shape (n // 2,); of white noise its mean square.
     """
     spectrum = np.fft.rfft((values - values.mean()) * taper)[1:]
     return np.asarray(np.abs(spectrum) ** 2 / np.sum(taper**2))

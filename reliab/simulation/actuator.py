@@ -10,21 +10,12 @@ from reliab.errors import InputError
 class Actuator:
     """An actuator that arrives late and at slightly the wrong amplitude, x_m(t) = k_p x_c(t − τ).
 
-    Parameters
-    ----------
-    gain : float, optional
-        Amplitude gain k_p [-], positive.
-    delay : float, optional
-        Delay τ [s], not negative.
-
-    Examples
-    --------
     >>> Actuator(gain=0.99, delay=0.001)
     Actuator(gain=0.99, delay=0.001)
     """
 
-    gain: float = 1.0
-    delay: float = 0.0
+    gain: float = 1.0  # Amplitude gain k_p [-], positive
+    delay: float = 0.0  # Delay τ [s], not negative
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.gain) and self.gain > 0.0):

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.compiled import compiled
 
 TRACKS = 6
@@ -22,21 +23,11 @@ Track = tuple[float, float, float, float, float, float]
 
 @dataclass(frozen=True, kw_only=True)
 class Deviation:
-    """How far the measured displacement x_m strays from the exact response x_I over a window.
+    """How far the measured displacement x_m strays from the exact response x_I over a window."""
 
-    Attributes
-    ----------
-    mean_square : numpy.ndarray
-        Mean of (x_m − x_I)² [m²], shape (cells,).
-    peak : numpy.ndarray
-        Largest |x_m − x_I| [m], shape (cells,).
-    ideal_peak : float
-        Largest |x_I| [m].
-    """
-
-    mean_square: NDArray[np.float64]
-    peak: NDArray[np.float64]
-    ideal_peak: float
+    mean_square: Array  # Mean of (x_m − x_I)² [m²], shape (cells,)
+    peak: Array  # Largest |x_m − x_I| [m], shape (cells,)
+    ideal_peak: float  # Largest |x_I| [m]
 
     def put(self, cells: NDArray[np.intp] | NDArray[np.bool_], solved: "Deviation") -> None:
         """Fill in the values of some cells, as another engine solved them."""
@@ -83,7 +74,7 @@ def follow_four(track: Track, p: float, q: float, r: float, s: float) -> Track:
     return squares + (p * p + q * q) + (r * r + s * s), r, s, left, peak, right
 
 
-def summary(tracks: NDArray[np.float64], intervals: float, ideal_peak: float) -> Deviation:
+def summary(tracks: Array, intervals: float, ideal_peak: float) -> Deviation:
     """Turn the tracks of all lanes into the statistics of the window.
 
     `ideal_peak` [m].
@@ -93,9 +84,7 @@ def summary(tracks: NDArray[np.float64], intervals: float, ideal_peak: float) ->
     return Deviation(mean_square=tracks[_SQUARES] / intervals, peak=peak, ideal_peak=ideal_peak)
 
 
-def refined_peak(
-    left: NDArray[np.float64], middle: NDArray[np.float64], right: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def refined_peak(left: Array, middle: Array, right: Array) -> Array:
     """Largest modulus of the parabola through a sampled extreme value and its neighbours."""
     with np.errstate(all="ignore"):  # a violently unstable cell may overflow to infinity
         curvature = left + right - 2.0 * middle
@@ -104,21 +93,11 @@ def refined_peak(
         return np.abs(middle + np.where(np.abs(rise) <= 0.125 * np.abs(curvature), rise, 0.0))
 
 
-def peak_of_history(history: NDArray[np.float64]) -> float:
+def peak_of_history(history: Array) -> float:
     """Largest modulus of a sampled history, refined between samples.
 
-    Parameters
-    ----------
-    history : numpy.ndarray
-        Samples, shape (n,), n ≥ 2.
+    `history`: samples, shape (n,), n ≥ 2. Returns the peak in the unit of the samples.
 
-    Returns
-    -------
-    float
-        The peak in the unit of the samples.
-
-    Examples
-    --------
     >>> peak_of_history(np.array([0.0, -0.75, -1.0, -0.75]))
     1.0
     """

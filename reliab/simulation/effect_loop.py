@@ -33,22 +33,8 @@ class EffectLoop:
     test. Gain k_p and delay τ of the cells are
     those of the actuator alone; effects on the way to the piston come on top of them.
 
-    Parameters
-    ----------
-    excitation : Excitation
-        Record and window.
-    test : HybridTest
-        The model, with a structure; gain and delay of its own actuator are ignored.
-    phase_step : float, optional
-        Largest ω₀h of a step [rad].
+    Raises InputError if the model has no structure.
 
-    Raises
-    ------
-    InputError
-        If the model has no structure.
-
-    Examples
-    --------
     >>> from reliab.effects import find_effect
     >>> record = np.sin(2 * np.pi * np.arange(0, 20, 0.01))
     >>> lag = find_effect("first_order_lag")(time_constant_s=0.002)
@@ -61,9 +47,9 @@ class EffectLoop:
     array([0.14])
     """
 
-    excitation: Excitation
-    test: HybridTest
-    phase_step: float = LARGEST_PHASE_STEP
+    excitation: Excitation  # Record and window
+    test: HybridTest  # The model, with a structure; gain and delay of its own actuator are ignored
+    phase_step: float = LARGEST_PHASE_STEP  # Largest ω₀h of a step [rad]
 
     def __post_init__(self) -> None:
         if self.test.structure is None:
@@ -114,20 +100,9 @@ class EffectLoop:
     def deviation(self, cells: Cells) -> Deviation:
         """Deviation of the measured displacement from that of the perfect rig over the window.
 
-        Parameters
-        ----------
-        cells : Cells
-            The actuators, before this loop's structure.
-
-        Returns
-        -------
-        Deviation
-            Mean square and peak of each cell, in the order of the cells; NaN where the loop diverged.
-
-        Raises
-        ------
-        InputError
-            If an actuator leads: a loop with effects is marched in time and has no future values.
+        `cells`: the actuators, before this loop's structure. Returns mean square and peak of each cell, in
+        the order of the cells; NaN where the loop diverged. Raises InputError if an actuator leads: a loop
+        with effects is marched in time and has no future values.
         """
         if cells.leads.any():
             raise InputError(

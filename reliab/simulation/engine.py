@@ -20,6 +20,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.significant import significant
 from reliab.simulation.deviation import Deviation
@@ -64,20 +65,6 @@ class Engine(StrEnum):
 class Loop:
     """One structure under one ground motion, ready to be solved for any actuator.
 
-    Parameters
-    ----------
-    excitation : Excitation
-        Record and window.
-    structure : Structure
-        The structure under test.
-    engine : Engine, optional
-        How the loop is solved; by default the dominant pole where it is valid and the delay
-        equation elsewhere.
-    prepared : Prepared, optional
-        What was found together with other structures (`structure_batch`); it changes no result.
-
-    Examples
-    --------
     >>> import numpy as np
     >>> record = np.sin(2 * np.pi * np.arange(0, 20, 0.01))
     >>> loop = Loop(
@@ -89,9 +76,11 @@ class Loop:
     array([0.142, 0.099])
     """
 
-    excitation: Excitation
-    structure: Structure
+    excitation: Excitation  # Record and window
+    structure: Structure  # The structure under test
+    # How the loop is solved; by default the dominant pole where it is valid and the delay equation elsewhere
     engine: Engine = Engine.AUTOMATIC
+    # What was found together with other structures (`structure_batch`); it changes no result
     prepared: Prepared | None = None
 
     def cells(self, *, gain: object, delay: object) -> Cells:
@@ -105,21 +94,14 @@ class Loop:
         return cut(self.excitation, self.structure) if self.prepared is None else self.prepared.blocks
 
     @cached_property
-    def _band_power(self) -> NDArray[np.float64]:
+    def _band_power(self) -> Array:
         return self.excitation.band_power(band_edges(self.structure))
 
-    def reduction_error(self, cells: Cells) -> NDArray[np.float64]:
+    def reduction_error(self, cells: Cells) -> Array:
         """Relative error of RMS^R that the reduction to the dominant pole causes [-], shape (cells,).
 
-        Parameters
-        ----------
-        cells : Cells
-            The actuators.
-
-        Returns
-        -------
-        numpy.ndarray
-            Error for this record with free vibration until rest; infinite where no dominant pole was found.
+        Returns error for this record with free vibration until rest; infinite where no dominant pole was
+        found.
         """
         lost, sought = cells.reduction
         with np.errstate(invalid="ignore"):  # infinite loss in a band without power
@@ -133,20 +115,9 @@ class Loop:
     def deviation(self, cells: Cells) -> Deviation:
         """Deviation of the measured displacement from the exact response over the window.
 
-        Parameters
-        ----------
-        cells : Cells
-            The actuators, before this loop's structure.
-
-        Returns
-        -------
-        Deviation
-            Mean square and peak of each cell, in the order of the cells.
-
-        Raises
-        ------
-        InputError
-            If the engine was chosen and cannot solve a cell; the message says which could.
+        `cells`: the actuators, before this loop's structure. Returns mean square and peak of each cell, in
+        the order of the cells. Raises InputError if the engine was chosen and cannot solve a cell; the
+        message says which could.
         """
         if self.engine is Engine.SPECTRAL:
             return spectral.deviation(self.excitation, self.structure, cells.gain, cells.delay)
@@ -224,7 +195,7 @@ class Loop:
                 deviation.put(which, exact)
         return deviation
 
-    def _unreduced(self, gain: NDArray[np.float64], delay: NDArray[np.float64]) -> Deviation:
+    def _unreduced(self, gain: Array, delay: Array) -> Deviation:
         """Solve the whole loop for actuators that are all late, or all early."""
         if delay[0] < 0.0:
             return spectral.deviation(self.excitation, self.structure, gain, delay, longest=self.blocks.step)
@@ -243,7 +214,7 @@ class Loop:
         )
 
 
-def _tolerance(cells: Cells) -> NDArray[np.float64]:
+def _tolerance(cells: Cells) -> Array:
     """Largest error of RMS^R that the reduction to the dominant pole may cause [-], shape (cells,)."""
     tolerance = np.where(cells.stable, REDUCTION_TOLERANCE, UNSTABLE_TOLERANCE)
     tolerance[cells.leads] = LEAD_TOLERANCE

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.errors import InputError
 
 
@@ -13,23 +13,13 @@ from reliab.errors import InputError
 class Excitation:
     """A piecewise-linear ground acceleration and the part of it over which errors are computed.
 
-    Parameters
-    ----------
-    acceleration : numpy.ndarray
-        Ground acceleration a_g [m/s²], shape (n,); the structure is at rest at the first sample.
-    time_step : float
-        Step between samples [s].
-    window : tuple of float, optional
-        Begin and end of the window [s] on the record's own time axis; the whole record by default.
-
-    Raises
-    ------
-    InputError
-        If the window is empty or reaches beyond the record.
+    Raises InputError if the window is empty or reaches beyond the record.
     """
 
-    acceleration: NDArray[np.float64]
-    time_step: float
+    # Ground acceleration a_g [m/s²], shape (n,); the structure is at rest at the first sample
+    acceleration: Array
+    time_step: float  # Step between samples [s]
+    # Begin and end of the window [s] on the record's own time axis; the whole record by default
     window: tuple[float, float] = (0.0, -1.0)
 
     def __post_init__(self) -> None:
@@ -58,25 +48,18 @@ class Excitation:
             acceleration=self.acceleration[first:], time_step=self.time_step, window=(begin, end)
         )
 
-    def band_power(self, edges: NDArray[np.float64]) -> NDArray[np.float64]:
+    def band_power(self, edges: Array) -> Array:
         """Power of the record in frequency bands.
 
-        Parameters
-        ----------
-        edges : numpy.ndarray
-            Edges of the bands [Hz], increasing, shape (bands + 1,).
-
-        Returns
-        -------
-        numpy.ndarray
-            Share of each band in the record's sum of squares [-], shape (bands,).
+        `edges`: edges of the bands [Hz], increasing, shape (bands + 1,). Returns share of each band in the
+        record's sum of squares [-], shape (bands,).
         """
         frequency, cumulative = self._cumulative_power
-        share: NDArray[np.float64] = np.diff(np.interp(edges, frequency, cumulative))
+        share: Array = np.diff(np.interp(edges, frequency, cumulative))
         return share
 
     @cached_property
-    def _cumulative_power(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _cumulative_power(self) -> tuple[Array, Array]:
         """Frequencies [Hz] and the share of the record's sum of squares below them [-]."""
         power = np.asarray(np.abs(np.fft.rfft(self.acceleration)) ** 2, dtype=np.float64)
         cumulative = np.concatenate([[0.0], np.cumsum(power)])

@@ -1,10 +1,10 @@
 from .partition import (
     Partition as Partition,
+    Specimen as Specimen,
     drift_interface as drift_interface,
     floor_interface as floor_interface,
     with_specimen as with_specimen,
 )
-from .specimen import Specimen as Specimen
 from .stability import (
     longest_lead as longest_lead,
     refuse_long_leads as refuse_long_leads,

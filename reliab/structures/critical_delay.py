@@ -92,7 +92,7 @@ def crossings(partition: Partition, gain: float = 1.0) -> Array:
 def critical_delay(partition: Partition, gain: float = 1.0) -> tuple[float, float]:
     """Delay at which the hybrid test loses stability, and the frequency at which it then oscillates.
 
-    `gain` [-]; returns delay [s], frequency [Hz].
+    `gain` [-].
     Returns `delay`: critical delay τ_c [s]; infinite where no delay makes the test unstable, and zero where
     any does, because k_p m_e γᵀM_n⁻¹γ reaches 1.
     Returns `frequency`: frequency [Hz] of the oscillation at the limit; NaN where there is no finite one.
@@ -120,27 +120,3 @@ def critical_delay(partition: Partition, gain: float = 1.0) -> tuple[float, floa
         if delay < limit:
             limit, frequency = delay, omega / (2.0 * math.pi)
     return limit, frequency
-
-
-def predictive_stability_indicator(partition: Partition, gain: float = 1.0) -> float:
-    """Predictive stability indicator of a partitioned structure: log₁₀ of its critical delay in ms.
-
-    `gain` [-]; returns [-].
-    Returns the indicator [-]; larger is more forgiving. Infinite where no delay makes the test unstable.
-
-    Maghareh, A., Dyke, S., Prakash, A. and Rhoads, J. (2014). Establishing a predictive performance indicator
-    for real-time hybrid simulation. *Earthquake Eng. Struct. Dyn.* 43(15), 2299-2318; for several degrees of
-    freedom *Struct. Control Health Monit.* (2017).
-
-    >>> from reliab.structures.structure import Structure
-    >>> round(predictive_stability_indicator(Partition.of(Structure(frequency=1.0, damping_ratio=0.02))), 3)
-    0.804
-    """
-    delay, _ = critical_delay(partition, gain)
-    if delay == 0.0:
-        raise InputError(
-            "The predictive stability indicator needs a test that tolerates some delay",
-            value="a specimen whose mass makes every delay unstable",
-            remedy="Leave at least half of the mass at the interface to the computer",
-        )
-    return math.log10(1e3 * delay)

@@ -1,19 +1,43 @@
 """A structure divided for hybrid simulation: its specimen and the displacement that drives it."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from reliab.arrays import Array
+from reliab.arrays import Array, Spectrum
 from reliab.effects import Effect, Role
 from reliab.errors import InputError
 from reliab.structures.frames import Frame
-from reliab.structures.frames.matrices import require_positive_definite, require_positive_semidefinite
-from reliab.structures.specimen import Specimen
+from reliab.structures.frames.frame import require_positive_definite, require_positive_semidefinite
 from reliab.structures.structure import Structure
+
+
+@dataclass(frozen=True, kw_only=True)
+class Specimen:
+    """The specimen without further effects: force = k·x + c·v + m·a of the piston's motion.
+
+    >>> Specimen(stiffness=2000.0).damping
+    0.0
+    """
+
+    stiffness: float  # Stiffness k [N/m], not negative
+    damping: float = 0.0  # Damping coefficient c [N·s/m]
+    mass: float = 0.0  # Moving mass m [kg], not negative
+
+    def __post_init__(self) -> None:
+        for name in ("stiffness", "mass"):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value >= 0.0):
+                raise InputError(
+                    f"The specimen's {name} must be finite and not negative",
+                    value=value,
+                    remedy="Give it in N/m or kg; a softening specimen is an effect",
+                )
+        if not math.isfinite(self.damping):
+            raise InputError("The specimen's damping must be finite", value=self.damping)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -26,24 +50,9 @@ class Partition:
 
         M_n x'' + C_n x' + K_n x = −M ι a_g − γ f_e
 
-    Parameters
-    ----------
-    frame : Frame
-        The whole structure, specimen included: the reference.
-    interface : array_like
-        γ [-], shape (degrees of freedom,).
-    specimen : Specimen
-        Linear part of the specimen.
-    effects : tuple of Effect, optional
-        Effects of the specimen beyond its linear part; only effects on the force are allowed.
+    Raises InputError if γ does not fit, or the specimen has more mass, damping or stiffness than the
+    structure can spare.
 
-    Raises
-    ------
-    InputError
-        If γ does not fit, or the specimen has more mass, damping or stiffness than the structure can spare.
-
-    Examples
-    --------
     A frame of one degree of freedom whose whole spring is tested is the paper's structure:
 
     >>> frame = Frame.of(Structure(frequency=1.0, damping_ratio=0.02), mass=1000.0)
@@ -52,9 +61,10 @@ class Partition:
     array([1.])
     """
 
-    frame: Frame
-    interface: Array
-    specimen: Specimen
+    frame: Frame  # The whole structure, specimen included: the reference
+    interface: Array  # γ [-], shape (degrees of freedom,)
+    specimen: Specimen  # Linear part of the specimen
+    # Effects of the specimen beyond its linear part; only effects on the force are allowed
     effects: tuple[Effect, ...] = ()
 
     def __post_init__(self) -> None:
@@ -146,7 +156,7 @@ class Partition:
         return self.specimen.mass * self._squared
 
     @property
-    def impedance_shares(self) -> NDArray[np.complex128]:
+    def impedance_shares(self) -> Spectrum:
         """Force of the specimen in each mode over that of the mode's spring, Z(iω_i)(γᵀφ_i)²/ω_i² [-].
 
         Its real part holds stiffness and mass, its imaginary part damping; for a spring it is α_i.
@@ -158,18 +168,13 @@ class Partition:
     def _squared(self) -> Array:
         return np.asarray((self.interface @ self.frame.modes.shapes) ** 2)
 
-    def impedance(self, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    def impedance(self, s: Spectrum) -> Spectrum:
         """Force of the linear specimen over its displacement, Z = k_e + c_e s + m_e s² [N/m]."""
         return np.asarray(
             self.specimen.stiffness + s * (self.specimen.damping + s * self.specimen.mass), dtype=complex
         )
 
-    def responses(
-        self,
-        s: NDArray[np.complex128],
-        actuator: NDArray[np.complex128],
-        output: Array | None = None,
-    ) -> NDArray[np.complex128]:
+    def responses(self, s: Spectrum, actuator: Spectrum, output: Array | None = None) -> Spectrum:
         """Transfer functions from −a_g in the hybrid test, by solving the equations at every s.
 
         Parameters
@@ -206,22 +211,13 @@ def floor_interface(frame: Frame, name: str | int) -> Array:
 def drift_interface(frame: Frame, upper: str | int, lower: str | int) -> Array:
     """γ of a specimen between two degrees of freedom, shape (n,).
 
-    Raises
-    ------
-    InputError
-        If both are the same.
+    Raises InputError if both are the same.
     """
     interface = floor_interface(frame, upper)
     if frame.degree_of_freedom(lower) == frame.degree_of_freedom(upper):
         raise InputError("A drift needs two different degrees of freedom", value=str(upper))
     interface[frame.degree_of_freedom(lower)] = -1.0
     return interface
-
-
-def storey_drifts(frame: Frame) -> tuple[Array, ...]:
-    """Return outputs that give the drift of each storey of a frame whose degrees of freedom are floors."""
-    drifts = np.eye(frame.size) - np.eye(frame.size, k=-1)
-    return tuple(drifts)
 
 
 def with_specimen(frame: Frame, interface: Sequence[float] | Array, specimen: Specimen) -> Frame:

@@ -17,29 +17,18 @@ that range, within which no root lies in 0 ≤ Re s ≤ 1/|τ| either.
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.structures.structure import Structure
 
 
-def longest_lead(structure: Structure, gain: ArrayLike = 1.0) -> NDArray[np.float64]:
+def longest_lead(structure: Structure, gain: ArrayLike = 1.0) -> Array:
     """Longest lead for which the loop is solved, a quarter of the shortest period.
 
-    Parameters
-    ----------
-    structure : Structure
-        The structure under test.
-    gain : array_like, optional
-        Actuator gain k_p [-], any shape.
+    `gain`: actuator gain k_p [-], any shape. Returns lead [s], positive, in the shape of `gain`.
 
-    Returns
-    -------
-    numpy.ndarray
-        Lead [s], positive, in the shape of `gain`.
-
-    Examples
-    --------
     >>> float(longest_lead(Structure(frequency=1.0, damping_ratio=0.02)))
     0.25
     """
@@ -48,20 +37,11 @@ def longest_lead(structure: Structure, gain: ArrayLike = 1.0) -> NDArray[np.floa
     return np.asarray(0.25 / (structure.frequency * np.sqrt(stiffness)))
 
 
-def refuse_long_leads(structure: Structure, gain: NDArray[np.float64], delay: NDArray[np.float64]) -> None:
+def refuse_long_leads(structure: Structure, gain: Array, delay: Array) -> None:
     """Refuse leads beyond the longest that can be solved.
 
-    Parameters
-    ----------
-    structure : Structure
-        The structure under test.
-    gain, delay : numpy.ndarray
-        Actuator gain [-] and delay [s], negative for a lead, shape (cells,).
-
-    Raises
-    ------
-    InputError
-        If a lead is too long.
+    `gain`, `delay`: actuator gain [-] and delay [s], negative for a lead, shape (cells,). Raises InputError
+    if a lead is too long.
     """
     if delay.size == 0 or delay.min() >= 0.0:
         return
@@ -77,10 +57,10 @@ def refuse_long_leads(structure: Structure, gain: NDArray[np.float64], delay: ND
         )
 
 
-def critical_delay(structure: Structure, gain: ArrayLike = 1.0) -> NDArray[np.float64]:
+def critical_delay(structure: Structure, gain: ArrayLike = 1.0) -> Array:
     """Delay at which the loop loses stability.
 
-    `gain` [-]; returns [s].
+    `gain` [-].
     Returns critical delay τ_c [s] in the shape of `gain`; infinite where no delay makes the loop unstable (a
     small experimental fraction with enough damping).
 
@@ -104,19 +84,10 @@ def critical_delay(structure: Structure, gain: ArrayLike = 1.0) -> NDArray[np.fl
     return np.where(crosses, delay, np.inf)
 
 
-def stability_margin(structure: Structure, gain: ArrayLike, delay: ArrayLike) -> NDArray[np.float64]:
+def stability_margin(structure: Structure, gain: ArrayLike, delay: ArrayLike) -> Array:
     """Unused share of the critical delay, 1 − τ/τ_c [-]; negative when unstable.
 
-    Parameters
-    ----------
-    structure : Structure
-        The structure under test.
-    gain, delay : array_like
-        Actuator gain [-] and delay [s], negative for a lead, broadcast against each other.
-
-    Returns
-    -------
-    numpy.ndarray
-        The margin [-] in the broadcast shape; above 1 for a lead, which is never unstable.
+    `gain`, `delay`: actuator gain [-] and delay [s], negative for a lead, broadcast against each other.
+    Returns the margin [-] in the broadcast shape; above 1 for a lead, which is never unstable.
     """
     return 1.0 - np.asarray(delay, dtype=np.float64) / critical_delay(structure, gain)

@@ -1,16 +1,19 @@
-from .compact import write_compact as write_compact
 from .ellipse_dataset import CURVES as CURVES, share_at_rest as share_at_rest
 from .ellipse_file import (
     open_ellipses as open_ellipses,
     open_windows as open_windows,
     write_ellipses as write_ellipses,
 )
-from .ellipse_table import EllipseRequest as EllipseRequest, trace_ellipses as trace_ellipses
-from .excitation import excitation_of as excitation_of
-from .first_order_table import predict_ellipses as predict_ellipses
+from .ellipse_table import (
+    EllipseRequest as EllipseRequest,
+    predict_ellipses as predict_ellipses,
+    trace_ellipses as trace_ellipses,
+)
 from .frame_table import (
     FrameRequest as FrameRequest,
+    errors_of_rig as errors_of_rig,
     governing_mode as governing_mode,
+    summary_of_rig as summary_of_rig,
     trace_frame_ellipses as trace_frame_ellipses,
 )
 from .grid import ExplicitGrid as ExplicitGrid, Grid as Grid, ScaledGrid as ScaledGrid
@@ -26,10 +29,14 @@ from .plain import (
     suite_of as suite_of,
     sweep_request as sweep_request,
 )
-from .real_suite import REAL as REAL, real_results as real_results, stored_results as stored_results
-from .request import SweepRequest as SweepRequest
-from .results import open_results as open_results
-from .rig_table import errors_of_rig as errors_of_rig, summary_of_rig as summary_of_rig
+from .request import SweepRequest as SweepRequest, excitation_of as excitation_of
+from .results import (
+    REAL as REAL,
+    open_results as open_results,
+    real_results as real_results,
+    stored_results as stored_results,
+    write_compact as write_compact,
+)
 from .run import run_sweep as run_sweep
 from .shares import (
     at_share as at_share,

@@ -9,8 +9,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.boundary import Contour
 from reliab.boundary.curves import Curve, Ellipse, InscribedEllipse
 from reliab.sweep.labels import with_labels
@@ -52,9 +52,7 @@ def _without(reason: NoEllipse, points: int) -> list[float]:
     return [np.nan, np.nan, np.nan, float(points), float(reason)]
 
 
-def curve_table(
-    contours: Sequence[Sequence[Contour | None]], curves: Sequence[type[Curve]]
-) -> NDArray[np.float64]:
+def curve_table(contours: Sequence[Sequence[Contour | None]], curves: Sequence[type[Curve]]) -> Array:
     """Fit curves to contours and put their parameters into one array.
 
     Returns shape (motion or metric, pair, curve, column), the columns those of an ellipse dataset.
@@ -64,7 +62,7 @@ def curve_table(
 
 
 def ellipse_dataset(
-    table: NDArray[np.float64],
+    table: Array,
     coordinates: Mapping[str, object],
     *,
     thresholds: Sequence[float],
@@ -72,7 +70,7 @@ def ellipse_dataset(
     curves: Sequence[type[Curve]],
     sides: Sequence[Side],
     attributes: Mapping[str, object],
-    error_at_rest: NDArray[np.float64] | None = None,
+    error_at_rest: Array | None = None,
 ) -> xr.Dataset:
     """Label a table of curves.
 
@@ -113,19 +111,9 @@ def share_at_rest(ellipses: xr.Dataset) -> xr.DataArray:
     nothing moved would pass. This happens at 20 % RMS^R for many structures, since RMS^R is normalised by the
     peak.
 
-    Parameters
-    ----------
-    ellipses : xarray.Dataset
-        As returned by `trace_ellipses`.
+    Returns share [-] over (f, xi, threshold, metric), and over the windows where the file has several; NaN
+    where the file does not hold the error at rest.
 
-    Returns
-    -------
-    xarray.DataArray
-        Share [-] over (f, xi, threshold, metric), and over the windows where the file has several; NaN where
-        the file does not hold the error at rest.
-
-    Examples
-    --------
     >>> from reliab import ellipses, load_motions
     >>> traced = ellipses(load_motions("synthetic")[:2], threshold=[0.05, 0.9])
     >>> share_at_rest(traced).squeeze().values

@@ -75,20 +75,9 @@ def open_ellipses(path: str | Path, *, window: str | None = None) -> xr.Dataset:
 def open_windows(path: str | Path) -> dict[str, xr.Dataset]:
     """Read a dataset of ellipses in each of its windows.
 
-    Parameters
-    ----------
-    path : str or pathlib.Path
-        A file that `write_ellipses` wrote.
-
-    Returns
-    -------
-    dict of str to xarray.Dataset
-        For each window ("record", "arias" or a number of seconds) the dataset that `open_ellipses` returns.
-
-    Raises
-    ------
-    InputError
-        If the file is not a file of ellipses.
+    `path`: a file that `write_ellipses` wrote. Returns for each window ("record", "arias" or a number of
+    seconds) the dataset that `open_ellipses` returns. Raises InputError if the file is not a file of
+    ellipses.
     """
     dataset = _read(path)
     return {window: _in_window(dataset, window, path) for window in _windows(dataset)}

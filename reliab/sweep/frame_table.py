@@ -1,26 +1,29 @@
-"""Ellipses of a partitioned frame under many ground motions: a criterion for one laboratory's structure."""
+"""A partitioned frame under many ground motions: its ellipses, and the error of its described rig."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
+import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.boundary import motion_contours
 from reliab.boundary.curves import Curve
 from reliab.errors import InputError
 from reliab.indices import Window, relative_error
+from reliab.indices.frequency_evaluation import frequency_evaluation
+from reliab.indices.response_error import response_error
 from reliab.motions import Motion
 from reliab.progress import Progress, silent
-from reliab.simulation.frames import FrameLoop, FrameUnderTest
+from reliab.simulation.frames import FrameLoop, FrameUnderTest, rig_response, stable_with
 from reliab.structures import Structure
 from reliab.structures.critical_delay import critical_delay
 from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_dataset
-from reliab.sweep.excitation import excitation_of
-from reliab.sweep.records import joined_coordinates, motion_coordinates
-from reliab.vocabulary import Metric, Side
+from reliab.sweep.labels import joined_coordinates, motion_coordinates
+from reliab.sweep.request import excitation_of
+from reliab.vocabulary import MILLI, Metric, Side
 
 if TYPE_CHECKING:
     from reliab.boundary import SolvedLoop
@@ -30,33 +33,16 @@ if TYPE_CHECKING:
 class FrameRequest:
     """Errors and curves for which boundaries of a frame are traced.
 
-    Parameters
-    ----------
-    frame : FrameUnderTest
-        The partitioned frame, with a linear specimen, and the response whose error counts.
-    thresholds : tuple of float, optional
-        Errors on the boundary [-].
-    metrics : tuple of Metric, optional
-        RMS^R, MTE^R or both.
-    curves : tuple of type, optional
-        Curves fitted to the boundary.
-    sides : tuple of Side, optional
-        Sides of the boundary: actuators that are late, early, or both.
-    window : Window, optional
-        Part of the record over which the error is computed.
-
-    Raises
-    ------
-    InputError
-        If no delay, however short, leaves the test stable.
+    Raises InputError if no delay, however short, leaves the test stable.
     """
 
+    # The partitioned frame, with a linear specimen, and the response whose error counts
     frame: FrameUnderTest
-    thresholds: tuple[float, ...] = (0.05,)
-    metrics: tuple[Metric, ...] = (Metric.RMS,)
-    curves: tuple[type[Curve], ...] = CURVES
-    sides: tuple[Side, ...] = tuple(Side)
-    window: Window = field(default_factory=Window)
+    thresholds: tuple[float, ...] = (0.05,)  # Errors on the boundary [-]
+    metrics: tuple[Metric, ...] = (Metric.RMS,)  # RMS^R, MTE^R or both
+    curves: tuple[type[Curve], ...] = CURVES  # Curves fitted to the boundary
+    sides: tuple[Side, ...] = tuple(Side)  # Sides of the boundary: actuators that are late, early, or both
+    window: Window = field(default_factory=Window)  # Part of the record over which the error is computed
 
     def __post_init__(self) -> None:
         delay, _ = critical_delay(self.frame.partition)
@@ -73,21 +59,11 @@ def trace_frame_ellipses(
 ) -> xr.Dataset:
     """Trace the boundaries of a frame under many ground motions and fit curves to them.
 
-    Parameters
-    ----------
-    motions : sequence of Motion
-        The ground motions; read one at a time.
-    request : FrameRequest
-        Frame, thresholds, metrics, curves and sides.
-    progress : callable, optional
-        Called after each motion.
-
-    Returns
-    -------
-    xarray.Dataset
-        As returned by `trace_ellipses`, with one f [Hz] and one xi [-], those of the mode that governs the
-        error. The attribute `experimental_fraction` is the specimen's share in that mode, `frame` the
-        frame's name and `error_of` the response whose error counts.
+    `motions`: the ground motions; read one at a time.
+    `request`: frame, thresholds, metrics, curves and sides.
+    Returns what `trace_ellipses` does, with one f [Hz] and one xi [-], those of the mode that governs
+    the error. The attribute `experimental_fraction` is the specimen's share in that mode, `frame` the frame's
+    name and `error_of` the response whose error counts.
     """
     mode = governing_mode(request.frame)
     tables, rests, headers = [], [], []
@@ -129,7 +105,7 @@ def governing_mode(frame: FrameUnderTest) -> Structure:
     )
 
 
-def _table(loop: FrameLoop, request: FrameRequest) -> NDArray[np.float64]:
+def _table(loop: FrameLoop, request: FrameRequest) -> Array:
     """Curves of one motion, shape (threshold, metric, curve, side, columns)."""
     pairs = [(threshold, side) for threshold in request.thresholds for side in request.sides]
     levels, sides = zip(*pairs, strict=True)
@@ -139,3 +115,62 @@ def _table(loop: FrameLoop, request: FrameRequest) -> NDArray[np.float64]:
     sizes = len(request.thresholds), len(request.sides), len(request.curves), len(COLUMNS)
     table = curve_table(contours, request.curves).reshape(len(request.metrics), *sizes)
     return table.transpose(1, 0, 3, 2, 4)
+
+
+def errors_of_rig(
+    frame: FrameUnderTest, motions: Sequence[Motion], *, window: Window, progress: Progress = silent
+) -> pd.DataFrame:
+    """Compute the error of the rig that a frame's description states.
+
+    `frame`: the frame with its transfer system and a linear specimen.
+    `motions`: the ground motions; read one at a time.
+    `window`: part of the record over which the error is computed.
+    Returns one row for each motion: `motion`, `rms` and `mte` [-], `A` [-] and `d_ms` of the interface. Empty
+    where the test is unstable with this rig.
+    Raises InputError if no transfer system is described, or the specimen is nonlinear.
+    """
+    if frame.transfer_system is None:
+        raise InputError(
+            "The error of a rig needs its transfer system",
+            value="no [transfer_system]",
+            remedy="Describe it in the file of the frame",
+        )
+    if frame.partition.effects:
+        raise InputError(
+            "The error of a described rig is computed for a linear specimen",
+            value=", ".join(effect.name for effect in frame.partition.effects),
+            remedy="Leave [[specimen.effects]] out",
+        )
+    columns = ["motion", "rms", "mte", "A", "d_ms"]
+    if not stable_with(frame.partition, frame.transfer_system):
+        return pd.DataFrame(columns=columns)
+    rows = []
+    for done, motion in enumerate(motions, start=1):
+        test = rig_response(
+            excitation_of(motion, window), frame.partition, frame.transfer_system, frame.output
+        )
+        index = frequency_evaluation(test.command, test.measured, test.step)
+        errors = [response_error(test.response, test.ideal, metric) for metric in (Metric.RMS, Metric.MTE)]
+        rows.append((motion.name, *errors, index.amplitude, MILLI * index.equivalent_delay))
+        progress(done, len(motions))
+    return pd.DataFrame(rows, columns=columns)
+
+
+def summary_of_rig(errors: pd.DataFrame, metric: str, threshold: float) -> dict[str, object]:
+    """Summarise the errors of a rig: how many motions it serves, and the error of most of them.
+
+    `threshold`: largest error of a reliable test [-]. Returns `stable`, `metric`, `threshold`, `share_below`,
+    `median`, `largest` [-] and one entry of `motions` for each; shares and errors are None where the test is
+    unstable.
+    """
+    sizes = errors[metric].to_numpy(dtype=float)
+    known = bool(sizes.size)
+    return {
+        "stable": known,
+        "metric": metric,
+        "threshold": threshold,
+        "share_below": float(np.mean(sizes < threshold)) if known else None,
+        "median": float(np.median(sizes)) if known else None,
+        "largest": float(sizes.max()) if known else None,
+        "motions": errors.to_dict("records"),
+    }

@@ -7,8 +7,8 @@ from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.boundary import DELAY_SCALE, GAIN_SCALE, REACH, furthest_lead, stretched
 from reliab.errors import InputError
 from reliab.simulation.linear_loop import Cells
@@ -17,7 +17,7 @@ from reliab.vocabulary import Dimension
 
 _FEWEST_GAINS, _FEWEST_DELAYS = 5, 4
 
-Axis = tuple[tuple[str, ...], NDArray[np.float64]]
+Axis = tuple[tuple[str, ...], Array]
 """Names of dimensions and the values over them, as xarray takes a variable."""
 
 
@@ -27,11 +27,11 @@ class Grid(ABC):
     name: ClassVar[str]
 
     @abstractmethod
-    def gains(self, structure: Structure) -> NDArray[np.float64]:
+    def gains(self, structure: Structure) -> Array:
         """Gains k_p [-] for a structure, increasing, shape (kp,)."""
 
     @abstractmethod
-    def delays(self, structure: Structure) -> NDArray[np.float64]:
+    def delays(self, structure: Structure) -> Array:
         """Delays τ [s] for a structure, increasing, 0 among them, negative for leads, shape (tau,)."""
 
     @property
@@ -53,23 +53,15 @@ class Grid(ABC):
 class ExplicitGrid(Grid):
     """The same gains and delays for every structure, as in the paper.
 
-    Parameters
-    ----------
-    gain : tuple of float
-        Gains [-], increasing, with 1 among them; by default 0.98 to 1.02 by 0.001.
-    delay : tuple of float
-        Delays [s], increasing, with 0 among them and negative for leads; by default 0 to 2 ms by 0.1 ms, as
-        in the paper.
-
-    Raises
-    ------
-    InputError
-        If there are too few values, or they do not increase.
+    Raises InputError if there are too few values, or they do not increase.
     """
 
     name: ClassVar[str] = "explicit"
 
+    # Gains [-], increasing, with 1 among them; by default 0.98 to 1.02 by 0.001
     gain: tuple[float, ...] = tuple(round(0.98 + 0.001 * k, 3) for k in range(41))
+    # Delays [s], increasing, with 0 among them and negative for leads; by default 0 to 2 ms by 0.1 ms, as in
+    # the paper
     delay: tuple[float, ...] = tuple(round(1e-4 * k, 4) for k in range(21))
 
     def __post_init__(self) -> None:
@@ -96,11 +88,11 @@ class ExplicitGrid(Grid):
         """Whether actuators that lead are among those simulated."""
         return self.delay[0] < 0.0
 
-    def gains(self, structure: Structure) -> NDArray[np.float64]:  # noqa: ARG002 - the same for all
+    def gains(self, structure: Structure) -> Array:  # noqa: ARG002 - the same for all
         """Gains k_p [-] for a structure, increasing, shape (kp,)."""
         return np.array(self.gain)
 
-    def delays(self, structure: Structure) -> NDArray[np.float64]:  # noqa: ARG002 - the same for all
+    def delays(self, structure: Structure) -> Array:  # noqa: ARG002 - the same for all
         """Delays τ [s] for a structure, increasing, shape (tau,)."""
         return np.array(self.delay)
 
@@ -124,15 +116,6 @@ class ScaledGrid(Grid):
     grows in proportion, in amplitude as far as contours are traced, and in delay up to four critical delays,
     where the 20 % boundary of RMS^R lies for the most tolerant motions. Leads go as far as a boundary is
     traced, or to a quarter of the shortest period.
-
-    Parameters
-    ----------
-    gain_steps : int, optional
-        Gains on each side of 1.
-    delay_steps : int, optional
-        Delays above zero.
-    lead_steps : int, optional
-        Leads; 0 leaves them out.
     """
 
     name: ClassVar[str] = "scaled"
@@ -140,9 +123,9 @@ class ScaledGrid(Grid):
     _CORE: ClassVar[float] = 0.015  # of ξ, or of ξ/ω₀: below it the spacing is even
     _LONGEST: ClassVar[float] = 7.0  # of ξ/ω₀; the critical delay is about 2
 
-    gain_steps: int = 20
-    delay_steps: int = 30
-    lead_steps: int = 26
+    gain_steps: int = 20  # Gains on each side of 1
+    delay_steps: int = 30  # Delays above zero
+    lead_steps: int = 26  # Leads; 0 leaves them out
 
     def __post_init__(self) -> None:
         if self.lead_steps != 0 and self.lead_steps < _FEWEST_DELAYS:
@@ -158,11 +141,11 @@ class ScaledGrid(Grid):
                 remedy="Ask for more steps",
             )
 
-    def gains(self, structure: Structure) -> NDArray[np.float64]:
+    def gains(self, structure: Structure) -> Array:
         """Gains k_p [-] for a structure, increasing, shape (kp,)."""
         return self._gains(structure.damping_ratio)
 
-    def delays(self, structure: Structure) -> NDArray[np.float64]:
+    def delays(self, structure: Structure) -> Array:
         """Delays τ [s] for a structure, increasing, negative for leads, shape (tau,)."""
         return self._delays(structure.frequency, structure.damping_ratio)
 
@@ -180,11 +163,11 @@ class ScaledGrid(Grid):
             Dimension.DELAY: ((Dimension.FREQUENCY, Dimension.DAMPING_RATIO, Dimension.DELAY), delay),
         }
 
-    def _gains(self, damping_ratio: float) -> NDArray[np.float64]:
+    def _gains(self, damping_ratio: float) -> Array:
         outwards = _spaced(self._CORE, GAIN_SCALE * REACH, REACH, self.gain_steps)
         return np.exp(damping_ratio * np.concatenate([-outwards[:0:-1], outwards]))
 
-    def _delays(self, frequency: float, damping_ratio: float) -> NDArray[np.float64]:
+    def _delays(self, frequency: float, damping_ratio: float) -> Array:
         scale = damping_ratio / (2.0 * np.pi * frequency)
         late = _spaced(self._CORE, DELAY_SCALE * self._LONGEST, self._LONGEST, self.delay_steps)
         if self.lead_steps == 0:
@@ -198,7 +181,7 @@ class ScaledGrid(Grid):
 
 
 @lru_cache(maxsize=64)
-def _spaced(core: float, scale: float, furthest: float, steps: int) -> NDArray[np.float64]:
+def _spaced(core: float, scale: float, furthest: float, steps: int) -> Array:
     """Values from zero, evenly spaced in the coordinate in which surfaces are interpolated."""
     dense = np.concatenate([[0.0], np.geomspace(1e-3 * core, furthest, 20_000)])
     even = np.linspace(0.0, float(stretched(np.array(furthest), core, scale)), steps + 1)

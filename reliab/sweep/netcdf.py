@@ -18,24 +18,8 @@ _MOST_EXPANSION = 1032
 def read_netcdf(path: str | Path, rule: str, remedy: str) -> xr.Dataset:
     """Read a whole NetCDF file.
 
-    Parameters
-    ----------
-    path : str or pathlib.Path
-        The file.
-    rule : str
-        Rule that the file must fulfil, for the error message.
-    remedy : str
-        Remedy, for the error message.
-
-    Returns
-    -------
-    xarray.Dataset
-        Contents of the file, in memory.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read.
+    `rule`: rule that the file must fulfil, for the error message; `remedy`: remedy, for the error message.
+    Returns contents of the file, in memory. Raises InputError if it cannot be read.
     """
     with decoding(rule, remedy=remedy, where=path):
         with opened_hdf5(path) as file:
@@ -55,19 +39,8 @@ def write_netcdf(
     The file is made in memory: HDF5 that writes to a disk notices only when it closes the file that the disk
     is full, and an error there is lost.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset or xarray.DataArray
-        What is written.
-    path : str or pathlib.Path
-        The file, replaced if it is there.
-    encoding : mapping, optional
-        How each variable is stored, as of `xarray.Dataset.to_netcdf`.
-
-    Raises
-    ------
-    OSError
-        If it cannot be written; the file of before stays.
+    `path`: the file, replaced if it is there; `encoding`: how each variable is stored, as of
+    `xarray.Dataset.to_netcdf`. Raises OSError if it cannot be written; the file of before stays.
     """
     stored: dict[Hashable, Mapping[str, object]] = {}
     stored.update(encoding or {})

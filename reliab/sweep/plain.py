@@ -38,18 +38,8 @@ def several(values: Numbers) -> tuple[float, ...]: ...
 def several(values: Any) -> tuple[Any, ...]:
     """Take one value, or several of them.
 
-    Parameters
-    ----------
-    values : object or sequence
-        A number or a name, or several; NumPy's arrays as well.
+    `values`: a number or a name, or several; NumPy's arrays as well.
 
-    Returns
-    -------
-    tuple
-        All of them.
-
-    Examples
-    --------
     >>> several(0.05), several([0.05, 0.10]), several("rms")
     ((0.05,), (0.05, 0.1), ('rms',))
     """
@@ -60,45 +50,24 @@ def several(values: Any) -> tuple[Any, ...]:
 
 @dataclass(frozen=True, kw_only=True)
 class StatedStructures:
-    """Structures in plain numbers, or the one that a model with effects brings.
+    """Structures in plain numbers, or the one that a model with effects brings."""
 
-    Parameters
-    ----------
-    frequencies, damping_ratios, experimental_fractions : tuple of float
-        Natural frequencies [Hz], damping ratios [-] and shares of the stiffness in the laboratory [-].
-    model : HybridTest, optional
-        The model, if there is one.
-    """
-
+    # frequencies, damping_ratios, experimental_fractions: Natural frequencies [Hz], damping ratios [-] and
+    # shares of the stiffness in the laboratory [-]
     frequencies: tuple[float, ...]
     damping_ratios: tuple[float, ...]
     experimental_fractions: tuple[float, ...]
-    model: HybridTest | None = None
+    model: HybridTest | None = None  # The model, if there is one
 
     @classmethod
     def of(
-        cls,
-        *,
-        f: Numbers | None,
-        xi: Numbers | None,
-        alpha: Numbers,
-        model: str | Path | HybridTest | None,
+        cls, *, f: Numbers | None, xi: Numbers | None, alpha: Numbers, model: str | Path | HybridTest | None
     ) -> "StatedStructures":
         """Take what was stated, and 1 Hz and 2 % where nothing was.
 
-        Parameters
-        ----------
-        f, xi : float or sequence of float, optional
-            Natural frequencies [Hz] and damping ratios [-].
-        alpha : float or sequence of float
-            Experimental fraction of the stiffness [-]; several are put in increasing order.
-        model : str, pathlib.Path or HybridTest, optional
-            A hybrid test with effects, or the file of one.
-
-        Raises
-        ------
-        InputError
-            If a model is stated beside a structure, or has none.
+        `f`, `xi`: natural frequencies [Hz] and damping ratios [-]; `alpha`: experimental fraction of the
+        stiffness [-]; several are put in increasing order; `model`: a hybrid test with effects, or the file
+        of one. Raises InputError if a model is stated beside a structure, or has none.
         """
         frequencies, ratios = (() if values is None else several(values) for values in (f, xi))
         shares = tuple(sorted(several(alpha)))
@@ -203,15 +172,7 @@ def one_of(name: str, choices: dict[str, _Choice], what: str) -> _Choice:
 def suite_of(motions: Motions) -> MotionSuite:
     """Take a suite as it is, put a motion into one, and load what is named.
 
-    Parameters
-    ----------
-    motions : MotionSuite, Motion, str or pathlib.Path
-        A suite, a motion, or a folder, file or name that `load_motions` takes.
-
-    Returns
-    -------
-    MotionSuite
-        The motions.
+    `motions`: a suite, a motion, or a folder, file or name that `load_motions` takes.
     """
     if isinstance(motions, MotionSuite):
         return motions

@@ -1,4 +1,4 @@
-"""The request for a sweep, and the hash that identifies it in a store."""
+"""The request for a sweep, the hash that identifies it in a store, and the loops that answer it."""
 
 import hashlib
 import json
@@ -9,6 +9,7 @@ import numpy as np
 
 from reliab.errors import InputError
 from reliab.indices import Window
+from reliab.motions import Motion
 from reliab.simulation import LEAD_TOLERANCE, REDUCTION_TOLERANCE, EffectLoop, Engine, Excitation, Loop
 from reliab.simulation.hybrid_test import HybridTest
 from reliab.simulation.linear_loop import Prepared
@@ -21,37 +22,21 @@ from reliab.vocabulary import Dimension
 class SweepRequest:
     """Structures, actuators and windows that are simulated for every ground motion.
 
-    Parameters
-    ----------
-    frequencies : tuple of float
-        Natural frequencies [Hz], increasing.
-    damping_ratios : tuple of float
-        Damping ratios [-], increasing.
-    grid : Grid, optional
-        Actuators to simulate; scaled to the structures by default.
-    windows : tuple of Window, optional
-        Parts of the record over which errors are computed; the whole record by default.
-    experimental_fractions : tuple of float, optional
-        Shares of the stiffness in the laboratory [-], increasing; the whole of it by default.
-    engine : Engine, optional
-        How the loop is solved.
-    model : HybridTest, optional
-        A model with effects of the one structure requested; A and d of the results are then those of the
-        actuator alone.
-
-    Raises
-    ------
-    InputError
-        If frequencies, damping ratios, shares or windows are missing, repeated or not increasing, or the
-        model has another structure.
+    Raises InputError if frequencies, damping ratios, shares or windows are missing, repeated or not
+    increasing, or the model has another structure.
     """
 
-    frequencies: tuple[float, ...]
-    damping_ratios: tuple[float, ...]
+    frequencies: tuple[float, ...]  # Natural frequencies [Hz], increasing
+    damping_ratios: tuple[float, ...]  # Damping ratios [-], increasing
+    # Actuators to simulate; scaled to the structures by default
     grid: Grid = field(default_factory=ScaledGrid)
+    # Parts of the record over which errors are computed; the whole record by default
     windows: tuple[Window, ...] = (Window(),)
+    # Shares of the stiffness in the laboratory [-], increasing; the whole of it by default
     experimental_fractions: tuple[float, ...] = (1.0,)
-    engine: Engine = Engine.AUTOMATIC
+    engine: Engine = Engine.AUTOMATIC  # How the loop is solved
+    # A model with effects of the one structure requested; A and d of the results are then those of the
+    # actuator alone
     model: HybridTest | None = None
 
     def __post_init__(self) -> None:
@@ -162,3 +147,18 @@ def _description(model: HybridTest) -> dict[str, object]:
         "specimen": None if model.specimen is None else asdict(model.specimen),
         "effects": [{"name": str(effect.name), **asdict(effect)} for effect in model.effects],
     }
+
+
+def excitation_of(motion: Motion, window: Window) -> Excitation:
+    """Return the excitation that a ground motion is within a window.
+
+    `window`: stretch of the record over which the error is taken. Returns the whole record, with the bounds
+    of the window [s].
+
+    >>> from reliab.motions import load_motions
+    >>> motion = load_motions("synthetic")[0]
+    >>> excitation_of(motion, Window()).time_step == motion.time_step
+    True
+    """
+    bounds = window.bounds(motion.acceleration, motion.time_step)
+    return Excitation(acceleration=motion.acceleration, time_step=motion.time_step, window=bounds)

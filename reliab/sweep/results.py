@@ -1,24 +1,73 @@
-"""Opening stored results: a Zarr store, or a NetCDF file derived from one."""
+"""Stored results: a Zarr store, one small NetCDF file derived from one, or the real motions that ship.
+
+The small file keeps errors from 0.001 % to 100 %, rounded to steps of 5e-4 in their logarithm (2.5e-4
+relative), and leaves the indices out; it is enough to derive criteria for any threshold, metric and
+confidence. It holds the differences of these steps between neighbouring delays and gains: small whole
+numbers, which compress to two thirds of the size of rounded errors.
+"""
 
 import os
 import re
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 import xarray as xr
 
 from reliab.errors import InputError
 from reliab.files import decoding
+from reliab.shipped import or_shipped, shipped
 from reliab.sweep import results_accessor  # noqa: F401 - gives opened datasets the accessor `reliab`
-from reliab.sweep.compact import open_compact
-from reliab.sweep.real_suite import stored_results
-from reliab.sweep.store_layout import MEND, STORED, ZARR_FORMAT, array_of, open_group, read_attributes
-from reliab.vocabulary import SHARE_ATTRIBUTE, Dimension
+from reliab.sweep.netcdf import read_netcdf, write_netcdf
+from reliab.sweep.store_layout import (
+    MEND,
+    SCHEMA_VERSION,
+    STORED,
+    ZARR_FORMAT,
+    array_of,
+    open_group,
+    read_attributes,
+)
+from reliab.vocabulary import SHARE_ATTRIBUTE, Dimension, Metric
+
+REAL: Final = "real_suite"
+"""Name of the results and ellipses of 100 real ground motions that ship."""
+
+_OF_SIX, _OF_ALL = f"{REAL}/results_of_six.nc", f"{REAL}/results.nc"
+_SIX: Final = ((0.5, 1.0, 2.0), (0.02, 0.05))
+
+
+def real_results(f: Sequence[float] | None, xi: Sequence[float] | None) -> Path:
+    """Find the results of the real motions for structures.
+
+    `f`, `xi`: natural frequencies [Hz] and damping ratios [-]; None for all that were simulated. Returns the
+    smallest file that holds them; the values in both are the same. Raises InputError if only the file of all
+    structures holds them, and it was not fetched.
+
+    >>> real_results([1.0, 2.0], [0.05]).name
+    'results_of_six.nc'
+    """
+    held = all(
+        wanted is not None and all(np.isclose(nodes, value, rtol=1e-9).any() for value in wanted)
+        for nodes, wanted in zip(_SIX, (f, xi), strict=True)
+    )
+    return shipped("datasets", _OF_SIX if held else _OF_ALL)
+
+
+def stored_results(path: Path, f: Sequence[float] | None, xi: Sequence[float] | None) -> Path:
+    """Take a store of results as it is, or the results of the real motions by their name.
+
+    `f`, `xi`: structures that are asked for [Hz, -]; None for all.
+    """
+    named = path == Path(REAL) and not path.exists()
+    return real_results(f, xi) if named else or_shipped(path, "datasets", "results.nc")
+
 
 _CHUNK = re.compile(r"(c\.)?\d+(\.\d+)*")  # file of one chunk, in either layout
 _OF_MOTIONS = ("motion", "event", "duration", "dt", "pga", "checksum")
 _COORDINATES = ("f", "xi", "kp", "tau", *_OF_MOTIONS)
-_AT_REST = "rms_at_rest"
+_ERROR_AT_REST = "rms_at_rest"
 _ARRAYS = (*_COORDINATES, "rms", "mte", "A", "d", "stable")
 
 
@@ -87,14 +136,14 @@ def _check_dimensions(dataset: xr.Dataset) -> None:
     share = (Dimension.SHARE,) if Dimension.SHARE in dataset.dims else ()
     structures = (Dimension.FREQUENCY, Dimension.DAMPING_RATIO, *share)
     actuators = (Dimension.GAIN, Dimension.DELAY)
-    for name in (*_ARRAYS, *({_AT_REST} & set(dataset))):
+    for name in (*_ARRAYS, *({_ERROR_AT_REST} & set(dataset))):
         dims = dataset[name].dims
         if name in actuators:
             sound = dims[-1:] == (name,) and set(dims[:-1]) <= set(structures)
         elif name in (*structures, *_OF_MOTIONS):
             sound = dims == (name if name in structures else Dimension.MOTION,)
         else:
-            sound = dims == (Dimension.MOTION, *structures, *(() if name == _AT_REST else actuators))
+            sound = dims == (Dimension.MOTION, *structures, *(() if name == _ERROR_AT_REST else actuators))
         if not sound:
             raise InputError(
                 STORED, value=f"{name} over {', '.join(map(str, dims)) or 'nothing'}", remedy=MEND
@@ -143,3 +192,72 @@ def _stored(path: Path, group: str | None) -> xr.Dataset:
             raise InputError(STORED, value=f"{name} that is not finite", remedy=MEND, where=str(path))
     # A store lists its arrays in the order of its folder; whatever is derived from it would inherit that.
     return opened[sorted(map(str, opened.variables))]
+
+
+_SMALLEST_ERROR, _LARGEST_ERROR = 1e-5, 1.0
+_STEP = 5e-4  # of the logarithm
+_CODED = "step_of_logarithm"
+_NEIGHBOURS = (Dimension.GAIN, Dimension.DELAY)
+
+_READABLE = "Results are read from a Zarr store or from the NetCDF file of one"
+_CHECK_PATH = "Check the path, or simulate first"
+
+
+def write_compact(results: xr.Dataset, path: str | Path) -> None:
+    """Write the errors of a results dataset to one small NetCDF file."""
+    kept = [*Metric, *({_ERROR_AT_REST} & set(results))]
+    compact = results[kept].load()
+    for metric in Metric:
+        compact[metric] = _coded(compact[metric])
+    compact.attrs["precision"] = (
+        f"errors above {_LARGEST_ERROR:g} are stored as {_LARGEST_ERROR:g} and those below "
+        f"{_SMALLEST_ERROR:g} as 0; relative rounding {0.5 * _STEP:g}"
+    )
+    compact.attrs[_CODED] = _STEP
+    sizes = compact.sizes
+    chunk = tuple(1 if name == Dimension.MOTION else sizes[name] for name in compact[Metric.RMS].dims)
+    encoding = {
+        str(name): {"zlib": True, "complevel": 9, "shuffle": True, "chunksizes": chunk} for name in Metric
+    }
+    write_netcdf(compact, path, encoding=encoding)
+
+
+def open_compact(path: Path) -> xr.Dataset:
+    """Open a file that `write_compact` wrote.
+
+    Returns `rms` and `mte` over (motion, f, xi, kp, tau), or (motion, f, xi, alpha, kp, tau).
+    """
+    dataset = read_netcdf(path, _READABLE, _CHECK_PATH)
+    if dataset.attrs.get("schema_version") != SCHEMA_VERSION:
+        raise InputError(
+            f"This version reads results of schema version {SCHEMA_VERSION}",
+            value=f"version {dataset.attrs.get('schema_version', 'none')} in {path}",
+            remedy="Simulate again, or use the version of reliab that wrote them",
+        )
+    with decoding(_READABLE, remedy=_CHECK_PATH, where=path):
+        if _CODED in dataset.attrs:
+            step = float(dataset.attrs.pop(_CODED))
+            for metric in Metric:
+                dataset[metric] = _decoded(dataset[metric], step)
+        if Dimension.SHARE not in dataset.dims:
+            dataset.attrs[SHARE_ATTRIBUTE] = float(dataset.attrs[SHARE_ATTRIBUTE])
+    return dataset
+
+
+def _coded(errors: xr.DataArray) -> xr.DataArray:
+    """Write errors as differences of whole steps of their logarithm between neighbours."""
+    known = np.nan_to_num(errors.values.astype(np.float64), nan=_LARGEST_ERROR, posinf=_LARGEST_ERROR)
+    steps = np.round(np.log(np.clip(known, _SMALLEST_ERROR, _LARGEST_ERROR)) / _STEP).astype(np.int32)
+    for name in _NEIGHBOURS:
+        steps = np.diff(steps, axis=errors.get_axis_num(name), prepend=np.int32(0))
+    return errors.copy(data=steps)
+
+
+def _decoded(steps: xr.DataArray, step: float) -> xr.DataArray:
+    """Read errors that :func:`_coded` wrote."""
+    whole = steps.values.astype(np.int64)
+    for name in _NEIGHBOURS:
+        whole = np.cumsum(whole, axis=steps.get_axis_num(name))
+    smallest = round(np.log(_SMALLEST_ERROR) / step)
+    errors = np.where(whole <= smallest, 0.0, np.exp(step * whole)).astype(np.float32)
+    return steps.copy(data=errors)

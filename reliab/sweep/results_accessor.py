@@ -1,13 +1,14 @@
 """Evaluation of stored results by the accessor `dataset.reliab`: errors, contours, ellipses."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.boundary import Contour
+from reliab.arrays import Array
+from reliab.boundary import REACH, Contour, ErrorSurfaces, furthest_lead, trace_contours
 from reliab.boundary.curves import Curve
 from reliab.errors import InputError
 from reliab.files import decoding
@@ -17,8 +18,84 @@ from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_d
 from reliab.sweep.labels import with_labels
 from reliab.sweep.shares import at_share, for_each_share, share_of, shares_of
 from reliab.sweep.store_layout import MEND, STORED
-from reliab.sweep.stored_contours import batches, contours_of, errors_at_rest, surfaces_of
 from reliab.vocabulary import RESULT_DIMENSIONS, SHARE_ATTRIBUTE, Dimension, Metric, Side
+
+_TOGETHER = 32  # motions
+
+
+def batches(motions: int) -> Iterator[slice]:
+    """Divide motions into some at a time, so that memory does not grow with their number.
+
+    >>> [(some.start, some.stop) for some in batches(70)]
+    [(0, 32), (32, 64), (64, 70)]
+    """
+    for begin in range(0, motions, _TOGETHER):
+        yield slice(begin, min(begin + _TOGETHER, motions))
+
+
+def surfaces_of(errors: xr.DataArray) -> ErrorSurfaces:
+    """Interpolate the errors of a dataset between its gains and delays.
+
+    `errors` [-].
+    """
+    return ErrorSurfaces(
+        errors["kp"].values, errors["tau"].values, errors.transpose("motion", "kp", "tau").values
+    )
+
+
+def contours_of(
+    errors: xr.DataArray, structure: Structure, pairs: Sequence[tuple[float, Side]]
+) -> list[list[Contour | None]]:
+    """Contours of equal error of every motion.
+
+    `errors`, `pairs` [-].
+    """
+    surfaces = surfaces_of(errors)
+    motions = errors.sizes["motion"]
+    levels = np.tile(np.array([threshold for threshold, _ in pairs], dtype=np.float64), motions)
+    sides = [side for _ in range(motions) for _, side in pairs]
+    surface = np.repeat(np.arange(motions), len(pairs))
+
+    def error(amplitude: Array, delay: Array, contour: NDArray[np.int64]) -> Array:
+        return surfaces.error(amplitude, delay, surface[contour])
+
+    contours = trace_contours(error, levels, structure, side=sides)
+    inside = np.stack([_inside_grid(errors, structure, *pair) for pair in pairs], axis=-1)
+    chosen = [contour if ok else None for contour, ok in zip(contours, inside.ravel(), strict=True)]
+    return [chosen[k : k + len(pairs)] for k in range(0, len(chosen), len(pairs))]
+
+
+def _inside_grid(
+    errors: xr.DataArray, structure: Structure, threshold: float, side: Side
+) -> NDArray[np.bool_]:
+    """Whether contours end before the grid does; shape (motion,)."""
+    values = errors.transpose("motion", "kp", "tau").values
+    delays, gains = errors["tau"].values, errors["kp"].values
+    punctual = values[..., int(np.argmin(np.abs(delays)))]
+    offset = np.abs(np.log(gains))
+    reach = REACH * structure.damping_ratio * (1 - 1e-9)
+    wide = (offset[[0, -1]] >= reach) | (punctual[:, [0, -1]] >= threshold)
+    within = (offset <= reach) & (punctual < threshold)
+    if side is Side.LEAD:
+        followed = -delays[0] >= furthest_lead(structure, gains) * (1 - 1e-9)
+        high = ~within | (values[..., 0] >= threshold) | followed
+    else:
+        high = ~within | (values[..., -1] >= threshold)
+    return np.asarray(wide.all(axis=-1) & high.all(axis=-1))
+
+
+def errors_at_rest(results: xr.Dataset, metrics: Sequence[Metric]) -> Array | None:
+    """Error of an actuator that does not move.
+
+    Returns error [-], shape (motion, f, xi, metric); None where the results are of an older version.
+    """
+    if "rms_at_rest" not in results:
+        return None
+    rms = results["rms_at_rest"].transpose("motion", "f", "xi").values.astype(np.float64)
+    # Without motion the deviation is the exact response, whose peak normalises MTE^R, so that MTE^R is 1.
+    by_metric = {Metric.RMS: rms, Metric.MTE: np.ones_like(rms)}
+    return np.stack([by_metric[metric] for metric in metrics], axis=-1)
+
 
 _OF_RECORDS_AND_STRUCTURES = ("motion", "f", "xi", "event", "duration", "dt", "pga", "checksum")
 
@@ -49,7 +126,7 @@ class ResultsAccessor:
                 )
         return Structure(frequency=f, damping_ratio=xi, experimental_fraction=share_of(self._dataset))
 
-    def grid(self, f: float, xi: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def grid(self, f: float, xi: float) -> tuple[Array, Array]:
         """Gains k_p [-] and delays τ [s] that were simulated for a structure."""
         self.structure(f, xi)
         at = {
@@ -88,13 +165,7 @@ class ResultsAccessor:
         return self.at_structure(f, xi).sel(kp=gain, tau=delay, method="nearest")
 
     def errors(
-        self,
-        *,
-        f: float,
-        xi: float,
-        gain: NDArray[np.float64],
-        delay: NDArray[np.float64],
-        metric: Metric = Metric.RMS,
+        self, *, f: float, xi: float, gain: Array, delay: Array, metric: Metric = Metric.RMS
     ) -> xr.DataArray:
         """Errors at given gains [-] and delays [s], between the cells, for every motion.
 
@@ -113,13 +184,7 @@ class ResultsAccessor:
         )
 
     def contours(
-        self,
-        *,
-        f: float,
-        xi: float,
-        threshold: float,
-        metric: Metric = Metric.RMS,
-        side: Side = Side.LAG,
+        self, *, f: float, xi: float, threshold: float, metric: Metric = Metric.RMS, side: Side = Side.LAG
     ) -> dict[str, Contour | None]:
         """Contour of equal error of each motion, on one side.
 
@@ -142,7 +207,7 @@ class ResultsAccessor:
         """Curves fitted to the contours of every motion and structure, at any threshold.
 
         `thresholds` [-].
-        Returns as returned by `reliab.sweep.trace_ellipses`: `a` [-] and `b` [ms²] over (motion, f, xi,
+        Returns what `reliab.sweep.trace_ellipses` does: `a` [-] and `b` [ms²] over (motion, f, xi,
         threshold, metric, curve, side), with `alpha` after `xi` where the results have several shares; NaN
         also where a contour leaves the grid.
         """

@@ -1,18 +1,43 @@
-"""Sweeps over many ground motions: with threads here, or on a cluster with one task per motion."""
+"""Sweeps over many ground motions: on threads here, or on a dask.distributed cluster, one task per motion."""
 
 import os
 from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from reliab.motions import MotionSuite
+from reliab.errors import IncompleteError, InputError
+from reliab.motions import Motion, MotionSuite
 from reliab.progress import Progress, silent
-from reliab.sweep.job import SweepJob
 from reliab.sweep.request import SweepRequest
+from reliab.sweep.solve import MotionResults, solve_motion
 from reliab.sweep.store import ResultsStore
 
-_AHEAD = 2  # tasks submitted per worker; limits the memory
+if TYPE_CHECKING:
+    from distributed import Client, Future
+
+_TASKS_PER_WORKER = 2  # tasks submitted per worker; limits the memory
+_TASKS_PER_THREAD = 4  # tasks submitted per thread of the cluster; limits its memory
+_RETRIES = 3  # of a task whose worker died
+_CONNECT_SECONDS = 10
+
+Solved = tuple[int, Motion, list[MotionResults]]
+"""Index of a motion, the motion, and its results for each window."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SweepJob:
+    """A suite of motions and the request for it."""
+
+    motions: MotionSuite  # The suite
+    request: SweepRequest  # Structures, actuators and windows
+
+    def solve(self, index: int) -> Solved:
+        """Read and simulate one motion."""
+        motion = self.motions[index]
+        return index, motion, solve_motion(motion, self.request)
 
 
 def run_sweep(
@@ -83,7 +108,7 @@ def _on_threads(
     with ThreadPoolExecutor(threads) as pool:
         try:
             while True:
-                for index in islice(queue, _AHEAD * threads - len(waiting)):
+                for index in islice(queue, _TASKS_PER_WORKER * threads - len(waiting)):
                     waiting.add(pool.submit(_solve_and_store, job, store, index))
                 if not waiting:
                     return
@@ -101,8 +126,60 @@ def _solve_and_store(job: SweepJob, store: ResultsStore, index: int) -> None:
 
 def _on_cluster(address: str, job: SweepJob, store: ResultsStore, missing: list[int]) -> Iterator[None]:
     """Solve motions on a cluster and store the results on this computer."""
-    from reliab.sweep.cluster import solved
-
-    for solution in solved(address, job, missing):
+    for solution in _solved_on_cluster(address, job, missing):
         store.write(*solution)
         yield
+
+
+def _solved_on_cluster(address: str, job: SweepJob, missing: list[int]) -> Iterator[Solved]:
+    """Solve motions on a cluster."""
+    with _connected(address) as client:
+        from distributed import as_completed
+
+        shared = client.scatter(job, broadcast=True)
+
+        def submit(index: int) -> object:
+            return client.submit(SweepJob.solve, shared, index, retries=_RETRIES, pure=False)
+
+        queue = iter(missing)
+        ahead = _TASKS_PER_THREAD * max(1, sum(client.nthreads().values()))
+        running = as_completed([submit(index) for index in islice(queue, ahead)])
+        for future in running:
+            yield _result(future)
+            future.release()
+            for index in islice(queue, 1):
+                running.add(submit(index))
+
+
+def _result(future: "Future[Solved]") -> Solved:
+    """Take what a worker answered; results that were stored before are safe where none did."""
+    from distributed import CancelledError, KilledWorker
+
+    try:
+        solution: Solved = future.result()
+    except (CancelledError, KilledWorker, OSError) as error:
+        reason = str(error).partition("\n")[0].rstrip(".")
+        raise IncompleteError(
+            f"The cluster failed: {reason}. Results that were stored are safe; start it again and run the "
+            "same command with `resume`."
+        ) from error
+    return solution
+
+
+def _connected(address: str) -> "Client":
+    try:
+        from distributed import Client
+    except ImportError:
+        raise InputError(
+            "A scheduler needs dask.distributed",
+            value="not installed",
+            remedy="Install it with: pip install 'reliab[cluster]'",
+        ) from None
+    try:
+        return Client(address, timeout=_CONNECT_SECONDS)
+    except (OSError, ValueError, TimeoutError) as error:
+        raise InputError(
+            "A dask scheduler must answer at the address",
+            value=f"{address} ({error})",
+            remedy="Start one with 'dask scheduler' and give its address, tcp://host:8786",
+        ) from None

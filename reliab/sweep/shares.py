@@ -21,18 +21,8 @@ _WHOLE = 1.0
 def shares_of(dataset: xr.Dataset) -> tuple[float, ...]:
     """Shares of the stiffness in the laboratory that a dataset is of.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Results or ellipses.
+    Returns shares [-]; the whole stiffness where the dataset does not state one.
 
-    Returns
-    -------
-    tuple of float
-        Shares [-]; the whole stiffness where the dataset does not state one.
-
-    Examples
-    --------
     >>> shares_of(xr.Dataset(attrs={"experimental_fraction": 0.5}))
     (0.5,)
     >>> shares_of(xr.Dataset(coords={"alpha": [0.25, 1.0]}))
@@ -46,20 +36,8 @@ def shares_of(dataset: xr.Dataset) -> tuple[float, ...]:
 def share_of(dataset: xr.Dataset) -> float:
     """Share of the stiffness in the laboratory of a dataset of one share.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Results or ellipses.
-
-    Returns
-    -------
-    float
-        Share [-]; 1 where the dataset does not state one.
-
-    Raises
-    ------
-    InputError
-        If the dataset is of several shares.
+    Returns share [-]; 1 where the dataset does not state one. Raises InputError if the dataset is of several
+    shares.
     """
     shares = shares_of(dataset)
     if len(shares) > 1:
@@ -74,25 +52,11 @@ def share_of(dataset: xr.Dataset) -> float:
 def at_share(dataset: xr.Dataset, share: float | None = None) -> xr.Dataset:
     """Cut one share of the stiffness out of a dataset.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Results or ellipses of one share or several.
-    share : float, optional
-        Share [-], one of the dataset's; may be left out where there is only one.
+    `dataset`: results or ellipses of one share or several.
+    `share`: share [-], one of the dataset's; may be left out where there is only one.
+    Returns without the dimension `alpha`, with the share in the attribute `experimental_fraction`.
+    Raises InputError if the dataset is not of that share, or is of several and none is given.
 
-    Returns
-    -------
-    xarray.Dataset
-        Without the dimension `alpha`, with the share in the attribute `experimental_fraction`.
-
-    Raises
-    ------
-    InputError
-        If the dataset is not of that share, or is of several and none is given.
-
-    Examples
-    --------
     >>> several = xr.Dataset({"a": ("alpha", [4e-4, 1e-4])}, coords={"alpha": [0.5, 1.0]})
     >>> float(at_share(several, 0.5)["a"]), at_share(several, 0.5).attrs
     (0.0004, {'experimental_fraction': 0.5})
@@ -118,19 +82,9 @@ def for_each_share(
 ) -> xr.Dataset:
     """Compute a dataset of each share and join them along `alpha`.
 
-    Parameters
-    ----------
-    shares : sequence of float
-        Shares of the stiffness in the laboratory [-].
-    compute : callable
-        Takes a share and a progress, returns a dataset of that share.
-    progress : callable
-        Called with the steps done for all shares and their number.
-
-    Returns
-    -------
-    xarray.Dataset
-        Of one share what was computed, unchanged; of several with the dimension `alpha` after `xi`.
+    `shares`: shares of the stiffness in the laboratory [-]; `compute`: takes a share and a progress, returns
+    a dataset of that share; `progress`: called with the steps done for all shares and their number. Returns
+    of one share what was computed, unchanged; of several with the dimension `alpha` after `xi`.
     """
     parts = []
     for turn, share in enumerate(shares):

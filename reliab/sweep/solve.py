@@ -6,6 +6,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.indices import Window, evaluate_sums, relative_error
 from reliab.motions import Motion
 from reliab.simulation import Engine, Excitation
@@ -13,9 +14,8 @@ from reliab.simulation.linear_loop import Cells, Prepared, QuadraturePair, Struc
 from reliab.simulation.linear_loop.tracking_sums import tracking_sums
 from reliab.structures import Structure
 from reliab.structures.stability import critical_delay
-from reliab.sweep.excitation import excitation_of
 from reliab.sweep.grid import Grid
-from reliab.sweep.request import SweepRequest, loop_of
+from reliab.sweep.request import SweepRequest, excitation_of, loop_of
 from reliab.vocabulary import Metric
 
 _NODES = 4  # along each axis, at which the index is summed; A/k_p and d/τ vary little between
@@ -102,9 +102,7 @@ def _solve_structure(
         }
 
 
-def _evaluate(
-    pair: QuadraturePair, grid: Grid, structure: Structure
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _evaluate(pair: QuadraturePair, grid: Grid, structure: Structure) -> tuple[Array, Array]:
     """Amplitude [-] and equivalent delay [s] over the grid, from sums at a few of its nodes.
 
     Lags and leads have separate nodes. Beyond the critical delay, and beyond twice the damping ratio of
@@ -129,13 +127,13 @@ class _Nodes:
 
     cells: TrackedCells  # The nodes, the delay varying fastest
     # gains, delays: Gains [-] and delays [s] of the grid that the nodes serve, shapes (kp,) and (tau,)
-    gains: NDArray[np.float64]
-    delays: NDArray[np.float64]
+    gains: Array
+    delays: Array
     columns: slice  # Indices of these delays in the grid
     # over_gain, over_delay: Weights of the nodes along each axis, shapes (kp, gain nodes) and (tau, delay
     # nodes)
-    over_gain: NDArray[np.float64]
-    over_delay: NDArray[np.float64]
+    over_gain: Array
+    over_delay: Array
 
 
 @lru_cache(maxsize=256)
@@ -165,19 +163,19 @@ def _nodes(grid: Grid, structure: Structure) -> list[_Nodes]:
     return nodes
 
 
-def _distinct(delays: NDArray[np.float64]) -> NDArray[np.float64]:
+def _distinct(delays: Array) -> Array:
     """Leave out delays so short that the error of the sums, some 10 µs, is not small against them."""
     return np.asarray(delays[np.abs(delays) >= _SHORTEST * np.abs(delays).max()])
 
 
-def _evenly(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def _evenly(values: Array) -> Array:
     """Choose a few of the values, as evenly spaced as possible."""
     wanted = np.linspace(values[0], values[-1], _NODES)
     nearest = np.unique(np.argmin(np.abs(values[:, np.newaxis] - wanted), axis=0))
     return np.asarray(values[nearest])
 
 
-def _polynomial_weights(nodes: NDArray[np.float64], values: NDArray[np.float64]) -> NDArray[np.float64]:
+def _polynomial_weights(nodes: Array, values: Array) -> Array:
     """Weights of the polynomial through the nodes, constant beyond them; shape (values, nodes)."""
     powers = np.polynomial.chebyshev.chebvander
     centre, half = 0.5 * (nodes[0] + nodes[-1]), 0.5 * (nodes[-1] - nodes[0]) or 1.0

@@ -27,7 +27,6 @@ from numpy.typing import NDArray
 from reliab.errors import IncompleteError, InputError
 from reliab.files import decoding, written_by_one_process
 from reliab.motions import Motion
-from reliab.sweep.chunk import write_chunk
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.solve import VARIABLES, MotionResults
 from reliab.sweep.store_layout import (
@@ -39,6 +38,7 @@ from reliab.sweep.store_layout import (
     open_group,
     read_attributes,
     shapes,
+    write_chunk,
 )
 from reliab.unfinished import UNFINISHED, remove_abandoned
 

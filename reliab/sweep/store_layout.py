@@ -1,4 +1,9 @@
-"""Layout of a results store: its groups, arrays and attributes, empty and complete from the beginning."""
+"""Layout of a results store: groups, arrays, attributes and chunks, empty and complete from the beginning.
+
+A chunk holds the results of one motion and is written here, not by Zarr, which passes every chunk through an
+event loop and a pool of threads; that costs as much processor time as simulating it. The bytes are the same:
+little-endian values, Blosc, CRC-32C, under the name that the array prescribes.
+"""
 
 import json
 import shutil
@@ -9,14 +14,42 @@ from typing import Any, Final, Literal
 
 import numpy as np
 import zarr
-from zarr.codecs import Crc32cCodec
+from numcodecs.blosc import BITSHUFFLE, SHUFFLE, Blosc
+from numcodecs.checksum32 import CRC32C
+from numpy.typing import NDArray
+from zarr.codecs import BloscCodec, Crc32cCodec
 
 from reliab.errors import InputError
-from reliab.files import decoding, ordinary, refuse_links
-from reliab.sweep.chunk import codecs
+from reliab.files import decoding, ordinary, refuse_links, written_whole
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.solve import VARIABLES
 from reliab.vocabulary import LABELS, SHARE_ATTRIBUTE, Dimension
+
+_COMPRESSOR: Final = "zstd"
+_LEVEL: Final = 1
+
+
+def codecs() -> list[Any]:
+    """Zarr's codecs of arrays of numbers, with which chunks are read."""
+    return [BloscCodec(cname=_COMPRESSOR, clevel=_LEVEL), Crc32cCodec()]
+
+
+def encoded(values: NDArray[np.generic]) -> bytes:
+    """Encode the values of a chunk."""
+    plain = np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<"))
+    shuffle = BITSHUFFLE if plain.itemsize == 1 else SHUFFLE
+    compressed = Blosc(cname=_COMPRESSOR, clevel=_LEVEL, shuffle=shuffle).encode(plain)
+    return bytes(CRC32C(location="end").encode(compressed))
+
+
+def write_chunk(folder: Path, array: Any, index: int, values: NDArray[np.generic]) -> None:  # noqa: ANN401
+    """Write the values of one motion to an array whose chunks hold one motion each."""
+    key = array.metadata.encode_chunk_key((index, *(0 for _ in values.shape)))
+    place = folder / key
+    place.parent.mkdir(parents=True, exist_ok=True)
+    with written_whole(place, synced=False) as unfinished:
+        unfinished.write_bytes(encoded(values))
+
 
 SCHEMA_VERSION = 1
 ZARR_FORMAT: Final = 3

@@ -13,8 +13,7 @@ from reliab.assessment.tracking_index import track
 from reliab.assessment.verdict import Verdict, Word
 from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.structures.frames import Frame, modal_damping, shear_frame
-from reliab.structures.partition import Partition, floor_interface
-from reliab.structures.specimen import Specimen
+from reliab.structures.partition import Partition, Specimen, floor_interface
 from reliab.structures.structure import Structure
 
 ONE_HERTZ = Structure(frequency=1.0, damping_ratio=0.02)

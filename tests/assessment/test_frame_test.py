@@ -13,13 +13,11 @@ from reliab.motions.synthetic import synthetic_suite
 from reliab.recordings.recording import Recording
 from reliab.report.kinds.assessment import frame_assessment_report
 from reliab.simulation.frames.frame_file import FrameUnderTest
-from reliab.simulation.laboratory.laboratory import run_laboratory
-from reliab.simulation.laboratory.rig import Rig, Sensors
+from reliab.simulation.laboratory.laboratory import Rig, Sensors, run_laboratory
 from reliab.simulation.transfer_systems import TransferFunction
 from reliab.stated_value import StatedValue
 from reliab.structures.frames import Frame, modal_damping, shear_frame, undivided_response
-from reliab.structures.partition import Partition, floor_interface
-from reliab.structures.specimen import Specimen
+from reliab.structures.partition import Partition, Specimen, floor_interface
 from reliab.sweep.frame_table import governing_mode
 from reliab.vocabulary import Metric
 

@@ -21,7 +21,7 @@ from reliab.simulation.engine import Loop
 from reliab.simulation.linear_loop.cells import Cells
 from reliab.structures.structure import Structure
 from reliab.sweep import EllipseRequest, predict_ellipses, trace_ellipses
-from reliab.sweep.excitation import excitation_of
+from reliab.sweep.request import excitation_of
 from reliab.vocabulary import Metric, Side
 
 SHARES = (0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1.0)

@@ -15,7 +15,7 @@ from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.cells import Cells
 from reliab.structures.structure import Structure
 from reliab.sweep import EllipseRequest, at_share, trace_ellipses
-from reliab.sweep.excitation import excitation_of
+from reliab.sweep.request import excitation_of
 from reliab.vocabulary import Metric
 
 

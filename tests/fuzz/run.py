@@ -26,7 +26,7 @@ _READERS = (
     *(
         "reliab.motions.readers",
         "reliab.motions.catalogue",
-        "reliab.motions.folder",
+        "reliab.motions.loading",
         "reliab.motions.checking",
     ),
     *("reliab.recordings.readers", "reliab.recordings.reading"),

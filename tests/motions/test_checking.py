@@ -6,7 +6,7 @@ import pytest
 from reliab.errors import InputError
 from reliab.motions import Fault, check_folder, load_motions
 from reliab.motions.checking import inspect
-from reliab.motions.folder import UnreadFileWarning
+from reliab.motions.loading import UnreadFileWarning
 
 Write = Callable[[str, str | bytes], Path]
 

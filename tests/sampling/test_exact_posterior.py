@@ -5,8 +5,7 @@ import pytest
 from scipy import stats
 
 from reliab.sampling import Ensembles, NormalValues, sample
-from reliab.sampling.normal_inverse_chi_squared import NormalInverseChiSquared
-from reliab.sampling.normal_values import WEAK_PRIOR
+from reliab.sampling.normal_inverse_chi_squared import WEAK_PRIOR, NormalInverseChiSquared
 
 SHARES = np.array([0.05, 0.25, 0.5, 0.75, 0.95])
 VALUES = np.random.default_rng(2017).normal(-0.8, 0.6, 40)

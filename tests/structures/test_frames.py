@@ -5,7 +5,7 @@ import pytest
 
 from reliab.errors import InputError
 from reliab.structures.frames import Frame, PlanarFrame, modal_damping, rayleigh_damping, shear_frame
-from reliab.structures.frames.matrices import square_matrix
+from reliab.structures.frames.frame import square_matrix
 from reliab.structures.frames.response import exact_step
 
 PUBLISHED = np.array(

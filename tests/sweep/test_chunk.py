@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import zarr
 
-from reliab.sweep.chunk import codecs, encoded, write_chunk
+from reliab.sweep.store_layout import codecs, encoded, write_chunk
 
 
 @pytest.mark.parametrize("dtype", ["float32", "bool"])

@@ -89,6 +89,6 @@ def test_a_scheduler_that_dies_leaves_what_can_be_resumed(tmp_path, suite, reque
 
 
 def test_scheduler_that_does_not_answer_is_named(tmp_path, suite, request_, monkeypatch):
-    monkeypatch.setattr("reliab.sweep.cluster._CONNECT_SECONDS", 0.5)
+    monkeypatch.setattr("reliab.sweep.run._CONNECT_SECONDS", 0.5)
     with pytest.raises(InputError, match=r"tcp://127\.0\.0\.1:1"):
         run_sweep(suite, request_, tmp_path / "results.zarr", scheduler="tcp://127.0.0.1:1")

@@ -9,8 +9,7 @@ from reliab import load_motions
 from reliab.errors import InputError
 from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.structures.frames import Frame
-from reliab.structures.partition import Partition, floor_interface
-from reliab.structures.specimen import Specimen
+from reliab.structures.partition import Partition, Specimen, floor_interface
 from reliab.structures.structure import Structure
 from reliab.sweep import EllipseRequest, trace_ellipses
 from reliab.sweep.frame_table import FrameRequest, governing_mode, trace_frame_ellipses

@@ -11,7 +11,7 @@ from reliab.significant import significant
 def rig_beside(demand: Demand) -> dict[str, Any]:
     """Compute the error of the described rig under the motions of the criterion.
 
-    Returns `rig`, as :func:`reliab.sweep.rig_table.summary_of_rig` returns it; empty where no frame with a
+    Returns `rig`, as :func:`reliab.sweep.frame_table.summary_of_rig` returns it; empty where no frame with a
     transfer system is given.
     """
     if demand.structure is None or not demand.motions:

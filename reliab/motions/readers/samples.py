@@ -5,8 +5,8 @@ import re
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.motions.faults import Report
 from reliab.motions.readers.header import NUMBER, Header
 from reliab.motions.readers.source import Line, Source
@@ -22,7 +22,7 @@ _MUST_BE_FINITE = "Every sample must be finite"
 _REMEDY = "Correct the line, obtain the file again or leave it out"
 
 
-def parse_samples(source: Source, header: Header, report: Report) -> NDArray[np.float64] | None:
+def parse_samples(source: Source, header: Header, report: Report) -> Array | None:
     """Parse the numbers that a header announces.
 
     Returns (n,).
@@ -43,7 +43,7 @@ def separated(source: Source, header: Header) -> bytes:
     return data
 
 
-def _parse_plain(data: bytes) -> NDArray[np.float64] | None:
+def _parse_plain(data: bytes) -> Array | None:
     if data.translate(None, _PLAIN):
         return None
     tokens = data.decode("ascii").split()  # numbers are read sooner from text than from bytes
@@ -63,7 +63,7 @@ class _BadToken:
     token: str
 
 
-def _parse_lines(source: Source, header: Header, report: Report) -> NDArray[np.float64] | None:
+def _parse_lines(source: Source, header: Header, report: Report) -> Array | None:
     values: list[float] = []
     bad: list[_BadToken] = []
     for line in source.lines(header.start, header.stop):

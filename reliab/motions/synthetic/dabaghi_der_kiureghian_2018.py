@@ -25,8 +25,8 @@ from math import hypot, log
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.motions.synthetic.scenario import Mechanism, Scenario
 
 _MAGNITUDE_HINGE: Final = 6.5
@@ -40,22 +40,22 @@ class Regression:
     """The regression of one class of motions, for its p transformed parameters at once."""
 
     names: tuple[str, ...]  # Names of the parameters
-    coefficients: NDArray[np.float64]  # β₀ to β₇ of each parameter, shape (p, 8)
-    deviations: NDArray[np.float64]  # Standard deviations σ of the errors, shape (p,)
-    correlation: NDArray[np.float64]  # Correlations of the errors, shape (p, p)
+    coefficients: Array  # β₀ to β₇ of each parameter, shape (p, 8)
+    deviations: Array  # Standard deviations σ of the errors, shape (p,)
+    correlation: Array  # Correlations of the errors, shape (p, p)
 
-    def means(self, scenario: Scenario) -> NDArray[np.float64]:
+    def means(self, scenario: Scenario) -> Array:
         """Mean of the transformed parameters in a scenario, shape (p,)."""
-        means: NDArray[np.float64] = np.sum(self.coefficients * _covariates(scenario), axis=1)
+        means: Array = np.sum(self.coefficients * _covariates(scenario), axis=1)
         return means
 
     @cached_property
-    def factor(self) -> NDArray[np.float64]:
+    def factor(self) -> Array:
         """Cholesky factor of the correlations, shape (p, p), lower triangular."""
         return np.linalg.cholesky(self.correlation).astype(np.float64)
 
 
-def _covariates(scenario: Scenario) -> NDArray[np.float64]:
+def _covariates(scenario: Scenario) -> Array:
     log_distance = log(hypot(scenario.rupture_distance, _DISTANCE_FLOOR))
     reverse = scenario.mechanism is Mechanism.REVERSE
     return np.array(

@@ -6,8 +6,8 @@ from typing import Final
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.motions.synthetic.parameters import ComponentParameters
 from reliab.vocabulary import STANDARD_GRAVITY
 
@@ -46,12 +46,12 @@ class Modulation:
             return float(self.peak_time * (share / self.peak_share) ** (1.0 / self.growth))
         return self.peak_time - self.decay_time * log((1.0 - share) / (1.0 - self.peak_share))
 
-    def __call__(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    def __call__(self, times: Array) -> Array:
         """Return the standard deviation of the acceleration [m/s²] at times from zero [s], shape (n,)."""
         rising = (np.minimum(times, self.peak_time) / self.peak_time) ** (0.5 * (self.growth - 1.0))
         falling = np.exp(-0.5 * np.maximum(times - self.peak_time, 0.0) / self.decay_time)
         mean_square = 2.0 * STANDARD_GRAVITY / pi * self.arias_intensity * (1.0 - self.peak_share)
-        deviations: NDArray[np.float64] = rising * falling * (mean_square / self.decay_time) ** 0.5
+        deviations: Array = rising * falling * (mean_square / self.decay_time) ** 0.5
         return deviations
 
 

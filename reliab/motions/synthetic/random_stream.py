@@ -4,7 +4,8 @@ from typing import Final
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
+
+from reliab.arrays import Array
 
 _DISCARDED_BITS: Final = np.uint64(11)
 _RESOLUTION: Final = 2.0**-53
@@ -24,14 +25,14 @@ class RandomStream:
     def __init__(self, seed: int, *key: int) -> None:
         self._bits = np.random.PCG64(np.random.SeedSequence(seed, spawn_key=key))
 
-    def uniforms(self, count: int) -> NDArray[np.float64]:
+    def uniforms(self, count: int) -> Array:
         """Draw numbers uniform in the open interval (0, 1), shape (count,)."""
-        raw: NDArray[np.uint64] = self._bits.random_raw(count)
+        raw = np.asarray(self._bits.random_raw(count))
         return ((raw >> _DISCARDED_BITS).astype(np.float64) + 0.5) * _RESOLUTION
 
-    def normals(self, count: int) -> NDArray[np.float64]:
+    def normals(self, count: int) -> Array:
         """Draw standard normal numbers, shape (count,)."""
-        normals: NDArray[np.float64] = scipy.special.ndtri(self.uniforms(count))
+        normals: Array = scipy.special.ndtri(self.uniforms(count))
         return normals
 
     def uniform(self) -> float:

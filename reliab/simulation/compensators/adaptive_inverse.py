@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.effects import Kernel, Numbers
 from reliab.errors import InputError
 from reliab.simulation.compensators.compensator import Compensator
@@ -71,6 +71,6 @@ class AdaptiveInverse(Compensator):
                     value=getattr(self, field),
                 )
 
-    def coefficients(self, step: float) -> NDArray[np.float64]:  # noqa: ARG002 - in steps
+    def coefficients(self, step: float) -> Array:  # noqa: ARG002 - in steps
         """Estimated delay in steps and the two gains."""
         return np.array([self.steps, self.proportional, self.integral])

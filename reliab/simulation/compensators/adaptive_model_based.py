@@ -5,13 +5,12 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.effects import Kernel, Numbers
 from reliab.errors import InputError
 from reliab.simulation.compensators.compensator import Compensator
-from reliab.simulation.compensators.low_pass import butterworth_sections
-from reliab.simulation.compensators.sections import filter_two
+from reliab.simulation.compensators.low_pass import butterworth_sections, filter_two
 
 _FACTORS = 4
 
@@ -80,6 +79,6 @@ class AdaptiveModelBased(Compensator):
                     remedy="Give a₀ to a₃ and the diagonal of Γ, which is not negative",
                 )
 
-    def coefficients(self, step: float) -> NDArray[np.float64]:
+    def coefficients(self, step: float) -> Array:
         """First factors, rates and the sections of the filter."""
         return np.concatenate([self.factors, self.rates, butterworth_sections(4, self.cutoff, step)])

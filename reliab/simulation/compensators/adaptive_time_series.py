@@ -5,13 +5,12 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.effects import Kernel, Numbers
 from reliab.errors import InputError
 from reliab.simulation.compensators.compensator import Compensator
-from reliab.simulation.compensators.low_pass import butterworth_sections
-from reliab.simulation.compensators.sections import filter_two
+from reliab.simulation.compensators.low_pass import butterworth_sections, filter_two
 
 _LONGEST = 256  # samples of the moving window
 _FACTORS = 3
@@ -121,7 +120,7 @@ class AdaptiveTimeSeries(Compensator):
                 value=f"{self.samples}, {self.window} s, {self.trigger} m",
             )
 
-    def coefficients(self, step: float) -> NDArray[np.float64]:
+    def coefficients(self, step: float) -> Array:
         """First factors, bounds, rates, trigger, window and the sections of the filter."""
         rows = round(self.window / (self.samples * step))
         if not _FACTORS <= rows <= _LONGEST:

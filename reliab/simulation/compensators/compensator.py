@@ -3,9 +3,7 @@
 from abc import ABC, abstractmethod
 from typing import ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
+from reliab.arrays import Array
 from reliab.effects import Kernel
 
 
@@ -22,5 +20,5 @@ class Compensator(ABC):
     kernel: ClassVar[Kernel]
 
     @abstractmethod
-    def coefficients(self, step: float) -> NDArray[np.float64]:
+    def coefficients(self, step: float) -> Array:
         """Return what the kernel reads, for a step [s]."""

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.effects import Kernel, Numbers
 from reliab.errors import InputError
 from reliab.simulation.compensators.compensator import Compensator
@@ -39,6 +39,6 @@ class Feedforward(Compensator):
                 remedy="Give the actuator's delay in seconds",
             )
 
-    def coefficients(self, step: float) -> NDArray[np.float64]:  # noqa: ARG002 - in seconds
+    def coefficients(self, step: float) -> Array:  # noqa: ARG002 - in seconds
         """Return the time constant [s]."""
         return np.array([self.time])

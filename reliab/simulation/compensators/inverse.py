@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.effects import Kernel, Numbers
 from reliab.errors import InputError
 from reliab.simulation.compensators.compensator import Compensator
@@ -45,6 +45,6 @@ class InverseCompensation(Compensator):
                 remedy="Give the actuator's delay in sampling steps, counted from when the command is sent",
             )
 
-    def coefficients(self, step: float) -> NDArray[np.float64]:  # noqa: ARG002 - a number of steps
+    def coefficients(self, step: float) -> Array:  # noqa: ARG002 - a number of steps
         """Return the estimated delay in steps."""
         return np.array([self.steps])

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.effects import Kernel, Numbers
 from reliab.errors import InputError
 from reliab.simulation.compensators.compensator import Compensator
@@ -66,6 +66,6 @@ class ModelInverse(Compensator):
                 remedy="Give a₀ [-], a₁ [s], a₂ [s²] and a₃ [s³] of the actuator's 1/(a₀ + a₁s + …)",
             )
 
-    def coefficients(self, step: float) -> NDArray[np.float64]:  # noqa: ARG002 - factors hold for any step
+    def coefficients(self, step: float) -> Array:  # noqa: ARG002 - factors hold for any step
         """Return the four factors."""
         return np.concatenate([self.factors, np.zeros(_HIGHEST_ORDER + 1 - len(self.factors))])

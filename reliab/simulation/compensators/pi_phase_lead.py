@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.effects import Kernel, Numbers
 from reliab.errors import InputError
 from reliab.simulation.compensators.compensator import Compensator
@@ -72,7 +72,7 @@ class PhaseLeadControl(Compensator):
             if not (math.isfinite(value) and value >= 0.0):
                 raise InputError(f"The controller's {field} must be finite and not negative", value=value)
 
-    def coefficients(self, step: float) -> NDArray[np.float64]:
+    def coefficients(self, step: float) -> Array:
         """Rows of both recursions, then quantum and range of the converters."""
         rate = 2.0 / step
         slow = rate + self.lead_pole

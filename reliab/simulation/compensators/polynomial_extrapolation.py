@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.effects import Kernel, Numbers
 from reliab.errors import InputError
 from reliab.simulation.compensators.compensator import Compensator
@@ -57,7 +57,7 @@ class PolynomialExtrapolation(Compensator):
                 remedy="Choose a lower order or a longer sampling step",
             )
 
-    def coefficients(self, step: float) -> NDArray[np.float64]:  # noqa: ARG002 - a number of steps
+    def coefficients(self, step: float) -> Array:  # noqa: ARG002 - a number of steps
         """Spacing, order and weights of the nodes."""
         n = self.order + 1
         weights = [(-1.0) ** node * math.comb(n, node + 1) for node in range(n)]

@@ -141,12 +141,7 @@ def _residues(
 
 
 def _rest(
-    partition: Partition,
-    poles: Spectrum,
-    residues: Spectrum,
-    gain: Array,
-    delay: Array,
-    output: Array | None,
+    partition: Partition, poles: Spectrum, residues: Spectrum, gain: Array, delay: Array, output: Array | None
 ) -> tuple[Array, Array]:
     """Value and time constant at s = 0 of what the pole pairs leave of the transfer function."""
     radius = 0.5 * float(np.abs(partition.frame.poles).min())

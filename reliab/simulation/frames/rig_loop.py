@@ -37,10 +37,7 @@ class RigResponse:
 
 
 def rig_response(
-    excitation: Excitation,
-    partition: Partition,
-    transfer_system: TransferSystem,
-    output: Array | None = None,
+    excitation: Excitation, partition: Partition, transfer_system: TransferSystem, output: Array | None = None
 ) -> RigResponse:
     """Solve a test with a transfer system exactly, in the frequency domain."""
     interface = np.array(partition.interface)

@@ -16,9 +16,8 @@ from reliab.simulation.compensators.compensator import Compensator
 from reliab.simulation.hybrid_test.marching import march
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3, read_displacement
-from reliab.simulation.hybrid_test.plan import STATES, Plan, plan
-from reliab.simulation.integrators.coarse import CoarseExplicit
-from reliab.simulation.integrators.integrator import ExactIntegrator, Integrator
+from reliab.simulation.hybrid_test.stepping import STATES, Plan, plan
+from reliab.simulation.integrators import CoarseExplicit, ExactIntegrator, Integrator
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -124,11 +123,7 @@ def _at_each(test: HybridTest, histories: Histories, parts: int) -> Histories:
 
 
 def _run(
-    test: HybridTest,
-    ground: Array,
-    h: float,
-    integrator: Integrator,
-    compensator: Compensator | None,
+    test: HybridTest, ground: Array, h: float, integrator: Integrator, compensator: Compensator | None
 ) -> Histories:
     specimen = test.specimen
     if specimen is None:

@@ -5,8 +5,7 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.compiled import compiled
 from reliab.effects import call_kernel, pointer_to
-from reliab.simulation.hybrid_test.plan import Plan
-from reliab.simulation.hybrid_test.stepping import call_all, read_delayed
+from reliab.simulation.hybrid_test.stepping import Plan, call_all, read_delayed
 
 BEYOND_ALL = 1e100
 """Command [m] beyond which a loop counts as diverged."""
@@ -30,7 +29,7 @@ def march(  # noqa: C901, PLR0912, PLR0915 - one compiled loop; what it calls co
 ) -> tuple[Array, Array, Array]:
     """Step through a whole test from rest.
 
-    `ground` [m/s²]; `h` [s]; `mass` [kg]; returns command, piston [m], force [N].
+    `ground` [m/s²]; `h` [s]; `mass` [kg].
     Returns `command, piston`: displacement [m], velocity and acceleration, shape (3, n); NaN after the loop
     has diverged.
     """

@@ -7,7 +7,7 @@ from typing import Self
 from reliab.effects import Effect, Role, Setting, library
 from reliab.errors import InputError
 from reliab.simulation.actuator import Actuator
-from reliab.simulation.integrators.integrator import LinearSubstructure
+from reliab.simulation.integrators import LinearSubstructure
 from reliab.structures import Specimen, Structure
 
 

@@ -11,8 +11,7 @@ from reliab.compiled import compiled
 from reliab.effects import Kernel, Role, Setting
 from reliab.errors import InputError
 from reliab.simulation.hybrid_test.model import HybridTest
-from reliab.simulation.hybrid_test.plan import STATES, plan
-from reliab.simulation.hybrid_test.stepping import call_all, read_delayed
+from reliab.simulation.hybrid_test.stepping import STATES, call_all, plan, read_delayed
 
 
 @dataclass(frozen=True, kw_only=True)

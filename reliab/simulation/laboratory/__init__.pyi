@@ -1,2 +1,1 @@
-from .laboratory import Run as Run, run_laboratory as run_laboratory
-from .rig import Rig as Rig, Sensors as Sensors
+from .laboratory import Rig as Rig, Run as Run, Sensors as Sensors, run_laboratory as run_laboratory

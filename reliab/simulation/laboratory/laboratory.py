@@ -1,19 +1,68 @@
-"""A digital laboratory: a partitioned structure, tested with a rig under a ground motion."""
+"""A digital laboratory: a partitioned structure under a ground motion, tested with a rig."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from reliab.arrays import Array
 from reliab.effects import Setting
 from reliab.errors import InputError
-from reliab.simulation.hybrid_test.plan import STATES, Plan, plan
+from reliab.simulation.compensators.compensator import Compensator
+from reliab.simulation.hybrid_test.stepping import STATES, Plan, plan
 from reliab.simulation.laboratory.march import Events, NumericalStep, PlantStep, march
-from reliab.simulation.laboratory.rig import Rig
-from reliab.simulation.transfer_systems import Plant
+from reliab.simulation.transfer_systems import Plant, ServoHydraulic, TransferSystem
 from reliab.structures import Partition
 from reliab.structures.frames import exact_step, undivided_response
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sensors:
+    """White noise and resolution of the two sensors."""
+
+    # displacement_noise, force_noise: Root mean square of the noise [m] and [N], one value held over each
+    # step
+    displacement_noise: float = 0.0
+    force_noise: float = 0.0
+    displacement_step: float = 0.0  # displacement_step, force_step: Resolution [m] and [N]; 0 for none
+    force_step: float = 0.0
+    # Whether both noises are proportional to one sequence, as where one seed serves two generators
+    common_noise: bool = False
+
+    def __post_init__(self) -> None:
+        for name in ("displacement_noise", "force_noise", "displacement_step", "force_step"):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value >= 0.0):
+                raise InputError(
+                    f"The {name.replace('_', ' ')} of a sensor must be finite and not negative", value=value
+                )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Limits:
+    """Limits of the rig: stroke and rate limit the command, the third limits the force."""
+
+    stroke: float = math.inf  # Largest displacement [m]
+    rate: float = math.inf  # Largest velocity [m/s]
+    force: float = math.inf  # Largest force [N]
+
+    def __post_init__(self) -> None:
+        for name in ("stroke", "rate", "force"):
+            if not getattr(self, name) > 0.0:
+                raise InputError(f"The limit of the rig's {name} must be positive", value=getattr(self, name))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rig:
+    """Everything between the numerical substructure's target and the force that comes back."""
+
+    # Actuator with its inner loop; the benchmark's by default
+    transfer_system: TransferSystem = field(default_factory=ServoHydraulic)
+    compensator: Compensator | None = None  # Controller or compensator before it; none by default
+    sensors: Sensors = field(default_factory=Sensors)  # Noise and resolution
+    limits: Limits = field(default_factory=Limits)  # Limits of the rig; none by default
+    command_step: float = 0.0  # Resolution [m] of the converter that sends the command; 0 for none
+
 
 _LOST = 10.0
 """A test counts as lost where the piston moves this many times further than the reference does."""

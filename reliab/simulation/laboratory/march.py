@@ -12,8 +12,7 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.compiled import compiled
 from reliab.effects import call_kernel, pointer_to
-from reliab.simulation.hybrid_test.plan import Plan
-from reliab.simulation.hybrid_test.stepping import call_all
+from reliab.simulation.hybrid_test.stepping import Plan, call_all
 
 
 class NumericalStep(NamedTuple):

@@ -7,6 +7,7 @@ compiler adds to a complex product.
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array, Spectrum
 from reliab.compiled import compiled
 
 _AT_SAMPLE = 1e-9  # of the record's step; a time closer than this to a sample counts as that sample's
@@ -32,7 +33,7 @@ def _next(weights: Weights, x: float, y: float, a: float, b: float) -> tuple[flo
 
 
 @compiled
-def at_samples(record: NDArray[np.float64], weights: Weights) -> NDArray[np.float64]:
+def at_samples(record: Array, weights: Weights) -> Array:
     """Exact z at the samples of a record, real and imaginary part, from rest; shape (samples, 2)."""
     z, x, y = np.zeros((record.size, 2)), 0.0, 0.0
     for i in range(record.size - 1):
@@ -67,11 +68,11 @@ def _along(way: Way, x: float, y: float, a: float, b: float) -> tuple[float, flo
 
 @compiled
 def _cut_record(
-    record: NDArray[np.float64],
+    record: Array,
     pole: complex,
     weights: tuple[Weights, Weights],
-    edges: tuple[NDArray[np.int64], NDArray[np.float64]],
-    lines: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]],
+    edges: tuple[NDArray[np.int64], Array],
+    lines: tuple[Array, Array, Array],
 ) -> None:
     """Lines and exact response of one record, into arrays; the mode advances from sample to sample."""
     own, (early, late, decay) = weights
@@ -100,14 +101,14 @@ def _cut_record(
 
 @compiled
 def cut_records(
-    record: tuple[NDArray[np.float64], float],
-    poles: NDArray[np.complex128],
-    weights: tuple[NDArray[np.complex128], NDArray[np.complex128]],
-    spacings: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]],
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    record: tuple[Array, float],
+    poles: Spectrum,
+    weights: tuple[Spectrum, Spectrum],
+    spacings: tuple[Array, Array, NDArray[np.int64]],
+) -> tuple[Array, Array, Array]:
     """Straight lines that drive modes from edge to edge, and the exact response there.
 
-    `spacings` [s]; returns ideal [m].
+    `spacings` [s].
     Returns `left, right`: ground acceleration at the ends of each block, those of one mode after those of
     another, shape (records, blocks of all modes).
     Returns `ideal`: exact response x_I [m] at the edges of the blocks, shape (records, blocks of all modes +
@@ -135,10 +136,10 @@ def cut_records(
 
 @compiled
 def peak_of_mode(
-    record: tuple[NDArray[np.float64], float],
+    record: tuple[Array, float],
     pole: complex,
     weights: Weights,
-    ideal: NDArray[np.float64],
+    ideal: Array,
     window: tuple[float, float],
     step: float,
 ) -> float:

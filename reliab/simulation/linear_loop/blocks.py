@@ -17,6 +17,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.block_kernel import Weights, cut_records, peak_of_mode
 from reliab.structures import Structure
@@ -39,9 +40,9 @@ class Blocks:
     before: int  # Blocks before the window
     end: float  # Fraction of the last block at which the window ends, in (0, 1]
     # left, right: Ground acceleration [m/s²] at the two ends of each block, shape (blocks,)
-    left: NDArray[np.float64]
-    right: NDArray[np.float64]
-    ideal: NDArray[np.float64]  # Exact response x_I [m] at the edges of the blocks, shape (blocks + 1,)
+    left: Array
+    right: Array
+    ideal: Array  # Exact response x_I [m] at the edges of the blocks, shape (blocks + 1,)
     excitation: Excitation  # The record and its window
     pole: complex  # Pole p of the structure's own mode [1/s]
 
@@ -55,7 +56,7 @@ class Blocks:
         """Largest number of blocks that an actuator can look ahead: those in a quarter of the period."""
         return int(np.ceil(0.5 * np.pi / (abs(self.pole) * self.step))) + 1
 
-    def prolonged(self, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def prolonged(self, count: int) -> tuple[Array, Array]:
         """Ground acceleration at the ends of the blocks and of further ones after the window.
 
         Returns left, right [m/s²].
@@ -66,7 +67,7 @@ class Blocks:
         return self._longest_lines[0][:total], self._longest_lines[1][:total]
 
     @cached_property
-    def _longest_lines(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _longest_lines(self) -> tuple[Array, Array]:
         total = self.left.size + self.most_ahead
         time_step = self.excitation.time_step
         silence = np.zeros(int(np.ceil((total - self.before + 1) * self.step / time_step)) + 2)
@@ -159,9 +160,7 @@ def spacing(excitation: Excitation, step: float) -> Spacing:
     )
 
 
-def _lines(
-    records: NDArray[np.float64], time_step: float, pole: complex, place: Spacing
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+def _lines(records: Array, time_step: float, pole: complex, place: Spacing) -> tuple[Array, Array, Array]:
     """Straight lines that drive the mode in each block, as `block_kernel.cut_records` returns them."""
     poles, counts = np.array([pole]), np.array([place.blocks])
     weights = (np.array([mode_weights(pole, time_step)]), np.array([mode_weights(pole, place.step)]))

@@ -6,13 +6,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.simulation.linear_loop.blocks import block_length
 from reliab.simulation.linear_loop.dominant_pole import ModalLoop, modal_loop, reduction_loss
 from reliab.simulation.linear_loop.drive_stepping import DrivenCells, driven_cells
 from reliab.simulation.linear_loop.leading_loop import LeadingLoop, leading_loop
 from reliab.simulation.linear_loop.pole_plane.basis import pole_basis
-from reliab.simulation.linear_loop.pole_plane.expansion import Expansion, expansions
+from reliab.simulation.linear_loop.pole_plane.plane import Expansion, expansions
 from reliab.simulation.linear_loop.pole_recursion import Recursion, recursions
 from reliab.simulation.linear_loop.shared_drives import shared_drives
 from reliab.structures import Structure, refuse_long_leads
@@ -29,8 +30,8 @@ class Cells:
 
     structure: Structure  # The structure under test
     # gain, delay: Actuator gain k_p [-], positive, and delay τ [s], negative for a lead, shape (cells,) each
-    gain: NDArray[np.float64]
-    delay: NDArray[np.float64]
+    gain: Array
+    delay: Array
 
     def __post_init__(self) -> None:
         for name, values, lowest in (("gains", self.gain, 1e-6), ("delays", self.delay, -np.inf)):
@@ -94,7 +95,7 @@ class Cells:
         return [recursion for place, loop in self.reduced for recursion in recursions(loop, step, place)]
 
     @cached_property
-    def reduction(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def reduction(self) -> tuple[Array, Array]:
         """Squared error of the reduction and squared deviation, by frequency band, shape (bands, cells)."""
         parts = [
             reduction_loss(self.structure, self.gain[place], self.delay[place], loop)

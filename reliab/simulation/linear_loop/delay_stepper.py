@@ -12,8 +12,8 @@ number of blocks advance side by side; `short_delay` steps those shorter than a 
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array, Spectrum
 from reliab.compiled import compiled, copy_rows
 from reliab.simulation.deviation import LATEST, TRACKS, Deviation, end_weight, follow, summary
 from reliab.simulation.linear_loop import short_delay
@@ -28,7 +28,7 @@ _PARTED = 1e-5  # of ω₀, least distance of the oscillator's poles
 _GAUSS_NODES, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
-def _cubics(s: NDArray[np.float64], step: float) -> tuple[NDArray[np.float64], ...]:
+def _cubics(s: Array, step: float) -> tuple[Array, ...]:
     """Cubics of value and rate at the begin, value and rate at the end of a block, at fraction s."""
     return (
         (1.0 + 2.0 * s) * (1.0 - s) ** 2,
@@ -38,7 +38,7 @@ def _cubics(s: NDArray[np.float64], step: float) -> tuple[NDArray[np.float64], .
     )
 
 
-def _cubic_rates(s: NDArray[np.float64], step: float) -> tuple[NDArray[np.float64], ...]:
+def _cubic_rates(s: Array, step: float) -> tuple[Array, ...]:
     """Time derivatives of the cubics."""
     return (
         6.0 * s * (s - 1.0) / step,
@@ -48,16 +48,14 @@ def _cubic_rates(s: NDArray[np.float64], step: float) -> tuple[NDArray[np.float6
     )
 
 
-def _cubic_effects(pole: NDArray[np.complex128], step: float) -> tuple[NDArray[np.complex128], ...]:
+def _cubic_effects(pole: Spectrum, step: float) -> tuple[Spectrum, ...]:
     """∫₀ᴴ e^(p(H−s))h(s) ds of the four cubics h."""
     s = 0.5 * (_GAUSS_NODES + 1.0)
     kernel = 0.5 * step * _GAUSS_WEIGHTS * np.exp(np.multiply.outer(pole * step, 1.0 - s))
     return tuple(np.sum(kernel * shape, axis=-1) for shape in _cubics(s, step))
 
 
-def coefficients(
-    structure: Structure, gain: NDArray[np.float64], delay: NDArray[np.float64], step: float
-) -> NDArray[np.float64]:
+def coefficients(structure: Structure, gain: Array, delay: Array, step: float) -> Array:
     """Coefficients of one step of each cell.
 
     `step` [s].
@@ -77,7 +75,7 @@ def coefficients(
     place, pace = _cubics(fraction, step), _cubic_rates(fraction, step)
 
     # z = v − qx and y = v − px carry the state: x = (z − y)/(p − q), v = (pz − qy)/(p − q).
-    def state(effect: NDArray[np.complex128]) -> NDArray[np.float64]:
+    def state(effect: Spectrum) -> Array:
         moved = np.stack([effect[0] - effect[1], poles[0] * effect[0] - poles[1] * effect[1]])
         return np.asarray((moved / (poles[0] - poles[1])).real)
 
@@ -107,15 +105,8 @@ def coefficients(
 
 @compiled
 def _track_lanes(
-    left: NDArray[np.float64],
-    right: NDArray[np.float64],
-    ideal: NDArray[np.float64],
-    before: int,
-    end: float,
-    cells: NDArray[np.float64],
-    delay: int,
-    history: NDArray[np.float64],
-) -> NDArray[np.float64]:
+    left: Array, right: Array, ideal: Array, before: int, end: float, cells: Array, delay: int, history: Array
+) -> Array:
     """Step one set of lanes from rest through the window; shape (tracks, lanes).
 
     `history` receives command and measured displacement of the first lane unless it is empty.
@@ -164,9 +155,7 @@ def _track_lanes(
     return t
 
 
-def deviation(
-    blocks: Blocks, structure: Structure, gain: NDArray[np.float64], delay: NDArray[np.float64]
-) -> Deviation:
+def deviation(blocks: Blocks, structure: Structure, gain: Array, delay: Array) -> Deviation:
     """Deviation of the measured displacement from the exact response, for many cells."""
     tracks = np.empty((TRACKS, gain.size))
     cells = coefficients(structure, gain, delay, blocks.step)
@@ -183,7 +172,7 @@ def deviation(
     return summary(tracks, blocks.intervals, blocks.ideal_peak)
 
 
-def response(blocks: Blocks, structure: Structure, gain: float, delay: float) -> NDArray[np.float64]:
+def response(blocks: Blocks, structure: Structure, gain: float, delay: float) -> Array:
     """Command and measured displacement of one cell at the edges of the blocks.
 
     Returns [m].
@@ -194,9 +183,7 @@ def response(blocks: Blocks, structure: Structure, gain: float, delay: float) ->
     return histories
 
 
-def _run(
-    blocks: Blocks, cells: NDArray[np.float64], delay: int, history: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _run(blocks: Blocks, cells: Array, delay: int, history: Array) -> Array:
     return _track_lanes(
         blocks.left, blocks.right, blocks.ideal, blocks.before, blocks.end, cells, delay, history
     )

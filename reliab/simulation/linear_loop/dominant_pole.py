@@ -20,6 +20,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array, Spectrum
 from reliab.structures import Structure
 
 _NEWTON_STEPS = 60
@@ -37,19 +38,19 @@ class ModalLoop:
 
     # pole, residue: Dominant pole p [1/s] and residue r [s] of the response to −a_g, complex, shape (cells,);
     # their conjugates belong to them. The residue is zero where the loop does not oscillate
-    pole: NDArray[np.complex128]
-    residue: NDArray[np.complex128]
+    pole: Spectrum
+    residue: Spectrum
     # fast_poles, fast_residues: Poles [1/s] and residues [s] of the fast pair, complex, shape (2, cells); the
     # residues are zero where there is no delay
-    fast_poles: NDArray[np.complex128]
-    fast_residues: NDArray[np.complex128]
+    fast_poles: Spectrum
+    fast_residues: Spectrum
 
-    def transfer(self, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    def transfer(self, s: Spectrum) -> Spectrum:
         """Transfer function from −a_g [s²] at frequencies s [rad/s] that broadcast with the cells."""
         slow = self.residue / (s - self.pole) + self.residue.conj() / (s - self.pole.conj())
         return np.asarray(slow + self.fast_transfer(s))
 
-    def fast_transfer(self, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    def fast_transfer(self, s: Spectrum) -> Spectrum:
         """Part of the fast pair in the transfer function [s²]."""
         (p, q), (u, v) = self.fast_poles, self.fast_residues
         return np.asarray(u / (s - p) + v / (s - q))
@@ -58,13 +59,11 @@ class ModalLoop:
 class ReducedLoop(Protocol):
     """A reduced loop that approximates the exact one."""
 
-    def transfer(self, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    def transfer(self, s: Spectrum) -> Spectrum:
         """Transfer function from −a_g [s²]."""
 
 
-def dominant_pole(
-    structure: Structure, gain: NDArray[np.float64], delay: NDArray[np.float64]
-) -> NDArray[np.complex128]:
+def dominant_pole(structure: Structure, gain: Array, delay: Array) -> Spectrum:
     """Pole of the loop that grows out of the undelayed structure's own pole.
 
     Returns the pole with positive imaginary part [1/s], shape (cells,); NaN where Newton's iteration does not
@@ -87,18 +86,14 @@ def dominant_pole(
     return np.where(settled & (pole.imag > 0.0), pole, np.nan)
 
 
-def pole_or_own(
-    structure: Structure, gain: NDArray[np.float64], delay: NDArray[np.float64]
-) -> tuple[NDArray[np.complex128], NDArray[np.bool_]]:
+def pole_or_own(structure: Structure, gain: Array, delay: Array) -> tuple[Spectrum, NDArray[np.bool_]]:
     """Dominant poles [1/s], the structure's own where there is none, and whether there is, shape (cells,)."""
     pole = dominant_pole(structure, gain, delay)
     oscillates = np.isfinite(pole)
     return np.where(oscillates, pole, structure.pole), oscillates
 
 
-def modal_loop(
-    structure: Structure, gain: NDArray[np.float64], delay: NDArray[np.float64], *, measured: bool = True
-) -> ModalLoop:
+def modal_loop(structure: Structure, gain: Array, delay: Array, *, measured: bool = True) -> ModalLoop:
     """Split the loop from −a_g to a displacement into its dominant pair and a rest."""
     w0, xi = structure.circular_frequency, structure.damping_ratio
     alpha = structure.experimental_fraction
@@ -117,32 +112,24 @@ def modal_loop(
     return ModalLoop(pole=pole, residue=residue, fast_poles=fast_poles, fast_residues=fast_residues)
 
 
-def _series(
-    structure: Structure,
-    gain: NDArray[np.float64],
-    delay: NDArray[np.float64],
-    output: NDArray[np.float64],
-    late: NDArray[np.float64],
-) -> NDArray[np.float64]:
+def _series(structure: Structure, gain: Array, delay: Array, output: Array, late: Array) -> Array:
     """Taylor coefficients at s = 0 of the whole transfer function, shape (4, cells)."""
     w0, xi, alpha = structure.circular_frequency, structure.damping_ratio, structure.experimental_fraction
     factorial = np.array([[1.0], [1.0], [2.0], [6.0]])
     power = np.arange(_MOMENTS, dtype=np.float64)[:, np.newaxis]
-    numerator: NDArray[np.float64] = output * (-late) ** power / factorial
+    numerator: Array = output * (-late) ** power / factorial
     denominator = alpha * gain * w0**2 * (-delay) ** power / factorial
     denominator[0] += (1.0 - alpha) * w0**2
     denominator[1] += 2.0 * xi * w0
     denominator[2] += 1.0
-    series: NDArray[np.float64] = np.zeros_like(numerator)
+    series: Array = np.zeros_like(numerator)
     for k in range(_MOMENTS):
         known = sum(series[j] * denominator[k - j] for j in range(k))
         series[k] = (numerator[k] - known) / denominator[0]
     return series
 
 
-def _fast_pair(
-    rest: NDArray[np.float64], delay: NDArray[np.float64], short: NDArray[np.bool_]
-) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+def _fast_pair(rest: Array, delay: Array, short: NDArray[np.bool_]) -> tuple[Spectrum, Spectrum]:
     """Poles and residues of the Padé approximant of Taylor coefficients, shape (2, cells) each."""
     tau = np.maximum(delay, 1e-12)
     c = rest / tau ** np.arange(2, 2 + _MOMENTS)[:, np.newaxis]  # in units of the delay
@@ -162,16 +149,12 @@ def _fast_pair(
     return scaled, np.where(sound, residues * tau, 0.0).astype(np.complex128)
 
 
-def transfer(
-    structure: Structure, gain: NDArray[np.float64], delay: NDArray[np.float64], s: NDArray[np.complex128]
-) -> NDArray[np.complex128]:
+def transfer(structure: Structure, gain: Array, delay: Array, s: Spectrum) -> Spectrum:
     """Exact transfer function k_p e^(−sτ)/Q(s) from −a_g to the measured displacement [s²]."""
     return transfer_of_shift(structure, gain, np.exp(-s * delay), s)
 
 
-def transfer_of_shift(
-    structure: Structure, gain: NDArray[np.float64], shift: NDArray[np.complex128], s: NDArray[np.complex128]
-) -> NDArray[np.complex128]:
+def transfer_of_shift(structure: Structure, gain: Array, shift: Spectrum, s: Spectrum) -> Spectrum:
     """Return the same of an actuator whose e^(−sτ) is known."""
     w0, xi = structure.circular_frequency, structure.damping_ratio
     alpha = structure.experimental_fraction
@@ -179,23 +162,20 @@ def transfer_of_shift(
     return actuator / (s**2 + 2.0 * xi * w0 * s + w0**2 * (1.0 - alpha + alpha * actuator))
 
 
-def compared_frequencies(structure: Structure) -> NDArray[np.complex128]:
+def compared_frequencies(structure: Structure) -> Spectrum:
     """Frequencies s = iω [rad/s] at which the reduction is compared with the exact loop, shape (bands, 1)."""
     return (2j * np.pi * structure.frequency * _COMPARED[:, np.newaxis]).astype(np.complex128)
 
 
-def band_edges(structure: Structure) -> NDArray[np.float64]:
+def band_edges(structure: Structure) -> Array:
     """Edges [Hz] of the bands in which the reduction is compared with the exact loop."""
     half = np.sqrt(_COMPARED[1] / _COMPARED[0])
     return structure.frequency * np.append(_COMPARED / half, _COMPARED[-1] * half)
 
 
-def reduction_loss(
-    structure: Structure, gain: NDArray[np.float64], delay: NDArray[np.float64], loop: ReducedLoop
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def reduction_loss(structure: Structure, gain: Array, delay: Array, loop: ReducedLoop) -> tuple[Array, Array]:
     """Compare the reduced loop with the exact one, band by band.
 
-    Returns lost, sought [s⁴].
     Returns `lost, sought`: squared moduli of exact minus reduced transfer function and of x_m − x_I over −a_g
     [s⁴], shape (bands, cells). Weighted by the power of a record in each band their sums give the relative
     error of the deviation's mean square.

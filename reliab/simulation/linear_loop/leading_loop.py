@@ -18,8 +18,8 @@ and the measured displacement is k_p times the command, shifted ahead by T.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array, Spectrum
 from reliab.simulation.linear_loop.dominant_pole import pole_or_own
 from reliab.structures import Structure
 
@@ -30,13 +30,13 @@ class LeadingLoop:
 
     # pole, residue: Pole p [1/s] and residue k_p r [s] of k_p times the command's response to −a_g, complex,
     # shape (cells,); their conjugates belong to them
-    pole: NDArray[np.complex128]
-    residue: NDArray[np.complex128]
-    feedthrough: NDArray[np.float64]  # k_p c, direct term of the other poles [s²], shape (cells,)
+    pole: Spectrum
+    residue: Spectrum
+    feedthrough: Array  # k_p c, direct term of the other poles [s²], shape (cells,)
     # Lead T by which the measured displacement is ahead [s], positive, shape (cells,)
-    lead: NDArray[np.float64]
+    lead: Array
 
-    def command(self, gain: NDArray[np.float64]) -> "LeadingLoop":
+    def command(self, gain: Array) -> "LeadingLoop":
         """Take the loop from −a_g to the command, of actuators of given gains [-], shape (cells,)."""
         return LeadingLoop(
             pole=self.pole,
@@ -45,13 +45,13 @@ class LeadingLoop:
             lead=np.zeros_like(self.lead),
         )
 
-    def transfer(self, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    def transfer(self, s: Spectrum) -> Spectrum:
         """Transfer function from −a_g [s²] at frequencies s [rad/s] that broadcast with the cells."""
         pair = self.residue / (s - self.pole) + self.residue.conj() / (s - self.pole.conj())
         return np.asarray(np.exp(s * self.lead) * (pair + self.feedthrough))
 
 
-def leading_loop(structure: Structure, gain: NDArray[np.float64], lead: NDArray[np.float64]) -> LeadingLoop:
+def leading_loop(structure: Structure, gain: Array, lead: Array) -> LeadingLoop:
     """Split the loop of a leading actuator into its dominant pair and a feed-through."""
     w0, xi, alpha = structure.circular_frequency, structure.damping_ratio, structure.experimental_fraction
     coupled = alpha * gain * w0**2

@@ -23,6 +23,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array, Spectrum
 from reliab.simulation.linear_loop.blocks import ramp_weights
 from reliab.simulation.linear_loop.dominant_pole import ModalLoop
 from reliab.simulation.linear_loop.leading_loop import LeadingLoop
@@ -48,7 +49,7 @@ class Recursion:
     cells: NDArray[np.intp]  # Which cells, shape (n,)
     # Blocks by which the displacement is ahead of the exact response; 0 for actuators that are late
     ahead: int
-    coefficients: NDArray[np.float64]  # Shape (12, n), as `recursion` describes them
+    coefficients: Array  # Shape (12, n), as `recursion` describes them
 
 
 def recursions(loop: ModalLoop | LeadingLoop, step: float, cells: NDArray[np.intp]) -> list[Recursion]:
@@ -66,7 +67,7 @@ def recursions(loop: ModalLoop | LeadingLoop, step: float, cells: NDArray[np.int
     ]
 
 
-def leading_recursion(loop: LeadingLoop, step: float) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def leading_recursion(loop: LeadingLoop, step: float) -> tuple[NDArray[np.int64], Array]:
     """Coefficients of the recursion of actuators that lead.
 
     `step` [s].
@@ -86,7 +87,7 @@ def leading_recursion(loop: LeadingLoop, step: float) -> tuple[NDArray[np.int64]
     return ahead, np.concatenate([slow, np.stack([none, none, left, right, none, none])])
 
 
-def recursion(loop: ModalLoop, step: float) -> NDArray[np.float64]:
+def recursion(loop: ModalLoop, step: float) -> Array:
     """Coefficients of the recursion of each cell.
 
     `step` [s].
@@ -99,9 +100,7 @@ def recursion(loop: ModalLoop, step: float) -> NDArray[np.float64]:
     return np.concatenate([dominant, pair_recursion(loop.fast_poles, loop.fast_residues, step)])
 
 
-def pair_recursion(
-    poles: NDArray[np.complex128], residues: NDArray[np.complex128], step: float
-) -> NDArray[np.float64]:
+def pair_recursion(poles: Spectrum, residues: Spectrum, step: float) -> Array:
     """Coefficients of the recursion of the response of two modes to −a_g.
 
     `poles`, `residues`, `step` [s].

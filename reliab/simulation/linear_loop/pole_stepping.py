@@ -1,8 +1,8 @@
 """Engine `pole`: the recursions of many cells (`pole_recursion`) stepped side by side through the window."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.compiled import compiled, copy_rows
 from reliab.simulation.deviation import LATEST, TRACKS, Deviation, end_weight, follow, follow_four, summary
 from reliab.simulation.linear_loop.blocks import Blocks
@@ -33,13 +33,8 @@ def _four_steps(
 
 @compiled
 def _track_lanes(
-    left: NDArray[np.float64],
-    right: NDArray[np.float64],
-    ideal: NDArray[np.float64],
-    before: int,
-    end: float,
-    coefficients: NDArray[np.float64],
-) -> NDArray[np.float64]:
+    left: Array, right: Array, ideal: Array, before: int, end: float, coefficients: Array
+) -> Array:
     """Step one set of lanes from rest through the window; shape (tracks, lanes).
 
     Vector instructions need arrays that are made here, so that they cannot overlap, and pieces that
@@ -105,14 +100,7 @@ def _track_lanes(
 
 
 @compiled
-def _track(
-    left: NDArray[np.float64],
-    right: NDArray[np.float64],
-    ideal: NDArray[np.float64],
-    before: int,
-    end: float,
-    coefficients: NDArray[np.float64],
-) -> NDArray[np.float64]:
+def _track(left: Array, right: Array, ideal: Array, before: int, end: float, coefficients: Array) -> Array:
     """Statistics of all cells, whose number is a multiple of the lanes; shape (tracks, cells)."""
     cells = coefficients.shape[1]
     tracks = np.empty((TRACKS, cells))
@@ -122,7 +110,7 @@ def _track(
     return tracks
 
 
-def deviation(blocks: Blocks, coefficients: NDArray[np.float64], *, ahead: int = 0) -> Deviation:
+def deviation(blocks: Blocks, coefficients: Array, *, ahead: int = 0) -> Deviation:
     """Deviation of the measured displacement from the exact response, for many cells."""
     cells = coefficients.shape[1]
     filled = fill_lanes(coefficients, LANES)

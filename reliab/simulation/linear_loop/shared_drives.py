@@ -18,6 +18,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from reliab.arrays import Array, Spectrum
 from reliab.compiled import compiled, copy_rows
 from reliab.simulation.linear_loop.blocks import Blocks
 from reliab.simulation.linear_loop.dominant_pole import modal_loop
@@ -42,16 +43,16 @@ class SharedDrives:
     """Shared drives of the actuators before one structure."""
 
     # e^(−iωH) at the frequencies at which drives are compared, shape (frequencies, 1)
-    back: NDArray[np.complex128]
-    exact: NDArray[np.float64]  # Recursion of the exact response, shape (6, 1)
-    sources: NDArray[np.float64]  # Recursions of the actuators whose drives are taken, shape (12, drives)
-    mixture: NDArray[np.float64]  # Shared drives from those of the sources, shape (drives, drives)
+    back: Spectrum
+    exact: Array  # Recursion of the exact response, shape (6, 1)
+    sources: Array  # Recursions of the actuators whose drives are taken, shape (12, drives)
+    mixture: Array  # Shared drives from those of the sources, shape (drives, drives)
     # Real and imaginary parts of the transfer functions from both ends of a block to the shared drives,
     # divided by `rows`, shape (4 frequencies, drives)
-    orthonormal: NDArray[np.float64]
-    rows: NDArray[np.float64]  # Usual size of a drive at each frequency, shape (frequencies, 1)
+    orthonormal: Array
+    rows: Array  # Usual size of a drive at each frequency, shape (frequencies, 1)
 
-    def weights(self, coefficients: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    def weights(self, coefficients: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Weights of the shared drives in those of late actuators."""
         wanted = _parts(_drives(coefficients, self.exact, self.back) / self.rows)
         weights, rest = _fit(self.orthonormal, wanted)
@@ -60,7 +61,7 @@ class SharedDrives:
         weights[:, np.all(_sizes(wanted) <= nothing, axis=0)] = 0.0
         return weights, np.all(_sizes(rest) <= LEFT_OUT * _sizes(wanted) + nothing, axis=0)
 
-    def histories(self, blocks: Blocks) -> NDArray[np.float64]:
+    def histories(self, blocks: Blocks) -> Array:
         """Shared drives [m] in each block of a record, shape (blocks, drives)."""
         return step_drives(blocks.left, blocks.right, blocks.ideal, self.sources, self.mixture)
 
@@ -93,7 +94,7 @@ def shared_drives(structure: Structure, step: float) -> SharedDrives:
     )
 
 
-def _candidates(structure: Structure, step: float) -> NDArray[np.float64]:
+def _candidates(structure: Structure, step: float) -> Array:
     """Recursions of late actuators with errors of interest, shape (12, cells)."""
     gains = np.exp(_REACH_GAIN * structure.damping_ratio * np.linspace(-1.0, 1.0, _GAINS))
     delays = _LONGEST_DELAY * step * np.linspace(0.0, 1.0, _DELAYS)
@@ -103,38 +104,34 @@ def _candidates(structure: Structure, step: float) -> NDArray[np.float64]:
     return recursion(loop, step)[:, loop.residue != 0.0]
 
 
-def _drives(
-    coefficients: NDArray[np.float64], exact: NDArray[np.float64], back: NDArray[np.complex128]
-) -> NDArray[np.complex128]:
+def _drives(coefficients: Array, exact: Array, back: Spectrum) -> Spectrum:
     """Transfer functions from both ends of a block to the drive w, shape (2, frequencies, cells)."""
     deviation = _pair(coefficients[:6], back) + _pair(coefficients[6:], back) - _pair(exact, back)
     return np.asarray(deviation * (1.0 - coefficients[0] * back - coefficients[1] * back**2))
 
 
-def _exact_drive(exact: NDArray[np.float64], back: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def _exact_drive(exact: Array, back: Spectrum) -> Spectrum:
     return np.stack([exact[2] + exact[4] * back, exact[3] + exact[5] * back])
 
 
-def _pair(c: NDArray[np.float64], back: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def _pair(c: Array, back: Spectrum) -> Spectrum:
     """Transfer functions of the recursion of one pair, a block early, shape (2, frequencies, cells)."""
     ends = np.stack([c[2] + c[4] * back, c[3] + c[5] * back])
     return np.asarray(ends / (1.0 - c[0] * back - c[1] * back**2))
 
 
-def _parts(transfer: NDArray[np.complex128]) -> NDArray[np.float64]:
+def _parts(transfer: Spectrum) -> Array:
     """Real and imaginary parts from both ends of a block, shape (4 frequencies, cells)."""
     return np.concatenate([transfer[0].real, transfer[0].imag, transfer[1].real, transfer[1].imag])
 
 
-def _sizes(parts: NDArray[np.float64]) -> NDArray[np.float64]:
+def _sizes(parts: Array) -> Array:
     """Size of transfer functions from both ends of a block together, shape (frequencies, cells)."""
     return np.asarray(np.sqrt((parts**2).reshape(4, -1, parts.shape[1]).sum(axis=0)))
 
 
 @compiled
-def _fit(
-    orthonormal: NDArray[np.float64], wanted: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _fit(orthonormal: Array, wanted: Array) -> tuple[Array, Array]:
     """Weights and rest; summed in a fixed order, so that no cell depends on the company of others."""
     weights, rest = np.zeros((orthonormal.shape[1], wanted.shape[1])), wanted.copy()
     for k in range(orthonormal.shape[1]):
@@ -151,13 +148,7 @@ def _fit(
 
 
 @compiled
-def step_drives(
-    left: NDArray[np.float64],
-    right: NDArray[np.float64],
-    ideal: NDArray[np.float64],
-    sources: NDArray[np.float64],
-    mixture: NDArray[np.float64],
-) -> NDArray[np.float64]:
+def step_drives(left: Array, right: Array, ideal: Array, sources: Array, mixture: Array) -> Array:
     """Shared drives [m] in each block, from the lines of a record and the exact response to them."""
     drives = np.zeros((left.size, DRIVES))
     k, m = np.empty((12, DRIVES)), np.empty((DRIVES, DRIVES))

@@ -9,8 +9,8 @@ with twelve and four coefficients instead of twenty-four, and no history.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.compiled import compiled, copy_rows
 from reliab.simulation.deviation import LATEST, TRACKS, end_weight, follow, follow_four
 from reliab.simulation.linear_loop.blocks import Blocks
@@ -25,7 +25,7 @@ Six = tuple[float, float, float, float, float, float]
 Four = tuple[float, float, float, float]
 
 
-def tracks(blocks: Blocks, coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
+def tracks(blocks: Blocks, coefficients: Array) -> Array:
     """Statistics of cells whose delays are shorter than a block."""
     filled = fill_lanes(_map(coefficients), LANES)
     parts = [
@@ -37,7 +37,7 @@ def tracks(blocks: Blocks, coefficients: NDArray[np.float64]) -> NDArray[np.floa
     return np.concatenate(parts, axis=1)[:, : coefficients.shape[1]]
 
 
-def _map(c: NDArray[np.float64]) -> NDArray[np.float64]:
+def _map(c: Array) -> Array:
     """Coefficients of the new displacement, of the new velocity, and of x_m, shape (16, cells)."""
     place, pace, gain = c[16:20], c[20:24], c[24]
     rows = []
@@ -63,13 +63,8 @@ def _measured(state: Four, h: Four) -> float:
 
 @compiled
 def _track_lanes(
-    left: NDArray[np.float64],
-    right: NDArray[np.float64],
-    ideal: NDArray[np.float64],
-    before: int,
-    end: float,
-    coefficients: NDArray[np.float64],
-) -> NDArray[np.float64]:
+    left: Array, right: Array, ideal: Array, before: int, end: float, coefficients: Array
+) -> Array:
     """Step one set of lanes from rest through the window; shape (tracks, lanes)."""
     k, s, t = np.empty((_COEFFICIENTS, LANES)), np.zeros((4, LANES)), np.zeros((TRACKS, LANES))
     t[LATEST] = np.nan

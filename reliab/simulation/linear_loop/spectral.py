@@ -13,8 +13,8 @@ from typing import Self
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from reliab.arrays import Array, Spectrum
 from reliab.errors import InputError
 from reliab.simulation.deviation import Deviation, peak_of_history
 from reliab.simulation.excitation import Excitation
@@ -26,19 +26,15 @@ _LONGEST_STEP = 1.0 / 512.0
 _WRAPAROUND = 1e-11  # what is left of a response after one period of the transform
 _PERIODS_OF_LEAD = 100.0  # so that the response ahead of the record has decayed within one period
 
-Transfer = Callable[[NDArray[np.complex128]], NDArray[np.complex128]]
+Transfer = Callable[[Spectrum], Spectrum]
 
 
 def respond(
-    excitation: Excitation,
-    transfer_function: Transfer,
-    *,
-    longest: float = _LONGEST_STEP,
-    lead: float = 0.0,
-) -> tuple[NDArray[np.float64], float]:
+    excitation: Excitation, transfer_function: Transfer, *, longest: float = _LONGEST_STEP, lead: float = 0.0
+) -> tuple[Array, float]:
     """Response of a linear system to minus the ground acceleration, inside the window.
 
-    `transfer_function` [rad/s]; `longest`, `lead` [s]; returns step [s].
+    `transfer_function` [rad/s]; `longest`, `lead` [s].
     Returns `response`: response at equal steps from the begin to the end of the window, both included.
     """
     line = _Line.of(excitation, longest, lead)
@@ -49,8 +45,8 @@ def respond(
 class _Line:
     """The record's transform on the line s = σ + iω, moved to the begin of the window."""
 
-    s: NDArray[np.complex128]
-    spectrum: NDArray[np.complex128]
+    s: Spectrum
+    spectrum: Spectrum
     points: int
     steps: int
     step: float
@@ -68,18 +64,18 @@ class _Line:
         spectrum = _record_transform(excitation, s) * np.exp(s * begin)
         return cls(s=s, spectrum=spectrum, points=points, steps=steps, step=step)
 
-    def response(self, transfer_function: Transfer) -> NDArray[np.float64]:
+    def response(self, transfer_function: Transfer) -> Array:
         decayed = scipy.fft.irfft(self.spectrum * transfer_function(self.s), self.points)[: self.steps + 1]
         return np.asarray(decayed * self._growth, dtype=np.float64)
 
     @cached_property
-    def _growth(self) -> NDArray[np.float64]:
+    def _growth(self) -> Array:
         """What undoes the decay along the line, and the sign and unit of the transform."""
-        growth: NDArray[np.float64] = np.exp(self.s[0].real * self.step * np.arange(self.steps + 1))
+        growth: Array = np.exp(self.s[0].real * self.step * np.arange(self.steps + 1))
         return growth / -self.step
 
 
-def _record_transform(excitation: Excitation, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def _record_transform(excitation: Excitation, s: Spectrum) -> Spectrum:
     """Laplace transform of the piecewise-linear record at equally spaced s."""
     a, h = excitation.acceleration, excitation.time_step
     spacing = (s[1] - s[0]).imag
@@ -105,7 +101,7 @@ def refuse_unstable(structure: Structure, gain: float, delay: float) -> None:
 
 def response(
     excitation: Excitation, structure: Structure, gain: float, delay: float, *, longest: float = _LONGEST_STEP
-) -> tuple[NDArray[np.float64], float]:
+) -> tuple[Array, float]:
     """Measured displacement of one cell inside the window.
 
     `longest` [s]; returns displacement [m], step [s].
@@ -119,12 +115,7 @@ def response(
 
 
 def deviation(
-    excitation: Excitation,
-    structure: Structure,
-    gain: NDArray[np.float64],
-    delay: NDArray[np.float64],
-    *,
-    longest: float = _LONGEST_STEP,
+    excitation: Excitation, structure: Structure, gain: Array, delay: Array, *, longest: float = _LONGEST_STEP
 ) -> Deviation:
     """Deviation of the measured displacement from the exact response, for many cells.
 

@@ -11,13 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array, Spectrum
 from reliab.compiled import compiled, copy_rows
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.block_kernel import cut_records
 from reliab.simulation.linear_loop.blocks import Blocks, block_length, mode_weights, spacing
 from reliab.simulation.linear_loop.cells import Cells
-from reliab.simulation.linear_loop.drive_kernel import LANES, Single, track
-from reliab.simulation.linear_loop.drive_stepping import DrivenRecord, Stepped, in_units
+from reliab.simulation.linear_loop.drive_stepping import LANES, DrivenRecord, Single, Stepped, in_units, track
 from reliab.simulation.linear_loop.pole_recursion import fill_lanes
 from reliab.simulation.linear_loop.shared_drives import DRIVES, shared_drives, step_drives
 
@@ -39,12 +39,12 @@ class StructureBatch:
     """Structures with their cells, and all that does not depend on the record."""
 
     cells: tuple[Cells, ...]  # The cells of each structure
-    steps: NDArray[np.float64]  # Length of a block of each structure [s], shape (structures,)
+    steps: Array  # Length of a block of each structure [s], shape (structures,)
     # Pole of each structure [1/s], and weights and decay of its mode over a block, shape (structures, 3)
-    poles: NDArray[np.complex128]
-    weights: NDArray[np.complex128]
-    sources: NDArray[np.float64]  # sources, mixtures: Shared drives of each structure, as of `SharedDrives`
-    mixtures: NDArray[np.float64]
+    poles: Spectrum
+    weights: Spectrum
+    sources: Array  # sources, mixtures: Shared drives of each structure, as of `SharedDrives`
+    mixtures: Array
     # Of `drive_kernel.track`, for the driven cells of all structures, filled up to whole lanes, (11, lanes)
     coefficients: NDArray[np.float32]
     first: NDArray[np.int64]  # First lane of each structure, and the end, shape (structures + 1,)
@@ -122,18 +122,18 @@ class StructureBatch:
 
 _Driven = tuple[
     NDArray[np.float32],
-    NDArray[np.float64],
-    NDArray[np.float64],
-    NDArray[np.float64],
-    NDArray[np.float64],
+    Array,
+    Array,
+    Array,
+    Array,
 ]
 
 
 @compiled
 def _step_structures(
-    lines: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]],
-    bounds: tuple[NDArray[np.int64], NDArray[np.float64]],
-    shared: tuple[NDArray[np.float64], NDArray[np.float64]],
+    lines: tuple[Array, Array, Array, NDArray[np.int64]],
+    bounds: tuple[NDArray[np.int64], Array],
+    shared: tuple[Array, Array],
     cells: tuple[NDArray[np.float32], NDArray[np.int64]],
     one: Single,
 ) -> _Driven:

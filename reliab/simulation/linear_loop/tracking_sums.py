@@ -13,8 +13,8 @@ from functools import cached_property
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from reliab.arrays import Array, Spectrum
 from reliab.compiled import compiled, copy_rows
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.blocks import Blocks, cut_together
@@ -36,7 +36,7 @@ _SUMS = 5
 LANES = 16
 """Cells that advance side by side."""
 
-_Lanes = list[tuple[NDArray[np.float64], NDArray[np.float64]]]
+_Lanes = list[tuple[Array, Array]]
 """Coefficients of command and measured displacement, a pair for each set of lanes."""
 
 
@@ -44,9 +44,9 @@ _Lanes = list[tuple[NDArray[np.float64], NDArray[np.float64]]]
 class TrackingSums:
     """Sums over positive frequencies of command I and measured displacement O, Hann-tapered."""
 
-    cross: NDArray[np.complex128]  # Σ F[O]F[I]*, complex, shape (cells,)
-    power: NDArray[np.float64]  # Σ |F[I]|² in the same unit, shape (cells,)
-    equivalent_frequency: NDArray[np.float64]  # Σ f|F[I]|² / Σ |F[I]|² [Hz], shape (cells,)
+    cross: Spectrum  # Σ F[O]F[I]*, complex, shape (cells,)
+    power: Array  # Σ |F[I]|² in the same unit, shape (cells,)
+    equivalent_frequency: Array  # Σ f|F[I]|² / Σ |F[I]|² [Hz], shape (cells,)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,8 +80,8 @@ class TrackedCells:
 
     structure: Structure  # The structure under test
     # gain, delay: Actuator gain [-] and delay [s], negative for a lead, shape (cells,)
-    gain: NDArray[np.float64]
-    delay: NDArray[np.float64]
+    gain: Array
+    delay: Array
 
     @property
     def step(self) -> float:
@@ -110,7 +110,7 @@ class TrackedCells:
         return pairs
 
 
-def _in_lanes(command: NDArray[np.float64], measured: NDArray[np.float64]) -> _Lanes:
+def _in_lanes(command: Array, measured: Array) -> _Lanes:
     """Coefficients of both in sets of lanes, the last filled up."""
     both = fill_lanes(command, LANES), fill_lanes(measured, LANES)
     sets = range(0, both[0].shape[1], LANES)
@@ -142,7 +142,7 @@ def tracking_sums(pair: QuadraturePair, cells: TrackedCells) -> TrackingSums:
     return TrackingSums(cross=cross, power=sums[2], equivalent_frequency=frequency)
 
 
-def _ends(blocks: Blocks, first: int) -> NDArray[np.float64]:
+def _ends(blocks: Blocks, first: int) -> Array:
     return np.stack([blocks.left[first:], blocks.right[first:]])
 
 
@@ -163,14 +163,8 @@ def _step(
 
 @compiled
 def _accumulate(
-    straight: NDArray[np.float64],
-    aside: NDArray[np.float64],
-    ahead: NDArray[np.float64],
-    taper: NDArray[np.float64],
-    before: int,
-    command: NDArray[np.float64],
-    measured: NDArray[np.float64],
-) -> NDArray[np.float64]:
+    straight: Array, aside: Array, ahead: Array, taper: Array, before: int, command: Array, measured: Array
+) -> Array:
     """Step command, its quadrature and measured displacement of a set of lanes; shape (5, lanes).
 
     The measured displacement is driven by the record `ahead`, which is the record itself unless it leads.

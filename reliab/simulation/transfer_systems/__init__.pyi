@@ -1,9 +1,10 @@
 from .matlab_structure import require_sound_structure as require_sound_structure
-from .plant import Plant as Plant, TransferSystem as TransferSystem
 from .reading import read_matlab as read_matlab, transfer_function_of as transfer_function_of
 from .servo_hydraulic import ServoHydraulic as ServoHydraulic
 from .transfer_function import (
+    Plant as Plant,
     TransferFunction as TransferFunction,
+    TransferSystem as TransferSystem,
     TransferUncertainty as TransferUncertainty,
     first_order_lag as first_order_lag,
     gain_and_delay as gain_and_delay,

@@ -5,11 +5,10 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
-from reliab.arrays import Array
+from reliab.arrays import Array, Spectrum
 from reliab.errors import InputError
-from reliab.simulation.transfer_systems.plant import Plant, TransferSystem
+from reliab.simulation.transfer_systems.transfer_function import Plant, TransferSystem
 from reliab.structures import Specimen
 
 
@@ -115,7 +114,7 @@ class ServoHydraulic(TransferSystem):
             differenced=np.zeros(3),
         )
 
-    def transfer(self, s: NDArray[np.complex128], specimen: Specimen) -> NDArray[np.complex128]:
+    def transfer(self, s: Spectrum, specimen: Specimen) -> Spectrum:
         """Measured over sent displacement [-] at s [rad/s]."""
         impedance = specimen.stiffness + s * (specimen.damping + s * specimen.mass)
         valve = s * s + self.valve_damping * s + self.valve_stiffness

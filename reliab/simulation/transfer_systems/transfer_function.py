@@ -1,18 +1,56 @@
-"""Transfer systems that were identified as a transfer function of any order, with a pure delay."""
+"""Transfer systems: the linear model of an actuator with its specimen, and identified transfer functions."""
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from reliab.arrays import Array
+from reliab.arrays import Array, Spectrum
 from reliab.errors import InputError
-from reliab.simulation.transfer_systems.plant import Plant, TransferSystem
 from reliab.structures import Specimen
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plant:
+    """A linear model w' = A w + b u − e f, of which the piston's motion and the force are rows.
+
+    u is the command that arrives, f the force [N] of the specimen's nonlinear effects.
+    """
+
+    dynamics: Array  # A [1/s], shape (states, states)
+    command: Array  # b, shape (states,)
+    nonlinear: Array  # e, shape (states,); zero where the specimen does not act back on the piston
+    # displacement, velocity: Rows of the piston's displacement [m] and velocity [m/s], shape (states,)
+    displacement: Array
+    velocity: Array
+    force: Array  # Row of the specimen's force [N], nonlinear effects left out unless `contains_nonlinear`
+    # displacement_of_command, force_of_command: Direct part of the command in the displacement [-] and in
+    # that force [N/m]
+    displacement_of_command: float = 0.0
+    force_of_command: float = 0.0
+    contains_nonlinear: bool = False  # Whether the force row holds the force of nonlinear effects too
+    delay: float = 0.0  # Delay [s] of the command before it arrives
+    # Part of A that acts through the velocity row, A = A₀ + differenced ⊗ velocity; an emulation of a block
+    # diagram may take that velocity by differences. Shape (states,)
+    differenced: Array
+
+
+class TransferSystem(ABC):
+    """An actuator with its inner control: what turns a sent command into the motion of the piston."""
+
+    @abstractmethod
+    def plant(self, specimen: Specimen) -> Plant:
+        """Model that drives a specimen."""
+
+    @abstractmethod
+    def transfer(self, s: Spectrum, specimen: Specimen) -> Spectrum:
+        """Measured over sent displacement [-] at s [rad/s] with a linear specimen."""
+
 
 _ON_AXIS = 1e-9  # real part over modulus of a pole that lies on the imaginary axis
 _SAME = 1e-6  # relative distance of poles that are one pole repeated
@@ -97,12 +135,12 @@ class TransferFunction(TransferSystem):
         return cls(numerator=tuple(factor * numerator), denominator=tuple(denominator), delay=delay)
 
     @property
-    def poles(self) -> NDArray[np.complex128]:
+    def poles(self) -> Spectrum:
         """Poles [1/s], shape (order,)."""
         return np.asarray(np.roots(self.denominator), dtype=np.complex128)
 
     @property
-    def zeros(self) -> NDArray[np.complex128]:
+    def zeros(self) -> Spectrum:
         """Zeros [1/s]."""
         return np.asarray(np.roots(self.numerator), dtype=np.complex128)
 
@@ -111,7 +149,7 @@ class TransferFunction(TransferSystem):
         """Gain at rest [-]; infinite with a pole at zero."""
         return self.numerator[-1] / self.denominator[-1] if self.denominator[-1] else math.inf
 
-    def transfer(self, s: NDArray[np.complex128], specimen: Specimen) -> NDArray[np.complex128]:
+    def transfer(self, s: Spectrum, specimen: Specimen) -> Spectrum:
         """Measured over sent displacement [-] at s [rad/s]; the specimen does not matter."""
         del specimen
         rational = np.polyval(self.numerator, s) / np.polyval(self.denominator, s)

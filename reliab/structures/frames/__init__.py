@@ -3,6 +3,3 @@
 import lazy_loader
 
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
-
-# modules of these names would hide what they hold
-from reliab.structures.frames.shear_frame import shear_frame as shear_frame  # noqa: E402

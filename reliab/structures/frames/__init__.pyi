@@ -1,5 +1,4 @@
 from .damping import modal_damping as modal_damping, rayleigh_damping as rayleigh_damping
 from .frame import Frame as Frame, Modes as Modes, natural_modes as natural_modes
-from .planar_frame import PlanarFrame as PlanarFrame
+from .planar_frame import PlanarFrame as PlanarFrame, shear_frame as shear_frame
 from .response import exact_step as exact_step, undivided_response as undivided_response
-from .shear_frame import shear_frame as shear_frame

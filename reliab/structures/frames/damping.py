@@ -1,14 +1,15 @@
 """Damping matrices from damping ratios of the modes, or from two damping ratios by Rayleigh's method."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.significant import significant
 from reliab.structures.frames.frame import natural_modes
 
 
-def modal_damping(mass: ArrayLike, stiffness: ArrayLike, ratios: ArrayLike) -> NDArray[np.float64]:
+def modal_damping(mass: ArrayLike, stiffness: ArrayLike, ratios: ArrayLike) -> Array:
     """Damping matrix of given damping ratios of the modes, C = M Φ diag(2ζ_iω_i) Φᵀ M.
 
     `ratios` [-]; returns [N·s/m].
@@ -36,7 +37,7 @@ def modal_damping(mass: ArrayLike, stiffness: ArrayLike, ratios: ArrayLike) -> N
 
 def rayleigh_damping(
     mass: ArrayLike, stiffness: ArrayLike, ratios: tuple[float, float], frequencies: tuple[float, float]
-) -> NDArray[np.float64]:
+) -> Array:
     """Damping matrix C = a₀M + a₁K that has two damping ratios at two frequencies (Rayleigh).
 
     `ratios` [-]; `frequencies` [Hz]; returns [N·s/m].

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from reliab.structures.frames import Frame, modal_damping, shear_frame
-from reliab.structures.partition import Partition, floor_interface
-from reliab.structures.specimen import Specimen
+from reliab.structures.partition import Partition, Specimen, floor_interface
 
 
 @pytest.fixture

@@ -7,8 +7,7 @@ from reliab_studies.rths_benchmark.benchmark import benchmark_partition
 from reliab.errors import InputError
 from reliab.simulation.frames.frame_file import frame_of_tables, read_frame
 from reliab.structures.frames import Frame, modal_damping, shear_frame
-from reliab.structures.partition import Partition, drift_interface, floor_interface, with_specimen
-from reliab.structures.specimen import Specimen
+from reliab.structures.partition import Partition, Specimen, drift_interface, floor_interface, with_specimen
 
 
 @pytest.fixture

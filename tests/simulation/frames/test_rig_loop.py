@@ -11,8 +11,7 @@ from reliab.simulation.excitation import Excitation
 from reliab.simulation.frames.frame_file import frame_of_tables
 from reliab.simulation.frames.frame_loop import FrameLoop
 from reliab.simulation.frames.rig_loop import rig_response, stable_with
-from reliab.simulation.laboratory.laboratory import run_laboratory
-from reliab.simulation.laboratory.rig import Rig
+from reliab.simulation.laboratory.laboratory import Rig, run_laboratory
 from reliab.simulation.transfer_systems import ServoHydraulic, TransferFunction, gain_and_delay
 from reliab.structures.critical_delay import critical_delay
 

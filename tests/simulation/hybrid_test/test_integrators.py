@@ -8,8 +8,13 @@ from reliab.effects import find_effect
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
 from reliab.simulation.hybrid_test.model import HybridTest
-from reliab.simulation.integrators import CentralDifference, ChenRicles, OperatorSplitting
-from reliab.simulation.integrators.integrator import ExactIntegrator, LinearSubstructure
+from reliab.simulation.integrators import (
+    CentralDifference,
+    ChenRicles,
+    ExactIntegrator,
+    LinearSubstructure,
+    OperatorSplitting,
+)
 from reliab.simulation.linear_loop import spectral
 from reliab.structures.structure import Structure
 

@@ -17,7 +17,7 @@ from reliab.simulation.transfer_systems import (
     second_order,
     transfer_function_of,
 )
-from reliab.structures.specimen import Specimen
+from reliab.structures.partition import Specimen
 
 SPRING = Specimen(stiffness=1e6)
 

@@ -22,12 +22,10 @@ from reliab.errors import InputError
 from reliab.simulation.actuator import Actuator
 from reliab.simulation.compensators import compensators, find_compensator
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
-from reliab.simulation.laboratory.laboratory import _runge_kutta_step, run_laboratory
-from reliab.simulation.laboratory.rig import Limits, Rig, Sensors
+from reliab.simulation.laboratory.laboratory import Limits, Rig, Sensors, _runge_kutta_step, run_laboratory
 from reliab.simulation.transfer_systems import ServoHydraulic, gain_and_delay, second_order
 from reliab.structures.frames import Frame, undivided_response
-from reliab.structures.partition import Partition, floor_interface
-from reliab.structures.specimen import Specimen
+from reliab.structures.partition import Partition, Specimen, floor_interface
 from reliab.structures.structure import Structure
 
 

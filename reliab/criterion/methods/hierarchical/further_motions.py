@@ -5,15 +5,15 @@ from typing import Self
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from reliab.criterion.methods.hierarchical.model import Hierarchical
 from reliab.criterion.methods.hierarchical.strata import weights_of_motion, weights_of_motion_mean
 from reliab.criterion.methods.joint import Scatter
-from reliab.sampling import both_below
 
 _NODES = 24  # normal distributions that make up a Student's t
 _WIDER = 1e-9  # of a bracket, so that rounding leaves the root inside
+_TINY = 1e-300  # in place of zero, where a ratio would have no sign
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -94,3 +94,22 @@ def _depth(
         excess, (low - _WIDER, np.maximum(high, low) + _WIDER), args=(np.arange(low.size, dtype=np.float64),)
     )
     return np.asarray(root.x.reshape(shape))
+
+
+def both_below(first: ArrayLike, second: ArrayLike, correlation: ArrayLike) -> NDArray[np.float64]:
+    """Distribution function of the standard bivariate normal distribution, by two of Owen's T functions.
+
+    D. B. Owen, Tables for computing bivariate normal probabilities, Annals of Mathematical Statistics 27
+    (1956), eq. (2.1).
+
+    >>> both_below(0.0, 0.0, [0.0, 0.5]).round(6).tolist()
+    [0.25, 0.333333]
+    """
+    h, k, r = np.broadcast_arrays(
+        *(np.asarray(value, dtype=np.float64) for value in (first, second, correlation))
+    )
+    h, k = (np.where(limit == 0.0, _TINY, limit) for limit in (h, k))
+    root = np.sqrt((1.0 - r) * (1.0 + r))
+    owen = scipy.special.owens_t(h, (k / h - r) / root) + scipy.special.owens_t(k, (h / k - r) / root)
+    opposite = np.where((h > 0.0) == (k > 0.0), 0.0, 0.5)
+    return np.asarray(0.5 * (scipy.special.ndtr(h) + scipy.special.ndtr(k)) - owen - opposite)

@@ -22,8 +22,8 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from reliab.arrays import Array, Spectrum
 from reliab.simulation.linear_loop.dominant_pole import (
     ModalLoop,
     compared_frequencies,
@@ -50,11 +50,11 @@ class PoleBasis:
     """Poles and fast pairs in which actuators before one structure are expanded."""
 
     structure: Structure  # The structure under test
-    poles: NDArray[np.complex128]  # Poles p_k [1/s], that of the structure first, shape (poles,)
+    poles: Spectrum  # Poles p_k [1/s], that of the structure first, shape (poles,)
     fast: ModalLoop  # Reduced loops at gain 1 whose fast pairs are used, shape (pairs,)
 
     @cached_property
-    def orthogonal(self) -> NDArray[np.float64]:
+    def orthogonal(self) -> Array:
         """Real and imaginary parts of all φ_k from those of the responses 1/(s − p_k).
 
         Shape (2 poles, 2 poles): partial fractions, Π_{i<k}(p_j + p̄_i)/Π_{i≤k, i≠j}(p_j − p_i).
@@ -67,12 +67,9 @@ class PoleBasis:
                 fractions[k, j] = np.prod(p[j] + p[:k].conj()) / np.prod(differences)
         return np.block([[fractions.real, -fractions.imag], [fractions.imag, fractions.real]])
 
-    def coefficients(
-        self, pole: NDArray[np.complex128]
-    ) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
+    def coefficients(self, pole: Spectrum) -> tuple[Spectrum, Array]:
         """Expand responses 1/(s − p).
 
-        Returns left_out [-].
         Returns `left_out`: |γ_n|, the share that is left out at every frequency [-], shape (cells,); infinite
         for a pole that is too far from the structure's.
         """
@@ -85,10 +82,9 @@ class PoleBasis:
             gamma = gamma * (pole - taken) / (pole + taken.conjugate())
         return coefficients, np.where(near, np.abs(gamma), np.inf)
 
-    def fast_coefficients(self, loop: ModalLoop) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def fast_coefficients(self, loop: ModalLoop) -> tuple[Array, Array]:
         """Expand the fast pairs of late actuators in those of the basis.
 
-        Returns left_out [s²].
         Returns `left_out`: largest modulus, over the frequencies, of what the expansion leaves out of the
         transfer function from −a_g [s²], shape (cells,).
         """
@@ -98,7 +94,7 @@ class PoleBasis:
         return coefficients, np.abs(given @ coefficients - wanted).max(axis=0)
 
     @cached_property
-    def _fast_inverse(self) -> NDArray[np.float64]:
+    def _fast_inverse(self) -> Array:
         given = _parts(self.fast.fast_transfer(compared_frequencies(self.structure)))
         return np.asarray(scipy.linalg.pinv(given, rtol=1e-12), dtype=np.float64)
 
@@ -129,12 +125,12 @@ def pole_basis(structure: Structure) -> PoleBasis:
     return PoleBasis(structure=structure, poles=np.array(chosen), fast=fast)
 
 
-def distance(pole: NDArray[np.complex128], from_pole: complex) -> NDArray[np.float64]:
+def distance(pole: Spectrum, from_pole: complex) -> Array:
     """Distance |p − p₀|/|p + p̄₀| of poles [-], shape (cells,); infinite right of the imaginary axis."""
     with np.errstate(divide="ignore", invalid="ignore"):  # no pole where Newton's iteration did not converge
         ratio = np.abs(pole - from_pole) / np.abs(pole + from_pole.conjugate())
         return np.where(pole.real < 0.0, ratio, np.inf)
 
 
-def _parts(values: NDArray[np.complex128]) -> NDArray[np.float64]:
+def _parts(values: Spectrum) -> Array:
     return np.concatenate([values.real, values.imag])

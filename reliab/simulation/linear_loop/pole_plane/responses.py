@@ -18,8 +18,8 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.compiled import compiled, copy_rows
 from reliab.simulation.linear_loop.blocks import Blocks, ramp_weights
 from reliab.simulation.linear_loop.pole_plane.basis import PoleBasis
@@ -33,10 +33,10 @@ class Sums(NamedTuple):
     """What is summed up over the window."""
 
     # The matrix G, shape (functions, functions), in the order of `Expansion.weights`
-    mean_products: NDArray[np.float64]
+    mean_products: Array
     # Root of the energy of each pole's response, followed to rest, and of the record, over the window's
     # length, shape (poles + 1,), in m s and m/s²
-    root_energy: NDArray[np.float64]
+    root_energy: Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -64,7 +64,7 @@ class Responses:
         energy = np.append(stepping.energy, (ground.acceleration**2).sum() * ground.time_step)
         return Sums(mean_products=products, root_energy=np.sqrt(energy / ground.window_duration))
 
-    def _late(self, stepping: "_Stepping") -> Iterator[NDArray[np.float64]]:
+    def _late(self, stepping: "_Stepping") -> Iterator[Array]:
         """Functions of late actuators inside the window, by pieces: all φ_k and the fast pairs."""
         blocks, before = self.blocks, self.blocks.before
         if before == 0:
@@ -74,7 +74,7 @@ class Responses:
             functions = np.concatenate([stepping.modal(*lines), stepping.pairs(*lines)], axis=1)
             yield functions[max(0, before - 1 - begin) :]
 
-    def _early(self, stepping: "_Stepping", ahead: int) -> Iterator[NDArray[np.float64]]:
+    def _early(self, stepping: "_Stepping", ahead: int) -> Iterator[Array]:
         """Functions of early actuators inside the window: φ₀, later φ_k, ψ, and the lines of the record."""
         left, right = self.blocks.prolonged(ahead)
         count = self.basis.poles.size
@@ -111,27 +111,27 @@ class _Stepping:
         self._pair_weights = pair_recursion(basis.fast.fast_poles, basis.fast.fast_residues, step)
         self._pair_state = np.zeros((4, self._pair_weights.shape[1]))
 
-    def modal(self, left: NDArray[np.float64], right: NDArray[np.float64]) -> NDArray[np.float64]:
+    def modal(self, left: Array, right: Array) -> Array:
         """All φ_k after each further block, real parts before imaginary ones, shape (blocks, 2 poles)."""
         responses = np.empty((left.size, self._mixture.shape[0]))
         _step_poles(left, right, self._weights, self._state, responses)
         return np.asarray(responses @ self._mixture)
 
-    def pairs(self, left: NDArray[np.float64], right: NDArray[np.float64]) -> NDArray[np.float64]:
+    def pairs(self, left: Array, right: Array) -> Array:
         """Displacements of the fast pairs after each further block, shape (blocks, pairs)."""
         displacements = np.empty((left.size, self._pair_weights.shape[1]))
         _step_pairs(left, right, self._pair_weights, self._pair_state, displacements)
         return displacements
 
     @property
-    def energy(self) -> NDArray[np.float64]:
+    def energy(self) -> Array:
         """Energy of each pole's response to what was stepped so far, followed to rest [m² s³]."""
         poles = self._basis.poles
         real, imag, squares = self._state[:, : poles.size]
         return np.asarray(squares * self._step + (real**2 + imag**2) / (-2.0 * poles.real))
 
 
-def _by_trapezoids(pieces: Iterator[NDArray[np.float64]], end: float) -> NDArray[np.float64]:
+def _by_trapezoids(pieces: Iterator[Array], end: float) -> Array:
     """Sum of the products of functions, shape (functions, functions), in units of a block.
 
     Every piece holds one row for each edge of a block; the window ends at a fraction of the last block.
@@ -150,13 +150,7 @@ def _by_trapezoids(pieces: Iterator[NDArray[np.float64]], end: float) -> NDArray
 
 
 @compiled
-def _step_poles(
-    left: NDArray[np.float64],
-    right: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    state: NDArray[np.float64],
-    responses: NDArray[np.float64],
-) -> None:
+def _step_poles(left: Array, right: Array, weights: Array, state: Array, responses: Array) -> None:
     """Responses after each block, real parts before imaginary ones; the state is that after the last.
 
     The state is the real and the imaginary part of each response, and the sum of its squares.
@@ -179,13 +173,7 @@ def _step_poles(
 
 
 @compiled
-def _step_pairs(
-    left: NDArray[np.float64],
-    right: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    state: NDArray[np.float64],
-    displacements: NDArray[np.float64],
-) -> None:
+def _step_pairs(left: Array, right: Array, weights: Array, state: Array, displacements: Array) -> None:
     """Displacements of pairs after each block; the state is that after the last.
 
     The state is the displacement before the last, the last one, and the two ends of the last block.
