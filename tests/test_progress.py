@@ -17,12 +17,11 @@ from reliab.criterion.provenance import Provenance
 from reliab.discrepancy.adding import adding
 from reliab.indices.window import Window
 from reliab.motions import load_motions
-from reliab.sampling import Ensembles, NormalValues, calibration, sample
+from reliab.sampling import Ensembles, NormalValues, sample
 from reliab.simulation.frames.frame_file import frame_of_tables
 from reliab.structures import Structure
 from reliab.sweep import EllipseRequest, ScaledGrid, SweepRequest, predict_ellipses, run_sweep, trace_ellipses
-from reliab.sweep.frame_table import FrameRequest, trace_frame_ellipses
-from reliab.sweep.rig_table import errors_of_rig
+from reliab.sweep.frame_table import FrameRequest, errors_of_rig, trace_frame_ellipses
 from reliab.validation.beyond_the_model import try_rigs
 from reliab.validation.criterion_coverage import Truth, coverage_table
 from reliab.validation.cross_validation import cross_validate, k_fold
@@ -150,9 +149,6 @@ CASES = {
     "assess": of_several_tests,
     "derive_criterion": of_chains,
     "sample": lambda progress: sample(VALUES, QUICK, progress=progress),
-    "calibration_ranks": lambda progress: calibration.calibration_ranks(
-        VALUES, fits=3, steps=200, progress=progress
-    ),
     "probability_calibration": lambda progress, ellipses: probability_calibration(
         ellipses, trials=8, progress=progress
     ),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reliab.effects.parameter import Parameter, Scales
+from reliab.effects.effect import Parameter, Scales
 
 SCALES = Scales(displacement=2.0, velocity=3.0, acceleration=5.0, force=7.0, duration=11.0)
 UNIT = 7.0 / 3.0**2  # of force over velocity squared

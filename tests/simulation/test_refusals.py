@@ -18,7 +18,7 @@ from reliab.simulation.frames.frame_file import frame_of_tables
 from reliab.simulation.hybrid_test import HybridTest, Motion3, load
 from reliab.simulation.hybrid_test.model_file import UpdatedModel
 from reliab.simulation.laboratory import Rig, Sensors, run_laboratory
-from reliab.simulation.laboratory.rig import Limits
+from reliab.simulation.laboratory.laboratory import Limits
 from reliab.simulation.transfer_systems import (
     ServoHydraulic,
     TransferUncertainty,
@@ -26,8 +26,7 @@ from reliab.simulation.transfer_systems import (
     second_order,
 )
 from reliab.simulation.transfer_systems.reading import read_matlab, transfer_function_of
-from reliab.structures.partition import Partition
-from reliab.structures.specimen import Specimen
+from reliab.structures.partition import Partition, Specimen
 from reliab.structures.structure import Structure
 
 STEP = 1.0 / 1024.0

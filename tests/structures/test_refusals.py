@@ -7,11 +7,9 @@ import numpy as np
 import pytest
 
 from reliab.effects import find_effect
-from reliab.effects.parameter import Parameter, Scales
+from reliab.effects.effect import Parameter, Scales
 from reliab.errors import InputError
-from reliab.structures.partition import Partition
-from reliab.structures.root_locus import Scheme, amplification_matrix
-from reliab.structures.specimen import Specimen
+from reliab.structures.partition import Partition, Specimen
 from reliab.structures.structure import Structure
 
 SOUND = Structure(frequency=1.0, damping_ratio=0.05)
@@ -56,14 +54,6 @@ def partition(**changed):
         (lambda: partition(interface=np.array([math.nan])), "not all zero; found"),
         (lambda: partition(effects=(FORCE, READING)), "must act on its force; found sensor_bias"),
         (lambda: partition(specimen=Specimen(stiffness=0.0)), "needs stiffness, damping or mass"),
-        (
-            lambda: amplification_matrix(PARTITION, 0.01, 1.0, -0.01, Scheme.CHEN_RICLES),
-            "delays from 0 to .* steps; found -1 steps",
-        ),
-        (
-            lambda: amplification_matrix(PARTITION, 1e-3, 1.0, 10.0, Scheme.CHEN_RICLES),
-            "delays from 0 to .* steps; found 10000 steps",
-        ),
         (
             lambda: FRICTION(force_n=math.nan),
             "force_n of coulomb_friction must be finite",
