@@ -5,7 +5,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from reliab.boundary.curves import Curve
+from reliab.boundary import Curve
 from reliab.errors import InputError
 from reliab.indices import Window
 from reliab.progress import Progress, silent

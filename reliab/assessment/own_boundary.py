@@ -6,8 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.boundary import Contour, motion_contours
-from reliab.boundary.curves import InscribedEllipse
+from reliab.boundary import Contour, InscribedEllipse, motion_contours
 from reliab.errors import InputError
 from reliab.indices import relative_error
 from reliab.simulation import Excitation, Loop

@@ -11,8 +11,7 @@ import numpy as np
 import xarray as xr
 
 from reliab.arrays import Array
-from reliab.boundary import Contour
-from reliab.boundary.curves import Curve, Ellipse, InscribedEllipse
+from reliab.boundary import Contour, Curve, Ellipse, InscribedEllipse
 from reliab.sweep.labels import with_labels
 from reliab.vocabulary import ELLIPSE_DIMENSIONS, Dimension, Metric, NoEllipse, Side
 

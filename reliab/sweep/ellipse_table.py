@@ -7,8 +7,7 @@ import numpy as np
 import xarray as xr
 
 from reliab.arrays import Array
-from reliab.boundary import first_order_ellipse, motion_contours, suite_contours
-from reliab.boundary.curves import Curve, Ellipse
+from reliab.boundary import Curve, Ellipse, first_order_ellipse, motion_contours, suite_contours
 from reliab.errors import InputError
 from reliab.indices import Window, relative_error
 from reliab.motions import Motion

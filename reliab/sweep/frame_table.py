@@ -9,8 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from reliab.arrays import Array
-from reliab.boundary import motion_contours
-from reliab.boundary.curves import Curve
+from reliab.boundary import Curve, motion_contours
 from reliab.errors import InputError
 from reliab.indices import Window, relative_error
 from reliab.indices.frequency_evaluation import frequency_evaluation

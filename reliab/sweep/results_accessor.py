@@ -8,8 +8,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
-from reliab.boundary import REACH, Contour, ErrorSurfaces, furthest_lead, trace_contours
-from reliab.boundary.curves import Curve
+from reliab.boundary import REACH, Contour, Curve, ErrorSurfaces, furthest_lead, trace_contours
 from reliab.errors import InputError
 from reliab.files import decoding
 from reliab.progress import Progress, silent

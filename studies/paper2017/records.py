@@ -7,8 +7,7 @@ import numpy as np
 import xarray as xr
 
 from reliab.arrays import Array
-from reliab.boundary import Contour
-from reliab.boundary.curves import Cosine, Curve, Ellipse, Parabola
+from reliab.boundary import Contour, Cosine, Curve, Ellipse, Parabola
 from reliab.criterion import EllipseSample, is_ellipse
 from reliab.vocabulary import CurveName, Metric, Side
 

@@ -20,7 +20,7 @@ from reliab_studies.paper2017.item import CLOSE
 from reliab_studies.paper2017.printed import ONE_HERTZ, TWO_PERCENT
 
 from reliab.arrays import Array
-from reliab.boundary.curves import Ellipse
+from reliab.boundary import Ellipse
 from reliab.errors import InputError
 from reliab.motions import Motion
 from reliab.progress import Progress, silent

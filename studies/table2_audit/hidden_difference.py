@@ -9,8 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.boundary import motion_contours
-from reliab.boundary.curves import Ellipse
+from reliab.boundary import Ellipse, motion_contours
 from reliab.motions import Motion
 from reliab.significant import significant
 from reliab.simulation import Excitation, Loop

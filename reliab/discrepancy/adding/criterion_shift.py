@@ -7,8 +7,7 @@ import numpy as np
 from scipy.stats import norm
 
 from reliab.arrays import Array
-from reliab.boundary import motion_contours
-from reliab.boundary.curves import Ellipse
+from reliab.boundary import Ellipse, motion_contours
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.errors import InputError
 from reliab.motions import load_motions

@@ -5,8 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from reliab.boundary import Contour
-from reliab.boundary.curves import Curve
+from reliab.boundary import Contour, Curve
 from reliab.report import AMPLITUDE, DELAY, INK, line, name_axes, panels, styled
 from reliab.significant import significant
 from reliab.vocabulary import MILLI
