@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from reliab.described_files import parse_json
-from reliab.files import decoding, ordinary, require_small
+from reliab.files import decoding, folder_written_whole, ordinary, require_small
 from reliab.received import named_within
 from reliab.report.content import CONTENT_FILE, files_of
 from reliab.report.document import Document
@@ -37,13 +37,10 @@ def save_content(document: Document, folder: Path) -> None:
     folder : pathlib.Path
         Folder for its content and figures, replaced if it is there.
     """
-    unfinished = folder.with_name(f".{folder.name}")
-    shutil.rmtree(unfinished, ignore_errors=True)
-    unfinished.mkdir(parents=True)
-    for name, content in files_of(document).items():
-        (unfinished / name).write_bytes(content)
-    shutil.rmtree(folder, ignore_errors=True)
-    unfinished.rename(folder)
+    with folder_written_whole(folder) as unfinished:
+        for name, content in files_of(document).items():
+            (unfinished / name).write_bytes(content)
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def saved_content(folder: Path) -> dict[str, bytes]:

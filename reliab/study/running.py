@@ -1,11 +1,11 @@
 """Running a study, and making its report again."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Final
 
-from reliab.files import refuse_links
-from reliab.report import Setting, write_pdf
+from reliab.files import decoding, refuse_links
+from reliab.report import Document, Setting, write_pdf
 from reliab.study.description import Study
 from reliab.study.kinds import KINDS
 from reliab.study.material import Show, quietly
@@ -75,22 +75,28 @@ def write_report(folder: str | Path, *, setting: Setting | None = None) -> Path:
     Raises
     ------
     InputError
-        If nothing was run there, the run is not finished, or the folder links to files elsewhere.
+        If nothing was run there, the run is not finished, the folder links to files elsewhere, or a file of
+        it lacks what a run writes.
     """
     folder = Path(folder)
     refuse_links(folder)
-    _report(study_from(study_of(folder), where=str(folder)), folder, setting)
+    study = study_from(study_of(folder), where=str(folder))
+    rule, remedy = "The files of a run must be as `reliab run` wrote them", "Run the study again"
+    with decoding(rule, remedy=remedy, where=folder):  # somebody may have sent it
+        document = KINDS[study.kind].report(study, folder)
+    _set(document, study, folder, setting)
     return folder / REPORT
 
 
 def _reporting(study: Study, reads: list[str], setting: Setting | None) -> Stage:
     def work(folder: Path) -> None:
-        _report(study, folder, setting)
+        _set(KINDS[study.kind].report(study, folder), study, folder, setting)
 
     inputs = {**study.model_dump(mode="json"), "setting": (setting or Setting()).to_dict()}
     return Stage(name="report", inputs=inputs, reads=reads, writes=(REPORT,), work=work)
 
 
-def _report(study: Study, folder: Path, setting: Setting | None) -> None:
-    document = KINDS[study.kind].report(study, folder)
+def _set(
+    document: Document | Mapping[str, bytes], study: Study, folder: Path, setting: Setting | None
+) -> None:
     write_pdf(document, folder / REPORT, date=study.date or date_of(folder), setting=setting)

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure as Drawing
 from reliab.cli import run
 from reliab.errors import InputError
 from reliab.report import save_content, saved_content
+from reliab.report.content import files_of
 from reliab.report.document import Document, Equation, Figure, Paragraph
 from reliab.report.formula import require_formula
 from reliab.report.pdf import compiled_report, templates
@@ -56,6 +57,25 @@ def sent(tmp_path, monkeypatch):
     (folder / "manifest.json").write_text(json.dumps({"study": STUDY, "stages": {}}))
     save_content(report, folder / "report")
     return folder
+
+
+def test_what_is_saved_again_replaces_the_first_and_two_at_once_have_their_own_places(tmp_path, monkeypatch):
+    """One report is being written while another is saved to the same place."""
+    first, second = (Document(kind="Test", title=title, verdict="Good.", blocks=()) for title in ("A", "B"))
+    place = tmp_path / "report"
+    save_content(first, place)
+    assert b'"A"' in saved_content(place)["document.json"]
+
+    def interrupted(document):
+        monkeypatch.setattr("reliab.report.saved.files_of", files_of)
+        save_content(second, place)
+        assert b'"B"' in saved_content(place)["document.json"]
+        return files_of(document)
+
+    monkeypatch.setattr("reliab.report.saved.files_of", interrupted)
+    save_content(first, place)
+    assert b'"A"' in saved_content(place)["document.json"]
+    assert [path.name for path in tmp_path.iterdir()] == ["report"]
 
 
 def changed(folder, change):

@@ -62,6 +62,43 @@ def test_the_report_can_be_made_again_from_the_folder_alone(finished):
     assert write_report(finished).read_bytes() == first
 
 
+def without_a_key(content, levels=3):
+    """Copies of nested JSON without one key of the uppermost levels; of a list the first entry is tried."""
+    if isinstance(content, list) and levels:
+        yield from (
+            ([first, *content[1:]] for first in without_a_key(content[0], levels - 1)) if content else ()
+        )
+    elif isinstance(content, dict) and levels:
+        for key, value in content.items():
+            yield {name: part for name, part in content.items() if name != key}
+            yield from ({**content, key: part} for part in without_a_key(value, levels - 1))
+
+
+@pytest.mark.parametrize("name", ["criteria.json", "validation.json"])
+def test_a_file_of_a_run_without_one_of_its_keys_is_refused_or_does_without(finished, monkeypatch, name):
+    """No other error than `InputError` ends a report, whatever key of a file somebody left out."""
+    written = []
+    monkeypatch.setattr("reliab.study.running.write_pdf", lambda document, *_, **__: written.append(document))
+    content = json.loads((finished / name).read_text())
+    refused = 0
+    for changed in without_a_key(content):
+        (finished / name).write_text(json.dumps(changed))
+        try:
+            write_report(finished)
+        except InputError:
+            refused += 1
+    (finished / name).write_text("7")
+    with pytest.raises(InputError):
+        write_report(finished)
+    assert refused or name == "validation.json"  # which is empty where nothing was refused
+
+
+def test_a_missing_key_is_named(finished):
+    (finished / "criteria.json").write_text('{"criteria": []}')
+    with pytest.raises(InputError, match=r"files of a run must be as .* found no 'refusals'"):
+        write_report(finished)
+
+
 def test_a_run_that_was_killed_resumes_and_gives_the_same_bytes_elsewhere(
     finished, tmp_path, small_study, monkeypatch
 ):
