@@ -7,6 +7,7 @@ import numpy as np
 
 from reliab.assessment.alignment import align
 from reliab.assessment.assessment import Assessment
+from reliab.assessment.budget import Equipment
 from reliab.assessment.contradictions import (
     limited,
     of_columns,
@@ -47,6 +48,7 @@ def assess(
     structure: Structure,
     *,
     stated: Mapping[str, StatedValue] | None = None,
+    equipment: Equipment | None = None,
     motion: Motion | None = None,
     criterion: Criterion | None = None,
     threshold: float = 0.05,
@@ -67,7 +69,10 @@ def assess(
         The structure under test.
     stated : mapping of str to StatedValue, optional
         Tolerances of its frequency "f" [Hz], damping ratio "xi" and share "alpha", and the "scale" of the
-        sensor of the measured displacement over that of the command; exact by default.
+        sensor of the measured displacement over that of the command.
+    equipment : Equipment, optional
+        What a laboratory does not know where the test states nothing, `ordinary_equipment()` for one as many
+        are. By default everything is taken to be exact: channels, structure and specimen.
     motion : Motion, optional
         Its ground motion; the index is then that of this motion's own boundary, exact by simulation, over
         the part of the record that the test saw, as the error of the test is.
@@ -114,6 +119,7 @@ def assess(
     question = Question(
         structure=structure,
         stated=dict(stated or {}),
+        equipment=equipment,
         metric=Metric(chosen.metric),
         threshold=chosen.threshold,
         model=model,

@@ -1,14 +1,23 @@
 """The error of one test, rebuilt from its command and measured displacement."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Final
 
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error import Estimate, Parts, RebuiltError, Tolerances, Widening, rebuild
+from reliab.assessment.budget import (
+    BudgetItem,
+    Equipment,
+    Size,
+    Source,
+    budget_of_error,
+    sizes_of_unknown,
+    tolerances_of,
+)
+from reliab.assessment.rebuilt_error import Estimate, Parts, RebuiltError, Widening, rebuild
 from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen
 from reliab.assessment.rebuilt_error.whole_structure import whole_structure
 from reliab.assessment.verdict import word_of_probability
@@ -19,13 +28,9 @@ from reliab.stated_value import StatedValue
 from reliab.structures import Structure
 from reliab.vocabulary import MILLI, PERCENT, Metric
 
-_RELATIVE = {
-    "f": "frequency",
-    "xi": "damping_ratio",
-    "alpha": "experimental_fraction",
-    "scale": "sensor_scale",
-}
-_HALF = 0.5
+_LARGEST_ASSUMED = 0.99
+"""Largest probability where sizes of what is unknown are assumed."""
+
 PART_NAMES: Final[Mapping[str, str]] = {
     "amplitude": "amplitude",
     "delay": "delay",
@@ -33,23 +38,6 @@ PART_NAMES: Final[Mapping[str, str]] = {
     "fed_back_force": "lag of the fed-back force",
 }
 """Parts of the error in words."""
-
-_SPOKEN = {
-    "frequency": "the natural frequency",
-    "damping_ratio": "the damping ratio",
-    "experimental_fraction": "the share of the stiffness in the laboratory",
-    "sensor_scale": "the scale of the displacement sensor",
-    "sensor_offset": "the offset of the displacement sensor",
-    "time_shift": "the shift between the two channels",
-    "feedback_lag": "the lag of the fed-back force",
-    "initial_state": "the error's initial value and velocity",
-    "sensor_noise": "the noise of the displacement sensor",
-}
-_REMEDIES = {
-    "initial_state": "Record from rest: the unknown initial error widens the interval most.",
-    "sensor_noise": "A displacement sensor with less noise narrows the interval most.",
-    "sensor_offset": "Record from rest, which shows the sensor's offset: it widens the interval most.",
-}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -60,21 +48,15 @@ class Question:
     # Frequency "f" [Hz], damping ratio "xi", share "alpha", sensor "scale" [-] and "feedback_lag" [ms], each
     # with its standard deviation
     stated: Mapping[str, StatedValue]
+    equipment: Equipment | None  # What is not known where nothing is stated; None: everything is exact
     metric: Metric  # Which error
     threshold: float  # Error of the whole test [-]
     model: UpdatedModel | None  # Calibrated model of a nonlinear specimen
     seed: int  # Seed of the draws
 
-    @property
-    def tolerances(self) -> Tolerances:
-        """Standard deviations of what is stated."""
-        relative = {
-            name: self.stated[key].deviation / abs(self.stated[key].value)
-            for key, name in _RELATIVE.items()
-            if key in self.stated and self.stated[key].value
-        }
-        lag = self.stated.get("feedback_lag", StatedValue(0.0))
-        return Tolerances(**relative, feedback_lag=lag.deviation / MILLI)
+    def sizes(self, time_step: float) -> dict[str, Size]:
+        """Sizes of what is not known of a test that was recorded at a time step [s]."""
+        return sizes_of_unknown(self.stated, self.structure, self.equipment, time_step)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -95,6 +77,8 @@ class ErrorOfTest:
         What was taken to hold beside what was stated, in words; empty where nothing was.
     alternatives : tuple of ErrorOfTest
         Errors of the same test under other explanations of what it shows, none of which can be excluded.
+    sizes : mapping of str to Size
+        Sizes of what is not known of the test, by the names of the tolerances.
     """
 
     rebuilt: RebuiltError
@@ -103,6 +87,7 @@ class ErrorOfTest:
     damping_ratio: float
     under: str = ""
     alternatives: tuple["ErrorOfTest", ...] = ()
+    sizes: Mapping[str, Size] = field(default_factory=dict)
 
     def of(self, metric: Metric) -> Estimate:
         """Error by one metric, with its 90 % interval [-]."""
@@ -112,12 +97,16 @@ class ErrorOfTest:
     def probability(self) -> float:
         """Probability that the error asked about stays below the threshold.
 
-        Where alternatives lead to other verdicts, it is the mean of all: each may be the true one.
+        Where alternatives lead to other verdicts, it is the mean of all: each may be the true one. Where
+        sizes of what is unknown are assumed it is at most 0.99: rare sizes are not known so well.
         """
-        as_stated = self.rebuilt.probability(self.threshold, self.metric)
-        if not self.contested:
-            return as_stated
-        return float(np.mean([as_stated, *(another.probability for another in self.alternatives)]))
+        probability = self.rebuilt.probability(self.threshold, self.metric)
+        if self.contested:
+            every = [probability, *(another.probability for another in self.alternatives)]
+            probability = float(np.mean(every))
+        if any(size.source is Source.DEFAULT for size in self.sizes.values()):
+            return min(max(probability, 1.0 - _LARGEST_ASSUMED), _LARGEST_ASSUMED)
+        return probability
 
     @property
     def contested(self) -> bool:
@@ -140,19 +129,22 @@ class ErrorOfTest:
         """What widens the interval, the widest first."""
         return self.rebuilt.widenings(self.metric)
 
+    @cached_property
+    def budget(self) -> tuple[BudgetItem, ...]:
+        """What makes the interval, the largest contribution first."""
+        return budget_of_error(self.widenings, self.sizes)
+
     @property
     def would_decide(self) -> tuple[str, ...]:
         """What would narrow the interval most, in a sentence; none where nothing widens it."""
         if not self.widenings:
             return ()
         widest = self.widenings[0]
-        if widest.name in _REMEDIES:
-            return (_REMEDIES[widest.name],)
-        spoken = _SPOKEN[widest.name]
-        if widest.deviation_for_half is None or widest.name in ("time_shift", "feedback_lag"):
-            return (f"Determine {spoken} better: its uncertainty widens the interval most.",)
-        half = PERCENT * widest.deviation_for_half
-        return (f"Determine {spoken} to {significant(half, 2)} %: the interval is then half as wide.",)
+        item = next(item for item in self.budget if item.name == widest.name)
+        if widest.deviation_for_half is None or item.unit != "%":
+            return (item.remedy,)
+        half = significant(PERCENT * widest.deviation_for_half, 2)
+        return (f"Determine the {item.quantity} to {half} %: the interval is then half as wide.",)
 
 
 def error_of_test(
@@ -169,6 +161,7 @@ def error_of_test(
     scale = question.stated.get("scale", StatedValue(1.0)).value
     lag = question.stated.get("feedback_lag", StatedValue(0.0)).value / MILLI
     measured = recording.measured / scale
+    sizes = question.sizes(recording.time_step)
     whole = whole_structure(question.structure)
     if question.model is not None:
         rebuilt = rebuild_with_specimen(
@@ -178,7 +171,7 @@ def error_of_test(
             question.model.test,
             deviations=question.model.deviations,
             sensor_offset=sensor_offset,
-            tolerances=question.tolerances,
+            tolerances=tolerances_of(sizes),
             seed=question.seed,
         )
     else:
@@ -189,7 +182,7 @@ def error_of_test(
             replace(whole, specimen_damping=specimen_damping * whole.specimen_stiffness),
             feedback_lag=lag,
             sensor_offset=sensor_offset,
-            tolerances=question.tolerances,
+            tolerances=tolerances_of(sizes),
             seed=question.seed,
         )
     return ErrorOfTest(
@@ -197,4 +190,5 @@ def error_of_test(
         metric=question.metric,
         threshold=question.threshold,
         damping_ratio=question.structure.damping_ratio,
+        sizes=sizes,
     )

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from reliab.assessment.budget import sizes_of_unknown, tolerances_of
 from reliab.assessment.contradictions import limited, of_frequency, of_stability
 from reliab.assessment.doubts import verdict_of_error
 from reliab.assessment.error_of_test import ErrorOfTest
@@ -15,7 +16,7 @@ from reliab.assessment.frame_assessment import FrameAssessment
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.placement import place
 from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
-from reliab.assessment.rebuilt_error import Part, Tolerances, WholeStructure, rebuild
+from reliab.assessment.rebuilt_error import Part, WholeStructure, rebuild
 from reliab.assessment.tracking_index import track
 from reliab.criterion import Criterion
 from reliab.errors import InputError
@@ -162,11 +163,13 @@ def _rebuilding(
     threshold: float,
 ) -> Callable[[Recording, float | None], ErrorOfTest]:
     """Give the function that rebuilds the error of a recording whose sensor has a stated offset [m]."""
-    structure, tolerances = whole_structure(frame.partition), _tolerances(feedback_lag, scale)
+    structure, mode = whole_structure(frame.partition), governing_mode(frame)
     lag = 0.0 if feedback_lag is None else feedback_lag.value / MILLI
-    damping_ratio = governing_mode(frame).damping_ratio
+    stated = {"feedback_lag": feedback_lag, "scale": scale}
+    given = {name: value for name, value in stated.items() if value is not None}
 
     def rebuilt(test: Recording, offset: float | None) -> ErrorOfTest:
+        sizes = sizes_of_unknown(given, mode, None, test.time_step)
         error = rebuild(
             test.command,
             test.measured,
@@ -174,9 +177,15 @@ def _rebuilding(
             structure,
             feedback_lag=lag,
             sensor_offset=offset,
-            tolerances=tolerances,
+            tolerances=tolerances_of(sizes),
         )
-        return ErrorOfTest(rebuilt=error, metric=metric, threshold=threshold, damping_ratio=damping_ratio)
+        return ErrorOfTest(
+            rebuilt=error,
+            metric=metric,
+            threshold=threshold,
+            damping_ratio=mode.damping_ratio,
+            sizes=sizes,
+        )
 
     return rebuilt
 
@@ -212,10 +221,3 @@ def _share_at_rest(partition: Partition) -> float:
     """Part of a sensor's offset by which a loop that feels it moves its command, k_e γᵀK⁻¹γ [-]."""
     moved = np.linalg.solve(partition.frame.stiffness, partition.interface)
     return max(float(partition.specimen.stiffness * (partition.interface @ moved)), 1e-6)
-
-
-def _tolerances(feedback_lag: StatedValue | None, scale: StatedValue | None) -> Tolerances:
-    return Tolerances(
-        sensor_scale=0.0 if scale is None else scale.deviation / scale.value,
-        feedback_lag=0.0 if feedback_lag is None else feedback_lag.deviation / MILLI,
-    )

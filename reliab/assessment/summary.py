@@ -45,6 +45,7 @@ def summarise(findings: Findings) -> dict[str, Any]:
         "would_decide": list(findings.verdict.would_decide),
         "probability": findings.probability,
         "error": _error(findings),
+        "budget": [item.to_dict() for item in findings.error.budget],
         "by_index": _by_index(findings),
         "stability_margin": finite(findings.stability_margin),
         "critical_delay_ms": finite(MILLI * findings.critical_delay),

@@ -50,7 +50,7 @@ def sweep_draws(
         held = state[draw]
         for i in range(size):
             difference = differences[row, i]
-            for k in range(3):
+            for k in range(inputs.shape[0]):
                 difference += shifts[draw, k] * inputs[k, i]
             now = difference + fed_back_late[i] + feedback_lag[draw] * velocity[i]
             if i > 0:

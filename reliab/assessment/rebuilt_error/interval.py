@@ -5,6 +5,7 @@ histories of x_c − x_m from those that the noise allows, and the error is rebu
 linearised, and no noise is subtracted from a mean square or a peak.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,7 @@ import scipy
 
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.error_statistics import mean_square, sweep_draws
+from reliab.assessment.rebuilt_error.hysteresis import lag_of_reading
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.recursion import Recursion, equilibrium, respond
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
@@ -19,6 +21,7 @@ from reliab.assessment.rebuilt_error.swept import Swept
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, first_mode
 
+_LAST = ("filter_delay", "hysteresis", "sensor_drift")
 _LEAST = 0.05  # of a stated value: a draw goes no lower
 _IN_PERIOD_OF_BAND = 0.25  # of the period of the highest frequency of the motion that a step may be
 
@@ -38,7 +41,9 @@ class Unknown:
         """Return standard deviations by name, in the order of the draws."""
         stated = dict(self.tolerances.items())
         stated["sensor_offset"] = float(np.hypot(stated["sensor_offset"], self.offset))
-        return {**stated, "initial_state": self.error_at_start}
+        # last and only where they are not zero, so that the draws of all others stay the same without them
+        added = {name: stated.pop(name) for name in _LAST}
+        return {**stated, "initial_state": self.error_at_start} | {k: v for k, v in added.items() if v}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -84,18 +89,16 @@ def sweep(
     `differences` [m].
     """
     thin = histories.thinned(every)
-    deviations = unknown.deviations()
-    points = _normal(len(deviations) + 1, draws, seed)
-    drawn = dict(zip(deviations, points * np.array([*deviations.values(), 0.0])[:, np.newaxis], strict=False))
+    drawn, phase = draw_unknown(unknown, draws, seed)
     band = np.zeros((2, thin.command.size))
     if before is None:
-        states = _at_first_sample(structure, drawn, points[-1] * unknown.error_at_start, thin.standing)
+        states = _at_first_sample(structure, drawn, phase * unknown.error_at_start, thin.standing)
     else:
         states = before.first(draws).states
     swept = _swept(thin, structure, drawn, states[:-2], differences, band)
     mean = band[0] / draws
     deviation = np.sqrt(np.maximum(band[1] / draws - mean**2, 0.0))
-    exact = {name: np.zeros(1) for name in deviations}
+    exact = {name: np.zeros(1) for name in drawn}
     stated = thin.difference[np.newaxis]
     coarse = _swept(thin, structure, exact, states[-2:-1], stated, np.zeros_like(band))[0]
     fine = _fine_statistics(histories, structure, states[-1])
@@ -120,6 +123,13 @@ def samples_in_step(structure: WholeStructure, noise: SensorNoise, samples: int)
     of_structure = samples_in_step_of_structure(structure, noise.time_step)
     of_band = max(int(_IN_PERIOD_OF_BAND / (noise.band * noise.time_step)), 1)
     return min(of_structure, max(of_band, -(-samples // FEWEST_SWEPT)))
+
+
+def draw_unknown(unknown: Unknown, draws: int, seed: int) -> tuple[dict[str, Array], Array]:
+    """Draw what is unknown, each shape (draws,), and a standard normal velocity at the first sample."""
+    deviations = unknown.deviations()
+    points = _normal(len(deviations) + 1, draws, seed)
+    return {name: row * deviations[name] for name, row in zip(deviations, points, strict=False)}, points[-1]
 
 
 def _normal(dimensions: int, draws: int, seed: int) -> Array:
@@ -158,24 +168,30 @@ def _swept(
     differences: Array,
     band: Array,
 ) -> Array:
-    kinds = _recursions(structure, drawn, thin.time_step)
+    recursion = _recursion(structure, drawn, thin.time_step)
     rate = np.gradient(thin.measured, thin.time_step)
-    inputs = np.stack([thin.measured, rate, np.ones(rate.size)])
-    shifts = np.stack([drawn["sensor_scale"], drawn["time_shift"], drawn["sensor_offset"]], axis=1)
-    lag = thin.fed_back - thin.difference
+    columns: dict[str, Callable[[], Array]] = {
+        "sensor_scale": lambda: thin.measured,
+        "time_shift": lambda: rate,
+        "sensor_offset": lambda: np.ones(rate.size),
+        "filter_delay": lambda: rate,
+        "hysteresis": lambda: -lag_of_reading(thin.command, float(np.abs(drawn["hysteresis"]).mean())),
+        "sensor_drift": lambda: np.linspace(-0.5, 0.5, rate.size),
+    }
+    names = [name for name in columns if name in drawn and drawn[name].any()]
     return np.asarray(
         sweep_draws(
-            np.stack([kind.decay for kind in kinds]),
-            np.stack([kind.early for kind in kinds]),
-            np.stack([kind.late for kind in kinds]),
-            np.stack([kind.output[0] for kind in kinds]),
-            np.array([kind.feed_through[0] for kind in kinds]),
+            recursion.decay,
+            recursion.early,
+            recursion.late,
+            recursion.output,
+            recursion.feed_through,
             state,
             thin.command,
             np.ascontiguousarray(differences),
-            inputs,
-            np.ascontiguousarray(shifts),
-            lag,
+            np.array([columns[name]() for name in names]).reshape(-1, rate.size),
+            np.array([drawn[name] for name in names]).reshape(-1, state.shape[0]).T.copy(),
+            thin.fed_back - thin.difference,
             rate,
             np.ascontiguousarray(drawn["feedback_lag"]),
             band,
@@ -183,18 +199,20 @@ def _swept(
     )
 
 
-def _recursions(structure: WholeStructure, drawn: dict[str, Array], step: float) -> list[Recursion]:
-    names = ("frequency", "damping_ratio", "experimental_fraction")
-    if not any(drawn[name].any() for name in names):
-        return [Recursion.of_displacement(structure, step)] * drawn["frequency"].size
-    return [
-        Recursion.of_displacement(
-            structure.scaled(
-                frequency=max(1.0 + f, _LEAST),
-                damping_ratio=max(1.0 + xi, _LEAST),
-                share=max(1.0 + share, _LEAST),
-            ),
-            step,
-        )
-        for f, xi, share in zip(*(drawn[name] for name in names), strict=True)
+def _recursion(structure: WholeStructure, drawn: dict[str, Array], step: float) -> Recursion:
+    """Recursions of the draws; where none of the structure's parameters is drawn all are the same."""
+    factors = [
+        np.maximum(1.0 + drawn[name], _LEAST)
+        for name in ("frequency", "damping_ratio", "experimental_fraction")
     ]
+    if any((factor != 1.0).any() for factor in factors):
+        f, xi, share = factors
+        return Recursion.of_scaled(structure, step, frequency=f, damping_ratio=xi, share=share)
+    same, draws = Recursion.of_displacement(structure, step), factors[0].size
+    return Recursion(
+        decay=np.stack([same.decay] * draws),
+        early=np.stack([same.early] * draws),
+        late=np.stack([same.late] * draws),
+        output=np.stack([same.output[0]] * draws),
+        feed_through=np.full(draws, same.feed_through[0]),
+    )

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
+from threadpoolctl import threadpool_limits
 
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
@@ -63,22 +64,56 @@ class Recursion:
     @classmethod
     def _held(cls, a: Array, b: Array, step: float, output: Array, feed_through: Array) -> "Recursion":
         order = b.size
-        joint = np.zeros((order + 2, order + 2))
-        joint[:order, :order], joint[:order, order], joint[order, order + 1] = a * step, b * step, 1.0
-        exponential = scipy.linalg.expm(joint)
-        late = exponential[:order, order + 1]
+        joint = np.zeros((*a.shape[:-2], order + 2, order + 2))
+        joint[..., :order, :order], joint[..., :order, order] = a * step, b * step
+        joint[..., order, order + 1] = 1.0
+        # for matrices as small as these several threads cost more time than they save
+        with threadpool_limits(limits=1, user_api="blas"):
+            exponential = scipy.linalg.expm(joint)
+        late = exponential[..., :order, order + 1]
         return cls(
-            decay=np.ascontiguousarray(exponential[:order, :order]),
-            early=exponential[:order, order] - late,
+            decay=np.ascontiguousarray(exponential[..., :order, :order]),
+            early=exponential[..., :order, order] - late,
             late=np.ascontiguousarray(late),
             output=np.ascontiguousarray(output),
             feed_through=feed_through,
         )
 
+    @classmethod
+    def of_scaled(
+        cls,
+        structure: WholeStructure,
+        time_step: float,
+        *,
+        frequency: Array,
+        damping_ratio: Array,
+        share: Array,
+    ) -> "Recursion":
+        """Recursions of `of_displacement` for many structures at once, with a first axis of draws.
+
+        `time_step` [s]; the factors of :meth:`WholeStructure.scaled` [-], shape (draws,).
+        """
+        size, draws = structure.interface.size, frequency.size
+        below = -np.linalg.solve(structure.mass, np.hstack([structure.stiffness, structure.damping]))
+        moved = np.linalg.solve(structure.mass, structure.interface)
+        factors = np.repeat(np.stack([frequency**2, frequency * damping_ratio], axis=1), size, axis=1)
+        a = np.zeros((draws, 2 * size, 2 * size))
+        a[:, :size] = np.eye(size, 2 * size, size)
+        a[:, size:] = below * factors[:, np.newaxis]
+        b = np.concatenate([np.zeros(size), moved])
+        late_mass = structure.specimen_mass * share
+        rows = np.zeros((draws, size, 2 * size))
+        rows += (structure.specimen_stiffness * frequency**2 * share)[:, None, None] * np.eye(size, 2 * size)
+        rows += (structure.specimen_damping * frequency * share)[:, None, None] * np.eye(size, 2 * size, size)
+        rows += late_mass[:, None, None] * a[:, size:]
+        return cls._held(
+            a, b, time_step, structure.interface @ rows, late_mass * float(structure.interface @ moved)
+        )
+
     @property
     def order(self) -> int:
         """Length 2n of the state."""
-        return int(self.early.size)
+        return int(self.early.shape[-1])
 
 
 def equilibrium(structure: WholeStructure, difference: float) -> Array:

@@ -23,6 +23,11 @@ class Tolerances:
     # Of a shift in time between the recorded command and the recorded displacement [s]
     time_shift: float = 0.0
     feedback_lag: float = 0.0  # Of the time by which the force is fed back late [s]
+    # Of the delay that filters of the two channels do not have in common [s]
+    filter_delay: float = 0.0
+    # Of the hysteresis of the displacement sensor, width of its loop over the span of the motion [-]
+    hysteresis: float = 0.0
+    sensor_drift: float = 0.0  # Of its drift from beginning to end [m], beyond what was taken away
 
     def __post_init__(self) -> None:
         for name, value in self.items():
@@ -43,7 +48,7 @@ class Tolerances:
         return [(field.name, float(getattr(self, field.name))) for field in fields(self)]
 
 
-_RELATIVE = ("frequency", "damping_ratio", "experimental_fraction", "sensor_scale")
+_RELATIVE = ("frequency", "damping_ratio", "experimental_fraction", "sensor_scale", "hysteresis")
 _LARGEST = 1.0 / 3.0
 
 

@@ -1,14 +1,23 @@
-"""Which uncertain quantity widens the interval of a rebuilt error most."""
+"""Which uncertain quantity widens the interval of a rebuilt error most.
+
+The square of an error is a quadratic form in what is drawn. Its dependence on each quantity is fitted to the
+draws themselves, y = y₀ + Σ aᵢuᵢ + bᵢuᵢ² by least squares, and gives the error as it would be if one of them
+were known better.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error.interval import Histories, Unknown, sweep
+from reliab.assessment.rebuilt_error.interval import Histories, Unknown, draw_unknown, sweep
+from reliab.assessment.rebuilt_error.spread import Spread
+from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.vocabulary import Metric
 
-_HALVINGS = 6
+_HALVINGS = 12
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,6 +26,7 @@ class Widening:
 
     name: str  # The tolerance, or "sensor_noise" or "initial_state"
     deviation: float  # Its standard deviation, relative or in SI units; zero for noise
+    contribution: float  # Standard deviation of the error that it alone causes [-]
     width: float  # Width of the 90 % interval [-]
     width_without: float  # Width if this were known exactly [-]
     # Standard deviation at which the width is halved; None where no value does so alone
@@ -36,29 +46,26 @@ def widenings(
 ) -> tuple[Widening, ...]:
     """Find which uncertain quantities widen the interval most, and what would halve it."""
 
-    def width(changed: Unknown, drawn: Array = differences) -> float:
-        swept = sweep(histories, structure, changed, drawn, every, draws=draws, seed=seed)
-        low, high = swept.spread.interval(metric)
-        return high - low
+    def swept(unknown: Unknown, drawn: Array = differences) -> Spread:
+        return sweep(histories, structure, unknown, drawn, every, draws=draws, seed=seed).spread
 
-    whole = width(unknown)
+    every_one = swept(unknown)
+    quiet = swept(unknown, differences.mean(axis=0, keepdims=True))
+    drawn, _ = draw_unknown(unknown, draws, seed)
+    effects = _effects(every_one.errors(metric) ** 2, {name: u for name, u in drawn.items() if u.any()})
+    whole = _width(every_one, metric)
     parts = [
-        Widening(
-            name=name,
-            deviation=deviation,
-            width=whole,
-            width_without=(without := width(_scaled(unknown, name, 0.0))),
-            deviation_for_half=_for_half(unknown, name, deviation, 0.5 * whole, width)
-            if without < 0.5 * whole
-            else None,
-        )
-        for name, deviation in unknown.deviations().items()
-        if deviation > 0.0
+        _widening(effect, every_one, metric, unknown.deviations()[name]) for name, effect in effects.items()
     ]
-    quiet = width(unknown, differences.mean(axis=0, keepdims=True))
+    exact = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
     parts.append(
         Widening(
-            name="sensor_noise", deviation=0.0, width=whole, width_without=quiet, deviation_for_half=None
+            name="sensor_noise",
+            deviation=0.0,
+            contribution=float(np.std(swept(exact).errors(metric))),
+            width=whole,
+            width_without=_width(quiet, metric),
+            deviation_for_half=None,
         )
     )
     return tuple(
@@ -66,21 +73,62 @@ def widenings(
     )
 
 
-def _for_half(
-    unknown: Unknown, name: str, deviation: float, half: float, width: Callable[[Unknown], float]
-) -> float | None:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Effect:
+    """What one quantity adds to the squares of the errors, a u + b u²."""
+
+    name: str
+    linear: Array  # a u, shape (draws,)
+    square: Array  # b u², shape (draws,)
+    nominal: float  # y₀, the square of the error with everything as stated
+
+    def added(self, factor: float) -> Array:
+        """Return what it would add if it were known better by a factor."""
+        return factor * self.linear + factor**2 * self.square
+
+
+def _effects(squares: Array, drawn: dict[str, Array]) -> dict[str, _Effect]:
+    scaled = [values / np.std(values) for values in drawn.values()]
+    columns = np.stack([np.ones_like(squares), *scaled, *(values**2 for values in scaled)])
+    coefficients = np.linalg.lstsq(columns.T, squares, rcond=None)[0]
+    rows = coefficients[:, np.newaxis] * columns
+    return {
+        name: _Effect(
+            name=name, linear=rows[1 + k], square=rows[1 + len(drawn) + k], nominal=float(coefficients[0])
+        )
+        for k, name in enumerate(drawn)
+    }
+
+
+def _widening(effect: _Effect, spread: Spread, metric: Metric, deviation: float) -> Widening:
+    squares = spread.errors(metric) ** 2
+
+    def width(factor: float) -> float:
+        changed = np.sqrt(np.maximum(squares - effect.added(1.0) + effect.added(factor), 0.0))
+        return _width(replace(spread, **{metric.value: changed}), metric)
+
+    whole, without = _width(spread, metric), width(0.0)
+    alone = np.sqrt(np.maximum(effect.nominal + effect.added(1.0), 0.0))
+    return Widening(
+        name=effect.name,
+        deviation=deviation,
+        contribution=float(np.std(alone)),
+        width=whole,
+        width_without=without,
+        deviation_for_half=_for_half(deviation, 0.5 * whole, width) if without < 0.5 * whole else None,
+    )
+
+
+def _width(spread: Spread, metric: Metric) -> float:
+    low, high = spread.interval(metric)
+    return high - low
+
+
+def _for_half(deviation: float, half: float, width: Callable[[float], float]) -> float | None:
     """Find the standard deviation at which the interval is half as wide, by bisection."""
     low, high = 0.0, 1.0
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
-        narrow = width(_scaled(unknown, name, middle)) <= half
+        narrow = width(middle) <= half
         low, high = (middle, high) if narrow else (low, middle)
     return low * deviation or None
-
-
-def _scaled(unknown: Unknown, name: str, factor: float) -> Unknown:
-    if name == "initial_state":
-        return replace(unknown, error_at_start=factor * unknown.error_at_start)
-    tolerances = replace(unknown.tolerances, **{name: factor * getattr(unknown.tolerances, name)})
-    offset = factor * unknown.offset if name == "sensor_offset" else unknown.offset
-    return replace(unknown, tolerances=tolerances, offset=offset)

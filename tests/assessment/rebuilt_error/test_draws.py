@@ -4,9 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy
 
 from reliab.assessment.rebuilt_error import Tolerances
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
+from reliab.assessment.rebuilt_error.hysteresis import lag_of_reading
 from reliab.assessment.rebuilt_error.interval import Histories, Unknown, samples_in_step, sweep
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.parts import _part, divide, part_of_tracking
@@ -49,6 +51,8 @@ def disturbances(histories):
         "time_shift": (1e-3, response(rate) - rate),
         "sensor_offset": (2e-4, response(lasting) - 1.0),
         "feedback_lag": (5e-4, response(rate)),
+        "filter_delay": (1e-3, response(rate) - rate),
+        "sensor_drift": (1e-3, response(slope := np.linspace(-0.5, 0.5, TIME.size)) - slope),
     }
 
 
@@ -65,7 +69,10 @@ def test_errors_are_relative_to_the_peak_of_the_command_less_the_error_of_the_co
     assert spread.mte == pytest.approx(np.full(2, np.abs(strayed).max() / ideal), rel=0.005)
 
 
-@pytest.mark.parametrize("name", ["sensor_scale", "time_shift", "sensor_offset", "feedback_lag"])
+@pytest.mark.parametrize(
+    "name",
+    ["sensor_scale", "time_shift", "sensor_offset", "feedback_lag", "filter_delay", "sensor_drift"],
+)
 def test_a_linear_tolerance_moves_the_error_by_its_own_response(histories, name):
     deviation, effect = disturbances(histories)[name]
     spread = swept(histories, **{name: deviation})
@@ -180,31 +187,47 @@ def test_tolerances_of_equal_effect_widen_equally_and_half_of_one_halves(histori
     assert first.width == pytest.approx(whole[1] - whole[0])
     exact = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
     rest = interval(exact)
-    assert first.width_without == pytest.approx(rest[1] - rest[0])
+    assert first.width_without == pytest.approx(rest[1] - rest[0], abs=0.07 * first.width)
     halved = replace(unknown, tolerances=Tolerances(sensor_scale=first.deviation_for_half))
     half = interval(halved)
-    assert (half[1] - half[0]) / first.width == pytest.approx(0.5, abs=0.02)
+    assert (half[1] - half[0]) / first.width == pytest.approx(0.5, abs=0.03)
     for other in others:
         assert other.name == "sensor_noise"
         assert other.deviation == 0.0
         assert first.width_without < other.width_without < other.width
 
 
-@pytest.mark.parametrize(
-    ("name", "offset"), [("sensor_scale", 0.0), ("sensor_offset", 4e-4), ("initial_state", 0.0)]
-)
-def test_half_the_width_is_found_by_halving(name, offset):
-    """Where the width is the deviation's square, half of it is at √½ of the deviation, to 1/64 below."""
+def test_half_the_width_is_found_by_halving():
+    """Where the width is the deviation's square, half of it is at √½ of the deviation, to 1/4096 below."""
+    found = _for_half(5.0, 0.5, lambda factor: factor**2)
+    assert np.sqrt(0.5) - 1.0 / 4096.0 <= found / 5.0 <= np.sqrt(0.5)
+    assert _for_half(5.0, -1.0, lambda factor: factor**2) is None
+
+
+def test_a_contribution_is_that_of_the_quantity_alone(histories):
+    """Against the error with each value of the quantity, computed one by one."""
     unknown = Unknown(
-        tolerances=Tolerances(sensor_scale=0.02, sensor_offset=3e-4), offset=offset, error_at_start=1e-3
+        tolerances=Tolerances(sensor_scale=0.004, time_shift=2e-4, hysteresis=0.002),
+        offset=0.0,
+        error_at_start=0.0,
     )
-
-    def width(changed):
-        return (changed.deviations()[name] / unknown.deviations()[name]) ** 2
-
-    found = _for_half(unknown, name, 5.0, 0.5, width)
-    assert np.sqrt(0.5) - 1.0 / 64.0 <= found / 5.0 <= np.sqrt(0.5)
-    assert _for_half(unknown, name, 5.0, -1.0, width) is None
+    still = histories.difference[np.newaxis]
+    shares = widenings(histories, STRUCTURE, unknown, still, 1, metric=Metric.RMS, draws=128, seed=3)
+    by_name = {share.name: share for share in shares}
+    lag = -lag_of_reading(histories.command, 0.0016)
+    columns = {
+        "sensor_scale": histories.measured,
+        "time_shift": np.gradient(histories.measured, STEP),
+        "hysteresis": lag,
+    }
+    for name, column in columns.items():
+        sizes = []
+        for place in scipy.special.ndtri((np.arange(200) + 0.5) / 200.0):
+            difference = histories.difference + place * unknown.deviations()[name] * column
+            error = response(difference)
+            ideal = np.abs(histories.command - error).max()
+            sizes.append(np.sqrt(mean_square(error - difference)) / ideal)
+        assert by_name[name].contribution == pytest.approx(np.std(sizes), rel=0.15)
 
 
 def test_a_part_over_time_and_frequency_keeps_its_mean_square(histories):

@@ -1,0 +1,12 @@
+from .budget import BudgetItem as BudgetItem, budget_of_error as budget_of_error
+from .equipment import (
+    Equipment as Equipment,
+    ordinary_equipment as ordinary_equipment,
+    read_equipment as read_equipment,
+)
+from .sizes import (
+    Size as Size,
+    Source as Source,
+    sizes_of_unknown as sizes_of_unknown,
+    tolerances_of as tolerances_of,
+)

@@ -1,0 +1,147 @@
+"""The budget of a test's uncertainty: sizes, what each contributes, and what would reduce it."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from reliab.assessment.budget.sizes import Size, Source
+from reliab.assessment.rebuilt_error.widenings import Widening
+from reliab.vocabulary import MILLI, PERCENT
+
+
+@dataclass(frozen=True, kw_only=True)
+class BudgetItem:
+    """One quantity of the budget of a test's uncertainty.
+
+    Attributes
+    ----------
+    name : str
+        Key of what is not known exactly.
+    quantity : str
+        The same in words.
+    size : float or None
+        One standard deviation of it, in `unit`; None for noise, whose spectrum is estimated.
+    unit : str
+        Unit of the size.
+    source : Source
+        Whether the size was stated, learned from the test, or is that of ordinary equipment.
+    contribution : float
+        Standard deviation of the error that it alone causes [-].
+    remedy : str
+        What would reduce it, a sentence.
+    """
+
+    name: str
+    quantity: str
+    size: float | None
+    unit: str
+    source: Source
+    contribution: float
+    remedy: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """Put it into plain values."""
+        return {**vars(self), "source": str(self.source)}
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Quantity:
+    name: str
+    unit: str
+    factor: float  # From the unit in which it is drawn to that of the budget
+    remedy: str
+
+
+_QUANTITIES = {
+    "frequency": _Quantity(
+        name="natural frequency",
+        unit="%",
+        factor=PERCENT,
+        remedy="Measure the natural frequency by a free vibration, and state its deviation (--f 1±0.2%).",
+    ),
+    "damping_ratio": _Quantity(
+        name="damping ratio",
+        unit="%",
+        factor=PERCENT,
+        remedy="Measure the damping ratio by a free vibration, and state its deviation (--xi 0.02±5%).",
+    ),
+    "experimental_fraction": _Quantity(
+        name="share of the stiffness",
+        unit="%",
+        factor=PERCENT,
+        remedy="Measure the specimen's stiffness, and state the deviation of its share (--alpha 0.5±0.5%).",
+    ),
+    "sensor_scale": _Quantity(
+        name="scale of the displacement sensor",
+        unit="%",
+        factor=PERCENT,
+        remedy="Calibrate the displacement sensor against the command, and state its scale (--scale 1±0.1%).",
+    ),
+    "sensor_offset": _Quantity(
+        name="offset of the displacement sensor",
+        unit="mm",
+        factor=MILLI,
+        remedy="Record some seconds of rest before the test, which show the sensor's offset.",
+    ),
+    "time_shift": _Quantity(
+        name="skew of the channels",
+        unit="ms",
+        factor=MILLI,
+        remedy="Measure the skew, by one signal on both channels, and state it (--skew 0±0.05).",
+    ),
+    "feedback_lag": _Quantity(
+        name="lag of the fed-back force",
+        unit="ms",
+        factor=MILLI,
+        remedy="Measure by how much the force is fed back late, and state it (--feedback-lag 0.2±0.05).",
+    ),
+    "filter_delay": _Quantity(
+        name="filters of the channels",
+        unit="ms",
+        factor=MILLI,
+        remedy="State the filters of both channels (--filter).",
+    ),
+    "hysteresis": _Quantity(
+        name="hysteresis of the displacement sensor",
+        unit="%",
+        factor=PERCENT,
+        remedy="Measure the sensor's hysteresis by a slow cycle, and state it (--hysteresis).",
+    ),
+    "sensor_drift": _Quantity(
+        name="drift of the displacement sensor",
+        unit="mm",
+        factor=MILLI,
+        remedy="Record rest before and after the test, which shows the sensor's drift.",
+    ),
+    "initial_state": _Quantity(
+        name="motion before the record",
+        unit="mm",
+        factor=MILLI,
+        remedy="Record from rest: the error at the first sample is not known.",
+    ),
+    "sensor_noise": _Quantity(
+        name="noise of the displacement sensor",
+        unit="",
+        factor=0.0,
+        remedy="Use a displacement sensor with less noise.",
+    ),
+}
+
+
+def budget_of_error(widenings: Iterable[Widening], sizes: Mapping[str, Size]) -> tuple[BudgetItem, ...]:
+    """List what makes the interval of an error, the largest contribution first."""
+    items = [_item(widening, sizes.get(widening.name)) for widening in widenings]
+    return tuple(sorted(items, key=lambda item: -item.contribution))
+
+
+def _item(widening: Widening, size: Size | None) -> BudgetItem:
+    quantity = _QUANTITIES[widening.name]
+    return BudgetItem(
+        name=widening.name,
+        quantity=quantity.name,
+        size=quantity.factor * widening.deviation if quantity.factor else None,
+        unit=quantity.unit,
+        source=Source.LEARNED if size is None else size.source,
+        contribution=widening.contribution,
+        remedy=quantity.remedy,
+    )

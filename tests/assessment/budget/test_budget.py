@@ -1,0 +1,106 @@
+"""What is not known of a test: its size and source, and what it contributes."""
+
+import numpy as np
+import pytest
+
+from reliab.assessment import assess
+from reliab.assessment.budget import (
+    Source,
+    ordinary_equipment,
+    read_equipment,
+    sizes_of_unknown,
+    tolerances_of,
+)
+from reliab.errors import InputError
+from reliab.recordings import Recording
+from reliab.stated_value import StatedValue
+from reliab.structures import Structure
+
+ONE_HERTZ = Structure(frequency=1.0, damping_ratio=0.03)
+
+
+@pytest.fixture(scope="module")
+def recording(ground_motions, simulate_rig):
+    motion = ground_motions[3]
+    test = simulate_rig(motion.acceleration, motion.time_step, seconds=30.0, delay=0.001, xi=0.03, db=45.0)
+    return Recording(command=test.command, measured=test.measured, time_step=1.0 / 256.0)
+
+
+@pytest.fixture(scope="module")
+def judged(recording):
+    return assess(recording, ONE_HERTZ, equipment=ordinary_equipment())
+
+
+def test_what_is_not_stated_has_the_size_of_ordinary_equipment():
+    stated = {"f": StatedValue(1.0, 0.002), "xi": StatedValue(0.03), "skew": StatedValue(0.1, 0.05)}
+    sizes = sizes_of_unknown(stated, ONE_HERTZ, ordinary_equipment(), 1.0 / 1024.0)
+    assert {name: size.source for name, size in sizes.items()} == {
+        "frequency": Source.STATED,
+        "time_shift": Source.STATED,
+        **dict.fromkeys(
+            ("damping_ratio", "sensor_scale", "feedback_lag", "filter_delay", "hysteresis"), Source.DEFAULT
+        ),
+    }
+    tolerances = tolerances_of(sizes)
+    assert (tolerances.frequency, tolerances.time_shift) == (0.002, pytest.approx(5e-5))
+    assert tolerances.damping_ratio == ordinary_equipment().xi
+    assert tolerances.experimental_fraction == 0.0
+
+
+def test_only_what_is_stated_is_unknown_without_equipment():
+    sizes = sizes_of_unknown({"xi": StatedValue(0.03, 0.003)}, ONE_HERTZ, None, 1.0 / 1024.0)
+    assert list(sizes) == ["damping_ratio"]
+    assert sizes["damping_ratio"].deviation == pytest.approx(0.1)
+
+
+def test_a_share_below_one_is_not_known_exactly():
+    half = Structure(frequency=1.0, damping_ratio=0.03, experimental_fraction=0.5)
+    assert "experimental_fraction" in sizes_of_unknown({}, half, ordinary_equipment(), 0.001)
+
+
+def test_a_slow_recording_is_thinned_from_a_faster_controller():
+    equipment = ordinary_equipment()
+    assert equipment.skew(1.0 / 4096.0) == pytest.approx(equipment.skew_samples / 4096.0)
+    assert equipment.skew(0.01) == pytest.approx(equipment.skew_ms / 1e3)
+
+
+def test_a_laboratory_overrides_what_it_knows_better(tmp_path):
+    file = tmp_path / "laboratory.toml"
+    file.write_text("xi = 0.05\nscale = 0.001\n", encoding="utf-8")
+    own = read_equipment(file)
+    assert (own.xi, own.scale, own.f) == (0.05, 0.001, ordinary_equipment().f)
+
+
+@pytest.mark.parametrize("text", ["zeta = 0.1", "xi = -0.1", 'xi = "small"', "xi = true"])
+def test_a_file_of_other_names_or_numbers_is_refused(tmp_path, text):
+    file = tmp_path / "laboratory.toml"
+    file.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match="not negative"):
+        read_equipment(file)
+
+
+def test_a_verdict_carries_what_its_laboratory_does_not_know(recording, judged):
+    exact = assess(recording, ONE_HERTZ)
+    wide, narrow = (found.error.rebuilt.rms for found in (judged, exact))
+    assert wide.value == narrow.value
+    assert wide.high - wide.low > 5.0 * (narrow.high - narrow.low)
+    assert exact.probability > 0.99
+    assert judged.probability <= 0.99
+
+
+def test_the_budget_names_sizes_sources_and_remedies_largest_first(judged):
+    budget = judged.to_dict()["budget"]
+    contributions = [item["contribution"] for item in budget]
+    assert contributions == sorted(contributions, reverse=True)
+    by_name = {item["name"]: item for item in budget}
+    assert by_name["damping_ratio"]["size"] == pytest.approx(100.0 * ordinary_equipment().xi)
+    assert (by_name["time_shift"]["unit"], by_name["time_shift"]["source"]) == ("ms", "default")
+    assert by_name["sensor_noise"]["source"] == "learned from this test"
+    assert all(item["remedy"].endswith(".") for item in budget)
+
+
+def test_contributions_add_up_to_the_interval(judged):
+    """Independent contributions add in squares, as far as the error is linear in them."""
+    errors = judged.error.rebuilt.draws.rms
+    whole = np.sqrt(sum(item.contribution**2 for item in judged.error.budget))
+    assert whole == pytest.approx(np.std(errors), rel=0.3)
