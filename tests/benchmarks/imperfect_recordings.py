@@ -2,12 +2,12 @@
 
 `python tests/benchmarks/imperfect_recordings.py FOLDER --seed S --count N [--rows NAME …] [--exact]`
 simulates the tests of the seeds from S on by `tests/assessment/rebuilt_error/laboratory.py`, which shares no
-code with `reliab`, under the real records of `../shared/motions` (`--records`), spoils each recording or statement in
-one way after the other, and judges it with nothing stated but f, ξ and α. Answers are kept in FOLDER, a file
-for each seed; what is there already is not done again. Printed for each row: ratios of stated to true RMS^R,
-how often the 90 % interval holds the truth (with its Wilson interval), bad tests accepted, good ones refused,
-undecided ones; then, for the rows `sound` and `ordinary`, the share of good tests called reliable by size of
-the true error.
+code with `reliab`, under the real records of `../shared/motions` (`--records`), spoils each recording or
+statement in one way after the other, and judges it with nothing stated but f, ξ and α. Answers are kept in
+FOLDER, a file for each seed; what is there already is not done again. Printed for each row: ratios of stated
+to true RMS^R, how often the 90 % interval holds the truth (with its Wilson interval), bad tests accepted,
+good ones refused, undecided ones; then, for the rows `sound` and `ordinary`, the share of good tests called
+reliable by size of the true error.
 
 True errors lie between 1 and 12 %, the threshold is 5 %, white noise lies 45 dB below the motion. Rows of
 `HELD_OUT` were looked at once, when everything was finished.

@@ -5,7 +5,6 @@ histories of x_c − x_m from those that the noise allows, and the error is rebu
 linearised, and no noise is subtracted from a mean square or a peak.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -170,14 +169,16 @@ def _swept(
 ) -> Array:
     recursion = _recursion(structure, drawn, thin.time_step)
     rate = np.gradient(thin.measured, thin.time_step)
-    columns: dict[str, Callable[[], Array]] = {
-        "sensor_scale": lambda: thin.measured,
-        "time_shift": lambda: rate,
-        "sensor_offset": lambda: np.ones(rate.size),
-        "filter_delay": lambda: rate,
-        "hysteresis": lambda: -lag_of_reading(thin.command, float(np.abs(drawn["hysteresis"]).mean())),
-        "sensor_drift": lambda: np.linspace(-0.5, 0.5, rate.size),
+    columns = {
+        "sensor_scale": thin.measured,
+        "time_shift": rate,
+        "sensor_offset": np.ones(rate.size),
+        "filter_delay": rate,
+        "sensor_drift": np.linspace(-0.5, 0.5, rate.size),
     }
+    if "hysteresis" in drawn:
+        width = float(np.mean(np.abs(drawn["hysteresis"])))
+        columns["hysteresis"] = -lag_of_reading(thin.command, width)
     names = [name for name in columns if name in drawn and drawn[name].any()]
     return np.asarray(
         sweep_draws(
@@ -189,7 +190,7 @@ def _swept(
             state,
             thin.command,
             np.ascontiguousarray(differences),
-            np.array([columns[name]() for name in names]).reshape(-1, rate.size),
+            np.array([columns[name] for name in names]).reshape(-1, rate.size),
             np.array([drawn[name] for name in names]).reshape(-1, state.shape[0]).T.copy(),
             thin.fed_back - thin.difference,
             rate,
