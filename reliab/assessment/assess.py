@@ -108,13 +108,9 @@ def assess(
         displacement does not follow the command.
     """
     _require_judgeable(recording, structure, stated or {})
+    length = recording.duration
     chosen = criterion or default_criterion(
-        structure.frequency,
-        structure.damping_ratio,
-        threshold,
-        confidence,
-        metric=metric,
-        duration=recording.duration,
+        structure.frequency, structure.damping_ratio, threshold, confidence, metric=metric, duration=length
     )
     question = Question(
         structure=structure,

@@ -45,7 +45,6 @@ def summarise(findings: Findings) -> dict[str, Any]:
         "would_decide": list(findings.verdict.would_decide),
         "probability": findings.probability,
         "error": _error(findings),
-        "budget": [item.to_dict() for item in findings.error.budget],
         "by_index": _by_index(findings),
         "stability_margin": finite(findings.stability_margin),
         "critical_delay_ms": finite(MILLI * findings.critical_delay),
@@ -64,6 +63,7 @@ def summarise(findings: Findings) -> dict[str, Any]:
 
 def _details(findings: Findings) -> dict[str, Any]:
     return {
+        "budget": [item.to_dict() for item in findings.error.budget],
         "improve": _improve(findings),
         "windows": _windows(findings),
         "noise": _noise(findings),
