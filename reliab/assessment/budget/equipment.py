@@ -81,9 +81,9 @@ def read_equipment(path: str | Path) -> Equipment:
     InputError
         If the file cannot be read, or a name or number in it is not one of these.
     """
-    own = read_toml(path, rule=_RULE, remedy=_REMEDY)
+    sizes = read_toml(path, rule=_RULE, remedy=_REMEDY)
     known = {field.name for field in fields(Equipment)}
-    for name, value in own.items():
+    for name, value in sizes.items():
         if name not in known or isinstance(value, bool) or not isinstance(value, int | float) or value < 0:
             raise InputError(_RULE, value=f"{name} = {value!r}", remedy=_REMEDY, where=str(path))
-    return replace(ordinary_equipment(), **own)
+    return replace(ordinary_equipment(), **sizes)
