@@ -1,5 +1,11 @@
 from .assess import assess as assess
 from .assessment import Assessment as Assessment
+from .budget import (
+    BudgetItem as BudgetItem,
+    Equipment as Equipment,
+    ordinary_equipment as ordinary_equipment,
+    read_equipment as read_equipment,
+)
 from .default_criterion import default_criterion as default_criterion
 from .design import (
     CONFIDENCES as CONFIDENCES,
