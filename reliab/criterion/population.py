@@ -9,8 +9,8 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from reliab.criterion.ellipse_sample import FEWEST_MOTIONS, is_ellipse, of_curve, position, position_of_name
-from reliab.criterion.interpolation import tents
 from reliab.criterion.laws.checks import checked_grid
+from reliab.criterion.laws.table import tents
 from reliab.criterion.laws.validity import Validity
 from reliab.criterion.motion_predictive import MotionPredictive
 from reliab.criterion.scaling import scales

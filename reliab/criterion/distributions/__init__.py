@@ -1,15 +1,10 @@
-"""Distributions of a and b over ground motions, one per file."""
+"""Distributions of a and b over ground motions, by their names."""
 
 from typing import Final
 
 from reliab.criterion.distributions.distribution import Distribution
-from reliab.criterion.distributions.empirical import Empirical
-from reliab.criterion.distributions.gamma import Gamma
-from reliab.criterion.distributions.gaussian_mixture import LogGaussianMixture
-from reliab.criterion.distributions.lognormal import Lognormal
-from reliab.criterion.distributions.skew_normal import LogSkewNormal
-from reliab.criterion.distributions.student_t import LogStudentT
-from reliab.criterion.distributions.weibull import Weibull
+from reliab.criterion.distributions.normal_kernels import Empirical, LogGaussianMixture
+from reliab.criterion.distributions.scipy_family import Gamma, Lognormal, LogSkewNormal, LogStudentT, Weibull
 
 DISTRIBUTIONS: Final[dict[str, type[Distribution]]] = {
     family.name: family

@@ -1,8 +1,10 @@
 from .candidates import Candidate as Candidate, Derived as Derived, Limits as Limits, Printed as Printed
 from .cell import Cell as Cell
-from .counts import CrossValidation as CrossValidation
+from .counts import RATES as RATES, CrossValidation as CrossValidation, tabulate as tabulate
 from .folds import (
+    SCHEMES as SCHEMES,
     Fold as Fold,
+    folds_of as folds_of,
     from_another as from_another,
     k_fold as k_fold,
     leave_one_event_out as leave_one_event_out,
@@ -12,8 +14,6 @@ from .folds import (
 )
 from .intervals import event_bootstrap as event_bootstrap
 from .judge import cross_validate as cross_validate
-from .schemes import SCHEMES as SCHEMES, folds_of as folds_of
-from .tabulation import RATES as RATES, tabulate as tabulate
 from .truth import (
     EllipseTruth as EllipseTruth,
     SimulatedTruth as SimulatedTruth,

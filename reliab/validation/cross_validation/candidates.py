@@ -11,8 +11,7 @@ from reliab.criterion import Derivation
 from reliab.criterion.laws import FittedLaw, Law, Table
 from reliab.criterion.methods import Method
 from reliab.errors import InputError
-from reliab.validation.cross_validation.cell import Cell
-from reliab.validation.cross_validation.region import Region
+from reliab.validation.cross_validation.cell import Cell, Region
 from reliab.vocabulary import Side
 
 

@@ -1,11 +1,12 @@
 """Divisions of the ground motions into those that are learned from and those that are judged.
 
 Motions of one earthquake are similar, so that they are never divided: a motion is judged only by criteria
-learned from other earthquakes.
+learned from other earthquakes. `SCHEMES` lists the divisions by the names that studies and commands use.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -118,3 +119,32 @@ def _distinct(events: NDArray[np.str_], fewest: int) -> NDArray[np.str_]:
             remedy="Use more motions, or fewer folds",
         )
     return distinct
+
+
+GROUPS: Final = 5
+"""Groups of earthquakes of the scheme k_fold."""
+
+SPLITS: Final = 20
+"""Divisions of the scheme random_halves."""
+
+SCHEMES: Final[Mapping[str, Callable[[NDArray[np.str_]], Iterator[Fold]]]] = {
+    "leave_one_event_out": leave_one_event_out,
+    "k_fold": lambda events: k_fold(events, GROUPS),
+    "random_halves": lambda events: random_halves(events, SPLITS),
+}
+"""Every scheme by its name; each takes the earthquakes of the motions."""
+
+
+def folds_of(scheme: str, events: NDArray[np.str_]) -> list[Fold]:
+    """Divide motions.
+
+    `events` (motions,).
+
+    >>> len(folds_of("leave_one_event_out", np.array(["K", "K", "L", "M"])))
+    3
+    """
+    if scheme not in SCHEMES:
+        raise InputError(
+            "The scheme must be known", value=scheme, remedy=f"Choose among {', '.join(SCHEMES)}"
+        )
+    return list(SCHEMES[scheme](events))

@@ -24,11 +24,9 @@ from reliab.criterion import names_along, require_meaning
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
 from reliab.validation.cross_validation.candidates import Candidate, Limits
-from reliab.validation.cross_validation.cell import Cell
+from reliab.validation.cross_validation.cell import Actuators, Cell, draw_trials
 from reliab.validation.cross_validation.counts import COUNTS, DIMENSIONS, CrossValidation
 from reliab.validation.cross_validation.folds import Fold
-from reliab.validation.cross_validation.region import Actuators
-from reliab.validation.cross_validation.trials import draw_trials
 from reliab.validation.cross_validation.truth import EllipseTruth, Truth
 from reliab.vocabulary import Side
 

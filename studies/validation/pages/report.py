@@ -56,7 +56,7 @@ def validation_report(
     verdicts : pandas.DataFrame, optional
         What became of simulated tests in the first division: columns `candidate`, `confidence`,
         `good_accepted`, `good_rejected`, `bad_accepted`, `bad_rejected`, as
-        :func:`reliab.validation.cross_validation.tabulation.tabulate` makes it.
+        :func:`reliab.validation.cross_validation.counts.tabulate` makes it.
     beyond : pandas.DataFrame, optional
         Tests with actuators that are no constant gain and delay, as
         :func:`reliab.validation.beyond_the_model.try_rigs` makes it.

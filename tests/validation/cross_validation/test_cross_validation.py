@@ -19,8 +19,8 @@ from reliab.validation.cross_validation import (
     random_halves,
     transfer,
 )
+from reliab.validation.cross_validation.counts import tabulate
 from reliab.validation.cross_validation.intervals import event_bootstrap
-from reliab.validation.cross_validation.tabulation import tabulate
 from reliab.vocabulary import ELLIPSE_DIMENSIONS, Side
 
 

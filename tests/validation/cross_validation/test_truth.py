@@ -20,7 +20,7 @@ from reliab.validation.cross_validation import (
     cross_validate,
     leave_one_event_out,
 )
-from reliab.validation.cross_validation.region import Region
+from reliab.validation.cross_validation.cell import Region
 from reliab.vocabulary import Side
 
 CELL = Cell(frequency=1.0, damping_ratio=0.02, threshold=0.05, metric="rms")

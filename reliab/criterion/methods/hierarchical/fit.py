@@ -9,16 +9,52 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.criterion.ellipse_sample import FEWEST_MOTIONS
+from reliab.criterion.methods.hierarchical.further_motions import FurtherMotions
 from reliab.criterion.methods.hierarchical.missing import filled
 from reliab.criterion.methods.hierarchical.model import Hierarchical
-from reliab.criterion.methods.hierarchical.posterior_limits import posterior_limits
+from reliab.criterion.methods.joint import Scatter
 from reliab.criterion.methods.method import Learned, checked_share
 from reliab.criterion.population import Population
 from reliab.criterion.sample_grid import SampleGrid
+from reliab.criterion.scaling import scales
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
 from reliab.sampling import Ensembles, PosteriorSample, draw, width_of
 from reliab.vocabulary import Side
+
+_DRAWS_OF_LIMITS = 2000
+_MOTIONS = 40  # for each draw, each of an earthquake of its own
+_POPULATIONS = 400  # draws of the posterior whose own quantile is found
+
+
+def posterior_limits(
+    posterior: PosteriorSample,
+    model: Hierarchical,
+    confidence: float,
+    *,
+    joint: bool,
+    assurance: float | None = None,
+    seed: int = 2017,
+) -> NDArray[np.float64]:
+    """Limits that the stated share of motions of further earthquakes exceeds.
+
+    Returns (F, X, 2).
+    """
+    rng = np.random.default_rng(seed)
+    drawn = model.draw_motions(posterior.spread_out(_DRAWS_OF_LIMITS), np.arange(_MOTIONS), rng)
+    motions = drawn.reshape(-1, *drawn.shape[2:])
+    scatter = Scatter.of(motions)
+
+    if assurance is None:
+        standing = scatter.worse(motions)[..., None] if joint else scatter.standard(motions)
+        depth = np.quantile(standing, 1.0 - confidence, axis=0)
+    else:
+        every = FurtherMotions.of(model, posterior.spread_out(_POPULATIONS))
+        depth = np.quantile(every.depth(confidence, scatter, joint=joint), 1.0 - assurance, axis=0)
+    logarithms = scatter.centre + scatter.spread * depth
+    scale = scales(model.frequencies[:, None], model.damping_ratios[None, :])
+    return np.asarray(np.stack(scale, axis=-1) * np.exp(logarithms))
+
 
 _THIN = 2
 _DRAWS = 112_000  # steps of all walkers of an ensemble, for 1,000 effective draws of each parameter
