@@ -27,7 +27,7 @@ from .provenance import (
     installed_versions as installed_versions,
     records_checksum as records_checksum,
 )
-from .published import published_criterion as published_criterion
+from .published import printed_share as printed_share, published_criterion as published_criterion
 from .scaling import scales as scales
 from .share_comparison import compare_shares as compare_shares
 from .summary import describe_sample as describe_sample, summarise as summarise

@@ -56,7 +56,7 @@ def row(
 
 def _kept_by(criterion: "Criterion", summary: Mapping[str, Any]) -> dict[str, Any]:
     """Measure on the real motions that ship with the package how many keep a printed law."""
-    from reliab.criterion.published import printed_share
+    from reliab.criterion import printed_share
     from reliab.shipped import shipped
     from reliab.sweep import open_ellipses
 
