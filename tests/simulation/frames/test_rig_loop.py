@@ -52,12 +52,13 @@ def test_the_error_is_that_of_the_digital_laboratory(case, shaking):
     assert np.std(found.measured - piston) < 0.05 * np.std(strayed)
 
 
-def test_a_gain_and_a_delay_are_those_of_the_other_engine(shaking):
+@pytest.mark.parametrize("output", [None, np.array([0.0, 1.0]), np.array([-1.0, 1.0])])
+def test_a_gain_and_a_delay_are_those_of_the_other_engine(shaking, output):
     partition = described({"gain": 0.99, "delay_ms": 3.0}).partition
     excitation = Excitation(acceleration=shaking, time_step=0.01)
-    loop = FrameLoop(excitation=excitation, partition=partition)
+    loop = FrameLoop(excitation=excitation, partition=partition, output=output)
     expected, step = loop.response(0.99, 0.003)
-    found = rig_response(excitation, partition, gain_and_delay(0.99, 0.003))
+    found = rig_response(excitation, partition, gain_and_delay(0.99, 0.003), output)
     times = step * np.arange(expected.size)
     inside = np.interp(times, found.step * np.arange(found.response.size), found.response)
     assert inside == pytest.approx(expected, abs=2e-3 * np.abs(expected).max())

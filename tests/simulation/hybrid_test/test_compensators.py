@@ -54,6 +54,45 @@ def test_inverse_and_feedforward_are_exact_for_a_constant_velocity():
     np.testing.assert_allclose(feedforward[5:], (t[5:] + 0.004) / 0.1, rtol=1e-10)
 
 
+def differences(history):
+    """Backward differences over the step, from rest: the history and its first three; shape (4, n)."""
+    rows = [history]
+    for _ in range(3):
+        rows.append(np.diff(rows[-1], prepend=0.0) / STEP)
+    return np.stack(rows)
+
+
+@pytest.mark.parametrize(
+    "compensator",
+    [
+        InverseCompensation(steps=4.0),
+        PolynomialExtrapolation(steps=4, order=2),
+        Feedforward(time=0.004),
+        ModelInverse(factors=(1.1, 0.02, 2e-4, 1e-6)),
+    ],
+    ids=lambda compensator: compensator.name,
+)
+def test_displacement_velocity_and_acceleration_follow_the_definition(compensator):
+    """On a command without any order; all factors differ from one and from each other."""
+    command = np.random.default_rng(4).standard_normal((3, 60))
+    coefficients, state = compensator.coefficients(STEP), np.zeros(compensator.kernel.states)
+    sent = command.copy()
+    for k in range(sent.shape[1]):
+        row = sent[:, k].copy()
+        compensator.kernel(row, k * STEP, STEP, coefficients, state)
+        sent[:, k] = row
+    x, (v, a) = command[0], command[1:]
+    before = np.pad(command, ((0, 0), (1, 0)))[:, :-1]
+    late = [np.pad(x, (lag, 0))[: x.size] for lag in (0, 4, 8)]
+    expected = {
+        "inverse": 4.0 * command - 3.0 * before,
+        "feedforward": [x + 0.004 * v, v + 0.004 * a, a],
+        "polynomial_extrapolation": differences(3.0 * late[0] - 3.0 * late[1] + late[2])[:3],
+        "model_inverse": differences(np.array([1.1, 0.02, 2e-4, 1e-6]) @ differences(x))[:3],
+    }[compensator.name]
+    np.testing.assert_allclose(sent, expected, rtol=1e-9, atol=1e-9)
+
+
 @pytest.mark.parametrize(
     "compensator",
     [InverseCompensation(steps=5.0), PolynomialExtrapolation(steps=4), Feedforward(time=4 * STEP)],
