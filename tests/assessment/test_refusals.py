@@ -1,0 +1,51 @@
+"""What no error of a test can be computed from is refused, by its own rule."""
+
+import numpy as np
+import pytest
+
+from reliab.assessment.rebuilt_error.feedback import delayed
+from reliab.assessment.rebuilt_error.monitor import Monitor
+from reliab.assessment.rebuilt_error.nonlinear_reference import tangent_structure
+from reliab.errors import InputError
+from reliab.simulation.hybrid_test import HybridTest
+from reliab.structures import Specimen, Structure
+
+STRUCTURE = Structure(frequency=1.0, damping_ratio=0.05)
+
+
+@pytest.mark.parametrize(
+    ("make", "rule"),
+    [
+        (lambda: delayed(np.ones(8), -0.1, 1.0), "finite and not negative; found -0.1 s"),
+        (lambda: delayed(np.ones(8), np.inf, 1.0), "finite and not negative; found inf s"),
+        (lambda: delayed(np.ones(8), 4.5, 0.5), "must be shorter than the test; found 4.5 s"),
+        (lambda: Monitor(STRUCTURE, 0.0), "time step must be positive; found 0.0 s"),
+        (lambda: Monitor(STRUCTURE, np.inf), "time step must be positive; found inf s"),
+        (
+            lambda: tangent_structure(HybridTest(structure=None, specimen=Specimen(stiffness=1.0))),
+            "needs a numerical substructure",
+        ),
+    ],
+)
+def test_what_cannot_be_is_refused_by_its_own_rule(make, rule):
+    with pytest.raises(InputError, match=rule):
+        make()
+
+
+def test_a_force_that_is_not_late_is_fed_back_as_it_is():
+    values = np.arange(8.0)
+    assert delayed(values, 0.0, 1.0) is values
+
+
+@pytest.mark.parametrize("mass", [1.0, 50.0])
+def test_the_tangent_structure_is_per_unit_mass_with_the_specimen_inside(mass):
+    """Numerical and experimental parts add up to the whole, whatever its mass is."""
+    whole = Structure(frequency=2.0, damping_ratio=0.05, experimental_fraction=0.25)
+    specimen = Specimen(stiffness=3.0 * mass, damping=0.2 * mass, mass=0.1 * mass)
+    found = tangent_structure(HybridTest(structure=whole, mass=mass, specimen=specimen))
+    omega = 2.0 * np.pi * 2.0
+    assert found.mass == pytest.approx(np.array([[1.1]]))
+    assert found.stiffness == pytest.approx(np.array([[0.75 * omega**2 + 3.0]]))
+    assert found.damping == pytest.approx(np.array([[2.0 * 0.05 * omega + 0.2]]))
+    held = (found.specimen_stiffness, found.specimen_damping, found.specimen_mass)
+    assert held == pytest.approx((3.0, 0.2, 0.1))

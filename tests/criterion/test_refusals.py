@@ -1,0 +1,112 @@
+"""What no criterion can be derived from is refused, by its own rule."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from reliab.criterion import derive_criterion, read_ellipses
+from reliab.criterion.ellipse_sample import EllipseSample
+from reliab.criterion.laws.checks import checked_coefficients, checked_grid
+from reliab.criterion.methods import Quantile
+from reliab.criterion.methods.hierarchical.fit import hierarchical_model
+from reliab.criterion.population import Population
+from reliab.errors import InputError
+
+A, B = np.array([1e-4, 2e-4, 3e-4]), np.array([1.0, 2.0, 4.0])
+EVENTS = np.array(["E1", "E2", "E3"])
+
+
+def sample(**changed):
+    structure = {"frequency": 1.0, "damping_ratio": 0.02, "threshold": 0.05, "metric": "rms"}
+    return EllipseSample(**{"a": A, "b": B, "motions": EVENTS, "events": EVENTS, **structure, **changed})
+
+
+def ellipses(**names):
+    sizes = {"curve": ["ellipse"], "side": ["lag"], **names}
+    dimensions = ("motion", "f", "xi", "threshold", "metric", *sizes)
+    shape = (3, 1, 1, 1, 1, *(len(values) for values in sizes.values()))
+    return xr.Dataset(
+        {
+            name: (dimensions, np.broadcast_to(values.reshape(3, *(1,) * (len(shape) - 1)), shape))
+            for name, values in (("a", A), ("b", B))
+        },
+        coords={
+            "motion": EVENTS,
+            "event": ("motion", EVENTS),
+            "f": [1.0],
+            "xi": [0.02],
+            "threshold": [0.05],
+            "metric": ["rms"],
+            **sizes,
+        },
+    )
+
+
+def population(**changed):
+    parts = {"events": EVENTS, "frequencies": np.array([1.0]), "damping_ratios": np.array([0.02])}
+    logarithms = {"log_alpha": np.log(A).reshape(3, 1, 1), "log_beta": np.log(B).reshape(3, 1, 1)}
+    return Population(**{**parts, **logarithms, **changed})
+
+
+derived = partial(derive_criterion, method="quantile")
+
+
+@pytest.mark.parametrize(
+    ("make", "rule"),
+    [
+        (lambda: sample(a=A[:1], b=B[:1]), "at least .* ground motions; found 1"),
+        (lambda: sample(a=A * [1.0, 0.0, 1.0]), "E2: .* parameter a must be between .*; found 0.0"),
+        (
+            lambda: sample(b=B * [1.0, 1.0, np.inf]),
+            "E3: .* parameter b must be between .* found inf",
+        ),
+        (
+            lambda: sample(b=np.full(3, 2.0)),
+            "b must differ between ground motions; found 3 times 2",
+        ),
+        (lambda: derived(ellipses(side=["lead"])), "actuators that are late; found ellipses of lead alone"),
+        (lambda: checked_coefficients("a", [1.0, np.nan], 2), "coefficients of a must be 2 finite numbers"),
+        (lambda: checked_coefficients("b", [1.0], 2), "coefficients of b must be 2 finite numbers"),
+        (lambda: checked_coefficients("b", [[1.0], [1.0, 2.0]], 2), "in rows of one length"),
+        (lambda: checked_grid("frequencies", [2.0, 1.0]), "frequencies of a law must be positive"),
+        (lambda: checked_grid("frequencies", []), "frequencies of a law must be positive"),
+        (
+            lambda: Quantile(distribution="gumbel of nobody"),
+            "must be known; found gumbel of nobody",
+        ),
+        (lambda: population(log_alpha=np.log(A).reshape(3, 1, 1) - 1e4), "Logarithms .* must be between"),
+        (lambda: population(log_beta=np.log(B).reshape(1, 3, 1)), "a pair of ellipse parameters for each"),
+        (lambda: population(log_beta=np.full((3, 1, 1), np.nan)), "a pair of ellipse parameters for each"),
+    ],
+)
+def test_what_cannot_be_is_refused_by_its_own_rule(make, rule):
+    with pytest.raises(InputError, match=rule):
+        make()
+
+
+def test_a_table_without_rows_is_refused(tmp_path):
+    (tmp_path / "ellipses.csv").write_text("motion,a,b\n")
+    with pytest.raises(InputError, match="a row for each ground motion; found no row"):
+        read_ellipses(tmp_path / "ellipses.csv")
+
+
+def test_a_curve_that_the_ellipses_do_not_have_is_refused_whether_it_is_a_dimension_or_not():
+    for held in (ellipses(curve=["cosine"]), ellipses(curve=["cosine"]).isel(curve=0)):
+        with pytest.raises(InputError, match="cosine"):
+            derived(held)
+
+
+def test_motions_without_an_ellipse_somewhere_do_not_count_in_the_hierarchical_model():
+    """Each structure has three of four motions, but only two have an ellipse at both."""
+    values = np.arange(8.0).reshape(4, 2, 1)
+    values[0, 0] = values[1, 1] = np.nan
+    gaps = population(
+        events=np.array(["E1", "E2", "E3", "E4"]),
+        frequencies=np.array([1.0, 2.0]),
+        log_alpha=values,
+        log_beta=2.0 * values,
+    )
+    with pytest.raises(InputError, match="with an ellipse everywhere; found 2"):
+        hierarchical_model(gaps)
