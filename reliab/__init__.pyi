@@ -1,7 +1,17 @@
-from .api.assessment import assess as assess
-from .api.boundaries import ellipses as ellipses
-from .api.design import design_test as design_test
-from .api.simulation import simulate as simulate
+from .api import (
+    assess as assess,
+    calibrate_probabilities as calibrate_probabilities,
+    derive_criteria as derive_criteria,
+    design_test as design_test,
+    diagnose_campaign as diagnose_campaign,
+    ellipses as ellipses,
+    judge_paper_cases as judge_paper_cases,
+    perform_study as perform_study,
+    simulate as simulate,
+    trace_boundaries as trace_boundaries,
+    validate_criteria as validate_criteria,
+    validate_rebuilt_error as validate_rebuilt_error,
+)
 from .criterion import (
     derive_criterion as derive_criterion,
     published_criterion as published_criterion,

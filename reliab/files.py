@@ -2,6 +2,7 @@
 
 import contextlib
 import errno
+import json
 import os
 import shutil
 import stat
@@ -140,6 +141,21 @@ def written_whole(path: str | Path, *, synced: bool = True) -> Iterator[Path]:
         with contextlib.suppress(OSError):
             unfinished.unlink(missing_ok=True)
         raise
+
+
+def write_json_file(content: object, path: str | Path) -> None:
+    """Write plain values as JSON, whole or not at all."""
+    text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
+    try:
+        with written_whole(path) as file:
+            file.write_text(f"{text}\n", encoding="utf-8", errors="backslashreplace")
+    except OSError as error:
+        raise InputError(
+            "The JSON file must be writable",
+            value=error.strerror,
+            remedy="Name another file",
+            where=str(path),
+        ) from error
 
 
 @contextlib.contextmanager

@@ -15,11 +15,11 @@ import reliab
 PACKAGE = Path(reliab.__file__).parent
 ROOMS = (
     "cli",
+    "api",
     "study",
     "report",
     "discrepancy",
     "explore",
-    "api",
     "validation",
     "assessment",
     "criterion",

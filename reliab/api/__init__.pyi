@@ -1,5 +1,32 @@
 from .arguments import unused as unused
 from .assessment import assess as assess
+from .assessment_files import (
+    draw_design as draw_design,
+    file_report as file_report,
+    write_verdicts as write_verdicts,
+)
 from .boundaries import ellipses as ellipses
+from .criteria import Criteria as Criteria, derive_criteria as derive_criteria
 from .design import Design as Design, design_test as design_test
+from .diagnosis import diagnose_campaign as diagnose_campaign, report_diagnosis as report_diagnosis
+from .paper_cases import PaperCases as PaperCases, judge_paper_cases as judge_paper_cases
+from .rebuilt_errors import (
+    RebuiltErrorValidation as RebuiltErrorValidation,
+    validate_rebuilt_error as validate_rebuilt_error,
+)
 from .simulation import simulate as simulate
+from .studies import (
+    PerformedStudy as PerformedStudy,
+    StudyList as StudyList,
+    WrittenReport as WrittenReport,
+    list_studies as list_studies,
+    perform_study as perform_study,
+    report_run as report_run,
+)
+from .tracing import Boundaries as Boundaries, trace_boundaries as trace_boundaries
+from .validation import (
+    Calibration as Calibration,
+    Validation as Validation,
+    calibrate_probabilities as calibrate_probabilities,
+    validate_criteria as validate_criteria,
+)

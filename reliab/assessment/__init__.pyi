@@ -25,3 +25,4 @@ from .recorded_force import require_restoring_force as require_restoring_force
 from .several import Assessments as Assessments
 from .tracking_index import LEVEL as LEVEL
 from .verdict import Word as Word, word_of_probability as word_of_probability
+from .verdict_table import verdict_table as verdict_table

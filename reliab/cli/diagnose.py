@@ -1,33 +1,20 @@
 """`reliab diagnose`: where a campaign's model fails, what is missing, and the proof on held-out tests."""
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import typer
 
 from reliab.cli.completion import campaigns
-from reliab.cli.options import (
-    OF_REPORT,
-    JsonTarget,
-    Laboratory,
-    Logo,
-    Paper,
-    ReportDate,
-    ReportTitle,
-    given_options,
-    setting_of,
-)
+from reliab.cli.demand import takes
+from reliab.cli.options import OF_REPORT, JsonTarget, Reported
 from reliab.cli.output import console, progress_bar, table, write_json
-from reliab.errors import InputError
 from reliab.significant import significant
 
 if TYPE_CHECKING:
-    from reliab.discrepancy.adding import Addition
     from reliab.discrepancy.result import BlockDiagnosis, Diagnosis
-    from reliab.report import Setting
-
-RESULT_FILE = "diagnosis.json"
-REPORT_FILE = "report.pdf"
 
 _WHERE = {
     "block": "left",
@@ -40,8 +27,10 @@ _WHERE = {
 _EFFECTS = {"effect": "left", "probability": "right", "parameter": "left", "value": "right", "± sd": "right"}
 
 
-def diagnose(
-    context: typer.Context,
+@dataclass(frozen=True, kw_only=True)
+class DiagnoseDemand(Reported):
+    """Options of `reliab diagnose`, arguments of `reliab.diagnose_campaign`."""
+
     campaign: Annotated[
         Path,
         typer.Argument(
@@ -49,82 +38,36 @@ def diagnose(
             autocompletion=campaigns,
             help="Folder with campaign.toml and the tests; or rig_a, rig_b, rig_c, which ship.",
         ),
-    ],
-    *,
+    ]
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="Folder for diagnosis, report and model.")
-    ] = None,
-    title: ReportTitle = None,
-    date: ReportDate = None,
-    paper: Paper = "a4",
-    laboratory: Laboratory = None,
-    logo: Logo = None,
-    json_target: JsonTarget = None,
-) -> None:
+    ] = None
+    json_target: JsonTarget = None
+
+    belongs_to: ClassVar[Mapping[str, str]] = dict.fromkeys(OF_REPORT, "out")
+
+
+@takes(DiagnoseDemand)
+def diagnose(demand: DiagnoseDemand) -> None:
     """Find where simulation and measurement disagree, name what is missing, prove it on held-out tests."""
-    from reliab.discrepancy import diagnose as diagnose_campaign
-    from reliab.discrepancy.adding import add
-    from reliab.discrepancy.campaign import campaign_folder, read_campaign
+    from reliab.api import diagnose_campaign, report_diagnosis
 
-    setting = setting_of(title, date, paper, laboratory, logo)
-    if out is None:
-        _refuse_without_report(context)
-    folder = campaign_folder(campaign)
-    measured = read_campaign(folder)
-    if out is not None:
-        _make(out)
-    with progress_bar("Searching the blocks") as progress:
-        diagnosis = diagnose_campaign(measured, progress=progress)
-    quiet = json_target == "-"
-    if not quiet:
-        console().print(f"{diagnosis.campaign.name}: {diagnosis.verdict}. {diagnosis.statement}")
-    with progress_bar("Sampling posteriors") as progress:
-        addition = add(diagnosis, out=out, progress=progress)
-    content = addition.to_dict()
-    if out is not None:
-        write_json(content, str(out / RESULT_FILE))
-    if not write_json(content, json_target):
-        _show(addition.diagnosis)
-    if out is not None:
-        _report(addition, folder, out, setting)
+    setting = demand.setting  # refused before the long search, not after it
 
+    def tell(diagnosis: "Diagnosis") -> None:
+        if demand.json_target != "-":
+            console().print(f"{diagnosis.campaign.name}: {diagnosis.verdict}. {diagnosis.statement}")
 
-def _make(folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(
-            "The folder for the diagnosis must be writable",
-            value=error.strerror,
-            remedy="Name another",
-            where=str(folder),
-        ) from None
-
-
-def _refuse_without_report(context: typer.Context) -> None:
-    """Refuse what a report only uses."""
-    for name in given_options(context):
-        if name in OF_REPORT:
-            raise InputError(
-                f"--{name} has no effect without --out, where the report is written", remedy="Give --out"
-            )
-
-
-def _report(addition: "Addition", campaign: Path, out: Path, setting: "Setting") -> None:
-    from datetime import UTC, datetime
-
-    from reliab.report import write_pdf
-    from reliab.report.kinds.discrepancy import discrepancy_report
-    from reliab.study import digest
-
-    newest = max(path.stat().st_mtime for path in campaign.iterdir())
-    document = discrepancy_report(
-        addition.diagnosis,
-        posteriors=addition.posteriors,
-        provenance={"campaign": campaign.name, "campaign, SHA-256": digest(campaign)},
+    addition = demand.ask(
+        diagnose_campaign,
+        *("json_target", *(OF_REPORT if demand.out is not None else ())),
+        show=progress_bar,
+        tell=tell,
     )
-    day = datetime.fromtimestamp(newest, tz=UTC).date()
-    write_pdf(document, out / REPORT_FILE, date=day, setting=setting)
+    if not write_json(addition.to_dict(), demand.json_target):
+        _show(addition.diagnosis)
+    if demand.out is not None:
+        report_diagnosis(addition, demand.campaign, demand.out, setting=setting)
 
 
 def _show(diagnosis: "Diagnosis") -> None:

@@ -1,14 +1,14 @@
 """Options that several commands share, so that one name means one thing everywhere."""
 
-from dataclasses import fields
+from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from reliab.cli.completion import metrics, papers, results, suites
-from reliab.errors import InputError
+from reliab.cli.demand import Demand
 
 if TYPE_CHECKING:
     from reliab.report import Setting
@@ -104,85 +104,54 @@ ModelFile = Annotated[
         help="Structure and effects of an updated model, as `reliab diagnose --out` writes it.",
     ),
 ]
-FirstOrder = Annotated[
-    bool,
-    typer.Option(
-        "--first-order",
-        help="Predict ellipses from the records' spectra instead of simulating; unsafe at large errors: "
-        "at 5 % the simulated b is 16 to 44 % smaller.",
-    ),
-]
-ReportTitle = Annotated[
-    str | None, typer.Option("--title", metavar="TEXT", help="Title of the report, in place of its own.")
-]
-ReportDate = Annotated[
-    datetime | None,
-    typer.Option("--date", formats=["%Y-%m-%d"], help="Date on the report, in place of that of the results."),
-]
-Paper = Annotated[
-    str, typer.Option("--paper", autocompletion=papers, metavar="a4|letter", help="Paper of the report.")
-]
-Laboratory = Annotated[
-    str | None, typer.Option("--laboratory", metavar="NAME", help="Name of the laboratory on the report.")
-]
-Logo = Annotated[
-    Path | None,
-    typer.Option("--logo", metavar="FILE.svg|png|jpg", help="Logo of the laboratory on the report."),
-]
-OF_REPORT = ("title", "date", "paper", "laboratory", "logo")
-"""Options about how a report is set; they need a report."""
-
 JsonTarget = Annotated[
     str | None,
     typer.Option(
         "--json", metavar="FILE|-", help="Write JSON to a file; - prints only JSON to standard output."
     ),
 ]
+Column = Annotated[str | None, typer.Option(metavar="NAME", help="Name of the column, if not recognised.")]
+Units = Annotated[
+    str | None, typer.Option("--units", metavar="m|mm|in...", help="Unit of both displacements.")
+]
+
+OF_REPORT = ("title", "date", "paper", "laboratory", "logo")
+"""Options about how a report is set; they need a report."""
 
 
-def setting_of(
-    title: str | None, date: datetime | None, paper: str, laboratory: str | None, logo: Path | None
-) -> "Setting":
-    """Take the options about how a report is set."""
-    from reliab.report import Setting
+@dataclass(frozen=True, kw_only=True)
+class Reported(Demand):
+    """Options of a command that writes a report."""
 
-    return Setting(
-        title=title or "",
-        date=None if date is None else date.date(),
-        paper=paper,
-        laboratory=laboratory or "",
-        logo=logo,
-    )
+    title: Annotated[
+        str | None, typer.Option("--title", metavar="TEXT", help="Title of the report, in place of its own.")
+    ] = None
+    date: Annotated[
+        datetime | None,
+        typer.Option(
+            "--date", formats=["%Y-%m-%d"], help="Date on the report, in place of that of the results."
+        ),
+    ] = None
+    paper: Annotated[
+        str, typer.Option("--paper", autocompletion=papers, metavar="a4|letter", help="Paper of the report.")
+    ] = "a4"
+    laboratory: Annotated[
+        str | None, typer.Option("--laboratory", metavar="NAME", help="Name of the laboratory on the report.")
+    ] = None
+    logo: Annotated[
+        Path | None,
+        typer.Option("--logo", metavar="FILE.svg|png|jpg", help="Logo of the laboratory on the report."),
+    ] = None
 
+    @property
+    def setting(self) -> "Setting":
+        """How the report is set."""
+        from reliab.report import Setting
 
-def given_options(context: typer.Context) -> list[str]:
-    """Name the options that the user gave, as Python spells them."""
-    return [
-        name
-        for name in context.params
-        if (source := context.get_parameter_source(name)) is not None and source.name == "COMMANDLINE"
-    ]
-
-
-def options_of(demand: type, context: typer.Context) -> dict[str, Any]:
-    """Take the options of a call that a demand has fields for.
-
-    Returns values of the options by the names of the fields; None for one that may be repeated and is not
-    given.
-    """
-    values = {field.name: context.params[field.name] for field in fields(demand)}
-    return {name: None if value == () else value for name, value in values.items()}
-
-
-def refuse_others(context: typer.Context, option: str) -> None:
-    """Refuse options beside one that is used alone."""
-    others = [name for name in given_options(context) if name != option]
-    if others:
-        raise InputError(
-            f"--{others[0].replace('_', '-')} has no effect beside --{option.partition('_')[0]}",
-            remedy="Leave it out",
+        return Setting(
+            title=self.title or "",
+            date=None if self.date is None else self.date.date(),
+            paper=self.paper,
+            laboratory=self.laboratory or "",
+            logo=self.logo,
         )
-
-
-ONE_HERTZ, TWO_PERCENT, FIVE_PERCENT = 1.0, 0.02, 0.05
-"""The paper's structure and threshold, the defaults of commands."""

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any, Final, TextIO
 import typer
 
 from reliab.cli.printable import printable, substituted
-from reliab.errors import CLOSED_PIPE, InputError
-from reliab.files import written_whole
+from reliab.errors import CLOSED_PIPE
+from reliab.files import write_json_file
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -167,14 +167,7 @@ def write_json(content: Mapping[str, Any] | Sequence[Any], target: str | None) -
         ascii_only = not takes_any_character(sys.stdout)
         typer.echo(json.dumps(content, indent=2, ensure_ascii=ascii_only, allow_nan=False))
         return True
-    text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
-    try:
-        with written_whole(target) as file:
-            file.write_text(f"{text}\n", encoding="utf-8", errors="backslashreplace")
-    except OSError as error:
-        raise InputError(
-            "The JSON file must be writable", value=error.strerror, remedy="Name another file", where=target
-        ) from error
+    write_json_file(content, target)
     return False
 
 

@@ -1,27 +1,29 @@
 """`reliab report`: the PDF of a finished run."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from reliab.cli.options import JsonTarget, Laboratory, Logo, Paper, ReportDate, ReportTitle, setting_of
+from reliab.cli.demand import takes
+from reliab.cli.options import OF_REPORT, JsonTarget, Reported
 from reliab.cli.output import console, write_json
 
 
-def report(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Run folder that `reliab run` wrote.")],
-    *,
-    title: ReportTitle = None,
-    date: ReportDate = None,
-    paper: Paper = "a4",
-    laboratory: Laboratory = None,
-    logo: Logo = None,
-    json_target: JsonTarget = None,
-) -> None:
-    """Write the PDF of a finished run again, from its folder alone."""
-    from reliab.study import write_report
+@dataclass(frozen=True, kw_only=True)
+class ReportDemand(Reported):
+    """Options of `reliab report`, arguments of `reliab.report_run`."""
 
-    written = write_report(folder, setting=setting_of(title, date, paper, laboratory, logo))
-    if not write_json({"folder": str(folder), "report": str(written)}, json_target):
-        console().print(f"Report: {written}", highlight=False)
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Run folder that `reliab run` wrote.")]
+    json_target: JsonTarget = None
+
+
+@takes(ReportDemand)
+def report(demand: ReportDemand) -> None:
+    """Write the PDF of a finished run again, from its folder alone."""
+    from reliab.api import report_run
+
+    written = demand.ask(report_run, *OF_REPORT, "json_target")
+    if not write_json(written.to_dict(), demand.json_target):
+        console().print(f"Report: {written.report}", highlight=False)

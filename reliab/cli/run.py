@@ -1,100 +1,56 @@
 """`reliab run`: a study from its motions to the report."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from reliab.cli.completion import studies
-from reliab.cli.options import (
-    JsonTarget,
-    Laboratory,
-    Logo,
-    Motions,
-    Paper,
-    ReportDate,
-    ReportTitle,
-    Sets,
-    given_options,
-    setting_of,
-)
+from reliab.cli.demand import takes
+from reliab.cli.options import OF_REPORT, JsonTarget, Motions, Reported, Sets
 from reliab.cli.output import console, progress_bar, table, write_json
-from reliab.errors import InputError
-
-_OUT = Path("reliab-run")
-_DEFAULT = "quick"
 
 
-def run(
-    *,
-    context: typer.Context,
+@dataclass(frozen=True, kw_only=True)
+class RunDemand(Reported):
+    """Options of `reliab run`, arguments of `reliab.perform_study`."""
+
     study: Annotated[
         str,
         typer.Argument(
             metavar="[STUDY]",
             autocompletion=studies,
-            help=("A study's folder or file, or the name of one that ships. The code in a folder is run."),
+            help="A study's folder or file, or the name of one that ships. The code in a folder is run.",
         ),
-    ] = _DEFAULT,
+    ] = "quick"
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="Run folder; reliab-run/STUDY by default.")
-    ] = None,
-    motions: Motions = None,
-    sets: Sets = None,
-    title: ReportTitle = None,
-    date: ReportDate = None,
-    paper: Paper = "a4",
-    laboratory: Laboratory = None,
-    logo: Logo = None,
-    listed: Annotated[bool, typer.Option("--list", help="List the studies that ship.")] = False,
-    json_target: JsonTarget = None,
-) -> None:
-    """Run a study: simulate, fit, derive, validate, report."""
-    if listed:
-        _refuse_beside_list(context)
-        _list(json_target)
-        return
-    from reliab.study import open_study, run_study
+    ] = None
+    motions: Motions = None
+    sets: Sets = None
+    list_all: Annotated[bool, typer.Option("--list", help="List the studies that ship.")] = False
+    json_target: JsonTarget = None
 
-    setting = setting_of(title, date, paper, laboratory, logo)
-    chosen = open_study(study)
-    if motions or sets:
-        chosen = chosen.on(motions, sets)
-    folder = out or _OUT / _name_of(Path(study).resolve())
-    stages: dict[str, bool] = {}
+
+@takes(RunDemand)
+def run(demand: RunDemand) -> None:
+    """Run a study: simulate, fit, derive, validate, report."""
+    from reliab.api import list_studies, perform_study
+
+    if demand.list_all:
+        content = demand.ask(list_studies, "list_all", "json_target", why="beside `list_all`").to_dict()
+        if not write_json(content, demand.json_target):
+            shown = table("Studies that ship", {"study": "left", "kind": "left", "title": "left"})
+            for row in content["studies"]:
+                shown.add_row(*row.values())
+            console().print(shown)
+        return
 
     def tell(name: str, done: bool) -> None:  # noqa: FBT001 - called by position
-        stages[name] = done
-        if json_target != "-":
+        if demand.json_target != "-":
             console().print(f"{'done' if done else 'kept':>5}  {name}", highlight=False)
 
-    report = run_study(chosen, folder, show=progress_bar, tell=tell, setting=setting)
-    content = {"study": chosen.title, "folder": str(folder), "report": str(report), "stages": stages}
-    if not write_json(content, json_target):
-        console().print(f"Report: {report}", highlight=False)
-
-
-def _name_of(study: Path) -> str:
-    """Name of a study: that of its folder, or of its file."""
-    return study.parent.name if study.name == "study.toml" else study.stem
-
-
-def _refuse_beside_list(context: typer.Context) -> None:
-    """Refuse what has no effect beside --list."""
-    for name in given_options(context):
-        if name not in ("listed", "json_target"):
-            idle = "a study" if name == "study" else f"--{name}"
-            raise InputError("--list only lists the studies that ship", value=idle, remedy="Leave it out")
-
-
-def _list(json_target: str | None) -> None:
-    from reliab.study import shipped_studies
-
-    studies = shipped_studies()
-    rows = [{"name": name, "kind": study.kind, "title": study.title} for name, study in studies.items()]
-    if write_json({"studies": rows}, json_target):
-        return
-    shown = table("Studies that ship", {"study": "left", "kind": "left", "title": "left"})
-    for row in rows:
-        shown.add_row(*row.values())
-    console().print(shown)
+    performed = demand.ask(perform_study, *OF_REPORT, "json_target", show=progress_bar, tell=tell)
+    if not write_json(performed.to_dict(), demand.json_target):
+        console().print(f"Report: {performed.report}", highlight=False)

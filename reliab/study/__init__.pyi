@@ -18,7 +18,6 @@ from .material import (
     SYNTHETIC as SYNTHETIC,
     Material as Material,
     Records as Records,
-    Show as Show,
     named as named,
 )
 from .reading import (

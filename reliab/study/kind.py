@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from reliab.progress import Show
 from reliab.report import Document
 from reliab.study.description import Study
-from reliab.study.material import Show
 from reliab.study.stages import Stage
 
 

@@ -1,7 +1,5 @@
 """What a study works on: its ground motions, or results of theirs that are stored."""
 
-from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
 from functools import cached_property
 from pathlib import Path
 from typing import Final
@@ -11,23 +9,13 @@ import xarray as xr
 from reliab.errors import InputError
 from reliab.indices import Window
 from reliab.motions import Motion, MotionSuite, load_motions
-from reliab.progress import Progress, silent
 from reliab.study.description import RecordsStudy, SimulatedStudy
 from reliab.study.digests import digest
 from reliab.sweep import REAL, at_share, open_results, stored_results
 from reliab.validation.cross_validation import StoredTruth
 
-Show = Callable[[str], AbstractContextManager[Progress]]
-"""Takes the name of a task and shows its progress."""
-
 RESULTS: Final = "results.zarr"
 SYNTHETIC: Final = "synthetic"
-
-
-def quietly(what: str) -> AbstractContextManager[Progress]:
-    """Show nothing."""
-    del what
-    return nullcontext(silent)
 
 
 class Records:

@@ -5,10 +5,10 @@ from pathlib import Path
 from typing import Final
 
 from reliab.files import decoding, refuse_links
+from reliab.progress import Show, quietly
 from reliab.report import Document, Setting, write_pdf
 from reliab.study.description import Study
 from reliab.study.kinds import KINDS
-from reliab.study.material import Show, quietly
 from reliab.study.reading import study_from
 from reliab.study.stages import RunFolder, Stage, date_of, study_of
 

@@ -8,16 +8,16 @@ from typing import Final
 import numpy as np
 import xarray as xr
 
-from reliab.api import ellipses, simulate
 from reliab.criterion import Criterion, Derivation
 from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, known
 from reliab.criterion.methods import Quantile, method_of
 from reliab.errors import InputError
 from reliab.files import written_whole
+from reliab.progress import Show
 from reliab.study.description import CriterionStudy, CriterionTable, ErrorsTable, SimulatedStudy
-from reliab.study.material import RESULTS, Material, Show
+from reliab.study.material import RESULTS, Material
 from reliab.study.stages import Stage, read_result
-from reliab.sweep import open_ellipses, read_netcdf, write_ellipses, write_netcdf
+from reliab.sweep import open_ellipses, read_netcdf, run_sweep, sweep_request, write_ellipses, write_netcdf
 from reliab.validation.cross_validation import (
     Candidate,
     CrossValidation,
@@ -39,20 +39,17 @@ def simulation(study: SimulatedStudy, material: Material, show: Show) -> list[St
     """Simulate the study's motions, unless results are given."""
     if material.stored is not None:
         return []
+    request = sweep_request(
+        f=study.structures.f,
+        xi=study.structures.xi,
+        window=study.errors.window,
+        alpha=study.structures.experimental_fraction,
+    )
 
     def work(folder: Path) -> None:
         path = folder / RESULTS
         with show("Simulating") as progress:
-            simulate(
-                material.motions,
-                out=path,
-                f=study.structures.f,
-                xi=study.structures.xi,
-                window=(study.errors.window,),
-                alpha=study.structures.experimental_fraction,
-                resume=path.exists(),
-                progress=progress,
-            )
+            run_sweep(material.motions, request, path, resume=path.exists(), progress=progress)
 
     inputs = {
         "motions": material.checksums,
@@ -67,11 +64,8 @@ def tracing(study: SimulatedStudy, material: Material, show: Show) -> Stage:
 
     def work(folder: Path) -> None:
         with show("Tracing boundaries") as progress:
-            traced = ellipses(
-                material.results(folder),
-                threshold=study.errors.thresholds,
-                metric=study.errors.metrics,
-                progress=progress,
+            traced = material.results(folder).reliab.ellipses(
+                study.errors.thresholds, [Metric(name) for name in study.errors.metrics], progress=progress
             )
         write_ellipses(traced, folder / ELLIPSES)
 

@@ -5,9 +5,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
+from reliab.progress import Show
 from reliab.report import Document
 from reliab.shipped import shipped
-from reliab.study import Kind, Show, Stage, Study, digest, made_with, read_result
+from reliab.study import Kind, Stage, Study, digest, made_with, read_result
 
 EVALUATION: Final = "evaluation.json"
 

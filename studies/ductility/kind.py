@@ -10,6 +10,7 @@ from pydantic import Field
 
 from reliab.errors import InputError
 from reliab.files import written_whole
+from reliab.progress import Show
 from reliab.report import Document
 from reliab.shipped import or_shipped
 from reliab.study import (
@@ -17,7 +18,6 @@ from reliab.study import (
     MotionsTable,
     Records,
     RecordsStudy,
-    Show,
     Stage,
     StructuresTable,
     Table,

@@ -5,12 +5,12 @@ from pathlib import Path
 from typing import Final
 
 from reliab.errors import InputError
+from reliab.progress import Show
 from reliab.report import Document
 from reliab.study import (
     ELLIPSES,
     Kind,
     Material,
-    Show,
     SimulatedStudy,
     Stage,
     made_with,

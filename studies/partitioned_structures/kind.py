@@ -8,8 +8,9 @@ import pandas as pd
 from pydantic import Field
 
 from reliab.files import written_whole
+from reliab.progress import Show
 from reliab.report import Document
-from reliab.study import Kind, Records, RecordsStudy, Show, Stage, Table, made_with
+from reliab.study import Kind, Records, RecordsStudy, Stage, Table, made_with
 
 TESTS: Final = "tests.csv"
 SHARES: Final = "shares.csv"

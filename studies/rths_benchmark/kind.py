@@ -10,6 +10,7 @@ from pydantic import AfterValidator, Field
 
 from reliab.errors import InputError
 from reliab.files import written_whole
+from reliab.progress import Show
 from reliab.report import Document
 from reliab.shipped import shipped
 from reliab.study import (
@@ -17,7 +18,6 @@ from reliab.study import (
     Names,
     Records,
     RecordsStudy,
-    Show,
     Stage,
     Table,
     digest,

@@ -11,6 +11,7 @@ import xarray as xr
 from reliab.criterion import records_checksum
 from reliab.errors import InputError
 from reliab.files import written_whole
+from reliab.progress import Show
 from reliab.report import Document
 from reliab.shipped import shipped
 from reliab.study import (
@@ -20,7 +21,6 @@ from reliab.study import (
     CriterionTable,
     Kind,
     Material,
-    Show,
     SimulatedStudy,
     Stage,
     TransferTable,

@@ -8,9 +8,10 @@ import pandas as pd
 
 from reliab.errors import InputError
 from reliab.files import written_whole
+from reliab.progress import Show
 from reliab.report import Document
 from reliab.shipped import shipped
-from reliab.study import Kind, Records, RecordsStudy, Show, Stage, digest, made_with
+from reliab.study import Kind, Records, RecordsStudy, Stage, digest, made_with
 
 ROWS: Final = "table2.csv"
 

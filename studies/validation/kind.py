@@ -12,6 +12,7 @@ from reliab_studies.paper2017.cases_stage import CASES, paper_cases
 from reliab.criterion import records_checksum
 from reliab.files import written_whole
 from reliab.motions import Motion, MotionSuite, load_motions
+from reliab.progress import Show
 from reliab.report import Document
 from reliab.structures import Structure
 from reliab.study import (
@@ -21,7 +22,6 @@ from reliab.study import (
     CriterionStudy,
     Kind,
     Material,
-    Show,
     Stage,
     ValidationTable,
     derivation,

@@ -236,7 +236,7 @@ def numbers(found):
 
 
 def test_a_model_goes_to_the_simulation(sources, monkeypatch):
-    from reliab import api
+    from reliab.api import sources as source_of_ellipses
     from reliab.sweep import open_ellipses
 
     asked = {}
@@ -245,7 +245,7 @@ def test_a_model_goes_to_the_simulation(sources, monkeypatch):
         asked.update(options, motions=len(suite))
         return open_ellipses(sources / "ellipses.nc")
 
-    monkeypatch.setattr(api, "ellipses", ellipses)
+    monkeypatch.setattr(source_of_ellipses, "ellipses", ellipses)
     answer("--motions", sources / "motions", "--model", sources / "model.toml")
     assert (asked["motions"], asked["model"]) == (6, sources / "model.toml")
 

@@ -3,14 +3,13 @@
 from types import SimpleNamespace
 
 import numpy as np
-import pandas as pd
 import pytest
 from rich.console import Console
 
 from reliab.assessment.rebuilt_error import Monitor
 from reliab.cli.diagnose import _show_effects
 from reliab.cli.monitor.watch import Watch
-from reliab.cli.validate import paper_cases, probabilities
+from reliab.cli.validate import shown_cases, shown_rates
 from reliab.structures.structure import Structure
 from reliab.vocabulary import Metric
 
@@ -22,7 +21,7 @@ def words_of(text):
 @pytest.mark.parametrize(("truth", "noted"), [("ellipse", True), ("simulation", False)])
 def test_probabilities_are_shown_beside_the_share_of_good_tests(truth, noted, capsys):
     row = {"stated": 0.9, "observed": 0.85, "low": 0.7, "high": 0.95, "tests": 43}
-    probabilities._show({"scheme": "leave_one_event_out", "truth": truth, "bins": [row]})  # noqa: SLF001
+    shown_rates.show_probabilities({"scheme": "leave_one_event_out", "truth": truth, "bins": [row]})
     shown = words_of(capsys.readouterr().out)
     for part in ("leave one event out", "90.0%", "85", "43"):
         assert part in shown
@@ -33,12 +32,12 @@ def test_probabilities_are_shown_beside_the_share_of_good_tests(truth, noted, ca
 def test_the_papers_cases_are_shown_with_their_verdicts(event, capsys):
     rows = [
         {"case": 1, "f": 1.0, "xi": 0.02, "A": 0.9876, "d_ms": 1.234, "criterion": "guo", "index": 0.77,
-         "accepted": True, "probability": np.nan, "rms": 0.0312, "good": True},
+         "accepted": True, "probability": None, "rms": 0.0312, "good": True},
         {"case": 2, "f": 2.0, "xi": 0.05, "A": 1.01, "d_ms": -0.5, "criterion": "ours", "index": 1.4,
          "accepted": False, "probability": 0.125, "rms": 0.09, "good": False},
     ]  # fmt: skip
     content = {"motion": "RSN1", "held_out": event, "window": "40", "integrator": "i", "compensator": "c"}
-    paper_cases._show_cases(content, pd.DataFrame(rows))  # noqa: SLF001
+    shown_cases.show_cases({**content, "cases": rows})
     shown = words_of(capsys.readouterr().out)
     for part in ("0.9876", "1.234", "3.12", "0.125", "9.00", "yes", "no", "first 40 s"):
         assert part in shown

@@ -6,7 +6,7 @@ import typer
 from typer.testing import CliRunner, Result
 
 from reliab.cli.validate import validate
-from reliab.cli.validate.answer import kept_shares
+from reliab.cli.validate.shown_rates import kept_shares
 from reliab.errors import InputError
 from reliab.shipped import shipped
 

@@ -87,7 +87,7 @@ def test_an_option_that_the_table_cannot_serve_is_refused(option):
 )
 def test_calibration_refuses_what_is_about_criteria(beside):
     result = invoke(app, "--ellipses", TABLE2, "--calibration", *beside)
-    assert "has no effect beside --calibration" in str(result.exception)
+    assert "has no meaning beside `calibration`" in str(result.exception)
 
 
 def test_calibration_answers_by_bins():
@@ -104,8 +104,8 @@ def test_calibration_answers_by_bins():
 @pytest.mark.parametrize(
     ("wrong", "named"),
     [
-        (("--law", "guo_2017_18", "--method", "dirichlet", "--confidence", 0.95), "--method has no effect"),
-        (("--law", "guo_2017_18", "--each", "--confidence", 0.95), "--joint/--each has no effect"),
+        (("--law", "guo_2017_18", "--method", "dirichlet", "--confidence", 0.95), "`method` has no effect"),
+        (("--law", "guo_2017_18", "--each", "--confidence", 0.95), "`joint` has no effect"),
         (("--law", "guo_2017_18", "--confidence", 0.9), "states 95%"),
         (("--law", "guo_2017_18", "--threshold", 0.1), "0.05"),
     ],
@@ -116,7 +116,7 @@ def test_printed_laws_refuse_what_they_do_not_state(wrong, named):
 
 def test_structures_that_a_store_does_not_hold_are_refused():
     result = invoke(app, "--ellipses", "real_suite", "--f", 0.8, "--xi", 0.02, "--confidence", 0.8)
-    assert "--f 0.8" in str(result.exception)
+    assert "`f=0.8`" in str(result.exception)
 
 
 @pytest.mark.parametrize(
@@ -133,7 +133,7 @@ def test_options_of_run_reach_the_study(monkeypatch, tmp_path):
         seen.update(study=study, folder=folder)
         return folder / "report.pdf"
 
-    monkeypatch.setattr("reliab.study.run_study", remember)
+    monkeypatch.setattr("reliab.api.studies.run_study", remember)
     invoke(runs, "thresholds", "--out", tmp_path / "here", "--motions", tmp_path, "--sets", "far_field")
     assert isinstance(seen["study"], Study)
     assert seen["folder"] == tmp_path / "here"

@@ -166,7 +166,7 @@ def rig_b(sample_campaigns, diagnosis_of, monkeypatch):
         assert campaign.name == diagnosis_of("rig_b").campaign.name
         return diagnosis_of("rig_b")
 
-    monkeypatch.setattr("reliab.discrepancy.diagnose", known)
+    monkeypatch.setattr("reliab.api.diagnosis.diagnose", known)
     return str(sample_campaigns / "rig_b")
 
 
@@ -174,7 +174,7 @@ def test_results_are_there_when_the_report_fails(rig_b, tmp_path, monkeypatch):
     def fail(*_args, **_options):
         raise RuntimeError("no font")
 
-    monkeypatch.setattr("reliab.report.write_pdf", fail)
+    monkeypatch.setattr("reliab.api.diagnosis.write_pdf", fail)
     application = typer.Typer()
     application.command()(command)
     run = CliRunner().invoke(application, [rig_b, "--out", str(tmp_path)])

@@ -206,7 +206,7 @@ def test_the_command_answers_and_refuses_what_it_does_not_use(short, monkeypatch
     for idle in (["--scheme", "k_fold"], ["--calibration"], ["--results", "real_suite"]):
         assert isinstance(CliRunner().invoke(app, [*arguments, *idle]).exception, InputError)
     both = CliRunner().invoke(app, [*arguments, "--confidence", "0.9", "--confidence", "0.95"]).exception
-    assert "one --confidence" in str(both)
+    assert "one `confidence`" in str(both)
 
 
 @pytest.mark.slow

@@ -1,211 +1,275 @@
 """`reliab assess`: the verdict on a test, or what is tolerable before one."""
 
-from functools import partial
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from glob import glob
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar
 
 import typer
 
-from reliab.cli.assess.filed_report import Report
-from reliab.cli.assess.meaning import applicable, matched, only_value, refuse_idle
 from reliab.cli.completion import metrics, samples
-from reliab.cli.option_names import as_options
-from reliab.cli.options import (
-    JsonTarget,
-    Laboratory,
-    Logo,
-    Paper,
-    ReportDate,
-    ReportTitle,
-    StructureFile,
-    setting_of,
-)
+from reliab.cli.demand import takes
+from reliab.cli.options import OF_REPORT, Column, JsonTarget, Reported, StructureFile
+from reliab.errors import InputError
 
-Tests = Annotated[
-    list[Path] | None,
-    typer.Argument(
-        metavar="[TEST]...",
-        autocompletion=samples,
-        help="Command and measured displacement: CSV, MATLAB, HDF5, NetCDF; or sample_test, which ships. "
-        "Several give a table.",
-    ),
-]
-Frequencies = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--f",
-        metavar="HZ",
-        help="Natural frequency, 1 or with its standard deviation 1±0.01; several for --design.",
-    ),
-]
-DampingRatio = Annotated[
-    str | None,
-    typer.Option("--xi", metavar="RATIO", help="Damping ratio, 0.02 for 2 %, or 0.02±0.002."),
-]
-Alpha = Annotated[
-    str | None,
-    typer.Option(
-        "--alpha",
-        metavar="SHARE",
-        help="Share of the stiffness in the laboratory, 1 by default.",
-    ),
-]
-Scale = Annotated[
-    str | None,
-    typer.Option(
-        "--scale",
-        metavar="RATIO",
-        help="Scale of the displacement sensor, 1 by default; 1±0.005 where it may be off by 0.5 %.",
-    ),
-]
-FeedbackLag = Annotated[
-    str | None,
-    typer.Option(
-        "--feedback-lag",
-        metavar="MS",
-        help="Time by which the force is fed back late [ms], 0 by default.",
-    ),
-]
-Mass = Annotated[
-    str | None,
-    typer.Option(
-        "--mass",
-        metavar="KG",
-        help="Mass of the structure; with it a recorded force is also used to identify the structure.",
-    ),
-]
-MotionFile = Annotated[
-    Path | None,
-    typer.Option(
-        "--motion",
-        metavar="FILE",
-        help="Ground motion of the test; the index is then judged by the boundary of this motion.",
-    ),
-]
-CriterionFile = Annotated[
-    Path | None,
-    typer.Option(
-        "--criterion", metavar="FILE.json", help="Criterion, as `reliab criterion --out` writes it."
-    ),
-]
-ModelFile = Annotated[
-    Path | None,
-    typer.Option(
-        "--model", metavar="MODEL.toml", help="Model of a nonlinear specimen, as `reliab diagnose` writes it."
-    ),
-]
-Threshold = Annotated[
-    float | None, typer.Option("--threshold", metavar="ERROR", help="Error of the whole test, 0.05 for 5 %.")
-]
-MetricName = Annotated[
-    str | None,
-    typer.Option(
-        "--metric",
-        autocompletion=metrics,
-        metavar="rms|mte",
-        help="Error of the whole test: RMS^R (default) or MTE^R.",
-    ),
-]
-Confidences = Annotated[
-    list[float] | None,
-    typer.Option(
-        "--confidence", metavar="SHARE", help="Share of ground motions, 0.95; several for --design."
-    ),
-]
-Column = Annotated[str | None, typer.Option(metavar="NAME", help="Name of the column, if not recognised.")]
-Units = Annotated[
-    str | None, typer.Option("--units", metavar="m|mm|in...", help="Unit of both displacements.")
-]
-TimeUnits = Annotated[str | None, typer.Option("--time-units", metavar="s|ms", help="Unit of the time.")]
-Rate = Annotated[
-    float | None, typer.Option("--rate", metavar="HZ", help="Sampling rate, if there is no time column.")
-]
-Delimiter = Annotated[
-    str | None, typer.Option("--delimiter", metavar="SIGN", help="What separates columns of a text.")
-]
-Design = Annotated[
-    bool, typer.Option("--design", help="Print tolerable errors before a test; no test is read.")
-]
-Check = Annotated[bool, typer.Option("--check", help="Exit with code 1 unless the test is reliable.")]
-FigureFile = Annotated[
-    Path | None,
-    typer.Option(
-        "--figure", metavar="FILE.svg|png|pdf", help="With --design: chart of tolerable errors over f."
-    ),
-]
-ReportFile = Annotated[
-    Path | None,
-    typer.Option("--report", metavar="FILE.pdf", help="Report of two pages, to be filed with the test."),
-]
-TableFile = Annotated[
-    Path | None,
-    typer.Option(
-        "--out", metavar="FILE.csv", help="Table of the verdicts, one row for each test; itself no test."
-    ),
-]
+if TYPE_CHECKING:
+    from reliab.assessment import Assessment, Assessments, FrameAssessment
+
+_Value = TypeVar("_Value")
 
 
-def assess(
-    *,
-    context: typer.Context,
-    tests: Tests = None,
-    f: Frequencies = None,
-    xi: DampingRatio = None,
-    alpha: Alpha = None,
-    scale: Scale = None,
-    feedback_lag: FeedbackLag = None,
-    mass: Mass = None,
-    motion: MotionFile = None,
-    criterion: CriterionFile = None,
-    model: ModelFile = None,
-    structure: StructureFile = None,
-    threshold: Threshold = None,
-    confidence: Confidences = None,
-    metric: MetricName = None,
-    command: Column = None,
-    measured: Column = None,
-    time: Column = None,
-    rate: Rate = None,
-    units: Units = None,
-    time_units: TimeUnits = None,
-    delimiter: Delimiter = None,
-    design: Design = False,
-    figure: FigureFile = None,
-    report: ReportFile = None,
-    title: ReportTitle = None,
-    date: ReportDate = None,
-    paper: Paper = "a4",
-    laboratory: Laboratory = None,
-    logo: Logo = None,
-    out: TableFile = None,
-    check: Check = False,
-    json_target: JsonTarget = None,
-) -> None:
-    """Judge a real test by the error that its command and measured displacement reveal."""
-    refuse_idle(context, design=design)
-    asked: dict[str, Any] = {"xi": xi, "threshold": threshold, "metric": metric, "criterion": criterion}
-    if design:
-        from reliab.api import design_test
-        from reliab.cli.assess.design import answer_design
+@dataclass(frozen=True, kw_only=True)
+class AssessDemand(Reported):
+    """Options of `reliab assess`; those of the verdict are arguments of `reliab.assess`."""
 
-        tolerable = design_test(**applicable(context, {**asked, "f": f, "confidence": confidence}))
-        answer_design(tolerable, figure, json_target)
-        return
-    from reliab.cli.assess.verdicts import answer
-
-    asked |= {"f": only_value(f, "f"), "alpha": alpha, "mass": mass, "structure": structure}
-    asked |= {"scale": scale, "feedback_lag": feedback_lag, "model": model, "motion": motion}
-    asked |= {"confidence": only_value(confidence, "confidence"), "command": command, "measured": measured}
-    asked |= {"time": time, "rate": rate, "units": units, "time_units": time_units, "delimiter": delimiter}
-    files = [test for test in matched(tests or []) if test != out]
-    setting = setting_of(title, date, paper, laboratory, logo)
-    reliable = answer(
-        files,
-        applicable(context, asked),
-        out=out,
-        json_target=json_target,
-        report=None if report is None else Report(report, setting),
-        say=partial(as_options, command=context.find_root().command),
+    tests: Annotated[
+        list[Path] | None,
+        typer.Argument(
+            metavar="[TEST]...",
+            autocompletion=samples,
+            help="Command and measured displacement: CSV, MATLAB, HDF5, NetCDF; or sample_test, which ships. "
+            "Several give a table.",
+        ),
+    ] = None
+    f: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--f",
+            metavar="HZ",
+            help="Natural frequency, 1 or with its standard deviation 1±0.01; several for --design.",
+        ),
+    ] = None
+    xi: Annotated[
+        str | None,
+        typer.Option("--xi", metavar="RATIO", help="Damping ratio, 0.02 for 2 %, or 0.02±0.002."),
+    ] = None
+    alpha: Annotated[
+        str | None,
+        typer.Option(
+            "--alpha",
+            metavar="SHARE",
+            help="Share of the stiffness in the laboratory, 1 by default.",
+        ),
+    ] = None
+    scale: Annotated[
+        str | None,
+        typer.Option(
+            "--scale",
+            metavar="RATIO",
+            help="Scale of the displacement sensor, 1 by default; 1±0.005 where it may be off by 0.5 %.",
+        ),
+    ] = None
+    feedback_lag: Annotated[
+        str | None,
+        typer.Option(
+            "--feedback-lag",
+            metavar="MS",
+            help="Time by which the force is fed back late [ms], 0 by default.",
+        ),
+    ] = None
+    mass: Annotated[
+        str | None,
+        typer.Option(
+            "--mass",
+            metavar="KG",
+            help="Mass of the structure; with it a recorded force is also used to identify the structure.",
+        ),
+    ] = None
+    motion: Annotated[
+        Path | None,
+        typer.Option(
+            "--motion",
+            metavar="FILE",
+            help="Ground motion of the test; the index is then judged by the boundary of this motion.",
+        ),
+    ] = None
+    criterion: Annotated[
+        Path | None,
+        typer.Option(
+            "--criterion", metavar="FILE.json", help="Criterion, as `reliab criterion --out` writes it."
+        ),
+    ] = None
+    model: Annotated[
+        Path | None,
+        typer.Option(
+            "--model",
+            metavar="MODEL.toml",
+            help="Model of a nonlinear specimen, as `reliab diagnose` writes it.",
+        ),
+    ] = None
+    structure: StructureFile = None
+    threshold: Annotated[
+        float | None,
+        typer.Option("--threshold", metavar="ERROR", help="Error of the whole test, 0.05 for 5 %."),
+    ] = None
+    confidence: Annotated[
+        list[float] | None,
+        typer.Option(
+            "--confidence", metavar="SHARE", help="Share of ground motions, 0.95; several for --design."
+        ),
+    ] = None
+    metric: Annotated[
+        str | None,
+        typer.Option(
+            "--metric",
+            autocompletion=metrics,
+            metavar="rms|mte",
+            help="Error of the whole test: RMS^R (default) or MTE^R.",
+        ),
+    ] = None
+    command: Column = None
+    measured: Column = None
+    time: Column = None
+    rate: Annotated[
+        float | None, typer.Option("--rate", metavar="HZ", help="Sampling rate, if there is no time column.")
+    ] = None
+    units: Annotated[
+        str | None, typer.Option("--units", metavar="m|mm|in...", help="Unit of both displacements.")
+    ] = None
+    time_units: Annotated[
+        str | None, typer.Option("--time-units", metavar="s|ms", help="Unit of the time.")
+    ] = None
+    delimiter: Annotated[
+        str | None, typer.Option("--delimiter", metavar="SIGN", help="What separates columns of a text.")
+    ] = None
+    design: Annotated[
+        bool, typer.Option("--design", help="Print tolerable errors before a test; no test is read.")
+    ] = False
+    figure: Annotated[
+        Path | None,
+        typer.Option(
+            "--figure", metavar="FILE.svg|png|pdf", help="With --design: chart of tolerable errors over f."
+        ),
+    ] = None
+    report: Annotated[
+        Path | None,
+        typer.Option("--report", metavar="FILE.pdf", help="Report of two pages, to be filed with the test."),
+    ] = None
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", metavar="FILE.csv", help="Table of the verdicts, one row for each test; itself no test."
+        ),
+    ] = None
+    check: Annotated[bool, typer.Option("--check", help="Exit with code 1 unless the test is reliable.")] = (
+        False
     )
-    if check and not reliable:
+    json_target: JsonTarget = None
+
+    belongs_to: ClassVar[Mapping[str, str]] = {"figure": "design", **dict.fromkeys(OF_REPORT, "report")}
+    idle_beside: ClassVar[Mapping[str, Collection[str]]] = {
+        "criterion": ("threshold", "confidence", "metric"),
+        "structure": ("f", "xi", "alpha", "mass", "motion", "model", "confidence"),
+    }
+
+    @property
+    def files(self) -> list[Path]:
+        """Files of the tests, also those that a pattern such as ``*.csv`` names where the shell does not."""
+        files = []
+        for path in self.tests or []:
+            names = [] if path.exists() else glob(str(path))  # noqa: PTH207 - absolute patterns too
+            files += [Path(name) for name in sorted(names)] or [path]
+        return [file for file in files if file != self.out]
+
+
+@takes(AssessDemand)
+def assess(demand: AssessDemand) -> None:
+    """Judge a real test by the error that its command and measured displacement reveal."""
+    if demand.design:
+        _answer_design(demand)
+    elif not _answer_tests(demand) and demand.check:
         raise typer.Exit(1)
+
+
+def _answer_design(demand: AssessDemand) -> None:
+    from reliab.api import design_test, draw_design
+    from reliab.cli.assess.shown_design import show_design
+    from reliab.cli.output import write_json
+
+    if "tests" in demand.given:
+        raise InputError("A test's file has no meaning beside `design`", remedy="Leave it out")
+    design = demand.ask(design_test, "design", "figure", "json_target", why="beside `design`")
+    if demand.figure is not None:
+        draw_design(design, demand.figure)
+    if not write_json(design.to_dict(), demand.json_target):
+        show_design(design)
+
+
+def _answer_tests(demand: AssessDemand) -> bool:
+    """Judge tests; write and print what is found; return whether all are reliable."""
+    from reliab import api
+    from reliab.cli.output import progress_bar
+
+    files = demand.files
+    if demand.report is not None and len(files) > 1:
+        raise api.unused("report", "beside several tests, since it is the report of one")
+    with progress_bar("tests") as progress:
+        verdicts: Any = demand.ask(
+            api.assess,
+            *("tests", "out", "check", "json_target", "report"),
+            *(OF_REPORT if demand.report is not None else ()),
+            test=files[0] if len(files) == 1 else files,
+            f=_only_value(demand.f, "f"),
+            confidence=_only_value(demand.confidence, "confidence"),
+            progress=progress,
+        )
+    if len(files) != 1:
+        _write_several(verdicts, demand)
+        return bool(verdicts.reliable)
+    _write_one(verdicts, files[0], demand)
+    if demand.report is not None:
+        api.file_report(
+            verdicts, demand.report, test=files[0], structure=demand.structure, setting=demand.setting
+        )
+    return bool(verdicts.reliable)
+
+
+def _write_one(assessment: "Assessment | FrameAssessment", test: Path, demand: AssessDemand) -> None:
+    from reliab.api import write_verdicts
+    from reliab.assessment import Assessment
+    from reliab.cli.assess.shown_frame import show_frame
+    from reliab.cli.assess.shown_test import show_assessment
+    from reliab.cli.output import write_json
+
+    content = assessment.to_dict()
+    if demand.out is not None:
+        write_verdicts([{"file": str(test), **content}], demand.out)
+    if write_json(content, demand.json_target):
+        return
+    if isinstance(assessment, Assessment):
+        show_assessment(assessment)
+    else:
+        show_frame(assessment)
+
+
+def _write_several(assessments: "Assessments", demand: AssessDemand) -> None:
+    from reliab.api import write_verdicts
+    from reliab.cli.assess.shown_several import show_several
+    from reliab.cli.output import write_json
+
+    contents = [
+        {"file": file, **({"fault": demand.in_options(content["fault"])} if "fault" in content else content)}
+        for file, content in assessments.to_dict().items()
+    ]
+    if demand.out is not None:
+        write_verdicts(contents, demand.out)
+    if not write_json(contents, demand.json_target):
+        show_several(contents)
+    if assessments.faults:
+        raise InputError(
+            "Every file must be a test that can be judged",
+            value=f"{len(assessments.faults)} of {len(contents)} not judged: {', '.join(assessments.faults)}",
+            remedy="Mend them as the reasons say, or leave them out; the others are answered",
+        )
+
+
+def _only_value(values: Sequence[_Value] | None, name: str) -> _Value | None:
+    """Take the value of an option that may be repeated for a design, but not for a test."""
+    if not values:
+        return None
+    if len(values) > 1:
+        raise InputError(
+            f"A test has one `{name}`", value=len(values), remedy="Give several with `design` only"
+        )
+    return values[0]

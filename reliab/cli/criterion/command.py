@@ -1,25 +1,13 @@
 """`reliab criterion`: how much amplitude error and delay a test may have."""
 
-from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Annotated
 
 import typer
 
-from reliab.cli.criterion.options import (
-    Assurance,
-    Chains,
-    Compare,
-    Confidences,
-    DistributionName,
-    Figures,
-    Joint,
-    LawName,
-    List,
-    MethodName,
-    Out,
-    Steps,
-)
+from reliab.cli.completion import laws, methods
+from reliab.cli.demand import Demand, takes
 from reliab.cli.options import (
     DampingRatios,
     Ellipses,
@@ -34,116 +22,120 @@ from reliab.cli.options import (
     StructureFile,
     Thresholds,
     WindowIfGiven,
-    options_of,
-    refuse_others,
 )
-from reliab.errors import IncompleteError
-
-if TYPE_CHECKING:
-    from reliab.cli.criterion.demand import Demand
-    from reliab.cli.criterion.derivation import Derived
 
 
-def criterion(
-    *,
-    context: typer.Context,
-    motions: Motions = None,
-    sets: Sets = None,
-    results: Results = None,
-    ellipses: Ellipses = None,
-    f: Frequencies = None,
-    xi: DampingRatios = None,
-    threshold: Thresholds = None,
-    confidence: Confidences = None,
-    metric: MetricName = "rms",
-    window: WindowIfGiven = None,
-    alpha: Fractions = None,
-    model: ModelFile = None,
-    structure: StructureFile = None,
-    method: MethodName = None,
-    assurance: Assurance = None,
-    distribution: DistributionName = None,
-    joint: Joint = None,
-    law: LawName = "table",
-    steps: Steps = None,
-    chains: Chains = None,
-    compare: Compare = False,
-    figures: Figures = None,
-    out: Out = None,
-    list_all: List = False,
-    json_target: JsonTarget = None,
-) -> None:
+@dataclass(frozen=True, kw_only=True)
+class CriterionDemand(Demand):
+    """Options of `reliab criterion`; those of the derivation are arguments of `reliab.derive_criteria`."""
+
+    motions: Motions = None
+    sets: Sets = None
+    results: Results = None
+    ellipses: Ellipses = None
+    f: Frequencies = None
+    xi: DampingRatios = None
+    threshold: Thresholds = None
+    confidence: Annotated[
+        list[float] | None, typer.Option("--confidence", metavar="SHARE...", help="Shares of ground motions.")
+    ] = None
+    metric: MetricName = "rms"
+    window: WindowIfGiven = None
+    alpha: Fractions = None
+    model: ModelFile = None
+    structure: StructureFile = None
+    method: Annotated[
+        str | None,
+        typer.Option(
+            "--method",
+            autocompletion=methods,
+            metavar="NAME",
+            help="What the confidence means: dirichlet (recommended, the default), quantile (the "
+            "paper's), or another; --list names all.",
+        ),
+    ] = None
+    assurance: Annotated[
+        float | None,
+        typer.Option(
+            "--assurance",
+            metavar="SHARE",
+            help="How sure the promise is, for methods that state it (see --list): the share of suites "
+            "that keep it, or its posterior probability.",
+        ),
+    ] = None
+    distribution: Annotated[
+        str | None, typer.Option("--distribution", metavar="NAME", help="Family for the method quantile.")
+    ] = None
+    joint: Annotated[
+        bool | None,
+        typer.Option(
+            "--joint/--each",
+            help="Whether the confidence holds for a and b together or for each of them separately; by "
+            "default together, with quantile separately.",
+        ),
+    ] = None
+    law: Annotated[
+        str,
+        typer.Option(
+            "--law",
+            autocompletion=laws,
+            metavar="NAME",
+            help="How the limits depend on f and ξ: table (of the simulated structures, the default), or "
+            "another law, fitted or printed; --list names all.",
+        ),
+    ] = "table"
+    steps: Annotated[
+        int | None,
+        typer.Option(
+            "--steps", metavar="N", help="Steps of the hierarchical methods' chains, a multiple of 4."
+        ),
+    ] = None
+    chains: Annotated[
+        Path | None,
+        typer.Option(
+            "--chains",
+            metavar="FILE.h5",
+            help="Keep the chains of the hierarchical methods, so that an interrupted or short run can "
+            "resume.",
+        ),
+    ] = None
+    compare: Annotated[
+        bool,
+        typer.Option(
+            "--compare", help="Also judge distributions and laws on earthquakes that they have not seen."
+        ),
+    ] = False
+    figures: Annotated[
+        Path | None,
+        typer.Option(
+            "--figures",
+            metavar="FOLDER",
+            help="Draw criteria over the motions' own ellipses, and traces, ranks and pairs of a posterior.",
+        ),
+    ] = None
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE.json", help="Write the criterion for later use.")
+    ] = None
+    list_all: Annotated[
+        bool, typer.Option("--list", help="Name all methods, laws and distributions, with what each means.")
+    ] = False
+    json_target: JsonTarget = None
+
+
+@takes(CriterionDemand)
+def criterion(demand: CriterionDemand) -> None:
     """Derive how much amplitude error and delay a test may have."""
-    if list_all:
-        from reliab.cli.criterion.choices import show_choices
+    from reliab.cli.criterion.shown import show_choices, show_criteria
+    from reliab.cli.output import progress_bar, write_json
 
-        refuse_others(context, "list_all")
+    if demand.list_all:
+        demand.refuse_all_but({"list_all"}, "beside `list_all`")
         show_choices()
         return
-    from reliab.cli.criterion.answer import row, show, write
-    from reliab.cli.criterion.comparison import show_comparison
-    from reliab.cli.criterion.demand import Demand
-    from reliab.cli.criterion.derivation import derived
-    from reliab.cli.criterion.printed_law import printed
-    from reliab.cli.criterion.rig import rig_beside, show_rig
-    from reliab.cli.criterion.shares import shares_beside, show_shares
-    from reliab.cli.output import write_json
-    from reliab.criterion.laws import OF_MANY_MOTIONS
+    from reliab.api import derive_criteria
 
-    demand = Demand(**options_of(Demand, context))
-    of_law = law in OF_MANY_MOTIONS
-    derivation = printed(demand) if of_law else derived(demand)
-    dataset, criteria = derivation.dataset, derivation.criteria
-    structures = demand.structures(dataset)
-    rows = [
-        row(criterion, None if of_law else dataset, f, xi) for f, xi in structures for criterion in criteria
-    ]
-    write(criteria[0], out)
-    content = {"criteria": rows, **(rows[0] if len(rows) == 1 else {})}
-    content |= {
-        **_beside(demand, derivation, structures),
-        **rig_beside(demand),
-        **shares_beside(dataset, criteria, structures),
-    }
-    if not write_json(content, json_target):
-        show(rows, derivation.posteriors)
-        if "rig" in content:
-            show_rig(content["rig"])
-        if "share_law" in content:
-            show_shares(content["share_law"])
-        if compare:
-            show_comparison(content["comparison"])
-    _refuse_unconverged(derivation.posteriors, chains)
-
-
-def _beside(
-    demand: "Demand", derivation: "Derived", structures: Sequence[tuple[float, float]]
-) -> dict[str, Any]:
-    """Return what stands beside the criteria where it is asked for: posteriors, figures, a comparison."""
-    from reliab.cli.criterion.comparison import compare
-    from reliab.cli.criterion.figures import draw_all
-
-    content: dict[str, Any] = {}
-    if derivation.posteriors:
-        content["posteriors"] = derivation.posteriors
-    if demand.figures is not None:
-        drawn = draw_all(
-            demand.figures, derivation.dataset, derivation.criteria, structures, derivation.derivations
-        )
-        content |= {"figures": drawn} if drawn else {}
-    if demand.compare:
-        content["comparison"] = compare(derivation.dataset, structures, derivation.criteria)
-    return content
-
-
-def _refuse_unconverged(posteriors: Sequence[Mapping[str, Any]], chains: Path | None) -> None:
-    """End with an error where a posterior cannot be relied on, after everything has been written."""
-    failed = [posterior for posterior in posteriors if not posterior["converged"]]
-    if failed:
-        complaints = " ".join(sentence for posterior in failed for sentence in posterior["complaints"])
-        again = f"{2 * failed[0]['steps']}"
-        where = f"Resume with --chains {chains} --steps {again}" if chains else f"Give --steps {again}"
-        message = (
-            f"THE POSTERIOR HAS NOT CONVERGED, and no limit above may be relied on. {complaints} {where}."
-        )
-        raise IncompleteError(message)
+    derived = demand.ask(derive_criteria, "json_target", show=progress_bar)
+    content = derived.to_dict()
+    if not write_json(content, demand.json_target):
+        show_criteria(content)
+    derived.require_converged(demand.chains)

@@ -22,7 +22,7 @@ from reliab.cli.monitor.options import (
     Units,
     Wait,
 )
-from reliab.cli.options import FIVE_PERCENT, MetricName
+from reliab.cli.options import MetricName
 from reliab.cli.output import console
 from reliab.errors import InputError
 from reliab.shipped import or_shipped
@@ -38,7 +38,7 @@ def monitor(
     alpha: Alpha = "1",
     scale: Scale = "1",
     feedback_lag: FeedbackLag = "0",
-    threshold: Threshold = FIVE_PERCENT,
+    threshold: Threshold = 0.05,
     metric: MetricName = "rms",
     command: Column = None,
     measured: Column = None,

@@ -4,10 +4,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
+from reliab.progress import Show
 from reliab.report import Document
 from reliab.study.description import CriterionStudy
 from reliab.study.kind import Kind
-from reliab.study.material import Material, Show
+from reliab.study.material import Material
 from reliab.study.real_motions import REAL_MOTIONS, on_real_motions, real_share
 from reliab.study.stages import Stage, made_with
 from reliab.study.steps import (

@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from reliab.files import written_whole
+from reliab.progress import Show
 from reliab.report import Document, save_content, saved_content
 from reliab.shipped import shipped
 from reliab.study.description import Study, Table
 from reliab.study.digests import digest
 from reliab.study.kind import Kind
-from reliab.study.material import Show
 from reliab.study.stages import Stage, made_with
 
 if TYPE_CHECKING:

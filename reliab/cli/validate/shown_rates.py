@@ -1,4 +1,4 @@
-"""What `reliab validate` answers: JSON, and tables on the terminal."""
+"""What `reliab validate` prints: how often criteria hold, and how often probabilities are right."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
@@ -6,10 +6,7 @@ from typing import TYPE_CHECKING, Any
 from reliab.cli.output import console, table
 
 if TYPE_CHECKING:
-    import xarray as xr
     from rich.table import Table
-
-    from reliab.validation.cross_validation import CrossValidation
 
 _HEADINGS = {
     "criterion": "left",
@@ -19,76 +16,18 @@ _HEADINGS = {
     "false-safe": "right",
     "good tests accepted": "right",
 }
-_CONFUSION = ("good_accepted", "good_rejected", "bad_accepted", "bad_rejected")
-ELLIPSE_NOTE = (
+_BINS = {
+    "stated probability": "right",
+    "good tests (95 % interval)": "right",
+    "tests": "right",
+}
+_ELLIPSE_NOTE = (
     "Note: without --motions or --results no simulated errors are known; the motions' own ellipses "
     "decide what is contained and which tests are good."
 )
-"""What is said where no simulated errors are known."""
 
 
-def answer(validation: "CrossValidation", ellipses: "xr.Dataset", recognised: int) -> dict[str, Any]:
-    """Put a cross-validation into plain values."""
-    from reliab.sweep import share_of
-
-    counts = validation.counts
-    return {
-        "scheme": validation.scheme,
-        "threshold": validation.threshold,
-        "metric": validation.metric,
-        "window": str(ellipses.attrs.get("window", "unknown")),
-        "alpha": share_of(ellipses),
-        "n_motions": int(counts.sizes["motion"]),
-        "n_events": len(set(counts["event"].values.tolist())),
-        "n_of_learned_earthquakes": recognised,
-        "truth": validation.truth,
-        "unresolved": int(counts["unresolved"].sum()),
-        "not_carried": _not_carried(validation),
-        "rows": _rows(validation, ("f", "xi")),
-        "by_frequency": _rows(validation, ("xi",)),
-        "by_damping_ratio": _rows(validation, ("f",)),
-        "rows_lead": _rows(validation, ("f", "xi"), "lead"),
-    }
-
-
-def _rows(validation: "CrossValidation", over: tuple[str, ...], side: str = "lag") -> list[dict[str, Any]]:
-    """Rates with intervals and the confusion matrix, one row for each candidate and confidence."""
-    from reliab.validation.cross_validation import RATES, tabulate
-    from reliab.vocabulary import Side
-
-    rows = []
-    for line in tabulate(validation, over, side=Side(side)).to_dict(orient="records"):
-        row: dict[str, Any] = {
-            str(name): line[name] for name in ("candidate", "confidence", "f", "xi") if name in line
-        }
-        for name in RATES:
-            ends = {"rate": name, "low": f"{name}_low", "high": f"{name}_high"}
-            row[name] = {end: _number(line[key]) for end, key in ends.items()}
-        row["confusion"] = {name: int(line[name]) for name in _CONFUSION}
-        rows.append(row)
-    return rows
-
-
-def _not_carried(validation: "CrossValidation") -> list[dict[str, Any]]:
-    """Criteria and confidences for which every fold has too few motions."""
-    from reliab.criterion.laws import OF_MANY_MOTIONS
-
-    counts = validation.counts
-    touched = (counts["judged"] + counts["unresolved"]).sum(["side", "f", "xi", "motion"])
-    return [
-        {"candidate": candidate, "confidence": confidence}
-        for candidate in counts["candidate"].values.tolist()
-        for confidence in counts["confidence"].values.tolist()
-        if candidate not in OF_MANY_MOTIONS
-        and not int(touched.sel(candidate=candidate, confidence=confidence))
-    ]
-
-
-def _number(value: float) -> float | None:
-    return float(value) if value == value else None  # noqa: PLR0124 - NaN where nothing was accepted
-
-
-def show(content: dict[str, Any]) -> None:
+def show_criteria(content: dict[str, Any]) -> None:
     """Print the rates of criteria."""
     terminal = console()
     title = (
@@ -120,7 +59,7 @@ def show(content: dict[str, Any]) -> None:
             highlight=False,
         )
     if content["truth"] == "ellipse":
-        terminal.print(ELLIPSE_NOTE)
+        terminal.print(_ELLIPSE_NOTE)
 
 
 def kept_shares(rows: list[dict[str, Any]], of_side: str = "") -> Iterator[str]:
@@ -157,8 +96,8 @@ def _table(title: str, rows: list[dict[str, Any]]) -> "Table":
         shown.add_row(
             row["candidate"],
             f"{row['confidence']:.0%}",
-            *(interval(row["containment"]), _share(row["containment_by_ellipse"]["rate"])),
-            *(interval(row[name]) for name in ("false_safe", "accepted_share")),
+            *(_interval(row["containment"]), _share(row["containment_by_ellipse"]["rate"])),
+            *(_interval(row[name]) for name in ("false_safe", "accepted_share")),
         )
     return shown
 
@@ -176,7 +115,7 @@ def _share(value: float | None) -> str:
     return "none" if value is None else f"{value:.1%}"
 
 
-def interval(rate: dict[str, float | None]) -> str:
+def _interval(rate: dict[str, float | None]) -> str:
     """Write a rate with its interval.
 
     `rate` [-].
@@ -186,3 +125,15 @@ def interval(rate: dict[str, float | None]) -> str:
     if rate["low"] is None or rate["high"] is None:
         return f"{rate['rate']:.1%}"
     return f"{rate['rate']:.1%} ({rate['low']:.1%} … {rate['high']:.1%})"
+
+
+def show_probabilities(content: dict[str, Any]) -> None:
+    """Print how many tests are good for which probability."""
+    title = f"Probabilities of tests, {content['scheme'].replace('_', ' ')}"
+    shown = table(title, _BINS)
+    for row in content["bins"]:
+        rate = {"rate": row["observed"], "low": row["low"], "high": row["high"]}
+        shown.add_row(f"{row['stated']:.1%}", _interval(rate), str(row["tests"]))
+    console().print(shown)
+    if content["truth"] == "ellipse":
+        console().print(_ELLIPSE_NOTE)

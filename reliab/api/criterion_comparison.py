@@ -1,24 +1,22 @@
-"""`reliab criterion --compare`: distributions and laws judged on earthquakes that they have not seen."""
+"""Distributions and laws of a criterion judged on earthquakes that they have not seen."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from reliab.cli.output import console, progress_bar, table
 from reliab.errors import InputError
-from reliab.significant import significant
+from reliab.progress import Show
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from reliab.criterion import Criterion
 
-_FIGURES = ("log_score", "gain", "standard_error", "tail_score", "quantile_05")
 
-
-def compare(
+def compare_candidates(
     dataset: "xr.Dataset | None",
     structures: Sequence[tuple[float, float]],
     criteria: "Sequence[Criterion]",
+    show: Show,
 ) -> dict[str, Any]:
     """Compare distributions of a and b at structures, and laws over all structures of the dataset.
 
@@ -30,8 +28,8 @@ def compare(
     if dataset is None:
         raise InputError(
             "Distributions and laws are compared on ellipses of motions",
-            value="--compare without a source of ellipses",
-            remedy="Give --motions, --results or --ellipses too, real_suite for example",
+            value="`compare` without a source of ellipses",
+            remedy="Give `motions`, `results` or `ellipses` too, real_suite for example",
         )
     thresholds = list(dict.fromkeys(criterion.threshold for criterion in criteria))
     metric, confidence = str(criteria[0].metric), criteria[0].confidence
@@ -40,12 +38,12 @@ def compare(
         raise InputError(
             "Earthquakes are held out in turn, so at least two are needed",
             value=1,
-            remedy="Give motions of more earthquakes, or leave --compare out",
+            remedy="Give motions of more earthquakes, or leave `compare` out",
         )
     held = [(f, xi) for f, xi in structures if f in dataset["f"] and xi in dataset["xi"]]
     jobs = [(f, xi, threshold) for f, xi in held for threshold in thresholds]
     distributions: list[dict[str, Any]] = []
-    with progress_bar("Comparing distributions") as progress:
+    with show("Comparing distributions") as progress:
         for done, (f, xi, threshold) in enumerate(jobs, start=1):
             distributions += _distributions(dataset, f, xi, threshold, metric, curve)
             progress(done, len(jobs))
@@ -93,37 +91,3 @@ def _laws(
     return [
         {"threshold": threshold, **{str(k): v for k, v in row.items()}} for row in scores.to_dict("records")
     ]
-
-
-def show_comparison(comparison: Mapping[str, Any]) -> None:
-    """Print how distributions and laws compare."""
-    for judged in comparison["distributions"]:
-        tests = ", ".join(
-            f"{name.replace('_', '-')} {significant(p, 2)}" for name, p in judged["lognormality"].items()
-        )
-        where = f"f = {judged['f']:g} Hz, ξ = {judged['xi']:g}, error {judged['threshold']:g}"
-        heading = f"Distributions of {judged['parameter']} at {where}, earthquakes held out."
-        console().print(f"{heading} p of lognormality: {tests}.", highlight=False)
-        shown = table(
-            "",
-            {"distribution": "left", **{name.replace("_", " "): "right" for name in _FIGURES}},
-        )
-        for row in judged["scores"]:
-            shown.add_row(row["distribution"], *(significant(row[name]) for name in _FIGURES))
-        console().print(shown)
-    for threshold in dict.fromkeys(row["threshold"] for row in comparison["laws"]):
-        alike = [row for row in comparison["laws"] if row["threshold"] == threshold]
-        _show_laws(f"error {threshold:g}", alike)
-
-
-def _show_laws(error: str, rows: Sequence[Mapping[str, Any]]) -> None:
-    frequencies = list(dict.fromkeys(row["f"] for row in rows))
-    for key, what in (
-        ("log_score", "held-out log score"),
-        ("region_at_f", "accepted region at equal coverage"),
-    ):
-        console().print(f"Laws at {error}: {what} by f [Hz].", highlight=False)
-        shown = table("", {"law": "left", **{f"{f:g}": "right" for f in frequencies}})
-        for law in dict.fromkeys(row["law"] for row in rows):
-            shown.add_row(law, *(significant(row[key]) for row in rows if row["law"] == law))
-        console().print(shown)

@@ -1,12 +1,12 @@
-"""`reliab criterion --figures`: criteria over the motions' own ellipses, and posteriors."""
+"""Criteria drawn over the motions' own ellipses, and posteriors."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reliab.cli.output import progress_bar
 from reliab.errors import InputError
 from reliab.files import written_whole
+from reliab.progress import Show
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -16,19 +16,20 @@ if TYPE_CHECKING:
     from reliab.sampling import PosteriorSample
 
 
-def draw_all(
+def draw_criteria(
     folder: Path,
     dataset: "xr.Dataset | None",
     criteria: "Sequence[Criterion]",
     structures: Sequence[tuple[float, float]],
     derivations: "Sequence[Derivation]",
+    show: Show,
 ) -> list[str]:
     """Draw every structure and posterior into a folder, as SVG; keep posteriors for ArviZ."""
     if dataset is None:
         raise InputError(
             "A criterion is drawn over ellipses of motions",
-            value="--figures without a source of ellipses",
-            remedy="Give --motions, --results or --ellipses too, real_suite for example",
+            value="`figures` without a source of ellipses",
+            remedy="Give `motions`, `results` or `ellipses` too, real_suite for example",
         )
     held = [(f, xi) for f, xi in structures if f in dataset["f"] and xi in dataset["xi"]]
     if not held:
@@ -40,7 +41,7 @@ def draw_all(
     errors = list(dict.fromkeys((criterion.threshold, str(criterion.metric)) for criterion in criteria))
     jobs = [(*structure, *error) for structure in held for error in errors]
     names = []
-    with progress_bar("Drawing") as progress:
+    with show("Drawing") as progress:
         for done, (f, xi, threshold, metric) in enumerate(jobs, start=1):
             alike = [
                 criterion

@@ -1,11 +1,8 @@
-"""`reliab assess --design`: what is tolerable before a test."""
+"""What `reliab assess --design` prints: what is tolerable before a test."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reliab.cli.output import console, table, write_json
-from reliab.errors import InputError
-from reliab.files import written_whole
+from reliab.cli.output import console, table
 from reliab.vocabulary import MILLI
 
 if TYPE_CHECKING:
@@ -18,33 +15,9 @@ _NINETY_FIVE = 0.95
 _BAR = 40
 
 
-def answer_design(design: "Design", figure: Path | None, json_target: str | None) -> None:
-    """Print, draw or write what is tolerable before a test."""
-    if figure is not None:
-        _draw(design.chart, figure)
-    if not write_json(design.to_dict(), json_target):
-        _show_design(design.tolerances, design.chart)
-
-
-def _draw(chart: "Sequence[Tolerance]", path: Path) -> None:
-    from reliab.report import picture
-    from reliab.report.figures import tolerable_errors_over_frequency
-
-    drawn = tolerable_errors_over_frequency(chart)
-    try:
-        with written_whole(path) as file:
-            file.write_bytes(picture(drawn, path.suffix.lower()))
-    except (OSError, ValueError) as error:
-        raise InputError(
-            "The figure's file must be writable and end in .svg, .png or .pdf",
-            value=str(error),
-            remedy="Name another file",
-            where=str(path),
-        ) from error
-
-
-def _show_design(rows: "Sequence[Tolerance]", chart: "Sequence[Tolerance]") -> None:
-    first = rows[0]
+def show_design(design: "Design") -> None:
+    """Print tolerable errors, and those over the frequency as bars."""
+    rows, first = design.tolerances, design.tolerances[0]
     shown = table(
         f"Tolerable errors at ξ = {first.damping_ratio:g} for an error of {first.threshold:.0%}",
         dict.fromkeys(
@@ -68,7 +41,7 @@ def _show_design(rows: "Sequence[Tolerance]", chart: "Sequence[Tolerance]") -> N
         terminal.print(
             "Note: * lies outside of the criterion's validity and is carried over by dimensionless errors."
         )
-    _show_chart(chart, terminal)
+    _show_chart(design.chart, terminal)
 
 
 def _show_chart(chart: "Sequence[Tolerance]", terminal: Any) -> None:  # noqa: ANN401 - Rich's console

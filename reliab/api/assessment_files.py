@@ -1,0 +1,126 @@
+"""Files that an assessment leaves: the report that is filed with a test, the table of verdicts, the chart."""
+
+import hashlib
+from collections.abc import Iterable, Mapping
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from reliab.api.design import Design
+from reliab.assessment import Assessment, FrameAssessment, verdict_table
+from reliab.encodings import as_cell
+from reliab.errors import InputError
+from reliab.files import written_whole
+from reliab.shipped import or_shipped
+
+if TYPE_CHECKING:
+    from reliab.report import Setting
+
+
+def file_report(
+    assessment: Assessment | FrameAssessment,
+    report: str | Path,
+    *,
+    test: str | Path,
+    structure: str | Path | None = None,
+    setting: "Setting | None" = None,
+) -> None:
+    """Write the report that is filed with a test, with the checksums of the files from which it was made.
+
+    Parameters
+    ----------
+    assessment : Assessment or FrameAssessment
+        What :func:`reliab.assess` answered.
+    report : str or pathlib.Path
+        The PDF.
+    test, structure : str or pathlib.Path
+        The test's file, and that of the frame where there is one.
+    setting : Setting, optional
+        Paper, title, date (today by default), and name and logo of the laboratory.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    from reliab.report import write_pdf
+    from reliab.report.kinds.assessment import assessment_report, frame_assessment_report
+
+    files = {"file": or_shipped(Path(test), "datasets", "test.csv")}
+    if structure is not None:
+        files["structure"] = Path(structure)
+    document = (
+        assessment_report(assessment, provenance=_checksums(files))
+        if isinstance(assessment, Assessment)
+        else frame_assessment_report(assessment, provenance=_checksums(files))
+    )
+    write_pdf(document, Path(report), date=datetime.now(tz=UTC).date(), setting=setting)
+
+
+def _checksums(files: Mapping[str, Path]) -> dict[str, object]:
+    """Names and checksums of files, by what each of them is."""
+    lines: dict[str, object] = {}
+    for name, path in files.items():
+        lines[name] = path.name
+        lines[f"{name}, SHA-256"] = hashlib.sha256(path.read_bytes()).hexdigest()
+    return lines
+
+
+def write_verdicts(verdicts: Iterable[Mapping[str, Any]], out: str | Path) -> None:
+    """Write the table of verdicts, one row for each test.
+
+    Parameters
+    ----------
+    verdicts : iterable of mapping
+        What was found about each test, as `to_dict` of its assessment, with its `file`; or `file` and
+        `fault`.
+    out : str or pathlib.Path
+        The CSV file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    try:
+        with written_whole(out) as file:
+            rows = verdict_table(verdicts)
+            rows.assign(file=rows["file"].map(as_cell)).to_csv(file, index=False)
+    except OSError as error:
+        raise InputError(
+            "The table's file must be writable",
+            value=error.strerror,
+            remedy="Name another file",
+            where=str(out),
+        ) from error
+
+
+def draw_design(design: Design, figure: str | Path) -> None:
+    """Draw the chart of tolerable errors over the frequency.
+
+    Parameters
+    ----------
+    design : Design
+        What :func:`reliab.design_test` answered.
+    figure : str or pathlib.Path
+        The file, which ends in .svg, .png or .pdf.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written or ends otherwise.
+    """
+    from reliab.report import picture
+    from reliab.report.figures import tolerable_errors_over_frequency
+
+    drawn = tolerable_errors_over_frequency(design.chart)
+    try:
+        with written_whole(figure) as file:
+            file.write_bytes(picture(drawn, Path(figure).suffix.lower()))
+    except (OSError, ValueError) as error:
+        raise InputError(
+            "The figure's file must be writable and end in .svg, .png or .pdf",
+            value=str(error),
+            remedy="Name another file",
+            where=str(figure),
+        ) from error

@@ -1,0 +1,482 @@
+"""`reliab.derive_criteria`: how much amplitude error and delay a test may have."""
+
+import itertools
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from reliab.api.criterion_comparison import compare_candidates
+from reliab.api.criterion_figures import draw_criteria
+from reliab.api.sources import (
+    FIVE_PERCENT,
+    ONE_HERTZ,
+    TWO_PERCENT,
+    EllipseSource,
+    Files,
+    listed,
+    paths,
+    require_thresholds,
+)
+from reliab.criterion import (
+    Criterion,
+    Derivation,
+    compare_shares,
+    describe_sample,
+    printed_share,
+    published_criterion,
+    summarise,
+)
+from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, known
+from reliab.criterion.methods import RECOMMENDED, method_of
+from reliab.errors import IncompleteError, InputError
+from reliab.files import written_whole
+from reliab.indices import Window
+from reliab.motions import load_motions
+from reliab.progress import Show, quietly
+from reliab.shipped import shipped
+from reliab.simulation.frames import read_frame
+from reliab.sweep import (
+    Names,
+    Numbers,
+    at_share,
+    errors_of_rig,
+    open_ellipses,
+    shares_of,
+    summary_of_rig,
+)
+
+_NINETY_FIVE = 0.95
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Criteria:
+    """Criteria with what they were derived from.
+
+    Attributes
+    ----------
+    criteria : tuple of Criterion
+        One for each share of the stiffness, error and share of ground motions.
+    structures : tuple of (float, float)
+        Natural frequency [Hz] and damping ratio [-] of each structure that is asked for.
+    ellipses : xarray.Dataset, optional
+        Ellipses of the motions; none for a printed law without a source of them.
+    derivations : tuple of Derivation
+        What was learned, one for each share of the stiffness and error; none for a printed law.
+    beside : dict
+        What was asked for beside the criteria: `figures`, `comparison`; of frames `rig`, of several shares
+        of the stiffness `share_law`.
+    """
+
+    criteria: tuple[Criterion, ...]
+    structures: tuple[tuple[float, float], ...]
+    ellipses: xr.Dataset | None = None
+    derivations: tuple[Derivation, ...] = ()
+    beside: Mapping[str, Any] = field(default_factory=dict)
+
+    @cached_property
+    def rows(self) -> list[dict[str, Any]]:
+        """Limits of each criterion at each structure, with the motions behind them."""
+        sample = self.ellipses if self.derivations else None
+        return [_row(criterion, sample, f, xi) for f, xi in self.structures for criterion in self.criteria]
+
+    @property
+    def posteriors(self) -> list[Mapping[str, Any]]:
+        """Diagnostics of sampled posteriors, one for each error and side."""
+        return [diagnostics for derivation in self.derivations for diagnostics in derivation.diagnostics]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain numbers with stable keys: `criteria`, the rows, and where there is only one its keys too."""
+        posteriors = {"posteriors": self.posteriors} if self.posteriors else {}
+        return {
+            "criteria": self.rows,
+            **(self.rows[0] if len(self.rows) == 1 else {}),
+            **posteriors,
+            **self.beside,
+        }
+
+    def require_converged(self, chains: str | Path | None = None) -> None:
+        """Refuse criteria of posteriors that cannot be relied on.
+
+        Parameters
+        ----------
+        chains : str or pathlib.Path, optional
+            The file that kept the chains.
+
+        Raises
+        ------
+        IncompleteError
+            If a posterior has not converged; it says how to go on.
+        """
+        failed = [posterior for posterior in self.posteriors if not posterior["converged"]]
+        if failed:
+            complaints = " ".join(sentence for posterior in failed for sentence in posterior["complaints"])
+            again = f"`steps={2 * failed[0]['steps']}`"
+            how = f"Resume with `chains={chains}` {again}" if chains else f"Give {again}"
+            message = (
+                f"THE POSTERIOR HAS NOT CONVERGED, and no limit above may be relied on. {complaints} {how}."
+            )
+            raise IncompleteError(message)
+
+
+def derive_criteria(
+    *,
+    motions: Files | None = None,
+    sets: Names | None = None,
+    results: str | Path | None = None,
+    ellipses: str | Path | None = None,
+    f: Numbers | None = None,
+    xi: Numbers | None = None,
+    threshold: Numbers | None = None,
+    confidence: Numbers | None = None,
+    metric: str = "rms",
+    window: str | None = None,
+    alpha: Numbers | None = None,
+    model: str | Path | None = None,
+    structure: str | Path | None = None,
+    method: str | None = None,
+    assurance: float | None = None,
+    distribution: str | None = None,
+    joint: bool | None = None,
+    law: str = "table",
+    steps: int | None = None,
+    chains: str | Path | None = None,
+    compare: bool = False,
+    figures: str | Path | None = None,
+    out: str | Path | None = None,
+    show: Show = quietly,
+) -> Criteria:
+    """Derive criteria from ground motions, stored results or ellipses, or take those of a printed law.
+
+    :func:`reliab.derive_criterion` derives one from ellipses; this function also traces them, serves several
+    structures, errors, confidences and shares of the stiffness at once, and learns once for all of them.
+
+    Parameters
+    ----------
+    motions : str, pathlib.Path or sequence of these, optional
+        Ground motions: records, folders or a built-in suite.
+    sets : str or sequence of str, optional
+        Sets of their catalogue.
+    results, ellipses : str or pathlib.Path, optional
+        Stored results or a file of ellipses instead, or "real_suite".
+    f, xi : float or sequence of float, optional
+        Natural frequencies [Hz] and damping ratios [-]; all that the source holds by default.
+    threshold, confidence : float or sequence of float, optional
+        Errors [-], 0.05 by default, and shares of ground motions, 0.95 by default.
+    metric : {"rms", "mte"}, optional
+        Error of the whole test.
+    window : str, optional
+        Part of the record over which the error is computed; by default that of the source.
+    alpha : float or sequence of float, optional
+        Shares of the stiffness in the laboratory [-]; by default those of the source, or 1.
+    model, structure : str or pathlib.Path, optional
+        Model with effects, or frame with its part in the laboratory, in place of structures.
+    method, law : str, optional
+        What the confidence means, the recommended method by default; how the limits depend on the structure.
+    assurance, distribution, steps, chains : optional
+        Settings of the method, where it has them; see :func:`reliab.derive_criterion`.
+    joint : bool, optional
+        Whether the confidence holds for a and b together; by default as the method defines it.
+    compare : bool, optional
+        Whether distributions and laws are judged on earthquakes that they have not seen.
+    figures : str or pathlib.Path, optional
+        Folder for drawings of the criteria over the motions' ellipses.
+    out : str or pathlib.Path, optional
+        File for the criterion, where there is one.
+    show : callable, optional
+        Takes the name of a task and shows its progress.
+
+    Returns
+    -------
+    Criteria
+        The criteria, their limits at each structure, and what was asked for beside them. Those of a posterior
+        that has not converged are there to be looked at; `require_converged` refuses them.
+
+    Raises
+    ------
+    InputError
+        If there is not one source, a value is not allowed, or an argument would have no effect.
+
+    Examples
+    --------
+    >>> asked = {"ellipses": "real_suite", "f": 1, "xi": 0.02, "method": "quantile"}
+    >>> derived = derive_criteria(**asked, confidence=[0.9, 0.95])
+    >>> [round(row["b"], 2) for row in derived.rows]
+    [1.5, 1.16]
+    """
+    question = _Question(
+        source=partial(
+            EllipseSource,
+            motions=motions,
+            sets=listed(sets),
+            results=results,
+            ellipses=ellipses,
+            threshold=threshold,
+            metric=metric,
+            window=window,
+            alpha=alpha,
+            model=model,
+            structure=structure,
+            f=f if motions or law == "table" else None,
+            xi=xi if motions or law == "table" else None,
+        ),
+        of_source={"sets": sets, "model": model, "window": window, "alpha": alpha, "structure": structure},
+        has_source=any((motions, results, ellipses)),
+        law=law,
+        method=method,
+        settings={"assurance": assurance, "distribution": distribution, "steps": steps},
+        chains=None if chains is None else Path(chains),
+        joint=joint,
+        errors=listed(threshold),
+        confidences=listed(confidence),
+        metric=metric,
+        compare=compare,
+        figures=None if figures is None else Path(figures),
+        out=out,
+        show=show,
+    )
+    return question.answered(f, xi)
+
+
+_Derived = tuple[tuple[Criterion, ...], xr.Dataset | None, tuple[Derivation, ...]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Question:
+    """What is asked of a criterion; see :func:`derive_criteria`."""
+
+    source: Callable[[], EllipseSource]  # Where the ellipses come from, once they are needed
+    of_source: Mapping[str, Any]  # Arguments that only a source of motions uses
+    has_source: bool
+    law: str
+    method: str | None
+    settings: Mapping[str, Any]  # Settings of the method; None where they are not stated
+    chains: Path | None
+    joint: bool | None
+    errors: list[float] | None  # errors, confidences: [-]
+    confidences: list[float] | None
+    metric: str
+    compare: bool
+    figures: Path | None
+    out: str | Path | None
+    show: Show
+
+    def __post_init__(self) -> None:
+        require_thresholds(self.errors)
+        if self.figures is not None and self.figures.exists() and not self.figures.is_dir():
+            raise InputError("Figures go into a folder", value=self.figures, remedy="Name another folder")
+
+    def printed(self) -> _Derived:
+        """Take the criterion of a printed law, with the ellipses beside which it is shown."""
+        criterion = published_criterion(self.law)
+        for error in self.errors or [criterion.threshold]:
+            criterion.law.validity.require_error(error, self.metric)
+        self._refuse_promises(criterion)
+        self._refuse_idle_source()
+        dataset = self.source().dataset(self.show) if self.has_source else None
+        return (criterion,), dataset, ()
+
+    def _refuse_promises(self, printed: Criterion) -> None:
+        """Refuse what a printed law does not promise."""
+        strange = [
+            f"`confidence={share:g}`" for share in self.confidences or [] if share != printed.confidence
+        ]
+        strange += ["`joint`"] if self.joint else []
+        strange += [f"`method={self.method}`"] if self.method not in {None, printed.method} else []
+        settings = {**self.settings, "chains": self.chains}
+        strange += [f"`{name}={value}`" for name, value in settings.items() if value is not None]
+        if strange:
+            raise InputError(
+                f"A printed law states only {printed.confidence:.0%}, by the quantile of each limit",
+                value=", ".join(strange),
+                remedy="Leave these out, or derive a criterion from ellipses",
+            )
+
+    def _refuse_idle_source(self) -> None:
+        """Refuse a source of motions, or arguments of one, that a printed law would not use."""
+        if self.has_source and self.figures is None and not self.compare:
+            raise InputError(
+                "A printed law needs no motions",
+                value=f"{self.law} with a source of ellipses",
+                remedy="Leave the source out, or give `figures` or `compare`",
+            )
+        idle = [f"`{name}`" for name, value in self.of_source.items() if value is not None]
+        if idle and not self.has_source:
+            raise InputError(
+                "A printed law is for whole records and a wholly experimental structure, as in the paper",
+                value=f"{self.law} with {', '.join(idle)}",
+                remedy="Leave these out, or derive a criterion from ellipses",
+            )
+
+    def derived(self) -> _Derived:
+        """Derive a criterion for each share of the stiffness, error and share of ground motions.
+
+        What is learned at an error serves all shares of ground motions.
+        """
+        law, method = known(FITTED, self.law), method_of(self.method or RECOMMENDED, **self.settings)
+        if self.chains is not None and not method.samples_chains:
+            raise InputError(
+                "Only the hierarchical methods sample chains",
+                value=f"`chains` with {method.name}",
+                remedy="Leave it out, or choose a hierarchical `method`",
+            )
+        dataset = _with_room(self.source().dataset(self.show))
+        errors, shares = self.errors or _default_errors(dataset), shares_of(dataset)
+        promises = list(itertools.product(errors, self.confidences or [_NINETY_FIVE]))
+        self._require_one_share(shares)
+        self._require_one_criterion(len(shares) * len(promises))
+        learned: dict[tuple[float, float], Derivation] = {}
+        for share, error in itertools.product(shares, dict.fromkeys(errors)):
+            with self.show(f"Learning at {error:g}") as progress:
+                learned[share, error] = Derivation.of(
+                    at_share(dataset, share),
+                    method=method,
+                    law=law,
+                    threshold=error,
+                    metric=self.metric,
+                    chains=self.chains,
+                    progress=progress,
+                )
+        criteria = (
+            learned[share, error].criterion(confidence, joint=self.joint)
+            for share in shares
+            for error, confidence in promises
+        )
+        return tuple(criteria), dataset, tuple(learned.values())
+
+    def _require_one_share(self, shares: tuple[float, ...]) -> None:
+        """Refuse what is of one share of the stiffness where there are several."""
+        of_one = {"figures": self.figures, "compare": self.compare or None, "chains": self.chains}
+        unserved = [f"`{name}`" for name, value in of_one.items() if value is not None]
+        if len(shares) > 1 and unserved:
+            raise InputError(
+                f"{' and '.join(unserved)} are of one share of the stiffness",
+                value=f"α = {', '.join(f'{share:g}' for share in shares)}",
+                remedy="Give one `alpha`, or leave them out",
+            )
+
+    def _require_one_criterion(self, count: int) -> None:
+        """Refuse a file for several criteria, before any of them is derived."""
+        if self.out is not None and count > 1:
+            raise InputError(
+                "A criterion's file holds one criterion",
+                value=f"{count} of them",
+                remedy="Give one threshold, one confidence and one share of the stiffness",
+                where=str(self.out),
+            )
+
+    def answered(self, f: Numbers | None, xi: Numbers | None) -> Criteria:
+        """Derive criteria, write the file of one, and add what is asked for beside them."""
+        criteria, dataset, derivations = self.printed() if self.law in OF_MANY_MOTIONS else self.derived()
+        derived = Criteria(
+            criteria=criteria,
+            structures=_structures(f, xi, dataset),
+            ellipses=dataset,
+            derivations=derivations,
+        )
+        beside: dict[str, Any] = {}
+        if derived.rows and self.out is not None:  # rows refuse structures for which a law is not valid
+            _write(derived.criteria[0], self.out)
+        if self.figures is not None:
+            drawn = draw_criteria(
+                self.figures,
+                derived.ellipses,
+                derived.criteria,
+                derived.structures,
+                derived.derivations,
+                self.show,
+            )
+            beside |= {"figures": drawn} if drawn else {}
+        if self.compare:
+            beside["comparison"] = compare_candidates(
+                derived.ellipses, derived.structures, derived.criteria, self.show
+            )
+        return replace(derived, beside={**beside, **self._rig(), **_share_law(derived)})
+
+    def _rig(self) -> dict[str, Any]:
+        """Compute the error of the rig that a frame's description states, under the same motions."""
+        structure = self.of_source["structure"]
+        if structure is None or (frame := read_frame(structure)).transfer_system is None:
+            return {}
+        source = self.source()
+        suite = load_motions(*paths(source.motions or ()), sets=source.sets)
+        window = Window.parse(self.of_source["window"] or "record")
+        with self.show("Testing the rig") as progress:
+            tried = errors_of_rig(frame, suite, window=window, progress=progress)
+        return {"rig": summary_of_rig(tried, self.metric, (self.errors or [FIVE_PERCENT])[0])}
+
+
+def _with_room(dataset: xr.Dataset) -> xr.Dataset:
+    """Refuse boundaries that leave no room, since the effects of a model fill it."""
+    full = (dataset["a"] == 0.0) & (dataset["b"] == 0.0)
+    if full.any():
+        motions = full.any([name for name in full.dims if name != "motion"])
+        raise InputError(
+            "The effects of the model must leave room for errors of the actuator",
+            value=f"none under {int(motions.sum())} of {motions.size} motions, even for a perfect actuator",
+            remedy="Remove or compensate the effects, or allow a larger error by `threshold`",
+        )
+    return dataset
+
+
+def _default_errors(dataset: xr.Dataset) -> list[float]:
+    """Return 5 % where the ellipses hold it, else all their thresholds."""
+    stored: list[float] = dataset["threshold"].values.tolist()
+    return [FIVE_PERCENT] if FIVE_PERCENT in stored else stored
+
+
+def _structures(
+    f: Numbers | None, xi: Numbers | None, dataset: xr.Dataset | None
+) -> tuple[tuple[float, float], ...]:
+    """Structures that are asked for, or all that the ellipses are of."""
+    all_f = [ONE_HERTZ] if dataset is None else dataset["f"].values.tolist()
+    all_xi = [TWO_PERCENT] if dataset is None else dataset["xi"].values.tolist()
+    return tuple(itertools.product(listed(f) or all_f, listed(xi) or all_xi))
+
+
+def _row(criterion: Criterion, sample: xr.Dataset | None, f: float, xi: float) -> dict[str, Any]:
+    """Summarise a criterion at one structure, with its motions where the sample has it."""
+    summary = summarise(criterion, f, xi)
+    if criterion.population is None:
+        summary.update(_kept_by(criterion, summary))
+    elif sample is not None and f in sample["f"] and xi in sample["xi"]:
+        of_share = at_share(sample, criterion.provenance.experimental_fraction)
+        summary.update(describe_sample(of_share, criterion, f, xi))
+    return summary
+
+
+def _kept_by(criterion: Criterion, summary: Mapping[str, Any]) -> dict[str, Any]:
+    """Measure on the real motions that ship with the package how many keep a printed law."""
+    real = open_ellipses(shipped("datasets", "real_suite/ellipses.nc"), window=criterion.provenance.window)
+    kept = printed_share(criterion, real, summary["f"], summary["xi"])
+    sentence = (
+        f"Of {kept['n_motions']} real motions, {kept['share']:.0%} have a boundary that contains this "
+        f"ellipse at f = {kept['f']:g} Hz and ξ = {kept['xi']:g}, where the paper states "
+        f"{criterion.confidence:.0%}; measured on the ellipses of datasets/real_suite, for all structures "
+        "by `reliab run validation`."
+    )
+    return {"kept_by": kept, "warnings": [sentence, *summary["warnings"]]}
+
+
+def _write(criterion: Criterion, out: str | Path) -> None:
+    try:
+        with written_whole(out) as file:
+            file.write_text(criterion.to_json(), encoding="utf-8")
+    except OSError as error:
+        raise InputError(
+            "The criterion's file must be writable",
+            value=error.strerror,
+            remedy="Name another file",
+            where=str(out),
+        ) from error
+
+
+def _share_law(derived: Criteria) -> dict[str, Any]:
+    """Compare criteria of several shares of the stiffness with the law, unless the law carried them."""
+    dataset = derived.ellipses
+    if dataset is None or "alpha" not in dataset.dims or "caution" in dataset.attrs:
+        return {}
+    return {"share_law": compare_shares(derived.criteria, derived.structures)}

@@ -1,0 +1,179 @@
+"""Motions on which criteria are judged: their ellipses, their true errors, and how they are divided."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from reliab.api.sources import EllipseSource, listed, paths
+from reliab.errors import InputError
+from reliab.indices import Window
+from reliab.motions import load_motions
+from reliab.progress import Show
+from reliab.sweep import REAL, Numbers, at_share, open_results, share_of, stored_results
+from reliab.validation import earthquakes_among
+from reliab.validation.cross_validation import (
+    EllipseTruth,
+    Fold,
+    SimulatedTruth,
+    StoredTruth,
+    Truth,
+    folds_of,
+    from_another,
+    leave_structures_out,
+    transfer,
+)
+
+DEFAULT_SCHEME = "leave_one_event_out"
+"""How earthquakes are divided where nothing is said."""
+
+
+def require_one_share(alpha: Numbers | None) -> None:
+    """Refuse several shares of the stiffness.
+
+    `alpha` [-].
+    """
+    shares = listed(alpha) or []
+    if len(shares) > 1:
+        raise InputError(
+            "Criteria are judged at one share of the stiffness",
+            value=f"`alpha={' '.join(f'{share:g}' for share in shares)}`",
+            remedy="Give one, or `rebuilt_error`, which compares tests of several",
+        )
+
+
+def judged_ellipses(source: EllipseSource, show: Show) -> xr.Dataset:
+    """Trace or look up the ellipses of the motions, which must be at the structures that are asked for."""
+    dataset = at_share(source.dataset(show))
+    for name in ("f", "xi"):
+        held = dataset[name].values.tolist()
+        for value in listed(getattr(source, name)) or []:
+            if not any(math.isclose(value, stored, rel_tol=1e-9) for stored in held):
+                raise InputError(
+                    "Stored boundaries are judged at the structures that they hold",
+                    value=f"`{name}={value:g}`",
+                    remedy=f"Choose among {', '.join(f'{stored:g}' for stored in held)}, or give `motions`",
+                )
+    return dataset
+
+
+def true_errors(source: EllipseSource, dataset: xr.Dataset) -> Truth:
+    """Choose where true errors come from: the loop, stored results, or else ellipses."""
+    if source.motions is not None:
+        return SimulatedTruth(
+            motions=list(load_motions(*paths(source.motions), sets=source.sets)),
+            window=Window.parse(str(dataset.attrs["window"])),
+            experimental_fraction=share_of(dataset),
+        )
+    stored = source.results or (source.ellipses if str(source.ellipses) == REAL else None)
+    if stored is None:
+        return EllipseTruth(dataset)
+    window = str(dataset.attrs.get("window", "record"))
+    structures = (dataset[name].values.tolist() for name in ("f", "xi"))
+    results = open_results(stored_results(Path(stored), *structures), window=window)
+    return StoredTruth(at_share(results, share_of(dataset)))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Division:
+    """A division of motions into those that are learned from and those that are judged."""
+
+    folds: list[Fold]  # The pairs of both
+    name: str  # What the division is called
+    learn_from: xr.Dataset | None = None  # Ellipses of another suite that is learned from
+    recognised: int = 0  # Motions whose earthquake that suite holds too
+
+
+def require_one_division(
+    scheme: str | None, learn: Sequence[str] | None, judge: Sequence[str] | None
+) -> None:
+    """Refuse a scheme of earthquakes where sets divide the motions."""
+    if scheme is not None and (learn is not None or judge is not None):
+        raise InputError(
+            "`scheme` has no effect here: `learn` and `judge` divide the motions",
+            value=scheme,
+            remedy="Leave it out",
+        )
+
+
+def divide(
+    dataset: xr.Dataset,
+    source: EllipseSource,
+    *,
+    scheme: str | None,
+    leave_out: str | None,
+    learn: Sequence[str] | None,
+    judge: Sequence[str] | None,
+) -> Division:
+    """Divide motions by a scheme of earthquakes, by sets, or with the shipped suite to learn from."""
+    if learn == [REAL]:
+        division = _from_shipped_suite(dataset, source, judge)
+    elif learn or judge:
+        division = _by_sets(dataset, source, learn, judge)
+    else:
+        name = scheme or DEFAULT_SCHEME
+        division = Division(folds=folds_of(name, dataset["event"].values), name=name)
+    return division if leave_out is None else _without(division, leave_out, dataset)
+
+
+def _without(division: Division, name: str, dataset: xr.Dataset) -> Division:
+    """Leave out each frequency or damping ratio in turn, too."""
+    if name not in {"f", "xi"}:
+        raise InputError("What is left out is f or xi", value=name, remedy="Choose one of these")
+    values = dataset[name].values.tolist()
+    if len(values) < 2:  # noqa: PLR2004 - one is left out
+        raise InputError(
+            f"To leave out each {name} in turn, at least two are needed",
+            value=f"{values[0]:g} alone",
+            remedy=f"Give more with `{name}`, or leave `leave_out` out",
+        )
+    folds = list(leave_structures_out(division.folds, name, values))
+    return replace(division, folds=folds, name=f"{division.name}, each {name} left out")
+
+
+def _from_shipped_suite(dataset: xr.Dataset, source: EllipseSource, judge: Sequence[str] | None) -> Division:
+    """Learn from the shipped suite, without the earthquake of the motion that is judged."""
+    if judge:
+        raise InputError(
+            f"`learn={REAL}` judges all motions that are given",
+            value=f"`judge={' '.join(judge)}`",
+            remedy="Leave `judge` out, or choose among the motions with `sets`",
+        )
+    shipped_suite = EllipseSource(
+        ellipses=REAL,
+        f=dataset["f"].values.tolist(),
+        xi=dataset["xi"].values.tolist(),
+        threshold=source.threshold,
+        metric=source.metric,
+        window=str(dataset.attrs["window"]),
+        alpha=share_of(dataset),
+    )
+    learn_from = shipped_suite.dataset()
+    events, checksums = (dataset[name].values.tolist() for name in ("event", "checksum"))
+    among = earthquakes_among(events, checksums, learn_from)
+    return Division(
+        folds=list(from_another(among, learn_from["event"].values)),
+        name=f"learned from {REAL}",
+        learn_from=learn_from,
+        recognised=sum(name is not None for name in among),
+    )
+
+
+def _by_sets(
+    dataset: xr.Dataset, source: EllipseSource, learn: Sequence[str] | None, judge: Sequence[str] | None
+) -> Division:
+    """Learn from sets of a catalogue and judge others of its sets."""
+    if not (learn and judge and source.motions):
+        raise InputError(
+            "To judge sets by others, `motions`, `learn` and `judge` are needed",
+            value="only some of them",
+            remedy=f"Give all three, for example `learn=far_field` `judge=near_field`, or `learn={REAL}`",
+        )
+    sets: NDArray[np.str_] = np.array(load_motions(*paths(source.motions), sets=source.sets).set_names)
+    folds = transfer(sets, dataset["event"].values, learned=learn, judged=judge)
+    name = f"learned from {', '.join(learn)}, judged on {', '.join(judge)}"
+    return Division(folds=list(folds), name=name)

@@ -1,0 +1,221 @@
+"""What `reliab criterion` prints: limits, posteriors, a rig, shares of the stiffness, a comparison."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields
+from typing import Any, Final
+
+from reliab.cli.output import console, table
+from reliab.significant import significant
+
+_HEADINGS = (
+    *("f [Hz]", "ξ [-]", "α [-]", "error [-]", "confidence [-]", "a [-]", "b [ms²]"),
+    *("|A − 1| alone ≤", "lag alone ≤ [ms]", "lead alone ≤ [ms]"),
+)
+_CURVES = {
+    "inscribed": "inscribed in the motions' boundaries",
+    "ellipse": "fitted to the motions' boundaries by least squares, as in the paper",
+}
+_DIAGNOSTICS = {
+    "parameter": "left",
+    "mean": "right",
+    "spread": "right",
+    "R-hat": "right",
+    "bulk size": "right",
+    "tail size": "right",
+    "autocorrelation time": "right",
+}
+_KEYS = ("mean", "spread", "r_hat", "bulk_size", "tail_size", "autocorrelation_time")
+_FORMATS = (".3f", ".3f", ".4f", ".0f", ".0f", ".1f")
+_FIGURES = ("log_score", "gain", "standard_error", "tail_score", "quantile_05")
+_HEADINGS_OF_SHARES = (
+    *("f [Hz]", "ξ [-]", "α [-]", "error [-]", "confidence [-]"),
+    *("a over that of the largest α", "b over that of the largest α", "law", "a off by", "b off by"),
+)
+
+
+def show_criteria(content: Mapping[str, Any]) -> None:
+    """Print criteria, the diagnostics of their posteriors, and what stands beside them."""
+    _show_limits(content["criteria"], content.get("posteriors", ()))
+    for name, show in _BESIDE.items():
+        if name in content:
+            show(content[name])
+
+
+def _show_limits(rows: Sequence[Mapping[str, Any]], posteriors: Sequence[Mapping[str, Any]]) -> None:
+    first = rows[0]
+    shown = table(
+        f"(A − 1)²/a + d²/b ≤ 1 from {first['n_motions']} {first['motions']} of {first['n_events']} "
+        "earthquakes",
+        dict.fromkeys(_HEADINGS, "right"),
+    )
+    for row in rows:
+        shown.add_row(
+            *(f"{row[key]:g}" for key in ("f", "xi", "alpha", "threshold", "confidence")),
+            *(significant(row[key]) for key in ("a", "b", "amplitude_limit", "delay_limit_ms")),
+            "-" if row["lead_limit_ms"] is None else significant(row["lead_limit_ms"]),
+        )
+    terminal = console()
+    for posterior in posteriors:
+        _show_posterior(posterior)
+    terminal.print(shown)
+    together = "a and b together" if first["joint"] else "a and b each for itself"
+    terminal.print(f"Method: {first['method']}, {together}. Law: {first['law']}.", highlight=False)
+    for sentence in _definitions(rows):
+        terminal.print(sentence, markup=False, highlight=False)
+    for warning in dict.fromkeys(warning for row in rows for warning in row["warnings"]):
+        terminal.print(f"Note: {warning}", markup=False, highlight=False)
+
+
+def _definitions(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
+    """Say what the limits and the error mean."""
+    from reliab.vocabulary import LABELS
+
+    alone = (
+        "Each limit alone is that of a test without the other error; a test with both must "
+        "lie inside the ellipse."
+    )
+    first = rows[0]
+    error = f"Error: {LABELS[first['metric']].long_name}. Window: {first['window']}."
+    shares = ", ".join(dict.fromkeys(f"{row['alpha']:g}" for row in rows))
+    fraction = f"Experimental fraction α: {shares}."
+    return alone, f"{error} {fraction} Ellipses: {_CURVES[first['curve']]}."
+
+
+def _show_posterior(posterior: Mapping[str, Any]) -> None:
+    shown = table(
+        f"Posterior at {posterior['threshold']:g} of {posterior['metric']}: {posterior['ensembles']} "
+        f"ensembles of {posterior['walkers']} walkers, {posterior['steps']} steps, "
+        f"{posterior['accepted']:.0%} of the moves taken",
+        _DIAGNOSTICS,
+    )
+    for parameter in posterior["parameters"]:
+        numbers = zip(_KEYS, _FORMATS, strict=True)
+        shown.add_row(
+            parameter["parameter"],
+            *("-" if parameter[key] is None else format(parameter[key], digits) for key, digits in numbers),
+        )
+    terminal = console()
+    terminal.print(shown)
+    if posterior["converged"]:
+        terminal.print("Converged: R-hat < 1.01 and effective sizes > 1,000 for every parameter.")
+        return
+    terminal.print("THIS POSTERIOR HAS NOT CONVERGED.", style="bold red")
+    for complaint in posterior["complaints"]:
+        terminal.print(complaint, style="red", highlight=False)
+
+
+def _show_rig(rig: Mapping[str, Any]) -> None:
+    """Print the error of a rig."""
+    terminal = console()
+    if not rig["stable"]:
+        terminal.print("The described rig leaves the test of this frame unstable.", style="yellow")
+        return
+    shown = table(f"Error of the described rig, {rig['metric']}", {"": "left", "value": "right"})
+    shown.add_row("median of the motions", f"{rig['median']:.2%}")
+    shown.add_row("largest", f"{rig['largest']:.2%}")
+    shown.add_row(f"motions below {significant(rig['threshold'])}", f"{rig['share_below']:.0%}")
+    for name, form in (("A", ".4f"), ("d_ms", ".3f")):
+        values = sorted(motion[name] for motion in rig["motions"])
+        shown.add_row(f"{name}, least to largest", f"{values[0]:{form}} to {values[-1]:{form}}")
+    terminal.print(shown)
+
+
+def _show_shares(share_law: Mapping[str, Any]) -> None:
+    """Print how limits of several shares compare with the law."""
+    shown = table(
+        "Limits over the share of the stiffness, and the law (1 + s)/(1 + s α²) with s = 1/8ξ²",
+        dict.fromkeys(_HEADINGS_OF_SHARES, "right"),
+    )
+    for row in share_law["ratios"]:
+        shown.add_row(
+            *(f"{row[key]:g}" for key in ("f", "xi", "alpha", "threshold", "confidence")),
+            *("-" if row[key] is None else significant(row[key]) for key in ("a_ratio", "b_ratio", "law")),
+            *("-" if row[key] is None else f"{row[key]:+.1%}" for key in ("a_deviation", "b_deviation")),
+        )
+    terminal = console()
+    terminal.print(shown)
+    for fit in share_law["fits"]:
+        where = f"f = {fit['f']:g} Hz, ξ = {fit['xi']:g}, error {fit['threshold']:g}"
+        for name in ("a", "b"):
+            strength, deviation = fit[f"{name}_strength"], fit[f"{name}_largest_deviation"]
+            if strength is not None:
+                terminal.print(
+                    f"{name} at {where}: s = {significant(strength)} fits best, off by {deviation:.1%} "
+                    f"at most; by the law s = {significant(fit['white_noise'])}.",
+                    highlight=False,
+                )
+    terminal.print(
+        "No law is stated for α below 10 ξ, and no ratio of a where boundaries end where tracing ends.",
+        highlight=False,
+    )
+
+
+def _show_comparison(comparison: Mapping[str, Any]) -> None:
+    """Print how distributions and laws compare."""
+    for judged in comparison["distributions"]:
+        tests = ", ".join(
+            f"{name.replace('_', '-')} {significant(p, 2)}" for name, p in judged["lognormality"].items()
+        )
+        where = f"f = {judged['f']:g} Hz, ξ = {judged['xi']:g}, error {judged['threshold']:g}"
+        heading = f"Distributions of {judged['parameter']} at {where}, earthquakes held out."
+        console().print(f"{heading} p of lognormality: {tests}.", highlight=False)
+        shown = table(
+            "",
+            {"distribution": "left", **{name.replace("_", " "): "right" for name in _FIGURES}},
+        )
+        for row in judged["scores"]:
+            shown.add_row(row["distribution"], *(significant(row[name]) for name in _FIGURES))
+        console().print(shown)
+    for threshold in dict.fromkeys(row["threshold"] for row in comparison["laws"]):
+        alike = [row for row in comparison["laws"] if row["threshold"] == threshold]
+        _show_laws(f"error {threshold:g}", alike)
+
+
+def _show_laws(error: str, rows: Sequence[Mapping[str, Any]]) -> None:
+    frequencies = list(dict.fromkeys(row["f"] for row in rows))
+    for key, what in (
+        ("log_score", "held-out log score"),
+        ("region_at_f", "accepted region at equal coverage"),
+    ):
+        console().print(f"Laws at {error}: {what} by f [Hz].", highlight=False)
+        shown = table("", {"law": "left", **{f"{f:g}": "right" for f in frequencies}})
+        for law in dict.fromkeys(row["law"] for row in rows):
+            shown.add_row(law, *(significant(row[key]) for row in rows if row["law"] == law))
+        console().print(shown)
+
+
+def show_choices() -> None:
+    """Print what --method, --law and --distribution may be, with what each means."""
+    from reliab.criterion.distributions import DISTRIBUTIONS
+    from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS
+    from reliab.criterion.methods import METHODS
+
+    laws = {**FITTED, **OF_MANY_MOTIONS}
+    _show_meanings("--method", {name: _of_method(method) for name, method in METHODS.items()})
+    _show_meanings("--law", {name: str(law.equation) for name, law in laws.items()})
+    _show_meanings(
+        "--distribution", {name: _first_sentence(family) for name, family in DISTRIBUTIONS.items()}
+    )
+
+
+def _of_method(method: Any) -> str:  # noqa: ANN401 - a class of the registry
+    assured = any(field.name == "assurance" for field in fields(method))
+    return f"{method.meaning}{' (takes --assurance)' if assured else ''}"
+
+
+def _first_sentence(family: type) -> str:
+    return (family.__doc__ or "").partition(".")[0]
+
+
+def _show_meanings(option: str, meanings: dict[str, str]) -> None:
+    terminal = console()
+    terminal.print(f"{option}:", style="bold")
+    for name, meaning in meanings.items():
+        terminal.print(f"  {name}: {meaning}", markup=False, highlight=False, soft_wrap=True)
+
+
+_BESIDE: Final[dict[str, Callable[[Mapping[str, Any]], None]]] = {
+    "rig": _show_rig,
+    "share_law": _show_shares,
+    "comparison": _show_comparison,
+}
