@@ -108,7 +108,7 @@ def test_a_run_that_was_killed_resumes_and_gives_the_same_bytes_elsewhere(
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr(steps, "ellipses", killed)
+        patch.setattr(steps, "write_ellipses", killed)
         with pytest.raises(KeyboardInterrupt):
             run_study(small_study, tmp_path / "again")
     assert stages_of(small_study, tmp_path / "again") == {

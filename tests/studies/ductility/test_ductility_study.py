@@ -7,8 +7,8 @@ from reliab_studies.ductility import DIRECTIONS, SPECIMENS, compare_levels, comp
 from reliab_studies.ductility.kind import KIND, LEVELS, LIMITS, TESTS
 
 from reliab.errors import InputError
+from reliab.progress import quietly
 from reliab.report.document import Table
-from reliab.study.material import quietly
 
 
 def study_of(**tables):
