@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from reliab.api.sources import EllipseSource, listed, paths
 from reliab.errors import InputError
@@ -173,7 +172,8 @@ def _by_sets(
             value="only some of them",
             remedy=f"Give all three, for example `learn=far_field` `judge=near_field`, or `learn={REAL}`",
         )
-    sets: NDArray[np.str_] = np.array(load_motions(*paths(source.motions), sets=source.sets).set_names)
+    suite = load_motions(*paths(source.motions), sets=source.sets)
+    sets = np.array(suite.set_names, dtype=np.str_)
     folds = transfer(sets, dataset["event"].values, learned=learn, judged=judge)
     name = f"learned from {', '.join(learn)}, judged on {', '.join(judge)}"
     return Division(folds=list(folds), name=name)
