@@ -8,6 +8,7 @@ from urllib.parse import urlsplit
 
 import typer
 
+from reliab.cli.output import write_line
 from reliab.errors import InputError
 from reliab.files import ordinary, written_whole
 from reliab.shipped import checksum_of, checksums, fetched
@@ -37,7 +38,7 @@ def fetch(source: Source) -> None:
             remedy="Check the path or address, or name another folder in RELIAB_DATA",
             where=source,
         ) from error
-    typer.echo(f"{target}: checksum as listed")
+    write_line(f"{target}: checksum as listed")
 
 
 def _name(source: str) -> str:

@@ -4,10 +4,8 @@ import platform
 import sys
 from typing import Any
 
-import typer
-
 from reliab.cli.options import JsonTarget
-from reliab.cli.output import write_json
+from reliab.cli.output import write_json, write_line
 from reliab.shipped import KINDS, shipped
 from reliab.version import __version__
 
@@ -25,11 +23,11 @@ def info(*, json_target: JsonTarget = None) -> None:
         return
     for name, value in content.items():
         if isinstance(value, dict):
-            typer.echo(f"{name}:")
+            write_line(f"{name}:")
             for key, text in value.items():
-                typer.echo(f"  {key}: {text}")
+                write_line(f"  {key}: {text}")
         else:
-            typer.echo(f"{name}: {value}")
+            write_line(f"{name}: {value}")
 
 
 def describe() -> dict[str, Any]:

@@ -32,6 +32,11 @@ def console() -> "Console":
     return terminal if terminal.is_terminal else LiteralConsole(width=_WIDTH_OF_PIPES)
 
 
+def write_line(text: str) -> None:
+    """Print a line, in characters that the terminal or pipe has; `typer.echo` alone would not ask it."""
+    typer.echo(text, file=sys.stdout)
+
+
 def takes_any_character(stream: TextIO) -> bool:
     """Tell whether a stream can write every character, which only UTF encodings can."""
     return (getattr(stream, "encoding", None) or "utf-8").lower().startswith("utf")
@@ -165,7 +170,7 @@ def write_json(content: Mapping[str, Any] | Sequence[Any], target: str | None) -
         return False
     if target == "-":
         ascii_only = not takes_any_character(sys.stdout)
-        typer.echo(json.dumps(content, indent=2, ensure_ascii=ascii_only, allow_nan=False))
+        write_line(json.dumps(content, indent=2, ensure_ascii=ascii_only, allow_nan=False))
         return True
     write_json_file(content, target)
     return False

@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from reliab.cli.output import write_line
 from reliab.errors import InputError
 from reliab.files import written_whole
 from reliab.shipped import shipped
@@ -42,7 +43,7 @@ def samples(
             where=str(folder),
         ) from error
     for sample in _SAMPLES:
-        typer.echo(str(folder / sample))
+        write_line(str(folder / sample))
 
 
 def _files(sample: Path) -> list[Path]:

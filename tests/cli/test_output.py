@@ -1,6 +1,7 @@
 """Terminals and pipes that lack characters get others in their place, and JSON stays exact."""
 
 import ast
+import importlib
 import io
 import json
 import os
@@ -64,6 +65,17 @@ def test_symbols_are_written_out(run_with):
     assert "(A - 1)2/a + d2/b <= 1" in text
     assert "alpha" in text
     assert "?" not in text
+
+
+def test_lines_without_a_table_keep_to_the_terminals_characters_as_well(run_with, monkeypatch):
+    info = importlib.import_module("reliab.cli.info")
+    monkeypatch.setattr(info, "describe", lambda: {"executable": "/home/Jürgen/ξ", "packages": {"ψ": "±1"}})
+    for encoding, written in (
+        ("ascii", "executable: /home/Jurgen/xi\npackages:\n  psi: +-1\n"),
+        ("utf-8", "executable: /home/Jürgen/ξ\npackages:\n  ψ: ±1\n"),
+    ):
+        code, out, _ = run_with(encoding, ["info"])
+        assert (code, out.decode(encoding)) == (0, written)
 
 
 def test_json_is_exact_whatever_the_encoding(run_with):

@@ -80,7 +80,7 @@ def _awaited(path: Path, limit: float) -> BinaryIO:
     if not path.exists() and path.absolute().parent.is_dir():
         typer.echo(
             f"Waiting up to {limit:g} s for {printable(path.name)}, which is not there yet; Ctrl-C ends it.",
-            err=True,
+            file=sys.stderr,
         )
         until = time.monotonic() + limit
         while not path.exists() and time.monotonic() < until:
