@@ -5,10 +5,10 @@ import pytest
 
 from reliab.cli.monitor.followed_rows import rows_of
 from reliab.criterion import read_ellipses
-from reliab.discrepancy.campaign.table import read_table
+from reliab.discrepancy.campaign.channels import read_channels
 from reliab.encodings import as_cell, of_cell, pieces_as_utf8
 from reliab.motions import load_motions
-from reliab.recordings.readers import read_columns
+from reliab.recordings import StatedChannels, read_test
 
 ENCODINGS = ("utf-8", "utf-8-sig", "utf-16", "utf-16-le with a mark", "utf-16-be with a mark")
 HEADER = "# units: m/s2\r\n# time_step: 0.01\r\n# event: Köln\r\n"
@@ -41,14 +41,14 @@ def test_catalogues(tmp_path, encoding):
 
 
 def test_recordings(tmp_path, encoding):
-    columns = read_columns(written(TEST, encoding, tmp_path / "a.csv"))
+    columns = read_test(written(TEST, encoding, tmp_path / "a.csv"))
     assert list(columns.values) == ["time_s", "command_m", "measured_m"]
     np.testing.assert_array_equal(columns.values["measured_m"], np.arange(80) % 5)
 
 
 def test_tests_of_a_campaign(tmp_path, encoding):
     text = TEST.replace("command_m", "force_n")
-    channels = read_table(written(text, encoding, tmp_path / "a.csv"), 64.0)
+    channels, _ = read_channels(written(text, encoding, tmp_path / "a.csv"), 64.0, StatedChannels())
     np.testing.assert_array_equal(channels["measured_m"], np.arange(80) % 5)
 
 

@@ -19,7 +19,7 @@ from reliab.motions import Motion, motion as motion_module
 from reliab.motions.faults import Report
 from reliab.motions.readers.source import open_source
 from reliab.recordings import Recording
-from reliab.recordings.readers import hierarchical, matlab, read_columns
+from reliab.recordings.readers import hierarchical, matlab, read_tests
 from reliab.structures.structure import Structure
 
 FOUR_HERTZ = Structure(frequency=4.0, damping_ratio=0.02)
@@ -92,7 +92,7 @@ def test_vectors_that_are_too_long_are_refused_before_they_are_read(tmp_path, mo
 
     monkeypatch.setattr(module, "require_few_samples", few)
     with pytest.raises(InputError, match="98 samples at most; found 99"):
-        read_columns(path)
+        read_tests(path)
     assert asked == [(99, f"test.{kind}, command_m")]
 
 

@@ -20,7 +20,7 @@ from reliab.errors import InputError
 from reliab.motions import load_motions
 from reliab.motions.checking import check_folder
 from reliab.received import named_within, objects_of, opened_hdf5
-from reliab.recordings.readers import read_columns
+from reliab.recordings.readers import read_tests
 from reliab.report import saved_content
 from reliab.sampling.ensembles import draw
 from reliab.simulation.frames.frame_file import read_frame
@@ -188,7 +188,7 @@ def resumed_chains(path):
 
 
 HDF5 = {
-    "a test": (corpus.tests, read_columns),
+    "a test": (corpus.tests, read_tests),
     "ellipses": (corpus.ellipse_files, open_ellipses),
     "results": (corpus.ellipse_files, open_results),
     "a run": (corpus.ellipse_files, opened),

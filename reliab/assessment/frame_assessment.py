@@ -162,6 +162,7 @@ class FrameAssessment:
             "would_decide": list(self.verdict.would_decide),
             "faults": [_fault(effect, error) for effect in self.faults],
             "warnings": list(self.warnings),
+            "recording": {"channels": [channel.summary() for channel in self.recording.channels]},
             "duration_s": self.recording.duration,
             "rate_hz": 1.0 / self.recording.time_step,
             "notes": list(self.recording.notes),

@@ -11,6 +11,7 @@ from reliab.assessment.rebuilt_error import Widening
 from reliab.assessment.rebuilt_error.spread import LEVEL as ERROR_LEVEL
 from reliab.assessment.tracking_index import LEVEL
 from reliab.assessment.verdict import Word
+from reliab.recordings import Recording
 from reliab.vocabulary import MILLI, Metric
 
 
@@ -52,12 +53,19 @@ def summarise(findings: Findings) -> dict[str, Any]:
         "population": _population(findings),
         "motion": None if findings.placement is None else _motion(findings),
         **_details(findings),
-        "duration_s": findings.recording.duration,
-        "rate_hz": 1.0 / findings.recording.time_step,
+        **_recording(findings.recording),
         "notes": [
             *findings.recording.notes,
             *(() if findings.placement else findings.criterion.provenance.warnings),
         ],
+    }
+
+
+def _recording(recording: Recording) -> dict[str, Any]:
+    return {
+        "recording": {"channels": [channel.summary() for channel in recording.channels]},
+        "duration_s": recording.duration,
+        "rate_hz": 1.0 / recording.time_step,
     }
 
 

@@ -21,7 +21,7 @@ import xarray as xr
 from reliab.errors import InputError
 from reliab.explore.packing import pack
 from reliab.files import written_whole
-from reliab.recordings import ACCELERATIONS, FORCES, LENGTHS, NAMES, OTHER_QUANTITIES, TIMES
+from reliab.recordings import LENGTHS, TIMES, UNITS, page_words
 from reliab.version import __version__
 
 _FOLDER: Final = Path(__file__).parent / "web"
@@ -112,13 +112,14 @@ def render(packed: Mapping[str, Any], settings: Settings, *, source: str) -> str
 
 
 def words() -> dict[str, Any]:
-    """Return the names and units by which the page recognises columns: those of `reliab assess`."""
+    """Return the names and units by which the page recognises columns: plain ones of `reliab assess`."""
+    names, others = page_words()
     return {
-        "names": {part.value: names for part, names in NAMES.items()},
+        "names": names,
         "lengths": dict(LENGTHS),
         "times": dict(TIMES),
-        "otherUnits": [*ACCELERATIONS, *FORCES],
-        "otherQuantities": sorted(OTHER_QUANTITIES),
+        "otherUnits": sorted({name for units in UNITS.values() for name in units} - {*LENGTHS, *TIMES}),
+        "otherQuantities": others,
     }
 
 

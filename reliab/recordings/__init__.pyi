@@ -1,14 +1,26 @@
-from .reading import read_recording as read_recording
-from .recognition import (
-    ACCELERATIONS as ACCELERATIONS,
-    DISPLACEMENTS as DISPLACEMENTS,
-    FORCES as FORCES,
-    LENGTHS as LENGTHS,
-    NAMES as NAMES,
-    OTHER_QUANTITIES as OTHER_QUANTITIES,
-    TIMES as TIMES,
-    Part as Part,
-    recognise as recognise,
+from .channel import Channel as Channel, Part as Part
+from .channels_file import (
+    ChannelTables as ChannelTables,
+    StatedChannels as StatedChannels,
+    read_channels_file as read_channels_file,
+    stated_by_tables as stated_by_tables,
+)
+from .following import Rows as Rows, rows_as_written as rows_as_written
+from .naming import page_words as page_words
+from .reading import (
+    Histories as Histories,
+    histories_of as histories_of,
+    read_recording as read_recording,
+    read_test as read_test,
+    stated_by_options as stated_by_options,
+)
+from .record import (
+    SCHEMA as SCHEMA,
+    About as About,
+    check_record as check_record,
+    record_test as record_test,
+    write_csv as write_csv,
+    write_record as write_record,
 )
 from .recording import (
     FEWEST_SAMPLES as FEWEST_SAMPLES,
@@ -16,3 +28,10 @@ from .recording import (
     Recording as Recording,
 )
 from .spikes import without_spikes as without_spikes
+from .units import (
+    ACCELERATIONS as ACCELERATIONS,
+    FORCES as FORCES,
+    LENGTHS as LENGTHS,
+    TIMES as TIMES,
+    UNITS as UNITS,
+)

@@ -1,34 +1,44 @@
 """Read a test from a file."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.errors import InputError
-from reliab.recordings.readers import Columns, read_columns, read_frame
-from reliab.recordings.recognition import (
-    ACCELERATIONS,
-    FORCES,
-    LENGTHS,
-    Part,
-    Recognised,
-    recognise,
-    recognise_extras,
-)
+from reliab.recordings.behaviour import compare
+from reliab.recordings.channel import DISPLACEMENTS, Channel, Part, Stated
+from reliab.recordings.channels_file import StatedChannels, read_channels_file
+from reliab.recordings.clocks import at_one_clock
+from reliab.recordings.readers import Columns, read_frame, read_tests
+from reliab.recordings.recognition import recognise
 from reliab.recordings.recording import Recording
-from reliab.recordings.time_step import finite, time_step_of
+from reliab.recordings.units import LENGTHS, unit_of
 from reliab.stated_value import StatedValue
 
-_HEADER_NAMES = {
+_HEADER_NAMES: Final = {
     "f": ("f", "natural frequency", "natural_frequency", "f_n", "fn"),
     "xi": ("xi", "ξ", "damping ratio", "damping_ratio"),
     "alpha": ("alpha", "α", "experimental fraction", "experimental_fraction"),
     "mass": ("mass", "mass_kg"),
     "scale": ("scale", "sensor scale", "sensor_scale"),
 }
+_LARGEST_RATIO: Final = 3.0  # of measured to commanded displacement in one unit
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Histories:
+    """All recognised channels of one test, at one clock."""
+
+    columns: Columns
+    channels: Mapping[str, Channel]  # By name: "command", "measured", "command_2" …
+    values: Mapping[str, Array]  # [m, N, m/s²], shape (n,)
+    time_step: float  # s
+    notes: tuple[str, ...]  # What was assumed or done, in sentences
 
 
 def read_recording(
@@ -41,13 +51,16 @@ def read_recording(
     units: str | None = None,
     time_units: str | None = None,
     delimiter: str | None = None,
+    test: str | None = None,
+    channels: str | Path | None = None,
 ) -> Recording:
     """Read a test from a file.
 
     Parameters
     ----------
     path : str, pathlib.Path or pandas.DataFrame
-        CSV or other text, MATLAB, HDF5 or NetCDF; or a data frame with a history in each column.
+        CSV or other text, MATLAB, HDF5, TDMS, LabVIEW measurement or NetCDF; or a data frame with a history
+        in each column.
     command, measured, time : str, optional
         Names of the columns, where they are not recognised.
     rate_hz : float, optional
@@ -56,6 +69,10 @@ def read_recording(
         Unit of both displacements and of the time, where the file states none.
     delimiter : str, optional
         What separates the columns of a text.
+    test : str, optional
+        Which test, where the file holds several.
+    channels : str or pathlib.Path, optional
+        File `channels.toml` in which a laboratory states its channels.
 
     Returns
     -------
@@ -65,27 +82,97 @@ def read_recording(
     Raises
     ------
     InputError
-        With file, line, rule and remedy, if a column is missing, times do not follow at equal steps, a
-        value is missing or a history is constant.
+        With file, line, rule and remedy, if a column is missing or two are too close, times do not follow at
+        equal steps, a value is missing or a history is constant.
     """
-    columns = read_frame(path) if isinstance(path, pd.DataFrame) else read_columns(path, delimiter=delimiter)
-    given = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
-    recognised = recognise(columns, {part: name for part, name in given.items() if name is not None})
-    scale, notes = _scales(recognised, units)
-    extras, extra_notes = _extras(columns, recognise_extras(columns))
-    return Recording(
-        command=finite(columns, recognised[Part.COMMAND].name) * scale[Part.COMMAND],
-        measured=finite(columns, recognised[Part.MEASURED].name) * scale[Part.MEASURED],
-        time_step=time_step_of(columns, recognised.get(Part.TIME), rate_hz, time_units),
-        name=columns.path.name,
-        notes=(*_unnamed(columns, recognised), *notes, *extra_notes),
-        ground=extras.get(Part.GROUND),
-        force=extras.get(Part.FORCE),
-        stated=_stated(columns),
+    said = StatedChannels() if channels is None else read_channels_file(channels)
+    names = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
+    table = read_frame(path) if isinstance(path, pd.DataFrame) else read_test(path, test, delimiter=delimiter)
+    histories = histories_of(
+        table,
+        StatedChannels(stated=stated_by_options(said.stated, names, units), rate_hz=rate_hz or said.rate_hz),
+        time_units=time_units,
+    )
+    return recording_of(histories)
+
+
+def read_test(path: str | Path, test: str | None = None, *, delimiter: str | None = None) -> Columns:
+    """Read a test of a file, in columns as they stand there; by its name where the file holds several."""
+    return one_test(read_tests(path, delimiter=delimiter), test)
+
+
+def one_test(tests: Sequence[Columns], name: str | None) -> Columns:
+    """Choose a test of a file by its name."""
+    names = [columns.test for columns in tests]
+    if name is not None:
+        if name not in names:
+            raise InputError(
+                "The test must be in the file",
+                value=repr(name),
+                remedy=f"It holds {', '.join(filter(None, names)) or 'one test without a name'}",
+                where=tests[0].path.name,
+            )
+        return tests[names.index(name)]
+    if len(tests) > 1:
+        raise InputError(
+            "One test of the file must be chosen",
+            value=", ".join(names[:20]) + (" …" if len(names) > 20 else ""),  # noqa: PLR2004
+            remedy=f"Choose one with --test {names[0]!r}",
+            where=tests[0].path.name,
+        )
+    return tests[0]
+
+
+def histories_of(
+    columns: Columns,
+    said: StatedChannels,
+    *,
+    needed: Iterable[Part] = DISPLACEMENTS,
+    time_units: str | None = None,
+) -> Histories:
+    """Recognise the channels of a test, and bring them to SI units and one clock."""
+    completed, notes = _with_units(columns, recognise(columns, said.stated, needed=needed))
+    keyed = {_key(channel): channel for channel in sorted(completed, key=_order)}
+    if not any(channel.part is not Part.TIME for channel in keyed.values()):
+        raise InputError(
+            "A test's file must hold a channel of the test", value=columns.listed, where=columns.where
+        )
+    read, step, clock_notes = at_one_clock(columns, keyed, rate_hz=said.rate_hz, time_units=time_units)
+    return Histories(
+        columns=columns,
+        channels=keyed,
+        values={key: keyed[key].in_si(values) for key, values in read.items()},
+        time_step=step,
+        notes=(*notes, *clock_notes),
     )
 
 
-def _stated(columns: Columns) -> dict[str, StatedValue]:
+def recording_of(histories: Histories) -> Recording:
+    """Take the one command and measured displacement of a test, with force and ground acceleration."""
+    numbers = sorted({channel.actuator for channel in histories.channels.values() if channel.actuator})
+    if numbers:
+        commands = [channel.column for channel in histories.channels.values() if channel.part is Part.COMMAND]
+        raise InputError(
+            "A test must be of one actuator",
+            value=f"those of {', '.join(numbers)}: {' and '.join(map(repr, commands))}",
+            remedy="Choose a pair with --command and --measured; `reliab record` keeps all of them",
+            where=histories.columns.where,
+        )
+    values, columns = histories.values, histories.columns
+    return Recording(
+        command=values["command"],
+        measured=values["measured"],
+        time_step=histories.time_step,
+        name=f"{columns.path.name}, {columns.test}" if columns.test else columns.path.name,
+        notes=histories.notes,
+        ground=values.get("ground acceleration"),
+        force=values.get("force"),
+        stated=stated_in(columns),
+        channels=tuple(histories.channels.values()),
+    )
+
+
+def stated_in(columns: Columns) -> dict[str, StatedValue]:
     """Read what the header, or single numbers of a binary file, say of the structure and the sensor."""
     texts = {name.rpartition(".")[2].lower(): f"{value:.17g}" for name, value in columns.scalars.items()}
     texts |= {name: text.removesuffix("Hz") for name, text in columns.header.items()}
@@ -97,41 +184,75 @@ def _stated(columns: Columns) -> dict[str, StatedValue]:
     }
 
 
-def _extras(
-    columns: Columns, recognised: Mapping[Part, Recognised]
-) -> tuple[dict[Part, NDArray[np.float64]], list[str]]:
-    """Ground acceleration [m/s²] and force [N], where the file holds them."""
-    histories, notes = {}, []
-    for part, column in recognised.items():
-        factors, unit = (ACCELERATIONS, "m/s²") if part is Part.GROUND else (FORCES, "N")
-        if not column.unit:
-            notes.append(f"The {part} states no unit and was taken to be in {unit}.")
-        histories[part] = finite(columns, column.name) * factors.get(column.unit, 1.0)
-    return histories, notes
-
-
-def _unnamed(columns: Columns, recognised: Mapping[Part, Recognised]) -> list[str]:
-    if columns.named:
-        return []
-    order = ", ".join(f"{part} = {column.name}" for part, column in recognised.items())
-    return [f"The columns have no names and were taken by their order: {order}."]
-
-
-def _scales(recognised: Mapping[Part, Recognised], units: str | None) -> tuple[dict[Part, float], list[str]]:
-    """Factors to metres of command and measured displacement."""
+def stated_by_options(
+    stated: Mapping[Part, Stated], names: Mapping[Part, str | None] | Mapping[Part, str], units: str | None
+) -> dict[Part, Stated]:
+    """Put what options state before what a file `channels.toml` states."""
     if units is not None and units not in LENGTHS:
         raise InputError(
             "The unit must be one of length", value=units, remedy=f"Choose among {', '.join(LENGTHS)}"
         )
-    parts = (Part.COMMAND, Part.MEASURED)
-    stated = {part: units or recognised[part].unit for part in parts}
-    missing = [part for part in parts if not stated[part]]
-    notes = []
-    if len(missing) == 1:
-        unit = stated[parts[1 - parts.index(missing[0])]]
-        stated[missing[0]] = unit
-        notes.append(f"The {missing[0]} displacement states no unit and was taken to be in {unit} too.")
-    if stated[parts[0]] != stated[parts[1]]:
-        command_unit, measured_unit = (stated[part] for part in parts)
-        notes.append(f"The command is stated in {command_unit}, the measured in {measured_unit}.")
-    return {part: LENGTHS.get(stated[part], 1.0) for part in parts}, notes
+    result = dict(stated)
+    for part, name in names.items():
+        if name is not None:
+            result[part] = replace(result.get(part, Stated()), columns=(name,))
+    for part in DISPLACEMENTS if units else ():
+        result[part] = replace(result.get(part, Stated()), unit=units or "")
+    return result
+
+
+def _key(channel: Channel) -> str:
+    return str(channel.part) + (f"_{channel.actuator}" if channel.actuator else "")
+
+
+def _order(channel: Channel) -> tuple[int, str]:
+    order = (Part.COMMAND, Part.MEASURED, Part.FORCE, Part.GROUND, Part.TIME)
+    return order.index(channel.part), channel.actuator
+
+
+def _with_units(columns: Columns, channels: Sequence[Channel]) -> tuple[list[Channel], list[str]]:
+    """Complete the units; a channel beside the displacements without one is left out."""
+    pairs = {(channel.part, channel.actuator): channel for channel in channels}
+    completed, notes = [], []
+    if not columns.named:
+        order = ", ".join(f"{channel.part} = {channel.column}" for channel in channels)
+        notes.append(f"The columns have no names and were told from each other by what they do: {order}.")
+    for channel in channels:
+        partner = {Part.COMMAND: Part.MEASURED, Part.MEASURED: Part.COMMAND}.get(channel.part)
+        beside = pairs.get((partner, channel.actuator)) if partner else None
+        if channel.part in DISPLACEMENTS and not channel.unit and beside is not None:
+            if beside.unit:
+                _require_same_unit(columns, channel, beside)
+                unit = unit_of(beside.unit)
+                notes.append(
+                    f"The {channel.part} displacement states no unit and was taken to be in {beside.unit} "
+                    "too."
+                )
+                completed.append(
+                    replace(channel, unit=beside.unit, factor=channel.factor * (unit.factor if unit else 1.0))
+                )
+                continue
+            if channel.part is Part.COMMAND:
+                notes.append(
+                    "Neither displacement states a unit: they were taken to share one, and to be in metres."
+                )
+        elif channel.part in {Part.FORCE, Part.GROUND} and not channel.unit:
+            unit_name = "N" if channel.part is Part.FORCE else "m/s²"
+            notes.append(f"The {channel.part} states no unit and was taken to be in {unit_name}.")
+        elif beside is not None and channel.part is Part.COMMAND and beside.unit not in {"", channel.unit}:
+            notes.append(f"The command is stated in {channel.unit}, the measured in {beside.unit}.")
+        completed.append(channel)
+    return completed, notes
+
+
+def _require_same_unit(columns: Columns, channel: Channel, beside: Channel) -> None:
+    """Refuse to take one unit for two displacements of very different size."""
+    ratio = compare(columns.values[beside.column], columns.values[channel.column]).ratio
+    if not 1.0 / _LARGEST_RATIO < ratio < _LARGEST_RATIO and np.isfinite(ratio):
+        raise InputError(
+            "Both displacements must state their units where they may differ",
+            value=f"{channel.column!r} without one, {ratio:.3g} times the size of {beside.column!r} in "
+            f"{beside.unit}",
+            remedy="Name the column with its unit, or state it in a file `channels.toml`",
+            where=columns.where,
+        )

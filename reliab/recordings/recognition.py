@@ -1,259 +1,389 @@
-"""Which column is which, and in what unit: by their names, or as declared."""
+"""Which column is which: by its name, by its unit, and by what its history does beside the others.
 
-import re
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+Every choice has a reason. Where two columns are too close, the user is asked with both names; what nothing
+says is never guessed.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from difflib import get_close_matches
-from enum import StrEnum
-from typing import Final
+
+import numpy as np
 
 from reliab.errors import InputError
-from reliab.recordings.readers import Columns
-from reliab.vocabulary import STANDARD_GRAVITY
-
-
-class Part(StrEnum):
-    """What a column of a test can be."""
-
-    TIME = "time"
-    COMMAND = "command"
-    MEASURED = "measured"
-    GROUND = "ground acceleration"
-    FORCE = "force"
-
-
-DISPLACEMENTS: Final = (Part.TIME, Part.COMMAND, Part.MEASURED)
-"""Parts that columns without names hold, in this order."""
-
-EXTRAS: Final = (Part.GROUND, Part.FORCE)
-"""Parts that are used where a column states them by name, and never asked for."""
-
-
-NAMES: Final[Mapping[Part, tuple[str, ...]]] = {
-    Part.TIME: ("time", "t", "timestamp", "times", "seconds", "elapsed"),
-    Part.COMMAND: (
-        *("command", "commanded", "cmd", "xc", "uc", "dc", "target", "desired", "reference", "ref"),
-        *("setpoint", "demand", "commandsignal", "input"),
-    ),
-    Part.MEASURED: (
-        *("measured", "measurement", "meas", "xm", "um", "dm", "actual", "achieved", "feedback"),
-        *("response", "output", "lvdt", "temposonic", "fbk"),
-    ),
-    Part.GROUND: (
-        *("groundacceleration", "ground", "ag", "accelerationground", "groundmotion", "agm", "xgdd", "xddg"),
-        *("tableacceleration", "excitation"),
-    ),
-    Part.FORCE: (
-        *("force", "restoringforce", "measuredforce", "forcemeasured", "specimenforce", "loadcell", "fm"),
-        *("actuatorforce", "fe", "reaction"),
-    ),
-}
-"""Names by which columns are recognised, in small letters and without signs between them."""
-
-LENGTHS: Final[Mapping[str, float]] = {
-    "m": 1.0,
-    "cm": 1e-2,
-    "mm": 1e-3,
-    "um": 1e-6,
-    "µm": 1e-6,
-    "in": 0.0254,
-    "inch": 0.0254,
-    "ft": 0.3048,
-}
-"""Units of displacement [m]."""
-
-TIMES: Final[Mapping[str, float]] = {
-    **dict.fromkeys(("s", "sec", "second", "seconds"), 1.0),
-    "ms": 1e-3,
-    "us": 1e-6,
-}
-"""Units of time [s]."""
-
-ACCELERATIONS: Final[Mapping[str, float]] = {
-    **dict.fromkeys(("m/s2", "m/s^2", "m/s²", "mps2", "ms2"), 1.0),
-    **dict.fromkeys(("cm/s2", "cm/s^2", "cm/s²", "gal"), 1e-2),
-    **dict.fromkeys(("mm/s2", "mm/s^2", "mm/s²"), 1e-3),
-    "g": STANDARD_GRAVITY,
-}
-"""Units of acceleration [m/s²]."""
-
-FORCES: Final[Mapping[str, float]] = {"n": 1.0, "kn": 1e3, "mn": 1e6, "lbf": 4.4482216, "kip": 4448.2216}
-"""Units of force [N]."""
-
-_UNITS: Final[Mapping[Part, Mapping[str, float]]] = {
-    Part.TIME: TIMES,
-    Part.COMMAND: LENGTHS,
-    Part.MEASURED: LENGTHS,
-    Part.GROUND: ACCELERATIONS,
-    Part.FORCE: FORCES,
-}
-
-_UNIT = re.compile(
-    r"[\[(]\s*([^\])]+?)\s*[\])]\s*$|(?<=[a-z0-9])_([a-zµ]+(?:/s(?:\^?2|²)|ps2|s2)?)$", re.IGNORECASE
+from reliab.recordings.behaviour import Likeness, compare, explained, moves
+from reliab.recordings.channel import DISPLACEMENTS, QUANTITY_OF, Channel, Part, Stated
+from reliab.recordings.naming import Named, describe, plain, words_of
+from reliab.recordings.ranking import (
+    WITHOUT_ROLE,
+    rank_as_command,
+    rank_as_force,
+    rank_as_ground,
+    rank_as_measured,
+    votes,
 )
-_WORDS = re.compile(r"[^a-z0-9]+")
+from reliab.recordings.readers import Columns
+from reliab.recordings.units import UNITS, Unit, unit_of
+from reliab.recordings.words import ROLES, Quantity, Role
+
 _SIMILAR = 0.7
-OTHER_QUANTITIES: Final = {
-    "force",
-    "load",
-    "acceleration",
-    "accel",
-    "acc",
-    "velocity",
-    "vel",
-    "rate",
-    "strain",
-}
-"""Words of columns that are no displacement."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Recognised:
-    """A column that was recognised."""
-
-    name: str  # Its name in the file
-    unit: str  # Its unit as stated there; empty where none is
+_LEAST_LAG = 0.25  # samples by which one history must follow another before that says which is measured
+_CLEAR = 3.0  # times nearer than the next pair
+_CLEAR_SHARE = 0.1  # of a force that motion explains and the next force does not show
 
 
 def recognise(
-    columns: Columns, declared: Mapping[Part, str], *, wanted: Iterable[Part] = DISPLACEMENTS
-) -> dict[Part, Recognised]:
-    """Find time, command and measured displacement among the columns.
+    columns: Columns,
+    stated: Mapping[Part, Stated],
+    *,
+    needed: Iterable[Part] = DISPLACEMENTS,
+    histories: bool = True,
+) -> tuple[Channel, ...]:
+    """Find time, command, measured displacement, force and ground acceleration among the columns.
 
-    Parameters
-    ----------
-    columns : Columns
-        The file.
-    declared : mapping of Part to str
-        Names that the user gave.
-    wanted : iterable of Part, optional
-        What is looked for; a time may be missing.
-
-    Returns
-    -------
-    dict of Part to Recognised
-        What was found. Columns without names are taken in the order time, command, measured, or
-        command, measured where there are two.
-
-    Raises
-    ------
-    InputError
-        If a column is missing or ambiguous; the message suggests what may be meant.
+    What is `needed` must be there; without `histories`, as of a test that has just begun, names and units
+    decide. Command and measured displacement come once for each actuator.
     """
-    if not columns.named and not declared:
-        return _by_place(columns)
-    recognised: dict[Part, Recognised] = {}
-    for part in wanted:
-        name = _declared(columns, part, declared[part]) if part in declared else _by_name(columns, part)
-        if name is not None:
-            recognised[part] = Recognised(name=name, unit=_unit(columns, name, part))
-    return recognised
+    search = _Search(columns, stated, histories=histories)
+    time = search.time()
+    pairs = search.pairs(tuple(needed), time)
+    extras = search.extras(pairs)
+    return (*((time,) if time else ()), *pairs, *extras)
 
 
-def normal(name: str) -> str:
-    """Name in small letters, without its unit and the signs between words."""
-    plain = _WORDS.sub("", name.lower())
-    if any(plain in names for names in NAMES.values()):
-        return plain  # x_m is the measured displacement, not x in metres
-    return _WORDS.sub("", _without_unit(name).lower())
+class _Search:
+    """The columns of one test, with what their names say."""
 
+    def __init__(self, columns: Columns, stated: Mapping[Part, Stated], *, histories: bool) -> None:
+        self._columns, self._stated, self._histories = columns, stated, histories
+        self._named = describe(list(columns.values), columns.units)
+        self._likenesses: dict[tuple[str, str], Likeness] = {}
 
-def _without_unit(name: str) -> str:
-    match = _UNIT.search(name.strip())
-    known = match is not None and str(match[1] or match[2]).lower() in {
-        unit for units in _UNITS.values() for unit in units
-    }
-    return _UNIT.sub("", name.strip()) if known else name
-
-
-def _by_place(columns: Columns) -> dict[Part, Recognised]:
-    names = list(columns.values)
-    parts = DISPLACEMENTS[-len(names) :]
-    if not 2 <= len(names) <= len(DISPLACEMENTS):  # noqa: PLR2004 - command and measured at least
-        raise InputError(
-            "Columns without names must be time, command and measured, or command and measured",
-            value=f"{len(names)} columns",
-            remedy="Name the columns in the first line, or give `command` and `measured`",
-            where=columns.path.name,
+    def time(self) -> Channel | None:
+        """Find the column of the times; None where there is none."""
+        if (declared := self._declared(Part.TIME)) is not None:
+            return declared
+        candidates = [what for what in self._named.values() if what.quantity is Quantity.TIME]
+        if len(candidates) > 1 and self._histories:
+            candidates = [what for what in candidates if self._rises(what.column)] or candidates
+        exact = [what for what in candidates if plain(what.column) in {"time", "t", "times"}]
+        if candidates:
+            return self._channel(Part.TIME, (exact or candidates)[0], "its name or unit")
+        if self._columns.named or not self._histories:
+            return None
+        rising = [what for what in self._named.values() if what.unit is None and self._rises(what.column)]
+        return (
+            self._channel(Part.TIME, rising[0], "the only column that rises by equal steps")
+            if len(rising) == 1
+            else None
         )
-    return {part: Recognised(name=name, unit="") for part, name in zip(parts, names, strict=True)}
 
+    def pairs(self, needed: Sequence[Part], time: Channel | None) -> tuple[Channel, ...]:
+        """Find command and measured displacement, of each actuator where there are several."""
+        if recorded := self._of_record():
+            return recorded
+        declared = {part: self._declared(part) for part in DISPLACEMENTS}
+        taken = {channel.column for channel in (time, *declared.values()) if channel is not None}
+        ranked = {
+            part: [] if declared[part] else self._ranked(rank, taken)
+            for part, rank in ((Part.COMMAND, rank_as_command), (Part.MEASURED, rank_as_measured))
+        }
+        if not any(declared.values()) and (numbered := self._numbered(ranked)):
+            return numbered
+        command, measured = (declared[part] or self._best(part, ranked[part]) for part in DISPLACEMENTS)
+        if command is not None and declared[Part.COMMAND] is None:
+            self._require_plain(self._named[command.column], taken, ranked[Part.MEASURED])
+        if self._histories and (command is None or measured is None):
+            command, measured = self._by_histories(command, measured, taken, needed)
+        for part, channel in zip(DISPLACEMENTS, (command, measured), strict=True):
+            if channel is None and part in needed:
+                raise self._missing(part)
+        return tuple(channel for channel in (command, measured) if channel is not None)
 
-def _declared(columns: Columns, part: Part, name: str) -> str:
-    if name in columns.values:
-        return name
-    close = get_close_matches(name, list(columns.values), n=1, cutoff=0.5)
-    raise InputError(
-        f"The column of the {part} must be in the file",
-        value=repr(name),
-        remedy=f"Did you mean {close[0]!r}" if close else f"The file has {_listed(columns)}",
-        where=columns.path.name,
-    )
+    def _of_record(self) -> tuple[Channel, ...]:
+        """Pairs of several actuators, as a record names them."""
+        if any(self._stated.get(part, Stated()).columns for part in DISPLACEMENTS):
+            return ()
+        return tuple(
+            self._channel(part, self._named[column], "the record says so", number)
+            for column, (name, number) in self._columns.parts.items()
+            for part in DISPLACEMENTS
+            if number and name == part
+        )
 
+    def extras(self, pairs: Sequence[Channel]) -> tuple[Channel, ...]:
+        """Find ground acceleration and force, where one column is it."""
+        taken = {channel.column for channel in pairs}
+        candidates = []
+        for part, rank in ((Part.GROUND, rank_as_ground), (Part.FORCE, rank_as_force)):
+            declared = self._declared(part)
+            ranked = [] if declared else self._ranked(rank, taken)
+            best = [what for place, what in ranked if place == ranked[0][0]]
+            if part is Part.FORCE and len(best) > 1:
+                best = self._explained_best(best, pairs)
+            if declared is not None:
+                candidates.append(declared)
+            elif len(best) == 1:
+                candidates.append(self._channel(part, best[0], "its name or unit"))
+        return tuple(candidates)
 
-def _by_name(columns: Columns, part: Part) -> str | None:
-    exact = [name for name in columns.values if normal(name.rpartition(".")[2]) in NAMES[part]]
-    matches = exact or [name for name in columns.values if _names_loosely(name, part)]
-    if len(matches) > 1:
+    def _ranked(self, rank: Callable[[Named], int | None], taken: Iterable[str]) -> list[tuple[int, Named]]:
+        """Columns that can be a part, the likeliest first; of several those that do not move are left out."""
+        candidates = [
+            (place, what)
+            for what in self._named.values()
+            if what.column not in set(taken) and (place := rank(what)) is not None
+        ]
+        moving = [item for item in candidates if not self._histories or self._moves(item[1].column)]
+        return sorted(moving or candidates, key=lambda item: item[0])
+
+    def _declared(self, part: Part) -> Channel | None:
+        names = self._stated[part].columns if part in self._stated else ()
+        for column, (name, actuator) in self._columns.parts.items():
+            if name == part and not names and not actuator:
+                return self._channel(part, self._named[column], "the record says so")
+        if not names:
+            return None
+        for name in names:
+            if name in self._columns.values:
+                return self._channel(part, self._named[name], "stated")
+        close = get_close_matches(names[0], list(self._columns.values), n=1, cutoff=0.5)
         raise InputError(
+            f"The column of the {part} must be in the file",
+            value=" or ".join(repr(name) for name in names),
+            remedy=f"Did you mean {close[0]!r}" if close else f"The file has {self._columns.listed}",
+            where=self._columns.where,
+        )
+
+    def _channel(self, part: Part, what: Named, reason: str, actuator: str = "") -> Channel:
+        """Take a column as a part, in the unit that is stated, else in that of the file."""
+        said = self._stated.get(part, Stated())
+        unit = self._unit(part, said.unit) if said.unit else what.unit
+        if unit is not None and unit.quantity is not QUANTITY_OF[part]:
+            unit = None
+        return Channel(
+            part=part,
+            column=what.column,
+            unit="" if unit is None else unit.text,
+            factor=said.sign * said.scale * (1.0 if unit is None else unit.factor),
+            reason=reason,
+            zero=said.zero,
+            actuator=actuator,
+        )
+
+    def _unit(self, part: Part, text: str) -> Unit:
+        unit = unit_of(text)
+        if unit is None or unit.quantity is not QUANTITY_OF[part]:
+            kind = {Quantity.DISPLACEMENT: "length"}.get(QUANTITY_OF[part], str(QUANTITY_OF[part]))
+            raise InputError(
+                f"The unit must be one of {kind}",
+                value=text,
+                remedy=f"Choose among {', '.join(UNITS[QUANTITY_OF[part]])}",
+            )
+        return unit
+
+    def _best(self, part: Part, ranked: Sequence[tuple[int, Named]]) -> Channel | None:
+        """Take the likeliest column by its name, unless another one moves as it does and differs from it."""
+        if not ranked or (ranked[0][0] >= WITHOUT_ROLE and self._histories):
+            return None
+        place, best = ranked[0]
+        rivals = [
+            what
+            for rival, what in ranked[1:]
+            if rival // 2 == place // 2 and (rival == place or self._may_be_it(best, what))
+        ]
+        others = [what for what in rivals if not self._copies(best, what)]
+        if others:
+            raise self._ambiguous(part, [best, *others])
+        reason = "its name" if not rivals else f"its name; {rivals[0].column!r} is a copy of it"
+        return self._channel(part, best, reason)
+
+    def _require_plain(
+        self, command: Named, taken: Iterable[str], as_measured: Sequence[tuple[int, Named]]
+    ) -> None:
+        """Ask where the command was changed, and an unchanged column moves as it does."""
+        if not command.altered:
+            return
+        plain_ones = [
+            what
+            for what in self._named.values()
+            if what.quantity is Quantity.DISPLACEMENT and what.role is None and not what.altered
+            if what.column not in taken and self._may_be_it(command, what)
+        ]
+        measured_by_role = bool(as_measured) and as_measured[0][0] < WITHOUT_ROLE
+        if len(plain_ones) > (0 if measured_by_role else 1):
+            raise self._ambiguous(Part.COMMAND, [command, *plain_ones])
+
+    def _may_be_it(self, best: Named, what: Named) -> bool:
+        """Whether a column of a lesser name moves as the best one does, in the same unit as far as known."""
+        if not self._histories:
+            return True
+        likeness = self._compare(best.column, what.column)
+        if best.unit is not None and what.unit is not None:
+            likeness = replace(likeness, ratio=likeness.ratio * what.unit.factor / best.unit.factor)
+        return likeness.alike
+
+    def _numbered(self, ranked: Mapping[Part, Sequence[tuple[int, Named]]]) -> tuple[Channel, ...]:
+        """Pairs of several actuators: the likeliest columns bear numbers, each once, and the same in both."""
+        by_number: dict[Part, dict[str, Named]] = {}
+        for part in DISPLACEMENTS:
+            first = [what for place, what in ranked[part] if place == ranked[part][0][0]]
+            by_number[part] = {what.number: what for what in first}
+            if len(by_number[part]) < max(len(first), 2):
+                return ()
+        command, measured = (by_number[part] for part in DISPLACEMENTS)
+        if set(command) != set(measured):
+            return ()
+        return tuple(
+            self._channel(part, numbers[number], "its name and number", number or "0")
+            for number in sorted(command)
+            for part, numbers in ((Part.COMMAND, command), (Part.MEASURED, measured))
+        )
+
+    def _by_histories(
+        self,
+        command: Channel | None,
+        measured: Channel | None,
+        taken: set[str],
+        needed: Sequence[Part],
+    ) -> tuple[Channel | None, Channel | None]:
+        """Complete the pair by what the columns do beside each other."""
+        held = {channel.column for channel in (command, measured) if channel is not None}
+        candidates = [
+            what
+            for what in self._named.values()
+            if what.column not in taken | held
+            and self._can_be_displacement(what)
+            and self._moves(what.column)
+        ]
+        if command is not None:
+            return command, self._partner(command, Part.MEASURED, candidates)
+        if measured is not None:
+            if Part.COMMAND not in needed:
+                return None, measured
+            return self._partner(measured, Part.COMMAND, candidates), measured
+        if not set(needed) >= set(DISPLACEMENTS):
+            lengths = [what for what in candidates if what.quantity is Quantity.DISPLACEMENT]
+            if len(lengths) > 1:
+                return self._leading_pair(lengths)
+            return None, self._channel(
+                Part.MEASURED, lengths[0], "the only displacement"
+            ) if lengths else None
+        return self._leading_pair(candidates)
+
+    def _can_be_displacement(self, what: Named) -> bool:
+        """Whether unit or name say that a column is a displacement, or the format leaves both out."""
+        if what.quantity is None:
+            return not self._columns.named
+        return what.quantity is Quantity.DISPLACEMENT and what.role is not Role.GROUND
+
+    def _partner(self, held: Channel, part: Part, candidates: Sequence[Named]) -> Channel | None:
+        """Find the one column that moves as the one that is known."""
+        alike = [
+            (self._compare(held.column, what.column), what)
+            for what in candidates
+            if what.role is None or (what.weak and str(what.role) == str(part))
+        ]
+        unaltered = [item for item in alike if not item[1].altered] or alike
+        close = [(likeness, what) for likeness, what in unaltered if likeness.correlation > 0.5]  # noqa: PLR2004
+        if not close:
+            return None
+        close.sort(key=lambda item: -item[0].correlation)
+        distinct = [what for _, what in close if what is close[0][1] or not self._copies(close[0][1], what)]
+        if len(distinct) > 1:
+            raise self._ambiguous(part, distinct)
+        likeness = close[0][0]
+        return self._channel(
+            part,
+            close[0][1],
+            f"the only displacement that moves with {held.column!r} (correlation {likeness.correlation:.3f})",
+        )
+
+    def _leading_pair(self, candidates: Sequence[Named]) -> tuple[Channel | None, Channel | None]:
+        """Take the two columns that move most alike; of them the one that follows is measured."""
+        pairs = [
+            (self._compare(first.column, second.column), first, second)
+            for place, first in enumerate(candidates)
+            for second in candidates[place + 1 :]
+            if first.unit is None or second.unit is None or first.unit.quantity is second.unit.quantity
+        ]
+        pairs = [item for item in pairs if item[0].alike]
+        if not pairs:
+            return None, None
+        pairs.sort(key=lambda item: -item[0].correlation)
+        likeness, first, second = pairs[0]
+        if len(pairs) > 1 and _CLEAR * (1.0 - likeness.correlation) > 1.0 - pairs[1][0].correlation:
+            involved = dict.fromkeys(what.column for item in pairs[:2] for what in item[1:])
+            raise self._undecided(list(involved), "move alike")
+        side = votes(likeness)
+        if abs(likeness.lag) < _LEAST_LAG or side == 0:
+            raise self._undecided([first.column, second.column], "move together, and neither clearly follows")
+        leader, follower = (first, second) if side > 0 else (second, first)
+        reason = (
+            f"the two move most alike (correlation {likeness.correlation:.3f}), and {follower.column!r} "
+            f"follows by {abs(likeness.lag):.2g} samples"
+        )
+        return self._channel(Part.COMMAND, leader, reason), self._channel(Part.MEASURED, follower, reason)
+
+    def _explained_best(self, forces: Sequence[Named], pairs: Sequence[Channel]) -> list[Named]:
+        """Take the force that the measured motion explains, where it explains no other as well."""
+        motion = next((channel.column for channel in pairs if channel.part is Part.MEASURED), None)
+        if motion is None or not self._histories:
+            return list(forces)
+        values = self._columns.values
+        shares = [
+            explained(np.nan_to_num(values[what.column]), np.nan_to_num(values[motion])) for what in forces
+        ]
+        order = np.argsort(shares)
+        clear = shares[order[-1]] - shares[order[-2]] > _CLEAR_SHARE
+        return [forces[int(order[-1])]] if clear else list(forces)
+
+    def _compare(self, first: str, second: str) -> Likeness:
+        if (first, second) not in self._likenesses:
+            values = self._columns.values
+            self._likenesses[first, second] = compare(values[first], values[second])
+        return self._likenesses[first, second]
+
+    def _copies(self, first: Named, second: Named) -> bool:
+        return self._histories and self._compare(first.column, second.column).copies
+
+    def _moves(self, column: str) -> bool:
+        return moves(self._columns.values[column])
+
+    def _rises(self, column: str) -> bool:
+        """Whether a column rises by steps that are not whole numbers, which a counter has."""
+        values = self._columns.values[column]
+        steps = np.diff(values)
+        return bool(steps.size and steps.mean() > 0.0 and (steps >= 0.0).all() and steps.mean() != 1.0)
+
+    def _ambiguous(self, part: Part, candidates: Sequence[Named]) -> InputError:
+        return InputError(
             f"One column must be the {part}",
-            value=" and ".join(repr(name) for name in matches),
+            value=" and ".join(repr(what.column) for what in candidates),
             remedy=f"Choose one with --{part}",
-            where=columns.path.name,
+            where=self._columns.where,
         )
-    if matches or part is Part.TIME:
-        return matches[0] if matches else None
-    raise InputError(
-        f"A test's file must have a column of the {part} displacement",
-        value=_listed(columns),
-        remedy=_suggestion(columns, part),
-        where=columns.path.name,
-    )
 
+    def _undecided(self, names: Sequence[str], why: str) -> InputError:
+        return InputError(
+            "Command and measured displacement must be told from each other",
+            value=f"{' and '.join(repr(name) for name in names)}, which {why}",
+            remedy="Say which is which with --command and --measured",
+            where=self._columns.where,
+        )
 
-def recognise_extras(columns: Columns) -> dict[Part, Recognised]:
-    """Find ground acceleration and force where exactly one column states each by its name."""
-    recognised: dict[Part, Recognised] = {}
-    for part in EXTRAS if columns.named else ():
-        names = [name for name in columns.values if normal(name.rpartition(".")[2]) in NAMES[part]]
-        if len(names) == 1:
-            recognised[part] = Recognised(name=names[0], unit=_unit(columns, names[0], part))
-    return recognised
+    def _missing(self, part: Part) -> InputError:
+        return InputError(
+            f"A test's file must have a column of the {part} displacement",
+            value=self._columns.listed,
+            remedy=self._suggestion(part),
+            where=self._columns.where,
+        )
 
-
-def _names_loosely(name: str, part: Part) -> bool:
-    """Whether a word of a name means the part, and none means that it is no displacement."""
-    words = _words(name)
-    return bool(words & set(NAMES[part])) and (part is Part.TIME or not words & OTHER_QUANTITIES)
-
-
-def _words(name: str) -> set[str]:
-    """Words of a name, without its unit, that are long enough to mean something."""
-    words = _WORDS.split(_without_unit(name).lower())
-    return {word for word in words if len(word) > 1}
-
-
-def _suggestion(columns: Columns, part: Part) -> str:
-    for name in columns.values:
-        candidates = {normal(name), *_words(name)}
-        if any(get_close_matches(candidate, NAMES[part], n=1, cutoff=_SIMILAR) for candidate in candidates):
-            return f"Did you mean {name!r}? Then rename it to {part}, or give --{part} {name!r}"
-    return f"Name the column {part}, or say which it is with --{part}"
-
-
-def _listed(columns: Columns) -> str:
-    names = list(columns.values)
-    shown = ", ".join(repr(name) for name in names[:8])
-    return f"{shown} and {len(names) - 8} more" if len(names) > 8 else shown  # noqa: PLR2004 - shown
-
-
-def _unit(columns: Columns, name: str, part: Part) -> str:
-    known = _UNITS[part]
-    stated = columns.units.get(name, "").strip().lower()
-    if stated:
-        return stated if stated in known else ""
-    match = _UNIT.search(name)
-    if match is None or _WORDS.sub("", name.lower()) in NAMES[part]:
-        return ""
-    unit = str(match[1] or match[2]).lower()
-    return unit if unit in known else ""
+    def _suggestion(self, part: Part) -> str:
+        words = ROLES[Role(part)].split()
+        for name in self._columns.values:
+            candidates = {plain(name), *words_of(name)}
+            if any(get_close_matches(word, words, n=1, cutoff=_SIMILAR) for word in candidates):
+                return f"Did you mean {name!r}? Then rename it to {part}, or give --{part} {name!r}"
+        return f"Name the column {part}, or say which it is with --{part}"

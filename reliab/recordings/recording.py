@@ -2,12 +2,16 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reliab.errors import InputError
 from reliab.stated_value import StatedValue
+
+if TYPE_CHECKING:
+    from reliab.recordings.channel import Channel
 
 FEWEST_SAMPLES = 64
 """Samples below which no index is evaluated."""
@@ -53,6 +57,8 @@ class Recording:
     stated : mapping of str to StatedValue, optional
         Frequency "f" [Hz], damping ratio "xi", experimental fraction "alpha" and "scale" of the sensor of
         the measured displacement [-] as far as the file's header states them.
+    channels : tuple of Channel, optional
+        Which columns of the file were taken as what, in which unit and why.
 
     Raises
     ------
@@ -76,6 +82,7 @@ class Recording:
     ground: NDArray[np.float64] | None = None
     force: NDArray[np.float64] | None = None
     stated: Mapping[str, StatedValue] = field(default_factory=dict)
+    channels: tuple["Channel", ...] = ()
 
     def __post_init__(self) -> None:
         if self.command.shape != self.measured.shape or self.command.size < FEWEST_SAMPLES:

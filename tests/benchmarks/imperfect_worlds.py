@@ -34,9 +34,10 @@ from reliab.discrepancy import BlockDiagnosis, Diagnosis, MeasuredTest, diagnose
 from reliab.discrepancy.blocks.actuator import ActuatorBlock  # noqa: E402
 from reliab.discrepancy.blocks.specimen import SpecimenBlock  # noqa: E402
 from reliab.discrepancy.campaign.campaign import Campaign, Stretch  # noqa: E402
-from reliab.discrepancy.campaign.table import read_table  # noqa: E402
+from reliab.discrepancy.campaign.channels import read_channels  # noqa: E402
 from reliab.discrepancy.spectra.scales import motions_of  # noqa: E402
 from reliab.discrepancy.spectra.segment import cut_segments  # noqa: E402
+from reliab.recordings import StatedChannels  # noqa: E402
 
 OFFSETS = {"sensor_bias", "force_bias"}
 BINS = (0.0, 0.05, 0.2, 0.5, 0.8, 0.95, 1.001)
@@ -52,7 +53,10 @@ def evaluate(seed: int, folder: Path) -> None:
         diagnosis = diagnose(campaign)
         seconds, processor = time.perf_counter() - begin, time.process_time() - worked
         further = MeasuredTest(
-            file=FURTHER, motion="further", held_out=True, channels=read_table(path / FURTHER, RATE)
+            file=FURTHER,
+            motion="further",
+            held_out=True,
+            channels=read_channels(path / FURTHER, RATE, StatedChannels())[0],
         )
     block = diagnosis.blocks[0]
     result = {

@@ -45,7 +45,7 @@ SPOILT_TOML = [
     (r"\[sampling\]", "[sampling", "that is TOML"),
     ('file = "b.csv"', 'file = "c.csv"', "c.csv.*readable.*No such file"),
     ('file = "a.csv"\n', 'file = "a.csv"\nheld_out = 3\n', "held_out"),
-    ("rate_hz = 256", "rate_hz = 512", "equal steps"),
+    ("rate_hz = 256", "rate_hz = 512", "agree with the sampling rate"),
 ]
 
 
@@ -57,12 +57,12 @@ def test_spoilt_description_says_where_and_why(small_campaign, pattern, replacem
 
 
 SPOILT_TABLES = [
-    (11, "0.035,nan,0.1", r"line 11, column 2 \(command_m\).*finite number.*nan"),
-    (11, "0.035,0.1,", r"line 11, column 3 \(measured_m\).*finite number"),
+    (11, "0.035,nan,0.1", "line 11, column command_m: .*finite number.*NaN"),
+    (11, "0.035,0.1,", "line 11, column measured_m: .*finite number"),
     (11, "0.035,0.1", "line 11.*must have 3 columns.*found 2"),
-    (11, "0.035,abc,0.1", "line 11.*finite number.*'abc'"),
+    (11, "0.035,abc,0.1", "line 11.*must be a number.*'abc'"),
     (11, "0.5,0.1,0.1", "line 11.*equal steps"),
-    (1, "time_s,command,measured_m", "line 1, column 2.*named.*command_m"),
+    (1, "time_s,command,measured", "state its unit.*command_m"),
     (1, "command_m,measured_m,time_s", "equal steps|Samples"),
     (1, "time_s,command_m,command_m", "stand once only"),
 ]

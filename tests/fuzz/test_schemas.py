@@ -14,7 +14,7 @@ from fuzz.damage import write
 from fuzz.test_described_files import VALUES, places, with_value
 from reliab.criterion import derive_criterion
 from reliab.errors import InputError
-from reliab.recordings.readers import read_columns
+from reliab.recordings.readers import read_tests
 from reliab.sampling.ensembles import draw
 from reliab.simulation.transfer_systems import TransferFunction, read_matlab
 from reliab.sweep import open_ellipses, open_results
@@ -127,7 +127,7 @@ def test_errors_at_rest_over_other_dimensions_are_refused(tmp_path, dimensions):
 
 @pytest.mark.parametrize(
     "read",
-    [read_columns, open_ellipses, lambda path: draw(CHAIN_MODEL, CHAIN_SETTINGS, file=path, group="run")],
+    [read_tests, open_ellipses, lambda path: draw(CHAIN_MODEL, CHAIN_SETTINGS, file=path, group="run")],
     ids=["test", "ellipses", "chains"],
 )
 def test_groups_deep_within_each_other_are_refused(tmp_path, read):

@@ -140,8 +140,8 @@ def test_unit_stated_for_one_column_is_taken_for_both_and_said(tmp_path):
     assert any("measured displacement states no unit" in note for note in found.notes)
 
 
-def test_order_of_nameless_columns_is_said(tmp_path):
-    assert any("by their order" in note for note in read_recording(of_no_header(tmp_path)).notes)
+def test_choice_among_nameless_columns_is_said(tmp_path):
+    assert any("by what they do" in note for note in read_recording(of_no_header(tmp_path)).notes)
 
 
 @pytest.mark.parametrize(

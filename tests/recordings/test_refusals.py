@@ -6,7 +6,7 @@ import pytest
 
 import reliab
 from reliab.errors import InputError
-from reliab.recordings.readers.arrays import columns_of_arrays
+from reliab.recordings.readers.layouts import tests_of_tree as of_tree
 from reliab.recordings.recording import FEWEST_SAMPLES, LARGEST_READING, Recording, require_few_samples
 
 MOVING = np.sin(np.arange(0.0, 20.0, 0.01))
@@ -58,16 +58,16 @@ def test_too_many_samples_are_refused():
 
 def test_files_without_vectors_say_what_they_hold(tmp_path):
     with pytest.raises(InputError, match=r"vectors of numbers; found words, sizes"):
-        columns_of_arrays(tmp_path / "a.mat", {"words": np.array(["a"]), "sizes": np.array(3.0)})
+        of_tree(tmp_path / "a.mat", {"words": np.array(["a"]), "sizes": np.array(3.0)})
     with pytest.raises(InputError, match="found nothing"):
-        columns_of_arrays(tmp_path / "a.mat", {})
+        of_tree(tmp_path / "a.mat", {})
 
 
 def test_matrices_may_lie(tmp_path):
     """A column of a matrix is along its longer side, whichever that is."""
-    standing = np.arange(12.0).reshape(6, 2)
+    standing = np.arange(40.0).reshape(20, 2)
     for matrix in (standing, standing.T):
-        found = columns_of_arrays(tmp_path / "a.mat", {"x": matrix, "dt": np.array([[0.5]])})
+        (found,) = of_tree(tmp_path / "a.mat", {"x": matrix, "dt": np.array([[0.5]])})
         assert {name: values.tolist() for name, values in found.values.items()} == {
             "x[1]": standing[:, 0].tolist(),
             "x[2]": standing[:, 1].tolist(),
@@ -84,10 +84,10 @@ def test_nameless_columns_are_two_or_three(tmp_path, columns):
         reliab.assess(file, f=1.0, xi=0.02)
 
 
-def test_four_nameless_columns_are_counted(tmp_path):
+def test_nameless_columns_that_move_alike_are_asked_about(tmp_path):
     file = tmp_path / "test.csv"
     np.savetxt(file, np.column_stack([MOVING] * 4), delimiter=",")
-    with pytest.raises(InputError, match=r"found 4 columns"):
+    with pytest.raises(InputError, match=r"'column 1' and 'column 2'.*which move together"):
         reliab.assess(file, f=1.0, xi=0.02)
 
 

@@ -5,8 +5,8 @@ from itertools import chain
 
 import numpy as np
 
-from reliab.cli.monitor.followed_rows import Rows
 from reliab.errors import InputError
+from reliab.recordings import Rows
 
 _ROWS_FOR_STEP = 64
 _GAP = 0.6  # of a step that a sample may come late or early after the one before

@@ -8,10 +8,10 @@ from typing import Any, TextIO
 from rich.live import Live
 
 from reliab.assessment.rebuilt_error import DRAWS, ErrorSoFar, Monitor
-from reliab.cli.monitor.followed_rows import Rows
 from reliab.cli.monitor.sample_times import at_equal_steps, time_step
 from reliab.cli.monitor.stated_test import StatedTest
 from reliab.cli.output import console, table
+from reliab.recordings import Rows
 from reliab.significant import significant
 from reliab.vocabulary import PERCENT, Metric
 

@@ -36,12 +36,15 @@ class MeasuredTest:
         Whether it is held out to verify the found effects.
     channels : dict of Channel to numpy.ndarray
         Samples in SI units, each of shape (n,).
+    notes : tuple of str, optional
+        What was assumed when its file was read, in sentences.
     """
 
     file: str
     motion: str
     held_out: bool
     channels: dict[Channel, NDArray[np.float64]]
+    notes: tuple[str, ...] = ()
 
     @property
     def size(self) -> int:

@@ -45,6 +45,7 @@ def require_consistent(campaign: Campaign) -> tuple[str, ...]:
 
 def _faults_of(test: MeasuredTest, campaign: Campaign) -> Iterator[str]:
     """Examine one test by itself."""
+    yield from (f"{test.file}: {note}" for note in test.notes)
     command, measured, force = (
         test.channels.get(channel) for channel in (Channel.COMMAND, Channel.MEASURED, Channel.FORCE)
     )

@@ -4,6 +4,8 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
 
+from reliab.recordings import ChannelTables
+
 _Positive = Annotated[float, Field(ge=1e-30, le=1e30)]  # whose squares are numbers
 _NotNegative = Annotated[float, Field(ge=0.0, le=1e30)]
 
@@ -57,12 +59,22 @@ class SamplingTable(_Table):
 class TestTable(_Table):
     """A test; the table is repeated for each."""
 
-    file: Annotated[str, Field(min_length=1)] = Field(description="CSV file in the folder of the campaign")
+    file: Annotated[str, Field(min_length=1)] = Field(
+        description="File in the folder of the campaign, of any format that `reliab assess` reads"
+    )
+    test: Annotated[str, Field(max_length=200)] = Field(
+        default="", description="Name of the test, where the file holds several"
+    )
     motion: str = Field(default="", description="What drove the test")
     held_out: bool = Field(
         default=False,
         description="Whether the test is kept to verify what is found; if none is marked, the last one is",
     )
+
+    @property
+    def name(self) -> str:
+        """File, and the test in it where it holds several."""
+        return f"{self.file}, {self.test}" if self.test else self.file
 
 
 def _kind_of_structure(table: object) -> str:
@@ -84,4 +96,8 @@ class CampaignDescription(_Table):
     actuator: ActuatorTable | None = Field(default=None, description="Nominal actuator")
     specimen: SpecimenTable | None = Field(default=None, description="Nominal specimen")
     sampling: SamplingTable = Field(description="Sampling of all tests")
+    channels: ChannelTables = Field(
+        default=ChannelTables(),
+        description="Columns, units, signs and zeros, as `[channels]` of `channels.toml`",
+    )
     tests: Annotated[list[TestTable], Field(min_length=1)] = Field(description="One table for each test")

@@ -1,4 +1,4 @@
-"""Reading a campaign folder: campaign.toml and one CSV file per test.
+"""Reading a campaign folder: campaign.toml and the files of the tests, in any format of a laboratory.
 
 The numerical substructure is a structure of one degree of freedom::
 
@@ -30,6 +30,7 @@ from pydantic import ValidationError
 
 from reliab.described_files import described_text, faults_in_words, keys_of, parse_toml
 from reliab.discrepancy.campaign.campaign import Campaign, MeasuredTest
+from reliab.discrepancy.campaign.channels import read_channels
 from reliab.discrepancy.campaign.description import (
     CampaignDescription,
     FrameTables,
@@ -38,9 +39,9 @@ from reliab.discrepancy.campaign.description import (
     TestTable,
 )
 from reliab.discrepancy.campaign.folder import CAMPAIGN_FILE, campaign_folder
-from reliab.discrepancy.campaign.table import read_table
 from reliab.errors import InputError
 from reliab.received import named_within
+from reliab.recordings import StatedChannels, stated_by_tables
 from reliab.simulation import Actuator
 from reliab.simulation.frames import frame_of_tables
 from reliab.structures import Partition, Specimen, Structure
@@ -72,13 +73,16 @@ def read_campaign(folder: Path | str) -> Campaign:
     """
     folder = campaign_folder(folder)
     described = _described(named_within(folder, CAMPAIGN_FILE, where=str(folder)))
-    _check_files(folder, [test.file for test in described.tests])
+    _check_files(folder, described.tests)
     held_out = _held_out(described.tests)
     rate = described.sampling.rate_hz
+    said = StatedChannels(stated=stated_by_tables(described.channels), rate_hz=rate)
     tests, samples = [], 0
     for test, out in zip(described.tests, held_out, strict=True):
-        channels = read_table(folder / test.file, rate)
-        tests.append(MeasuredTest(file=test.file, motion=test.motion, held_out=out, channels=channels))
+        channels, notes = read_channels(folder / test.file, rate, said, test.test)
+        tests.append(
+            MeasuredTest(file=test.name, motion=test.motion, held_out=out, channels=channels, notes=notes)
+        )
         samples += tests[-1].size
         _require_few_samples(samples, len(tests), len(described.tests))
     return _campaign(described, tuple(tests), folder)
@@ -95,16 +99,16 @@ def _require_few_samples(samples: int, read: int, tests: int) -> None:
         )
 
 
-def _check_files(folder: Path, names: list[str]) -> None:
-    """Refuse files outside the folder, and one file for two tests: data that fit a model cannot verify it."""
-    files: list[str] = []
-    for place, name in enumerate(names, start=1):
-        path = named_within(folder, name, where=f"{CAMPAIGN_FILE}, test {place}")
-        files.append(os.path.realpath(path))
+def _check_files(folder: Path, tests: list[TestTable]) -> None:
+    """Refuse files outside the folder, and a test named twice: data that fit a model cannot verify it."""
+    files: list[tuple[str, str]] = []
+    for place, test in enumerate(tests, start=1):
+        path = named_within(folder, test.file, where=f"{CAMPAIGN_FILE}, test {place}")
+        files.append((os.path.realpath(path), test.test))
         if files[-1] in files[:-1]:
             raise InputError(
                 "A file must stand for one test only",
-                value=repr(name),
+                value=repr(test.name),
                 remedy="Remove the second one, or correct its name",
                 where=f"{CAMPAIGN_FILE}, test {place}",
             )

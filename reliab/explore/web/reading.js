@@ -1,6 +1,7 @@
 // Read a test from text in columns: time, command and measured displacement, named or in this order.
 //
-// A subset of what `reliab assess` reads, with its names and units (`words`, written into the page by Python).
+// Plain texts only, with names and units of `reliab assess` (`words`, written into the page by Python): of any
+// other file `reliab record` writes one that the page reads.
 
 import { median } from "./fourier.js";
 
@@ -11,6 +12,8 @@ const NUMBER = /^[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?$/;
 const UNIT = /[[(]\s*([^\])]+?)\s*[\])]\s*$|(?<=[a-z0-9])_([a-zµ]+(?:\/s(?:\^?2|²)|ps2|s2)?)$/i;
 const FEWEST_SAMPLES = 64;
 const MOST_SAMPLES = 2_000_000;
+
+const ELSEWHERE = "`reliab record FILE --csv TEST.csv` writes a file that this page reads, from MATLAB, HDF5, TDMS and any text.";
 
 // A reason why a file cannot be read, in a sentence for its user.
 export class ReadingError extends Error {}
@@ -39,7 +42,7 @@ function tableOf(text) {
     .map((line, i) => ({ line, number: i + 1 }))
     .filter(({ line }) => line.trim() !== "" && !COMMENT.test(line.trim()));
   const separator = [";", "\t", ",", /\s+/].find((candidate) => lines.slice(0, 500).some(({ line }) => holdsNumbers(cellsOf(line, candidate))));
-  if (separator === undefined) throw new ReadingError("The file must hold rows of at least two numbers: time, command and measured displacement.");
+  if (separator === undefined) throw new ReadingError(`The file must hold rows of numbers: time, command and measured displacement. ${ELSEWHERE}`);
   const cells = lines.map(({ line }) => cellsOf(line, separator));
   const first = cells.findIndex(holdsNumbers), width = cells[first].length;
   if (lines.length - first > MOST_SAMPLES) throw new ReadingError(`The file has more than ${MOST_SAMPLES} rows; use reliab assess.`);
@@ -87,7 +90,7 @@ function recognise(names, width, words) {
     const loose = matches.length ? matches : names.flatMap((name, i) => (wordsOf(name, words).some((word) => words.names[part].includes(word)) ? [i] : []));
     if (loose.length !== 1) {
       const what = loose.length ? "More than one column may be" : "No column is named as";
-      throw new ReadingError(`${what} the ${part}${part === "time" ? "" : " displacement"}: name the columns time_s, command_m and measured_m.`);
+      throw new ReadingError(`${what} the ${part}${part === "time" ? "" : " displacement"}: name the columns time_s, command_m and measured_m. ${ELSEWHERE}`);
     }
     [places[part]] = loose;
   }

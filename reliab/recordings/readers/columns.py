@@ -10,19 +10,36 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Columns:
-    """Columns of a file, with what is needed to say where a fault lies."""
+    """Columns of one test, with what is needed to say where a fault lies."""
 
     path: Path  # The file
-    values: Mapping[str, NDArray[np.float64]]  # Samples of each column as they stand in the file, shape (n,)
+    # Samples of each column as they stand in the file, shape (n,), or another number where its clock differs
+    values: Mapping[str, NDArray[np.float64]]
     # Units that the file states beside a column's name
     units: Mapping[str, str] = field(default_factory=dict)
+    # Times [s] of columns that state their own, such as the channels of a data logger with several rates
+    clocks: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
     scalars: Mapping[str, float] = field(default_factory=dict)  # Single numbers, such as a sampling rate
     # What comment lines before the first row state as "name = value" or "name: value", names in small letters
     header: Mapping[str, str] = field(default_factory=dict)
+    # What each column is, where the file is a record: name of the part, and of its actuator
+    parts: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     lines: NDArray[np.int64] | None = None  # Line of each row in a text file, counted from 1
     named: bool = True  # Whether the columns have names of their own
+    test: str = ""  # Name of the test, where the file holds several
 
     def place(self, row: int, name: str = "") -> str:
         """Say where a row lies, for an error."""
         at = f"sample {row + 1}" if self.lines is None else f"line {self.lines[row]}"
-        return f"{self.path.name}, {at}" + (f", column {name}" if name else "")
+        return f"{self.where}, {at}" + (f", column {name}" if name else "")
+
+    @property
+    def where(self) -> str:
+        """File, and test where it holds several."""
+        return f"{self.path.name}, test {self.test}" if self.test else self.path.name
+
+    @property
+    def listed(self) -> str:
+        """Names of the columns, for a sentence."""
+        names = [repr(name) for name in self.values]
+        return ", ".join(names[:8]) + (f" and {len(names) - 8} more" if len(names) > 8 else "")  # noqa: PLR2004

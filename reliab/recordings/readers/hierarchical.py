@@ -1,49 +1,217 @@
 """HDF5 files, among them NetCDF 4 and MATLAB 7.3, and classic NetCDF files."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import scipy
 
+from reliab.errors import InputError
 from reliab.received import objects_of, opened_hdf5
-from reliab.recordings.readers.arrays import columns_of_arrays
 from reliab.recordings.readers.columns import Columns
+from reliab.recordings.readers.layouts import Series, Tree, tests_of_tree
+from reliab.recordings.readers.objects import tree_of_objects
+from reliab.recordings.readers.recorded import columns_of_record, is_record, text_of
 from reliab.recordings.recording import require_few_samples
 
-
-def read_hierarchical(path: Path) -> Columns:
-    """Read the numeric datasets of an HDF5 file in all its groups.
-
-    Returns vectors by name, those of a group as ``group.name``; units from the attribute `units`, single
-    numbers also from the file's own attributes.
-    """
+if TYPE_CHECKING:
     import h5py
 
-    arrays: dict[str, np.ndarray] = {}
-    units: dict[str, str] = {}
+_SIGNATURE: Final = b"\x89HDF\r\n\x1a\n"
+_MATLAB_BLOCK: Final = 512  # bytes that MATLAB 7.3 puts before the signature
+_CLASSIC: Final = (b"CDF\x01", b"CDF\x02")
+_MOST_BYTES: Final = 2_000_000_000  # of all numbers together
+_MOST_ITEMS: Final = 20_000  # of cells and elements of structures together
+_LARGE: Final = 1_000_000  # bytes of what may not be referred to twice
+_DEEPEST: Final = 16
+_UNIT_NAMES: Final = ("units", "unit", "Units", "Unit", "UNITS", "UNIT")
 
+
+def recognises(head: bytes) -> bool:
+    """Whether a file begins as HDF5."""
+    return head.startswith(_SIGNATURE) or head[_MATLAB_BLOCK:].startswith(_SIGNATURE)
+
+
+def recognises_classic(head: bytes) -> bool:
+    """Whether a file begins as classic NetCDF."""
+    return head.startswith(_CLASSIC)
+
+
+def read_hierarchical(path: Path, _delimiter: str | None = None) -> list[Columns]:
+    """Read the tests of an HDF5 file: its datasets in all groups, or the variables of MATLAB 7.3."""
     with opened_hdf5(path) as file:
-        arrays |= {name: np.asarray(value) for name, value in file.attrs.items() if np.ndim(value) == 0}
-        for name, item in objects_of(file):
-            label = name.replace("/", ".")
-            if isinstance(item, h5py.Dataset) and not name.startswith("#"):
-                require_few_samples(max(item.shape, default=0), f"{path.name}, {label}")
-                arrays[label] = np.asarray(item[()])
-                if "units" in item.attrs:
-                    units[label] = _text(item.attrs["units"])
-    return columns_of_arrays(path, arrays, units)
+        if is_record(file):
+            return [columns_of_record(file, path)]
+        if any("MATLAB_object_decode" in item.attrs for _, item in objects_of(file)):
+            _require_single_references(file)
+            tree = None
+        else:
+            tree = _Contents(file, path).tree()
+    return tests_of_tree(path, tree_of_objects(path) if tree is None else tree)
 
 
-def read_classic_netcdf(path: Path) -> Columns:
-    """Read the variables of a classic NetCDF file, as :func:`read_hierarchical` does."""
+def read_classic(path: Path, _delimiter: str | None = None) -> list[Columns]:
+    """Read the variables of a classic NetCDF file."""
     with scipy.io.netcdf_file(path, "r", mmap=False) as file:
         variables = dict(file.variables)
-        arrays = {name: np.array(variable[()]) for name, variable in variables.items()}
-        units = {
-            name: _text(variable.units) for name, variable in variables.items() if hasattr(variable, "units")
+        tree = {
+            name: _of_variable(np.array(variable[()]), getattr(variable, "units", ""))
+            for name, variable in variables.items()
         }
-    return columns_of_arrays(path, arrays, units)
+    return tests_of_tree(path, tree)
 
 
-def _text(value: object) -> str:
-    return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+def _of_variable(values: np.ndarray, units: object) -> Tree:
+    numbers = values.ndim == 1 and values.size > 1 and np.issubdtype(values.dtype, np.number)
+    return Series(values=values.astype(np.float64), unit=text_of(units)) if numbers else values
+
+
+class _Contents:
+    """What an open file holds, as a tree; cells and structures of MATLAB are followed by their references."""
+
+    def __init__(self, file: "h5py.File", path: Path) -> None:
+        self._file, self._path = file, path
+        self._bytes = self._items = 0
+
+    def tree(self) -> dict[str, Tree]:
+        """All groups and datasets but those that MATLAB only refers to."""
+        content = self._group(self._file, 0)
+        return {
+            **{name: np.asarray(value) for name, value in self._file.attrs.items() if np.ndim(value) == 0},
+            **content,
+        }
+
+    def _group(self, group: "h5py.Group", depth: int) -> dict[str, Tree]:
+        import h5py
+
+        self._require_shallow(depth)
+        content: dict[str, Tree] = {}
+        for name in group:
+            link = group.get(name, getlink=True)
+            if name.startswith("#") or not isinstance(link, h5py.HardLink):
+                continue
+            item = group[name]
+            content[name] = (
+                self._group(item, depth + 1)
+                if isinstance(item, h5py.Group)
+                else self._dataset(item, depth + 1)
+            )
+        attributes = (
+            {} if depth == 0 else {k: np.asarray(v) for k, v in group.attrs.items() if np.ndim(v) == 0}
+        )
+        if group.attrs.get("MATLAB_class") == b"struct" and (elements := self._elements(group, content)):
+            return elements  # type: ignore[return-value]  # an array of structures
+        return {**{k: v for k, v in attributes.items() if k not in content}, **content}
+
+    def _elements(self, group: "h5py.Group", content: dict[str, Tree]) -> list[dict[str, Tree]]:
+        """Elements of an array of structures, whose fields are datasets of references without a class."""
+        import h5py
+
+        fields = [name for name in content if isinstance(group[name], h5py.Dataset)]
+        arrays = [
+            name
+            for name in fields
+            if isinstance(content[name], list) and "MATLAB_class" not in group[name].attrs
+        ]
+        if not arrays or len(arrays) != len(content) or len({len(content[name]) for name in arrays}) != 1:
+            return []
+        return [
+            dict(zip(arrays, values, strict=True))
+            for values in zip(*(content[name] for name in arrays), strict=True)
+        ]
+
+    def _dataset(self, item: "h5py.Dataset", depth: int) -> Tree:
+        import h5py
+
+        self._require_shallow(depth)
+        kind = item.attrs.get("MATLAB_class", b"")
+        if "MATLAB_empty" in item.attrs:
+            return np.zeros(0)
+        if item.dtype == h5py.ref_dtype:
+            return self._referred(item, depth)
+        require_few_samples(
+            max(item.shape, default=0), f"{self._path.name}, {item.name.strip('/').replace('/', '.')}"
+        )
+        self._bytes += int(item.nbytes)
+        if self._bytes > _MOST_BYTES:
+            raise InputError(
+                f"A test's file may hold {_MOST_BYTES / 1e6:,.6g} MB of numbers at most",
+                value="more",
+                remedy="Export the channels of the test only",
+                where=self._path.name,
+            )
+        values = item[()]
+        if kind == b"char":
+            return _characters(np.asarray(values))
+        if item.dtype.kind in "SOU":
+            texts = [text_of(value) for value in np.asarray(values).reshape(-1)]
+            return texts[0] if len(texts) == 1 else texts
+        return self._with_unit(item, np.asarray(values))
+
+    def _with_unit(self, item: "h5py.Dataset", values: np.ndarray) -> Tree:
+        unit = next((text_of(item.attrs[name]) for name in _UNIT_NAMES if name in item.attrs), "")
+        flat = values.squeeze()
+        if unit and flat.ndim == 1 and flat.size > 1 and np.issubdtype(flat.dtype, np.number):
+            return Series(values=flat.astype(np.float64), unit=unit)
+        return values
+
+    def _referred(self, item: "h5py.Dataset", depth: int) -> list[Tree]:
+        import h5py
+
+        self._items += item.size
+        if self._items > _MOST_ITEMS:
+            raise InputError(
+                f"Cells and elements of structures may be {_MOST_ITEMS:,} at most",
+                value="more",
+                remedy="Save the channels as vectors",
+                where=self._path.name,
+            )
+        content = []
+        for reference in np.asarray(item[()]).reshape(-1):
+            target = self._file[reference]
+            content.append(
+                self._group(target, depth + 1)
+                if isinstance(target, h5py.Group)
+                else self._dataset(target, depth + 1)
+            )
+        return content
+
+    def _require_shallow(self, depth: int) -> None:
+        if depth > _DEEPEST:
+            raise InputError(
+                f"Structures must not be nested more than {_DEEPEST} deep",
+                value="more",
+                remedy="Save the channels as vectors",
+                where=self._path.name,
+            )
+
+
+def _require_single_references(file: "h5py.File") -> None:
+    """Refuse what is referred to twice and large or refers further: it would multiply in memory."""
+    import h5py
+
+    seen, total = set(), 0
+    for _, item in objects_of(file):
+        if not isinstance(item, h5py.Dataset):
+            continue
+        total += int(item.nbytes)
+        if item.dtype != h5py.ref_dtype:
+            continue
+        for reference in np.asarray(item[()]).reshape(-1):
+            target = file[reference]
+            place = h5py.h5o.get_info(target.id).addr
+            small = (
+                isinstance(target, h5py.Dataset) and target.dtype != h5py.ref_dtype and target.nbytes < _LARGE
+            )
+            if place in seen and not small:
+                raise ValueError("a part that is referred to twice")
+            seen.add(place)
+    if total > _MOST_BYTES:
+        raise ValueError(f"{total:,} bytes of numbers, of at most {_MOST_BYTES:,}")
+
+
+def _characters(values: np.ndarray) -> str | list[str]:
+    """Characters of MATLAB 7.3, one number each; rows of a matrix of them are texts of their own."""
+    rows = np.atleast_2d(values.T)
+    texts = ["".join(map(chr, row)).strip() for row in rows]
+    return texts[0] if len(texts) == 1 else texts

@@ -1,4 +1,7 @@
-from .matlab_structure import require_sound_structure as require_sound_structure
+from .matlab_structure import (
+    require_sound_structure as require_sound_structure,
+    subsystem_of as subsystem_of,
+)
 from .reading import read_matlab as read_matlab, transfer_function_of as transfer_function_of
 from .servo_hydraulic import ServoHydraulic as ServoHydraulic
 from .transfer_function import (

@@ -5,6 +5,7 @@ there, so that a damaged file ends the process. Elements are followed here in th
 them, after "MAT-File Format", The MathWorks, 2019.
 """
 
+import io
 import math
 import zlib
 from pathlib import Path
@@ -19,27 +20,58 @@ _NUMBERS: Final = frozenset({1, 2, 3, 4, 5, 6, 7, 9, 12, 13, 16, 17, 18})
 _CELL, _STRUCTURE, _OBJECT, _CHARACTERS, _SPARSE, _FUNCTION, _OPAQUE = 1, 2, 3, 4, 5, 16, 17
 _NUMERIC: Final = range(6, 16)
 _COMPLEX = 1 << 11
+_BYTES = 9  # class of unsigned numbers of eight bits
+_MOST_OBJECTS = 400_000_000  # bytes
 
 
 def require_sound_structure(path: Path) -> None:
-    """Follow all elements of a MATLAB file."""
+    """Follow all elements of a MATLAB file, and of the one within it that keeps objects of classes."""
     size = path.stat().st_size
     with path.open("rb") as file:
         header = file.read(_HEADER)
         if len(header) < _HEADER or 0 in header[:4] or header[124 + (header[126:127] == b"I")] != 1:
             return
-        order: Literal["little", "big"] = "little" if header[126:128] == b"IM" else "big"
-        while (begin := file.tell()) < size:
-            plain = _Elements(_Plain(file, size), order)
-            kind, length = plain.full_tag()
-            if kind == _COMPRESSED:
-                _Elements(_Packed(file, length), order).matrix()
-            elif kind == _MATRIX:
-                file.seek(begin)
-                plain.matrix()
-            else:
-                raise ValueError(f"a variable of the unknown kind {kind}")
-            file.seek(begin + 8 + length)
+        _follow(file, size, _order(header[126:128]))
+    if within := subsystem_of(path):
+        inner = _order(within[2:4])
+        _follow(io.BytesIO(within), len(within), inner, begin=8)
+
+
+def subsystem_of(path: Path) -> bytes:
+    """Bytes of the file within a MATLAB file that keeps its objects of classes; none where it has none."""
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        header = file.read(_HEADER)
+        order = _order(header[126:128])
+        place = int.from_bytes(header[116:124], order)
+        if not any(header[116:124].strip(b" \x00")) or not _HEADER <= place < size:
+            return b""
+        file.seek(place)
+        kind, length = _Elements(_Plain(file, size), order).full_tag()
+        if kind == _COMPRESSED:
+            return _Elements(_Packed(file, length), order).bytes_of_matrix()
+        file.seek(place)
+        return _Elements(_Plain(file, size), order).bytes_of_matrix()
+
+
+def _order(mark: bytes) -> Literal["little", "big"]:
+    return "little" if mark == b"IM" else "big"
+
+
+def _follow(file: BinaryIO, size: int, order: Literal["little", "big"], *, begin: int = _HEADER) -> None:
+    """Follow the variables of a file, one after the other."""
+    while begin < size:
+        file.seek(begin)
+        plain = _Elements(_Plain(file, size), order)
+        kind, length = plain.full_tag()
+        if kind == _COMPRESSED:
+            _Elements(_Packed(file, length), order).matrix()
+        elif kind == _MATRIX:
+            file.seek(begin)
+            plain.matrix()
+        else:
+            raise ValueError(f"a variable of the unknown kind {kind}")
+        begin += 8 + length
 
 
 class _Source(Protocol):
@@ -149,6 +181,16 @@ class _Elements:
         count = math.prod(self._number(sizes[k : k + 4]) for k in range(0, len(sizes), 4))
         self._content(_CHUNK)
         self._values(held, count, 2 if flags & _COMPLEX else 1, depth)
+
+    def bytes_of_matrix(self) -> bytes:
+        """Numbers of a matrix of single bytes, which a file keeps its objects in."""
+        kind, _ = self.full_tag()
+        held = self._number(self._source.take(16)[8:12]) & 0xFF
+        if kind != _MATRIX or held != _BYTES:
+            raise ValueError("objects that are kept in no bytes")
+        self._content(4 * 32)
+        self._content(_CHUNK)
+        return self._content(_MOST_OBJECTS)
 
     def _values(self, held: int, count: int, parts: int, depth: int) -> None:
         if held == _OBJECT:

@@ -1,0 +1,98 @@
+"""What channels do: which two move alike, which of them follows, which carries a sensor's noise."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from reliab.arrays import Array
+
+_MOST_SAMPLES: Final = 1 << 16  # that are looked at, where the first history moves most
+_LONGEST_LAG: Final = 0.125  # of them
+_SAME: Final = 1e-6  # of the larger range, up to which two histories are copies
+_ALIKE, _LARGEST_RATIO = 0.9, 2.0
+_FEWEST: Final = 16
+
+
+@dataclass(frozen=True, kw_only=True)
+class Likeness:
+    """How a second history moves beside a first one."""
+
+    correlation: float  # Largest absolute normalised cross-correlation
+    lag: float  # Samples by which the second follows
+    ratio: float  # Its RMS over that of the first
+    noise_ratio: float  # Its noise over that of the first, each as a share of its RMS
+    copies: bool  # Whether both are the same but for rounding
+
+    @property
+    def alike(self) -> bool:
+        """Whether both may be the same motion in the same unit."""
+        return self.correlation >= _ALIKE and 1.0 / _LARGEST_RATIO <= self.ratio <= _LARGEST_RATIO
+
+
+def moves(values: Array) -> bool:
+    """Whether a history of numbers moves."""
+    numbers = values[np.isfinite(values)]
+    return bool(numbers.size and np.ptp(numbers) > 1e-9 * np.abs(numbers).max())
+
+
+def compare(first: Array, second: Array) -> Likeness:
+    """Compare two histories, shape (n,), of equal steps; missing values count as no motion."""
+    first, second = _strongest(first, second)
+    x, y = (np.where(np.isfinite(values), values, np.nanmean(values)) for values in (first, second))
+    x, y = x - x.mean(), y - y.mean()
+    sizes = [float(np.sqrt(np.mean(values**2))) for values in (x, y)]
+    if min(sizes) <= 0.0 or x.size < _FEWEST:
+        return Likeness(correlation=0.0, lag=0.0, ratio=np.inf, noise_ratio=1.0, copies=False)
+    correlation, lag = _peak(x / sizes[0], y / sizes[1])
+    noises = [_noise(values) / size for values, size in zip((x, y), sizes, strict=True)]
+    return Likeness(
+        correlation=correlation,
+        lag=lag,
+        ratio=sizes[1] / sizes[0],
+        noise_ratio=(noises[1] + 1e-15) / (noises[0] + 1e-15),
+        copies=bool(np.abs(x - y).max() <= _SAME * max(np.ptp(x), np.ptp(y))),
+    )
+
+
+def explained(force: Array, displacement: Array) -> float:
+    """Share of a force that its displacement, velocity and acceleration explain linearly."""
+    force, displacement = _strongest(force, displacement)
+    velocity = np.gradient(displacement)
+    motion = np.column_stack([np.ones(force.size), displacement, velocity, np.gradient(velocity)])
+    scales = np.abs(motion).max(axis=0)
+    motion = motion / np.where(scales > 0.0, scales, 1.0)
+    remainder = force - motion @ np.linalg.lstsq(motion, force)[0]
+    spread = float(np.var(force))
+    return 1.0 - float(np.var(remainder)) / spread if spread > 0.0 else 0.0
+
+
+def _strongest(first: Array, second: Array) -> tuple[Array, Array]:
+    """Take the part of two histories in which the first moves most."""
+    size = min(first.size, second.size)
+    first, second = first[:size], second[:size]
+    if size <= _MOST_SAMPLES:
+        return first, second
+    moved = np.abs(np.nan_to_num(np.diff(first))).cumsum()
+    begin = int(np.argmax(moved[_MOST_SAMPLES:] - moved[:-_MOST_SAMPLES]))
+    return first[begin : begin + _MOST_SAMPLES], second[begin : begin + _MOST_SAMPLES]
+
+
+def _peak(x: Array, y: Array) -> tuple[float, float]:
+    """Largest absolute cross-correlation of two histories of unit RMS, and its lag [samples]."""
+    points = 1 << (2 * x.size - 1).bit_length()
+    crossed = np.fft.irfft(np.conj(np.fft.rfft(x, points)) * np.fft.rfft(y, points), points) / x.size
+    most = max(int(_LONGEST_LAG * x.size), 2)
+    near = np.abs(np.concatenate([crossed[-most:], crossed[: most + 1]]))
+    place = int(np.argmax(near))
+    shift = 0.0
+    if 0 < place < near.size - 1:
+        below, peak, above = near[place - 1 : place + 2]
+        curvature = below - 2.0 * peak + above
+        shift = 0.5 * float(below - above) / float(curvature) if curvature < 0.0 else 0.0
+    return min(float(near[place]), 1.0), place - most + shift
+
+
+def _noise(values: Array) -> float:
+    """Estimate what changes from sample to sample, by third differences."""
+    return float(np.sqrt(np.mean(np.diff(values, 3) ** 2)))

@@ -1,0 +1,99 @@
+"""`channels.toml`: what a laboratory states once of its channels, for all its tests."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Final
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from reliab.described_files import described, read_toml
+from reliab.recordings.channel import Part, Stated
+
+_RULE: Final = "The channels of a laboratory must be described in TOML"
+_REMEDY: Final = "Compare with the page on recordings of the documentation"
+_PARTS: Final = {
+    "time": Part.TIME,
+    "command": Part.COMMAND,
+    "measured": Part.MEASURED,
+    "force": Part.FORCE,
+    "ground": Part.GROUND,
+}
+_Name = Annotated[str, Field(min_length=1, max_length=200)]
+_Reading = Annotated[float, Field(ge=-1e30, le=1e30)]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class ChannelTable(_Table):
+    """One channel: its names in files, and how its readings become displacement, force or acceleration."""
+
+    column: Annotated[list[_Name], Field(max_length=50)] | _Name = Field(
+        default=[], description="Name of the column, or several of which the first that a file holds counts"
+    )
+    unit: Annotated[str, Field(max_length=20)] = Field(default="", description="Unit, in place of the file's")
+    sign: Annotated[float, Field(ge=-1.0, le=1.0)] = Field(
+        default=1.0, description="1, or -1 where the channel is reversed"
+    )
+    scale: Annotated[float, Field(gt=0.0, le=1e30)] = Field(
+        default=1.0, description="What readings are multiplied by"
+    )
+    zero: _Reading = Field(
+        default=0.0, description="Reading at rest, in the unit of the file, which is taken away"
+    )
+
+    def stated(self) -> Stated:
+        """Return the same for the recognition."""
+        columns = (self.column,) if isinstance(self.column, str) else tuple(self.column)
+        sign = -1.0 if self.sign < 0.0 else 1.0
+        return Stated(columns=columns, unit=self.unit, sign=sign, scale=self.scale, zero=self.zero)
+
+
+class ChannelTables(_Table):
+    """The channels of a test."""
+
+    time: ChannelTable | None = None
+    command: ChannelTable | None = None
+    measured: ChannelTable | None = None
+    force: ChannelTable | None = None
+    ground: ChannelTable | None = None
+
+
+class SamplingTable(_Table):
+    """How tests were sampled, where their files do not say so."""
+
+    rate_hz: Annotated[float, Field(ge=1e-3, le=1e9)] | None = Field(
+        default=None, description="Samples in a second"
+    )
+
+
+class ChannelsDescription(_Table):
+    """A laboratory's file `channels.toml`."""
+
+    channels: ChannelTables = Field(
+        default=ChannelTables(), description="Names, units, signs, zeros and scales"
+    )
+    sampling: SamplingTable = Field(default=SamplingTable(), description="Sampling of all tests")
+
+
+@dataclass(frozen=True, kw_only=True)
+class StatedChannels:
+    """What is stated of the channels of tests: by a file `channels.toml`, or by options."""
+
+    stated: Mapping[Part, Stated] = field(default_factory=dict)
+    rate_hz: float | None = None  # Sampling rate [Hz], where a file holds no time
+
+
+def read_channels_file(path: str | Path) -> StatedChannels:
+    """Read a file `channels.toml`."""
+    content = read_toml(path, rule=_RULE, remedy=_REMEDY)
+    tables = described(ChannelsDescription, content, rule=_RULE, remedy=_REMEDY, where=str(path))
+    return StatedChannels(stated=stated_by_tables(tables.channels), rate_hz=tables.sampling.rate_hz)
+
+
+def stated_by_tables(tables: ChannelTables) -> dict[Part, Stated]:
+    """Return what tables state of the channels, by part."""
+    by_part = {part: getattr(tables, name) for name, part in _PARTS.items()}
+    return {part: table.stated() for part, table in by_part.items() if table is not None}

@@ -1,0 +1,179 @@
+"""Rows of a text that is still being written, as its lines become complete.
+
+The text has any dialect of :mod:`reliab.recordings.readers.text`. Of a file that was rotated (replaced by
+another one of the same name, or shortened) an empty piece comes first; its header is read anew, or is that of
+the file before where it has none.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from reliab.arrays import Array
+from reliab.encodings import pieces_as_utf8
+from reliab.errors import InputError
+from reliab.recordings.channel import DISPLACEMENTS, Channel, Part, Stated
+from reliab.recordings.readers import Columns
+from reliab.recordings.readers.text import (
+    begins_table,
+    cells_of,
+    delimiter_of,
+    header_of,
+    is_comment,
+    number_of,
+)
+from reliab.recordings.recognition import recognise
+
+_LONGEST_LINE: Final = 1 << 16
+_LONGEST_PREAMBLE: Final = 10_000  # lines
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Rows:
+    """Rows that were added."""
+
+    time: Array | None  # Times [s], shape (k,); None without a column of time
+    command: Array  # command, measured: x_c and x_m [m], shape (k,)
+    measured: Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Layout:
+    """Where the columns stand, and what was recognised."""
+
+    delimiter: str
+    width: int
+    places: Mapping[Part, int]
+    channels: Mapping[Part, Channel]
+
+
+def rows_as_written(pieces: Iterator[bytes], *, name: str, stated: Mapping[Part, Stated]) -> Iterator[Rows]:
+    """Rows of a text that comes in pieces; `name` is that of its file."""
+    remainder, number = b"", 0
+    layout: _Layout | None = None
+    waiting: list[tuple[int, str]] = []
+    before: _Layout | None = None
+    for piece in pieces_as_utf8(pieces):
+        if not piece:
+            remainder, waiting, before, layout = b"", [], layout or before, None
+            continue
+        *whole, remainder = (remainder + piece).split(b"\n")
+        if len(remainder) > _LONGEST_LINE:
+            raise InputError(
+                f"A line of a test must be shorter than {_LONGEST_LINE} characters",
+                value=f"more after line {number + len(whole)}",
+                remedy="Write one sample in a line",
+                where=name,
+            )
+        lines = [
+            (number + k, raw.decode("utf-8-sig", errors="replace").rstrip("\r"))
+            for k, raw in enumerate(whole, 1)
+        ]
+        number += len(whole)
+        if layout is None:
+            waiting += lines
+            layout, lines = _begun(waiting, name, stated, before)
+        if layout is not None and (rows := [line for line in lines if not is_comment(line[1])]):
+            yield _parsed(rows, layout, name)
+    if layout is None and before is None:
+        _explain(waiting, name, stated)
+
+
+def _explain(waiting: list[tuple[int, str]], name: str, stated: Mapping[Part, Stated]) -> None:
+    """Say what is wrong with a text in which no two rows of numbers stand below names."""
+    lines = [(number, line) for number, line in waiting if not is_comment(line)]
+    if len(lines) > 1:
+        delimiter = delimiter_of([line for _, line in lines])
+        first = next((k for k, (_, line) in enumerate(lines) if _has_number(line, delimiter)), len(lines))
+        if 0 < first < len(lines):
+            above = [line for _, line in lines[:first]]
+            _parsed(lines[first:], _layout(above, above[-1], delimiter, name, stated), name)
+
+
+def _has_number(line: str, delimiter: str) -> bool:
+    return any(number_of(cell) is not None and cell for cell in cells_of(line, delimiter))
+
+
+def _begun(
+    waiting: list[tuple[int, str]], name: str, stated: Mapping[Part, Stated], before: _Layout | None
+) -> tuple[_Layout | None, list[tuple[int, str]]]:
+    """Layout of a text, as soon as two rows of numbers are there, and the lines from the first on."""
+    lines = [line for _, line in waiting]
+    delimiter = delimiter_of(lines) if before is None else before.delimiter
+    for place, line in enumerate(lines):
+        if not is_comment(line) and begins_table(lines, delimiter, place):
+            above = [text for text in lines[:place] if text.strip()]
+            named = (
+                before if before is not None and not above else _layout(above, line, delimiter, name, stated)
+            )
+            return named, waiting[place:]
+    if len(lines) > _LONGEST_PREAMBLE:
+        raise InputError(
+            f"Rows of numbers must begin within {_LONGEST_PREAMBLE:,} lines",
+            value="none",
+            where=name,
+            remedy="Write command and measured displacement as columns",
+        )
+    return None, []
+
+
+def _layout(above: list[str], line: str, delimiter: str, name: str, stated: Mapping[Part, Stated]) -> _Layout:
+    width = len(cells_of(line, delimiter))
+    header = header_of(above, width, delimiter)
+    if not header.named:
+        raise InputError(
+            "A test that is followed must begin with a line that names its columns",
+            value=repr(line[:40]),
+            remedy="Write time_s,command_m,measured_m as the first line",
+            where=name,
+        )
+    columns = Columns(
+        path=Path(name),
+        values={column: np.zeros(0) for column in header.names},
+        units=dict(zip(header.names, header.units, strict=False)),
+    )
+    recognised = recognise(columns, stated, needed=DISPLACEMENTS, histories=False)
+    if any(channel.actuator for channel in recognised):
+        raise InputError(
+            "A test that is followed must be of one actuator",
+            value=" and ".join(repr(channel.column) for channel in recognised if channel.actuator),
+            remedy="Choose a pair with --command and --measured",
+            where=name,
+        )
+    wanted = {channel.part: channel for channel in recognised if channel.part in {Part.TIME, *DISPLACEMENTS}}
+    return _Layout(
+        delimiter=delimiter,
+        width=width,
+        places={part: header.names.index(channel.column) for part, channel in wanted.items()},
+        channels=wanted,
+    )
+
+
+def _parsed(lines: list[tuple[int, str]], layout: _Layout, name: str) -> Rows:
+    read: dict[Part, list[float]] = {part: [] for part in layout.places}
+    for number, line in lines:
+        cells = cells_of(line, layout.delimiter)
+        if len(cells) != layout.width:
+            raise InputError(
+                f"Every line must have {layout.width} columns, as the first has",
+                value=len(cells),
+                remedy="Mend the line",
+                where=f"{name}, line {number}",
+            )
+        for part, place in layout.places.items():
+            value = number_of(cells[place])
+            if value is None or not np.isfinite(value):
+                raise InputError(
+                    "Every value must be a finite number",
+                    value=repr(cells[place]),
+                    remedy="Mend the line",
+                    where=f"{name}, line {number}, column {part}",
+                )
+            read[part].append(value)
+    histories = {part: layout.channels[part].in_si(np.array(values)) for part, values in read.items()}
+    return Rows(
+        time=histories.get(Part.TIME), command=histories[Part.COMMAND], measured=histories[Part.MEASURED]
+    )

@@ -1,0 +1,207 @@
+"""What the name and the unit of a column say of it."""
+
+import re
+import unicodedata
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Final, TypeVar
+
+from reliab.recordings.units import Unit, split_unit, unit_of
+from reliab.recordings.words import (
+    ALTERED,
+    COMMAND_ENDINGS,
+    MEASURED_ENDINGS,
+    NEUTRAL,
+    QUANTITIES,
+    ROLES,
+    SYMBOLS,
+    WEAK_ROLES,
+    Quantity,
+    Role,
+)
+
+_Meaning = TypeVar("_Meaning", Quantity, Role)
+_GERMAN: Final = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue"})
+_GAPS: Final = re.compile(
+    r"[^A-Za-z0-9]+|(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])|(?<=[A-Za-z])(?=\d)|(?<=\d)(?=[A-Za-z])"
+)
+_LONGEST_NAME: Final = 200
+_SHORTEST_GLUED, _LONGEST_WORD = 5, 40
+_COORDINATES: Final = frozenset("xyzdus")
+
+
+def _by_word(words: Mapping[_Meaning, str]) -> dict[str, _Meaning]:
+    return {word: meaning for meaning, listed in words.items() for word in listed.split()}
+
+
+_QUANTITY_OF: Final = _by_word(QUANTITIES)
+_ROLE_OF: Final = _by_word(ROLES)
+_WEAK_ROLE_OF: Final = _by_word(WEAK_ROLES)
+_ALTERED: Final = frozenset(ALTERED.split())
+_KNOWN: Final = frozenset({*_QUANTITY_OF, *_ROLE_OF, *_WEAK_ROLE_OF, *_ALTERED, *NEUTRAL.split()})
+_PRECEDENCE: Final = (  # of several quantities in a name: "Displacement error (mm)" is an error
+    *(Quantity.ERROR, Quantity.VALVE, Quantity.VOLTAGE, Quantity.CURRENT, Quantity.VELOCITY),
+    *(Quantity.ACCELERATION, Quantity.STRAIN, Quantity.PRESSURE, Quantity.TEMPERATURE, Quantity.ROTATION),
+    *(Quantity.FORCE, Quantity.STATE, Quantity.TIME, Quantity.DISPLACEMENT, Quantity.COUNT),
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Named:
+    """What the name and the unit of a column say."""
+
+    column: str  # Its name in the file
+    quantity: Quantity | None  # What it measures; None where nothing says so
+    role: Role | None  # Its side of the transfer system; None where nothing says so
+    weak: bool  # Whether the role rests on a word that often means something else
+    altered: bool  # Whether a word says that the history was changed
+    number: str  # Number of the actuator or channel; empty where the name has none
+    unit: Unit | None  # Its unit, of the file or in the name
+
+
+def describe(columns: Sequence[str], units: Mapping[str, str]) -> dict[str, Named]:
+    """Say what names and units of all columns mean."""
+    named = {column: _described(column, unit_of(units.get(column, ""))) for column in columns}
+    return {column: _by_ending(what, named) for column, what in named.items()}
+
+
+def page_words() -> tuple[dict[str, list[str]], list[str]]:
+    """Return words of time, command and measured displacement, and of other quantities, for the page."""
+    sides = {str(role): ROLES[role].split() for role in (Role.COMMAND, Role.MEASURED)}
+    symbols = {name: str(role or quantity) for name, (quantity, role) in SYMBOLS.items()}
+    names = {str(Quantity.TIME): QUANTITIES[Quantity.TIME].split(), **sides}
+    for symbol, part in symbols.items():
+        if part in names and SYMBOLS[symbol][0] in {Quantity.TIME, Quantity.DISPLACEMENT}:
+            names[part].append(symbol)
+    plain_quantities = {Quantity.TIME, Quantity.DISPLACEMENT}
+    others = {
+        word
+        for quantity, listed in QUANTITIES.items()
+        if quantity not in plain_quantities
+        for word in listed.split()
+    }
+    return names, sorted(others)
+
+
+def plain(name: str) -> str:
+    """Letters and digits of a name, small, without what stands before its last point."""
+    return re.sub(r"[^a-z0-9]+", "", _ascii(leaf(name)).lower())
+
+
+def leaf(name: str) -> str:
+    """Last part of a name such as `group.channel`; a point at its end or between digits ends no part."""
+    return re.split(r"(?<=[^\d\s.])\.(?=[^\d\s.])", name)[-1]
+
+
+def words_of(name: str) -> tuple[str, ...]:
+    """Words of a name in small letters; those that were written without a gap are told from each other.
+
+    >>> words_of("Act1_dispcmd"), words_of("Axial Displacement")
+    (('act', '1', 'disp', 'cmd'), ('axial', 'displacement'))
+    """
+    parts = [part for part in _GAPS.split(_ascii(name)[:_LONGEST_NAME]) if part]
+    whole = "".join(parts).lower()
+    if whole in _KNOWN:  # "SetPoint", "LoadCell"
+        return (whole,)
+    return tuple(word for part in parts for word in _unglued(part.lower()))
+
+
+@cache
+def _unglued(word: str) -> tuple[str, ...]:
+    """Words of which one is put together, all of them known; itself where it is not."""
+    if word in _KNOWN or len(word) > _LONGEST_WORD:
+        return (word,)
+    for letter, remainder in ((word[0], word[1:]), (word[-1], word[:-1])):  # xref, dmeas, cmdx
+        if letter in _COORDINATES and remainder in _ROLE_OF:
+            return (letter, remainder)
+    if len(word) < _SHORTEST_GLUED:
+        return (word,)
+    begins: dict[int, tuple[str, ...]] = {0: ()}
+    for end in range(1, len(word) + 1):
+        for begin in range(end - 2, -1, -1):  # longer words first
+            if begin in begins and word[begin:end] in _KNOWN:
+                candidate = (*begins[begin], word[begin:end])
+                if end not in begins or len(candidate) < len(begins[end]):
+                    begins[end] = candidate
+    return begins.get(len(word), (word,))
+
+
+def _ascii(name: str) -> str:
+    plain_letters = unicodedata.normalize("NFKD", name.translate(_GERMAN))
+    return "".join(letter for letter in plain_letters if not unicodedata.combining(letter))
+
+
+def _described(column: str, stated: Unit | None) -> Named:
+    last = leaf(column)
+    symbol = SYMBOLS.get(re.sub(r"\d+$", "", plain(last)))
+    bare, written = (last, None) if symbol else split_unit(last)
+    if symbol is None and (shorter := SYMBOLS.get(re.sub(r"\d+$", "", plain(bare)))):
+        symbol = shorter
+    words, around = words_of(bare), words_of(column[: -len(last)] if last != column else "")
+    role, weak = _role(words, around)
+    quantity = _quantity(words) or _quantity(around)
+    if symbol is not None:
+        quantity, role, weak = symbol[0], symbol[1], False
+    unit = stated or written
+    return Named(
+        column=column,
+        quantity=_with_unit(quantity, unit),
+        role=role,
+        weak=weak,
+        altered=bool(_ALTERED & {*words, *around}),
+        number=_number(words, bare),
+        unit=unit,
+    )
+
+
+def _with_unit(quantity: Quantity | None, unit: Unit | None) -> Quantity | None:
+    """Take what the unit says, but for errors, valves and states, which any unit may have."""
+    if unit is None or quantity in {Quantity.ERROR, Quantity.VALVE, Quantity.STATE}:
+        return quantity
+    return unit.quantity
+
+
+def _quantity(words: Sequence[str]) -> Quantity | None:
+    said = {_QUANTITY_OF[word] for word in words if word in _QUANTITY_OF}
+    return next((quantity for quantity in _PRECEDENCE if quantity in said), None)
+
+
+def _role(words: Sequence[str], around: Sequence[str]) -> tuple[Role | None, bool]:
+    """Role by the words of a name, else by those of its group, else by words that are weak."""
+    for part, meanings, weak in (
+        (words, _ROLE_OF, False),
+        (around, _ROLE_OF, False),
+        (words, _WEAK_ROLE_OF, True),
+    ):
+        said = {meanings[word] for word in part if word in meanings}
+        said -= {Role.GROUND} if len(said) > 1 else set()  # "table displacement command"
+        if len(said) == 1:
+            return said.pop(), weak
+        if said:
+            return None, False  # "command feedback"
+    return None, False
+
+
+def _number(words: Sequence[str], bare: str) -> str:
+    ending = re.search(r"[\s_.-]([xyz])$|(?<=[a-z])([XYZ])$", bare)
+    digits = [word for word in words if word.isdigit()]
+    return digits[-1] if digits else (ending[1] or ending[2]).lower() if ending else ""
+
+
+def _by_ending(what: Named, named: Mapping[str, Named]) -> Named:
+    """Tell x_d and x_m, or disp_c and disp_m, by their last letters, where both are there."""
+    name = what.column
+    if what.role is not None or len(name) < 3 or name[-2] != "_":  # noqa: PLR2004 - a letter, _ and a letter
+        return what
+    for endings, others, role in (
+        (COMMAND_ENDINGS, MEASURED_ENDINGS, Role.COMMAND),
+        (MEASURED_ENDINGS, COMMAND_ENDINGS, Role.MEASURED),
+    ):
+        if name[-1].lower() in endings and any(name[:-1] + letter in named for letter in others):
+            return replace(
+                what,
+                role=role,
+                unit=None if what.unit and what.unit.text == name[-1] else what.unit,
+            )
+    return what

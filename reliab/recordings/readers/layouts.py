@@ -1,0 +1,437 @@
+"""Layouts in which programs lay a test into a tree of structures and arrays: one for MATLAB and HDF5 alike.
+
+A tree is a mapping (structure, group), a list (structure array, cell array), an array, a text or a
+:class:`Series`. Known layouts: dSPACE ControlDesk (`X`, `Y(k).Name`, `Y(k).Data`, `Capture`), Simulink
+"structure with time" and "structure" (`time`, `signals(k).values`, `label`), Simulink Real-Time and xPC
+(`data(k).values`), `timeseries`, one matrix with the names of its columns beside it, and plain vectors.
+"""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.errors import InputError
+from reliab.recordings.naming import describe
+from reliab.recordings.readers.columns import Columns
+from reliab.recordings.recording import require_few_samples
+from reliab.recordings.words import Quantity
+
+MOST_COLUMNS: Final = 1000
+_WIDEST: Final = 64  # columns of a matrix
+_FEWEST_SAMPLES: Final = 16  # of a vector that is a history rather than a list of settings
+_MATRIX: Final = 2
+_DEEPEST_NAME: Final = 4
+_GENERIC: Final = re.compile(
+    r"^(?:out|in|value|values|data|signal|output|input|port)?\s*[\[(]?\d*[\])]?$", re.IGNORECASE
+)
+
+Tree = Any
+"""A mapping, a list, an array, a text or a `Series`."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Series:
+    """A history with what its container states of it."""
+
+    values: NDArray[np.float64]  # shape (n,)
+    unit: str = ""
+    times: NDArray[np.float64] | None = None  # s
+
+
+@dataclass(kw_only=True)
+class _Histories:
+    """Histories of one test, by name."""
+
+    series: dict[str, Series] = field(default_factory=dict)
+    scalars: dict[str, float] = field(default_factory=dict)
+    named: bool = True
+
+    def add(self, name: str, series: Series) -> None:
+        if len(self.series) >= MOST_COLUMNS:
+            raise InputError(
+                f"A test's file may hold {MOST_COLUMNS} channels at most",
+                value="more",
+                remedy="Export those of the test only",
+            )
+        free, count = name, 1
+        while free in self.series:
+            count += 1
+            free = f"{name} ({count})"
+        self.series[free] = series
+
+
+def tests_of_tree(path: Path, tree: Mapping[str, Tree]) -> list[Columns]:
+    """Find the tests in what a file holds."""
+    captures = _of_one_test(list(_captures(tree, ""))) or [("", _plain(tree))]
+    beside = {name: value for name, value in _scalars(tree, "") if "." not in name}
+    for _, histories in captures:
+        histories.scalars = {**beside, **histories.scalars}
+    tests = [
+        _columns(path, name if len(captures) > 1 else "", histories)
+        for name, histories in captures
+        if histories.series
+    ]
+    if not tests:
+        raise InputError(
+            "A test's file must hold vectors of numbers",
+            value=", ".join(map(str, tree)) or "nothing",
+            remedy="Save command and measured displacement as vectors",
+            where=path.name,
+        )
+    return tests
+
+
+def _of_one_test(captures: list[tuple[str, _Histories]]) -> list[tuple[str, _Histories]]:
+    """Take captures of a single history each as the channels of one test, named after their structures."""
+    if len(captures) < 2 or any(len(histories.series) > 1 for _, histories in captures):  # noqa: PLR2004
+        return captures
+    merged = _Histories()
+    for name, histories in captures:
+        ((label, series),) = histories.series.items()
+        merged.add(label if histories.named and label else name, series)
+        merged.scalars.update(histories.scalars)
+    return [("", merged)]
+
+
+def _captures(tree: Tree, name: str) -> Iterator[tuple[str, _Histories]]:
+    """Find tests of a layout that is known, each with the name of its structure."""
+    if isinstance(tree, list):
+        for place, item in enumerate(tree, start=1):
+            yield from _captures(item, f"{name}({place})")
+        return
+    if not isinstance(tree, Mapping):
+        return
+    for layout in (_dspace, _simulink, _timeseries, _values, _matrix_with_names):
+        if (histories := layout(tree)) is not None and histories.series:
+            yield name, histories
+            return
+    inner = [(key, list(_captures(item, f"{name}.{key}".lstrip(".")))) for key, item in tree.items()]
+    yield from (capture for _, captures in inner for capture in captures)
+    if not any(captures for _, captures in inner):
+        yield from _sibling_groups(tree, name)
+
+
+def _sibling_groups(tree: Mapping[str, Tree], name: str) -> Iterator[tuple[str, _Histories]]:
+    """Take groups that hold histories of the same names: each is a test."""
+    groups = {key: item for key, item in tree.items() if isinstance(item, Mapping)}
+    held = {key: _vector_names(item) for key, item in groups.items()}
+    alike = [key for key, names in held.items() if len(names) > 1 and list(held.values()).count(names) > 1]
+    if len(alike) > 1:
+        for key in alike:
+            histories = _plain(groups[key])
+            histories.scalars.update({k: v for k, v in _plain(tree).scalars.items() if "." not in k})
+            yield f"{name}.{key}".lstrip("."), histories
+
+
+def _vector_names(tree: Mapping[str, Tree]) -> frozenset[str]:
+    return frozenset(key for key, item in tree.items() if _vector(item) is not None)
+
+
+def _dspace(tree: Mapping[str, Tree]) -> _Histories | None:
+    """ControlDesk: abscissae `X`, channels `Y` with `Name` and `Data`, and the capture's sampling period."""
+    channels = [item for item in _as_list(tree.get("Y")) if isinstance(item, Mapping) and "Data" in item]
+    if not channels:
+        return None
+    histories = _Histories()
+    axes = [item for item in _as_list(tree.get("X")) if isinstance(item, Mapping)]
+    times = [_vector(item.get("Data")) for item in axes]
+    capture = tree.get("Capture")
+    names = short_names([_text(channel.get("Name")) or _text(channel.get("Path")) for channel in channels])
+    for name, channel in zip(names, channels, strict=True):
+        values = _vector(channel["Data"])
+        if values is None:
+            continue
+        index = _number(channel.get("XIndex"))
+        of_channel = times[int(index) - 1] if index is not None and 1 <= index <= len(times) else None
+        fitting = [axis for axis in (of_channel, *times) if axis is not None and axis.size == values.size]
+        histories.add(
+            name,
+            Series(values=values, unit=_text(channel.get("Unit")), times=fitting[0] if fitting else None),
+        )
+    step = _number(capture.get("SamplingPeriod")) if isinstance(capture, Mapping) else None
+    if step is not None:
+        thinned = _number(capture.get("Downsampling")) if isinstance(capture, Mapping) else None
+        histories.scalars["dt"] = step * (thinned if thinned and thinned >= 1.0 else 1.0)
+    return histories
+
+
+def _simulink(tree: Mapping[str, Tree]) -> _Histories | None:
+    """Take what Simulink logged as a structure, with or without time."""
+    signals = [
+        item for item in _as_list(tree.get("signals")) if isinstance(item, Mapping) and "values" in item
+    ]
+    return _of_signals(signals, tree.get("time")) if signals else None
+
+
+def _values(tree: Mapping[str, Tree]) -> _Histories | None:
+    """Simulink Real-Time and xPC: structures with `values`, of which none needs a name."""
+    if "values" in tree and "signals" not in tree:
+        return _of_signals([tree], tree.get("time", tree.get("t")))
+    held = {name: _as_list(item) for name, item in tree.items() if _are_values(_as_list(item))}
+    if len(held) != 1:
+        return None
+    ((name, signals),) = held.items()
+    return _of_signals(signals, tree.get("time", tree.get("t", tree.get("tout"))), name)
+
+
+def _are_values(items: Sequence[Tree]) -> bool:
+    return bool(items) and all(isinstance(item, Mapping) and "values" in item for item in items)
+
+
+def _of_signals(signals: Sequence[Mapping[str, Tree]], time: Tree, outer: str = "values") -> _Histories:
+    histories = _Histories(named=False)
+    shared = _vector(time)
+    for place, signal in enumerate(signals, start=1):
+        label = (
+            _text(signal.get("label"))
+            or _text(signal.get("title"))
+            or _text(signal.get("blockName"))
+            or _text(signal.get("name"))
+        )
+        of_signal = _vector(signal.get("time"))
+        columns = _columns_of(signal["values"])
+        labels = [part.strip() for part in re.split(r"[,;\n]", label)]
+        histories.named = histories.named or bool(label)
+        for k, values in enumerate(columns):
+            times = next(
+                (axis for axis in (of_signal, shared) if axis is not None and axis.size == values.size), None
+            )
+            name = (
+                labels[k]
+                if len(labels) == len(columns) and labels[k]
+                else short_names([label])[0] or f"{outer}({place})"
+            )
+            several = len(columns) > 1 and len(labels) != len(columns)
+            histories.add(
+                f"{name}[{k + 1}]" if several else name,
+                Series(values=values, unit=_text(signal.get("unit")), times=times),
+            )
+    return histories
+
+
+def _timeseries(tree: Mapping[str, Tree]) -> _Histories | None:
+    """Take one or several `timeseries`, or structures of `Time` and `Data` in their place."""
+    members = {
+        name: item for name, item in tree.items() if isinstance(item, Mapping) and _is_timeseries(item)
+    }
+    if _is_timeseries(tree):
+        members = {_text(tree.get("Name")) or "data": tree}
+    if not members:
+        return None
+    histories = _Histories()
+    for name, item in members.items():
+        columns, times = _columns_of(_of(item, "data")), _vector(_of(item, "time"))
+        unit = _unit_of_series(item)
+        label = _text(item.get("Name"))
+        for k, values in enumerate(columns):
+            fits = times is not None and times.size == values.size
+            series = Series(values=values, unit=unit, times=times if fits else None)
+            plain = label if label and label != "unnamed" else name
+            histories.add(f"{plain}[{k + 1}]" if len(columns) > 1 else plain, series)
+    return histories
+
+
+def _is_timeseries(item: Mapping[str, Tree]) -> bool:
+    times, data = _vector(_of(item, "time")), _of(item, "data")
+    return (
+        times is not None
+        and times.size >= _FEWEST_SAMPLES
+        and any(column.size == times.size for column in _columns_of(data))
+        and not any(
+            _vector(value) is not None for key, value in item.items() if key.lower() not in {"time", "data"}
+        )
+    )
+
+
+def _of(item: Mapping[str, Tree], wanted: str) -> Tree:
+    return next((value for key, value in item.items() if key.lower() == wanted), None)
+
+
+def _unit_of_series(item: Mapping[str, Tree]) -> str:
+    about = item.get("DataInfo", item.get("DataUnits"))
+    if isinstance(about, Mapping):
+        about = about.get("Units", about.get("Unit_", ""))
+    return _text(about)
+
+
+def _matrix_with_names(tree: Mapping[str, Tree]) -> _Histories | None:
+    """One matrix, with a list of as many names as it has columns, and perhaps another one of units."""
+    matrices = {key: item for key, item in tree.items() if _is_matrix(item)}
+    texts = {key: names for key, item in tree.items() if (names := _names(item))}
+    for matrix in matrices.values():
+        columns = _columns_of(matrix)
+        lists = {key: names for key, names in texts.items() if len(names) == len(columns)}
+        if not lists:
+            continue
+        units = next(
+            (names for key, names in lists.items() if "unit" in key.lower() or "einheit" in key.lower()), None
+        )
+        others = [names for names in lists.values() if names is not units]
+        if not others:
+            continue
+        histories = _Histories(scalars=dict(_scalars(tree, "")))
+        for place, (name, values) in enumerate(zip(others[0], columns, strict=True)):
+            histories.add(
+                name or f"column {place + 1}", Series(values=values, unit=units[place] if units else "")
+            )
+        return histories
+    return None
+
+
+def _plain(tree: Mapping[str, Tree]) -> _Histories:
+    """Vectors, columns of matrices and single numbers wherever they stand."""
+    histories = _Histories(scalars=dict(_scalars(tree, "")))
+    vectors = list(_vectors(tree, ""))
+    clocks = _clocks_of_groups(vectors)
+    matrices_only = True
+    for name, series, of_matrix in vectors:
+        matrices_only = matrices_only and of_matrix
+        times = (
+            series.times
+            if series.times is not None
+            else clocks.get((name.rpartition(".")[0], series.values.size))
+        )
+        histories.add(name, Series(values=series.values, unit=series.unit, times=times))
+    histories.named = len(vectors) > 1 and not matrices_only
+    return histories
+
+
+def _clocks_of_groups(
+    vectors: Sequence[tuple[str, Series, bool]],
+) -> dict[tuple[str, int], NDArray[np.float64]]:
+    """Return times by group and length, where several groups have times of their own."""
+    times: dict[tuple[str, int], NDArray[np.float64]] = {}
+    for name, series, _ in vectors:
+        group, _, _ = name.rpartition(".")
+        what = describe([name], {name: series.unit})[name]
+        if what.quantity is Quantity.TIME:
+            factor = what.unit.factor if what.unit else 1.0
+            times.setdefault((group, series.values.size), factor * series.values)
+    return times if len(times) > 1 else {}
+
+
+def _vectors(tree: Tree, name: str) -> Iterator[tuple[str, Series, bool]]:
+    if isinstance(tree, Mapping):
+        for key, item in tree.items():
+            yield from _vectors(item, f"{name}.{key}".lstrip("."))
+    elif isinstance(tree, list):
+        for place, item in enumerate(tree, start=1):
+            yield from _vectors(item, f"{name}({place})")
+    elif isinstance(tree, Series):
+        yield name, tree, False
+    else:
+        columns = _columns_of(tree)
+        for k, values in enumerate(columns):
+            yield (f"{name}[{k + 1}]" if len(columns) > 1 else name), Series(values=values), len(columns) > 1
+
+
+def _scalars(tree: Tree, name: str) -> Iterator[tuple[str, float]]:
+    if isinstance(tree, Mapping):
+        for key, item in tree.items():
+            yield from _scalars(item, f"{name}.{key}".lstrip("."))
+    elif (value := _number(tree)) is not None:
+        yield name, value
+
+
+def _columns(path: Path, test: str, histories: _Histories) -> Columns:
+    """Make a test of histories; without clocks of their own only those of the most common length."""
+    plain = [series.values.size for series in histories.series.values() if series.times is None]
+    size = max(set(plain), key=lambda length: (plain.count(length), length)) if plain else 0
+    kept = {
+        name: series
+        for name, series in histories.series.items()
+        if series.times is not None or series.values.size == size
+    }
+    for name, series in kept.items():
+        require_few_samples(series.values.size, f"{path.name}, {name}")
+    return Columns(
+        path=path,
+        values={name: series.values for name, series in kept.items()},
+        units={name: series.unit for name, series in kept.items() if series.unit},
+        clocks={name: series.times for name, series in kept.items() if series.times is not None},
+        scalars=histories.scalars,
+        named=histories.named,
+        test=test,
+    )
+
+
+def short_names(names: Sequence[str]) -> list[str]:
+    """Shorten the paths of blocks to their last part that says something, or to more where two would agree.
+
+    >>> short_names(['Platform()://HIL/"Model Root"/Disp_Cmd/Out1', "Model Root/Meas/Disp", "Force (kN/V)"])
+    ['Disp_Cmd', 'Disp', 'Force (kN/V)']
+    """
+    telling = [_telling_parts(name) for name in names]
+    depth = [1] * len(names)
+    for _ in range(_DEEPEST_NAME):
+        short = [".".join(parts[-k:]) for parts, k in zip(telling, depth, strict=True)]
+        depth = [k + (short.count(name) > 1) for name, k in zip(short, depth, strict=True)]
+    return short
+
+
+def _telling_parts(name: str) -> list[str]:
+    parts = [part.strip().strip('"').strip() for part in name.split("/")]
+    if any(part.count("(") != part.count(")") or part.count("[") != part.count("]") for part in parts):
+        parts = [name.strip()]  # the stroke stands in a unit
+    return [part for part in parts if part and not _GENERIC.match(part)] or [name.strip()]
+
+
+def _as_list(tree: Tree) -> list[Tree]:
+    return tree if isinstance(tree, list) else [] if tree is None else [tree]
+
+
+def _text(tree: Tree) -> str:
+    return tree.strip() if isinstance(tree, str) else ""
+
+
+def _number(tree: Tree) -> float | None:
+    if isinstance(tree, bool | int | float):
+        return float(tree)
+    if isinstance(tree, np.ndarray | np.number) and _is_number_type(np.asarray(tree)) and np.size(tree) == 1:
+        return float(np.asarray(tree).reshape(-1)[0])
+    return None
+
+
+def _names(tree: Tree) -> list[str]:
+    if isinstance(tree, list) and tree and all(isinstance(item, str) for item in tree):
+        return [item.strip() for item in tree]
+    if isinstance(tree, np.ndarray) and tree.dtype.kind in "US":
+        return [str(item).strip() for item in tree.reshape(-1)]
+    return []
+
+
+def _is_number_type(array: NDArray[Any]) -> bool:
+    return bool(np.issubdtype(array.dtype, np.number) or array.dtype == np.bool_) and bool(
+        np.isrealobj(array)
+    )
+
+
+def _is_matrix(tree: Tree) -> bool:
+    return isinstance(tree, np.ndarray) and len(_columns_of(tree)) > 1
+
+
+def _vector(tree: Tree) -> NDArray[np.float64] | None:
+    if isinstance(tree, Series):
+        return tree.values
+    columns = _columns_of(tree)
+    return columns[0] if len(columns) == 1 else None
+
+
+def _columns_of(tree: Tree) -> list[NDArray[np.float64]]:
+    """Histories in an array: itself, or the columns of a narrow matrix."""
+    if isinstance(tree, Series):
+        return [tree.values]
+    if not isinstance(tree, np.ndarray) or not _is_number_type(tree):
+        return []
+    values = np.asarray(tree).squeeze()
+    if values.ndim == 1 and values.size > 1:
+        return [values.astype(np.float64)]
+    if values.ndim == _MATRIX and min(values.shape) <= _WIDEST and max(values.shape) >= _FEWEST_SAMPLES:
+        long = values if values.shape[0] >= values.shape[1] else values.T
+        return [np.ascontiguousarray(column, dtype=np.float64) for column in long.T]
+    return []

@@ -1,0 +1,93 @@
+"""Objects of MATLAB's classes (`timetable`, `timeseries`, `table`), of any version, through mat-io."""
+
+import warnings
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+
+from reliab.errors import InputError
+from reliab.recordings.readers.layouts import Series, Tree
+
+_DEEPEST: Final = 16
+_MOST_ITEMS: Final = 10_000
+
+
+def tree_of_objects(path: Path) -> dict[str, Tree]:
+    """Read a file with all its objects; its structure has been checked before."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of time zones and formats of dates, which no channel has
+        try:
+            import matio
+        except ModuleNotFoundError:
+            raise InputError(
+                "A MATLAB file with objects (timetable, timeseries, table) needs the library mat-io",
+                value="none installed",
+                remedy='Install it with pip install "reliab[recordings]", or save the channels as vectors',
+                where=path.name,
+            ) from None
+        content = matio.load_from_mat(str(path), raw_data=False, add_table_attrs=True)
+    return {name: _as_tree(item) for name, item in content.items() if not name.startswith("__")}
+
+
+def _as_tree(item: Any, depth: int = 0) -> Tree:  # noqa: ANN401 - what mat-io makes of a variable
+    if depth > _DEEPEST:
+        raise InputError(
+            f"Structures must not be nested more than {_DEEPEST} deep",
+            value="more",
+            remedy="Save the channels as vectors",
+        )
+    if isinstance(item, pd.DataFrame):
+        return _of_table(item)
+    if isinstance(item, np.ndarray):
+        return _of_array(item, depth)
+    if isinstance(properties := getattr(item, "properties", None), Mapping):
+        return {str(name): _as_tree(value, depth + 1) for name, value in properties.items()}
+    return item if isinstance(item, str | int | float) else str(item)
+
+
+def _of_array(item: np.ndarray, depth: int) -> Tree:
+    """Take structures as mappings, cells as lists, characters as text, times in seconds."""
+    if item.dtype.names:
+        rows = [
+            {name: _as_tree(row[name], depth + 1) for name in item.dtype.names}
+            for row in item.reshape(-1)[:_MOST_ITEMS]
+        ]
+        return rows[0] if len(rows) == 1 else rows
+    if item.dtype == object:
+        return [_as_tree(value, depth + 1) for value in item.reshape(-1, order="F")[:_MOST_ITEMS]]
+    if item.dtype.kind in "UST":
+        return (
+            str(item.reshape(-1)[0])
+            if item.size == 1
+            else [str(text) for text in item.reshape(-1)[:_MOST_ITEMS]]
+        )
+    return seconds(item) if item.dtype.kind in "mM" else item
+
+
+def _of_table(frame: pd.DataFrame) -> dict[str, Series]:
+    """Columns of a table; those of a timetable have its row times."""
+    numbers = frame.select_dtypes("number")
+    units = frame.attrs.get("varUnits") or frame.attrs.get("VariableUnits") or []
+    unit_of = dict(zip(map(str, frame.columns), map(str, units), strict=False))
+    timed = isinstance(frame.index, pd.DatetimeIndex | pd.TimedeltaIndex)
+    times = seconds(frame.index.to_numpy()) if timed else None
+    durations = {name: frame[name].to_numpy() for name in frame.select_dtypes(["timedelta", "datetime"])}
+    return {
+        **{str(name): Series(values=seconds(values), unit="s") for name, values in durations.items()},
+        **{
+            str(name): Series(
+                values=numbers[name].to_numpy(np.float64), unit=unit_of.get(str(name), ""), times=times
+            )
+            for name in numbers
+        },
+    }
+
+
+def seconds(times: np.ndarray) -> np.ndarray:
+    """Dates from the first one on, or durations, in seconds."""
+    if times.dtype.kind == "M":
+        times = times - times.reshape(-1)[0] if times.size else times.astype("timedelta64[ns]")
+    return np.asarray(times / np.timedelta64(1, "ns"), dtype=np.float64) * 1e-9

@@ -1,0 +1,68 @@
+"""All formats of tests, and the choice between them by the first bytes of a file."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from reliab.errors import InputError
+from reliab.files import decoding, ordinary, require_small
+from reliab.recordings.readers import hierarchical, lvm, matlab, tdms, text
+from reliab.recordings.readers.columns import Columns
+from reliab.registry import Registry
+
+_HEAD: Final = 1024  # bytes
+_MOST_BYTES: Final = 2_000_000_000
+
+
+@dataclass(frozen=True, kw_only=True)
+class Format:
+    """A format of a test's file."""
+
+    name: str  # Name shown to users
+    recognises: Callable[[bytes], bool]  # Tells from the first 1,024 bytes whether a file is one
+    # Reads the tests of a file, which may have 2 GB; the second argument separates columns, of texts only
+    read: Callable[[Path, str | None], list[Columns]]
+
+
+_SHIPPED = (
+    Format(
+        name="HDF5, NetCDF 4 or MATLAB 7.3",
+        recognises=hierarchical.recognises,
+        read=hierarchical.read_hierarchical,
+    ),
+    Format(name="MATLAB 5 to 7.2", recognises=matlab.recognises, read=matlab.read_matlab),
+    Format(name="TDMS", recognises=tdms.recognises, read=tdms.read_tdms),
+    Format(name="classic NetCDF", recognises=hierarchical.recognises_classic, read=hierarchical.read_classic),
+    Format(name="LabVIEW measurement", recognises=lvm.recognises, read=lvm.read_lvm),
+)
+_TEXT: Final = Format(name="text in columns", recognises=text.recognises, read=text.read_text)
+
+FORMATS = Registry(
+    noun="format of recordings",
+    base=Format,
+    group="reliab.recording_formats",
+    shipped=_SHIPPED,
+    name_of=lambda form: form.name,
+)
+"""Every format by its name; other packages register a `Format`. What none of them recognises may be text."""
+
+
+def read_tests(path: str | Path, *, delimiter: str | None = None) -> list[Columns]:
+    """Read all tests that a file holds."""
+    path = Path(path)
+    with decoding(
+        "A test's file must be readable", remedy="Check the name, or export the test again", where=path
+    ):
+        with ordinary(path).open("rb") as file:
+            head = file.read(_HEAD)
+        require_small(path, _MOST_BYTES, remedy=text.TOO_LARGE)
+        form = next((form for form in (*FORMATS.values(), _TEXT) if form.recognises(head)), None)
+        if form is not None:
+            return form.read(path, delimiter)
+    raise InputError(
+        "A test's file must be text in columns, MATLAB, HDF5, TDMS or NetCDF",
+        value="another binary format",
+        remedy="Export it in one of these",
+        where=path.name,
+    )

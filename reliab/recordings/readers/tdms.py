@@ -1,0 +1,92 @@
+"""LabVIEW TDMS files, through npTDMS; the properties of a waveform give unit, begin and step."""
+
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from reliab.errors import InputError
+from reliab.recordings.readers.columns import Columns
+from reliab.recordings.readers.layouts import MOST_COLUMNS, Series, Tree, tests_of_tree
+from reliab.recordings.readers.objects import seconds
+from reliab.recordings.recording import require_few_samples
+
+_SIGNATURE: Final = b"TDSm"
+_UNIT_NAMES: Final = ("unit_string", "NI_UnitDescription", "Unit", "unit", "Units", "units")
+_MOST_BYTES: Final = 2_000_000_000  # of all numbers together, as they are read
+
+
+def recognises(head: bytes) -> bool:
+    """Whether a file begins as TDMS."""
+    return head.startswith(_SIGNATURE)
+
+
+def read_tdms(path: Path, _delimiter: str | None = None) -> list[Columns]:
+    """Read the groups of a TDMS file."""
+    try:
+        from nptdms import TdmsFile
+    except ModuleNotFoundError:
+        raise InputError(
+            "A TDMS file needs the library npTDMS",
+            value="none installed",
+            remedy='Install it with pip install "reliab[recordings]", or export the test as text',
+            where=path.name,
+        ) from None
+    with path.open("rb") as file, TdmsFile.open(file) as content:
+        groups = content.groups()
+        _require_bounded([channel for group in groups for channel in group.channels()], path)
+        tree: dict[str, Tree] = {}
+        for group in groups:
+            tree[group.name] = _group(group)
+        return tests_of_tree(path, tree if len(tree) != 1 else next(iter(tree.values())))
+
+
+def _require_bounded(channels: list[Any], path: Path) -> None:
+    """Refuse what would not fit in memory, before it is read."""
+    if len(channels) > MOST_COLUMNS:
+        raise InputError(
+            f"A test's file may hold {MOST_COLUMNS} channels at most",
+            value=len(channels),
+            remedy="Export those of the test only",
+            where=path.name,
+        )
+    for channel in channels:
+        require_few_samples(len(channel), f"{path.name}, {channel.name}")
+    if (total := 8 * sum(len(channel) for channel in channels)) > _MOST_BYTES:
+        raise InputError(
+            f"A test's file may hold {_MOST_BYTES / 1e6:,.6g} MB of numbers at most",
+            value=f"{total / 1e6:,.6g} MB",
+            remedy="Export the channels of the test only",
+            where=path.name,
+        )
+
+
+def _group(group: Any) -> dict[str, Tree]:  # noqa: ANN401 - npTDMS declares no types
+    tree: dict[str, Tree] = {
+        name: np.asarray(value) for name, value in group.properties.items() if isinstance(value, int | float)
+    }
+    for channel in group.channels():
+        series = _series(channel)
+        if series is not None:
+            tree[channel.name] = series
+    return tree
+
+
+def _series(channel: Any) -> Series | None:  # noqa: ANN401
+    """History of a channel; None where it holds texts, or nothing."""
+    if channel.data_type is None or len(channel) < 2:  # noqa: PLR2004 - a single number is no history
+        return None
+    values = np.asarray(channel[:])
+    stated = channel.properties
+    unit = next((str(stated[name]) for name in _UNIT_NAMES if stated.get(name)), "")
+    if values.dtype.kind == "M":
+        return Series(values=seconds(values), unit="s")
+    if values.dtype.kind not in "iufb":
+        return None
+    step, begin = _number(stated.get("wf_increment")), _number(stated.get("wf_start_offset"))
+    times = None if not step else (begin or 0.0) + step * np.arange(values.size, dtype=np.float64)
+    return Series(values=values.astype(np.float64), unit=unit, times=times)
+
+
+def _number(value: object) -> float | None:
+    return float(value) if isinstance(value, int | float) and np.isfinite(value) and value >= 0.0 else None

@@ -1,0 +1,298 @@
+"""The open record of a test: one NetCDF file with everything that a reader in ten years needs.
+
+Dimensions `actuator` and `time`. Variables `command` and `measured` [m] over both, `force` [N] and
+`ground_acceleration` [m s-2] over time where they were recorded, and every other channel of the source as it
+stood there. Each carries `units` (UDUNITS), `long_name`, `source_column` and `transformation`; the attributes
+of the file say from which file it was made (name and SHA-256), and by whom, on which rig and when, as far as
+that was stated. It is described on the page "Recordings" of the documentation.
+"""
+
+import hashlib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from reliab.files import decoding, ordinary, require_small, written_whole
+from reliab.received import objects_of, opened_hdf5
+from reliab.recordings.channel import Channel, Part
+from reliab.recordings.channels_file import StatedChannels
+from reliab.recordings.readers.recorded import text_of
+from reliab.recordings.reading import Histories, histories_of, read_test, stated_in
+from reliab.recordings.recording import FEWEST_SAMPLES
+from reliab.version import __version__
+
+if TYPE_CHECKING:
+    import h5py
+    import xarray as xr
+
+SCHEMA: Final = "reliab recording 1"
+"""Value of the attribute `schema` of a record."""
+
+_VARIABLES: Final = {
+    Part.COMMAND: ("command", "m", "commanded displacement"),
+    Part.MEASURED: ("measured", "m", "measured displacement"),
+    Part.FORCE: ("force", "N", "restoring force of the specimen"),
+    Part.GROUND: ("ground_acceleration", "m s-2", "ground acceleration"),
+}
+_NEEDED: Final = ("schema", "source_file", "source_sha256", "sampling_rate_hz", "time_step_s")
+_MOST_BYTES: Final = 2_000_000_000
+_EVEN: Final = 1e-6  # of a step
+"""By which a time of a record may be off."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class About:
+    """What a laboratory states of a test beside its channels; texts, empty where nothing is stated."""
+
+    f: str = ""  # Natural frequency [Hz], "1" or "1±0.01"
+    xi: str = ""  # Damping ratio [-]
+    alpha: str = ""  # Share of the stiffness in the laboratory [-]
+    mass: str = ""  # Mass of the structure [kg]
+    specimen: str = ""
+    rig: str = ""
+    operator: str = ""
+    date: str = ""
+    further: Mapping[str, str] = field(default_factory=dict)  # Free attributes
+
+    def attributes(self) -> dict[str, str]:
+        """All of them that are stated."""
+        named = {name: value for name, value in vars(self).items() if name != "further" and value}
+        return {**self.further, **named}
+
+
+def record_test(
+    path: str | Path,
+    *,
+    said: StatedChannels | None = None,
+    test: str | None = None,
+    about: About | None = None,
+    delimiter: str | None = None,
+) -> tuple["xr.Dataset", Histories]:
+    """Make the record of a test.
+
+    Parameters
+    ----------
+    path : str or pathlib.Path
+        File of a laboratory, in any format that is read.
+    said : StatedChannels, optional
+        What is stated of its channels.
+    test : str, optional
+        Which test, where the file holds several.
+    about : About, optional
+        What else is stated of the test.
+    delimiter : str, optional
+        What separates the columns of a text.
+
+    Returns
+    -------
+    record : xarray.Dataset
+        The record, as :func:`write_record` writes it.
+    histories : Histories
+        What was recognised, with the reasons.
+
+    Raises
+    ------
+    InputError
+        As of :func:`read_recording`.
+    """
+    columns = read_test(path, test, delimiter=delimiter)
+    histories = histories_of(columns, said or StatedChannels())
+    return _as_dataset(histories, Path(path), about or About()), histories
+
+
+def write_record(record: "xr.Dataset", path: str | Path) -> None:
+    """Write a record as NetCDF, whole or not at all.
+
+    Parameters
+    ----------
+    record : xarray.Dataset
+        The record.
+    path : str or pathlib.Path
+        The file, replaced if it is there.
+    """
+    packed = {str(name): {"zlib": True, "complevel": 4, "shuffle": True} for name in record.data_vars}
+    with written_whole(path) as file:
+        file.write_bytes(record.to_netcdf(engine="h5netcdf", encoding=packed))
+
+
+def write_csv(histories: Histories, path: str | Path) -> None:
+    """Write the recognised channels as CSV with names and units that every reader understands."""
+    names, values = ["time_s"], [histories.time_step * np.arange(_size(histories))]
+    endings = {Part.COMMAND: "m", Part.MEASURED: "m", Part.FORCE: "n", Part.GROUND: "mps2"}
+    for key, channel in histories.channels.items():
+        if key in histories.values:
+            names.append(f"{key.replace(' ', '_')}_{endings[channel.part]}")
+            values.append(histories.values[key])
+    stated = [f"# {name} = {value}\n" for name, value in stated_in(histories.columns).items()]
+    with written_whole(path) as place, place.open("w", encoding="utf-8", newline="\n") as file:
+        file.write("".join(stated) + ",".join(names) + "\n")
+        np.savetxt(file, np.column_stack(values), fmt="%.17g", delimiter=",")
+
+
+def check_record(path: str | Path) -> list[str]:
+    """Examine whether a file is a sound record.
+
+    Parameters
+    ----------
+    path : str or pathlib.Path
+        The file.
+
+    Returns
+    -------
+    list of str
+        What is wrong, in sentences; empty for a sound record.
+
+    Raises
+    ------
+    InputError
+        If it is no NetCDF file.
+    """
+    path = ordinary(path)
+    with decoding("A record must be a NetCDF file", remedy="Make it with `reliab record`", where=path):
+        require_small(path, _MOST_BYTES, remedy="Cut the test")
+        with opened_hdf5(path) as file:
+            if sum(int(getattr(item, "nbytes", 0)) for _, item in objects_of(file)) > _MOST_BYTES:
+                raise ValueError(f"more than {_MOST_BYTES} bytes declared")
+            return list(_faults(file))
+
+
+def _as_dataset(histories: Histories, path: Path, about: About) -> "xr.Dataset":
+    import xarray as xr
+
+    numbers = sorted({channel.actuator for channel in histories.channels.values()} - {""}) or [""]
+    size, step = _size(histories), histories.time_step
+    variables = {_VARIABLES[part][0]: entry for part in _VARIABLES if (entry := _variable(histories, part))}
+    variables |= _others(histories, set(variables))
+    time = ("time", step * np.arange(size), {"units": "s", "long_name": "time from the first sample"})
+    stated = {name: str(value) for name, value in stated_in(histories.columns).items()}
+    return xr.Dataset(
+        variables,
+        coords={"time": time, "actuator": ("actuator", np.array(numbers, dtype="U20"))},
+        attrs={
+            **stated,
+            **about.attributes(),
+            "schema": SCHEMA,
+            "Conventions": "CF-1.11",
+            "made_by": f"reliab {__version__}",
+            "source_file": path.name,
+            "source_sha256": _checksum(path),
+            "source_test": histories.columns.test,
+            "sampling_rate_hz": 1.0 / step,
+            "time_step_s": step,
+            "notes": " ".join(histories.notes),
+        },
+    )
+
+
+def _variable(histories: Histories, part: Part) -> tuple[Any, ...]:
+    """One of the main variables, of all actuators; none where the test has no such channel."""
+    _, unit, long_name = _VARIABLES[part]
+    channels = {key: channel for key, channel in histories.channels.items() if channel.part is part}
+    rows = [histories.values[key] for key in channels]
+    if not rows:
+        return ()
+    over_actuators = part in {Part.COMMAND, Part.MEASURED}
+    return (
+        ("actuator", "time") if over_actuators else ("time",),
+        np.stack(rows) if over_actuators else rows[0],
+        {
+            "units": unit,
+            "long_name": long_name,
+            "source_column": "; ".join(channel.column for channel in channels.values()),
+            "transformation": "; ".join(_transformation(channel, unit) for channel in channels.values()),
+            "reason": next(iter(channels.values())).reason,
+        },
+    )
+
+
+def _size(histories: Histories) -> int:
+    return int(next(iter(histories.values.values())).size)
+
+
+def _transformation(channel: Channel, unit: str) -> str:
+    """Say how readings became the variable."""
+    reading = "reading" if channel.zero == 0.0 else f"(reading - {channel.zero:.17g})"
+    return f"{reading} * {channel.factor:.17g}, from {channel.unit or 'no stated unit'} to {unit}"
+
+
+def _others(histories: Histories, taken: set[str]) -> dict[str, Any]:
+    """Channels of the source that were not needed, as they stand there, where they have the test's clock."""
+    import re
+
+    columns, used = histories.columns, {channel.column for channel in histories.channels.values()}
+    others: dict[str, Any] = {}
+    for column, values in columns.values.items():
+        if column in used or values.size != _size(histories) or column in columns.clocks:
+            continue
+        plain = re.sub(r"\W+", "_", column).strip("_") or "channel"
+        name = next(
+            free
+            for k in range(len(others) + 2 + len(taken))
+            if (free := plain if k == 0 else f"{plain}_{k}") not in {*others, *taken, "time", "actuator"}
+        )
+        others[name] = (
+            ("time",),
+            values,
+            {
+                "units": columns.units.get(column, "") or "unknown",
+                "long_name": column,
+                "source_column": column,
+                "transformation": "none",
+            },
+        )
+    return others
+
+
+def _checksum(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _faults(file: "h5py.File") -> Iterator[str]:
+    schema = text_of(file.attrs.get("schema", ""))
+    if schema != SCHEMA:
+        yield f"The attribute `schema` must be {SCHEMA!r}; it is {schema!r}."
+        return
+    missing = [f"attribute `{name}`" for name in _NEEDED if name not in file.attrs]
+    missing += [
+        f"variable `{name}`" for name in ("time", "actuator", "command", "measured") if name not in file
+    ]
+    yield from (f"The {what} is missing." for what in missing)
+    if missing:
+        return
+    size = file["time"].shape[0] if len(file["time"].shape) == 1 else 0
+    for part, (name, unit, _) in _VARIABLES.items():
+        if name in file:
+            over_both = part in {Part.COMMAND, Part.MEASURED}
+            shape = (*file["actuator"].shape, size) if over_both else (size,)
+            yield from _faults_of_variable(file[name], name, unit, shape)
+    yield from _faults_of_time(file)
+
+
+def _faults_of_variable(
+    variable: "h5py.Dataset", name: str, unit: str, shape: tuple[int, ...]
+) -> Iterator[str]:
+    if variable.shape != shape:
+        yield f"The variable `{name}` must have the shape {shape}; it has {variable.shape}."
+    elif variable.dtype.kind != "f" or not bool(np.isfinite(variable[()]).all()):
+        yield f"Every value of `{name}` must be a finite number."
+    stated = text_of(variable.attrs.get("units", ""))
+    if stated != unit:
+        yield f"The unit of `{name}` must be {unit!r}; it is {stated!r}."
+    for attribute in ("long_name", "source_column", "transformation"):
+        if attribute not in variable.attrs:
+            yield f"The variable `{name}` must state its `{attribute}`."
+
+
+def _faults_of_time(file: "h5py.File") -> Iterator[str]:
+    times, step = file["time"][()], float(file.attrs["time_step_s"])
+    if not step > 0.0:
+        yield "The attribute `time_step_s` must be a positive number."
+    elif times.size < FEWEST_SAMPLES or not np.abs(np.diff(times) / step - 1.0).max() <= _EVEN:
+        yield f"At least {FEWEST_SAMPLES} times must follow each other at steps of `time_step_s`."
+    digest = text_of(file.attrs["source_sha256"])
+    if len(digest) != 2 * hashlib.sha256().digest_size or set(digest) - set("0123456789abcdef"):
+        yield "The attribute `source_sha256` must be 64 hexadecimal digits."

@@ -1,0 +1,149 @@
+"""Units of channels as programs write them, with their factors to SI units."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from reliab.recordings.words import Quantity
+from reliab.vocabulary import STANDARD_GRAVITY
+
+_POUND: Final = 4.4482216152605  # N
+
+UNITS: Final[Mapping[Quantity, Mapping[str, float]]] = {
+    Quantity.TIME: {
+        **dict.fromkeys(("s", "sec", "secs", "second", "seconds", "sek", "sekunden"), 1.0),
+        **dict.fromkeys(("ms", "msec", "millisecond", "milliseconds"), 1e-3),
+        **dict.fromkeys(("us", "µs", "usec", "microseconds"), 1e-6),
+        "ns": 1e-9,
+        "min": 60.0,
+    },
+    Quantity.DISPLACEMENT: {
+        **dict.fromkeys(("m", "meter", "metre", "meters", "metres"), 1.0),
+        **dict.fromkeys(("cm", "centimeter", "centimetre", "centimeters"), 1e-2),
+        **dict.fromkeys(("mm", "millimeter", "millimetre", "millimeters", "millimetres"), 1e-3),
+        **dict.fromkeys(("um", "µm", "micron", "microns", "micrometer"), 1e-6),
+        **dict.fromkeys(("in", "inch", "inches", "in.", '"'), 0.0254),
+        **dict.fromkeys(("ft", "feet", "foot"), 0.3048),
+        "mil": 2.54e-5,
+    },
+    Quantity.ACCELERATION: {
+        **dict.fromkeys(
+            (
+                "m/s2",
+                "m/s^2",
+                "m/s²",
+                "m/s/s",
+                "m.s-2",
+                "m s-2",
+                "m*s^-2",
+                "mps2",
+                "ms2",
+                "m/sec2",
+                "m/sec^2",
+            ),
+            1.0,
+        ),
+        **dict.fromkeys(("cm/s2", "cm/s^2", "cm/s²", "cm/s/s", "cm/sec2", "cm/sec^2", "gal"), 1e-2),
+        **dict.fromkeys(("mm/s2", "mm/s^2", "mm/s²", "mm/sec2", "mm/sec^2"), 1e-3),
+        **dict.fromkeys(("in/s2", "in/s^2", "in/sec2", "in/sec^2"), 0.0254),
+        **dict.fromkeys(("g", "grav"), STANDARD_GRAVITY),
+        "mg": 1e-3 * STANDARD_GRAVITY,
+    },
+    Quantity.FORCE: {
+        **dict.fromkeys(("n", "newton", "newtons"), 1.0),
+        **dict.fromkeys(("kn", "kilonewton", "kilonewtons"), 1e3),
+        "MN": 1e6,
+        **dict.fromkeys(("lbf", "lb", "lbs", "pound", "pounds"), _POUND),
+        **dict.fromkeys(("kip", "kips", "klbf"), 1e3 * _POUND),
+        **dict.fromkeys(("kgf",), STANDARD_GRAVITY),
+        **dict.fromkeys(("tf", "tonf"), 1e3 * STANDARD_GRAVITY),
+    },
+    Quantity.VELOCITY: dict.fromkeys(
+        ("m/s", "mm/s", "cm/s", "in/s", "m/sec", "mm/sec", "in/sec", "mps"), 1.0
+    ),
+    Quantity.VOLTAGE: dict.fromkeys(("v", "volt", "volts", "mv", "vdc"), 1.0),
+    Quantity.CURRENT: dict.fromkeys(("a", "ma", "amp", "amps"), 1.0),
+    Quantity.PRESSURE: dict.fromkeys(("pa", "kpa", "mpa", "bar", "psi", "ksi"), 1.0),
+    Quantity.STRAIN: dict.fromkeys(
+        ("ue", "µe", "ustrain", "µstrain", "microstrain", "mm/mm", "in/in", "m/m"), 1.0
+    ),
+    Quantity.ROTATION: dict.fromkeys(
+        ("deg", "rad", "mrad", "°", "nm", "n.m", "n-m", "knm", "kn.m", "kn-m", "n*m"), 1.0
+    ),
+    Quantity.TEMPERATURE: dict.fromkeys(("c", "°c", "degc", "f", "°f", "degf", "k"), 1.0),
+    Quantity.STATE: dict.fromkeys(("hz", "1/s", "%", "w", "kw", "j", "kj"), 1.0),
+    Quantity.COUNT: dict.fromkeys(("-", "counts", "cnt", "segments", "cycles"), 1.0),
+}
+"""Factors to SI units; of quantities that no test is judged by they are not used and 1."""
+
+LENGTHS: Final = UNITS[Quantity.DISPLACEMENT]
+"""Units of displacement [m]."""
+
+TIMES: Final = UNITS[Quantity.TIME]
+"""Units of time [s]."""
+
+ACCELERATIONS: Final = UNITS[Quantity.ACCELERATION]
+"""Units of acceleration [m/s²]."""
+
+FORCES: Final = UNITS[Quantity.FORCE]
+"""Units of force [N]."""
+
+SI: Final = {
+    Quantity.TIME: "s",
+    Quantity.DISPLACEMENT: "m",
+    Quantity.ACCELERATION: "m/s²",
+    Quantity.FORCE: "N",
+}
+"""Units in which histories are kept."""
+
+_SIGNS: Final = str.maketrans({"μ": "µ", "·": ".", "⋅": ".", "−": "-", "[": "", "]": "", "(": "", ")": ""})
+_BY_NAME: Final = {name: (quantity, name) for quantity, names in UNITS.items() for name in names}
+_NOT_ENDINGS: Final = frozenset({"a", "c", "f", "k", "-", "%", "min", "in.", '"'})
+_WITH_GAP: Final = frozenset(
+    {"mm", "cm", "kn", "ms", "sec", "kip", "kips", "lbf", "µm", "gal", "m/s2", "m/s^2", "mm/s"}
+)
+_BRACKETS: Final = re.compile(r"(?:[\[({]|<)\s*([^\])}>]{1,20}?)\s*(?:[\])}]|>)\s*$")
+_ENDING: Final = re.compile(r"(?<=[^\W_])_([a-zµμ°]+(?:/s(?:\^?2|²)?|ps2|s2)?)$", re.IGNORECASE)
+_LAST_WORD: Final = re.compile(r"[\s,;-]+(?:in\s+|/\s*)?([^\s\[({]+)$")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Unit:
+    """A unit of a channel."""
+
+    text: str  # As it is written
+    quantity: Quantity
+    factor: float  # to the SI unit
+
+
+def unit_of(text: str) -> Unit | None:
+    """Read a unit as programs write it; None where it is none that is known.
+
+    >>> unit_of("[kN]").factor, unit_of("MN").factor, unit_of("furlong")
+    (1000.0, 1000000.0, None)
+    """
+    plain = text.strip().translate(_SIGNS).strip()
+    known = _BY_NAME.get(plain) or _BY_NAME.get(plain.lower())
+    if known is None or plain in {"mN", "mn"}:
+        return None
+    quantity, name = known
+    return Unit(text=plain, quantity=quantity, factor=UNITS[quantity][name])
+
+
+def split_unit(name: str) -> tuple[str, Unit | None]:
+    """Take the unit from the end of a name: "Disp (mm)", "disp_mm", "Axial Disp mm".
+
+    >>> split_unit("Axial Displacement [mm]")[0], split_unit("command_m")[1].text
+    ('Axial Displacement', 'm')
+    """
+    stripped = name.strip()
+    for pattern, allowed in (
+        (_BRACKETS, bool),
+        (_ENDING, lambda text: text.lower() not in _NOT_ENDINGS),
+        (_LAST_WORD, lambda text: text.lower() in _WITH_GAP),
+    ):
+        match = pattern.search(stripped)
+        if match is not None and allowed(match[1]) and (unit := unit_of(match[1])) is not None:
+            return stripped[: match.start()].strip(), unit
+    return stripped, None

@@ -1,0 +1,225 @@
+"""How many columns of laboratories' files are recognised: `python tests/benchmarks/recognised_channels.py`.
+
+Files are made of names in which laboratories keep their channels (OpenFresco's controllers, MTS stations,
+dSPACE and LabVIEW programs, theses and data papers), in random order, units, scale and delimiter, beside
+channels that belong to nothing. Two thirds of the names were at hand while the vocabulary was written; the
+last third is held out, by a checksum of the name. Printed are the columns with the right part and factor, the
+files about which the user is asked, and those that are silently wrong.
+"""
+
+import argparse
+import json
+import sys
+import tempfile
+import zlib
+from collections import Counter
+from pathlib import Path
+from random import Random
+
+import numpy as np
+
+sys.path[:0] = [str(Path(__file__).resolve().parents[2])]
+
+from reliab.errors import InputError  # noqa: E402
+from reliab.recordings import read_recording  # noqa: E402
+
+COMMANDS = """
+Dis command; Command; Cmd; DispCmd; disp_cmd; Actuator Command; Act Cmd; x_cmd; xcmd; cmd_disp;
+Displacement Command; Command Displacement; Disp. Cmd.; Ch 1 Command; Axial Displacement Command;
+Axial Cmd; Position Command; PosCmd; PosCommand; Setpoint; Set Point; Disp_Setpoint; Target; Target
+Displacement; TargetDisp; targDsp; targDisp; commDsp; commDisp; x_target; d_target; u_target; ref;
+Reference; Ref Disp; Reference Position; Desired; Desired Disp; x_des; disp_desired; uc; u_c; xc;
+x_c; d_cmd; Demand; Demand Position; Sollwert; Weg Soll; s_soll; Soll-Weg; Sollposition; Comando;
+Spostamento comando; Riferimento; Desplazamiento comandado; Consigna; Referencia; mubiao weiyi;
+mingling; zhiling_weiyi; Commanded position; MTS Cmd; Stroke Cmd; Stroke Command; Act1_Disp_Cmd;
+cmdX; Kolben Soll; y_ref; Displ. target; Actuator 1 desired displacement; reference displacement;
+command signal; CommandSignal; Displacement_Reference; Axial Command; LVDT Command; Ram position
+demand; consigne deplacement; calculated displacement command; Table Disp Command; Servo Cmd
+Position; Desired Position; piston command; x_desired; disp cmnd; Set value displacement; dref;
+xref; x_ref; u_ref; d_ref; targetDisplacement; tgt_disp
+"""
+MEASURED = """
+Dis
+feedback; Measured; Meas; DispMeas; disp_meas; Actuator Displacement; Act Disp; x_meas; xmeas;
+meas_disp; Measured Displacement; Displacement Feedback; Disp. Fbk.; Ch 1 Feedback; Axial
+Displacement; Axial Disp; Position Feedback; PosFbk; PosActual; Actual; Actual Displacement;
+ActualDisp; measDsp; measDisp; x_actual; d_meas; u_meas; feedback; Feedback; fb_disp; Achieved;
+Achieved Disp; um; u_m; xm; x_m; Response; Response Position; Istwert; Weg Ist; s_ist; Ist-Weg;
+Istposition; LVDT; LVDT 1; Temposonic; Temposonics; Spostamento misurato; Spostamento;
+Desplazamiento medido; Desplazamiento; Medida; shice weiyi; fankui; celiang_weiyi; Measured
+position; MTS Disp; Stroke; Stroke Feedback; Act1_Disp_Fbk; measX; Kolbenweg; y_meas; Displ.
+measured; Actuator 1 measured displacement; displacement sensor; Encoder Position;
+Displacement_Measured; Axial Feedback; LVDT Feedback; Ram position; deplacement mesure;
+Wegaufnehmer; disp fdbk; Position; Actuator Stroke; piston displacement; x_measured; d_m; Inner
+LVDT; LVDT_disp; measured disp; DispFB; disp_fbk; x_fb; actuator position; Verschiebung; Hub; dm;
+dmeas; Internal LVDT; measuredDisplacement; act_position
+"""
+FORCES = """
+Load cell; Force; Restoring force; Axial Force; Load; force_n; Measured Force; meas_force; measFrc;
+measForc; Actuator Force; LC1; Load Cell 1; Kraft; Kraftmessdose; Forza; Fuerza; Carga; fm;
+lc_force; Force Feedback; Axial Load; Actuator Load; specimen force; force_meas; F_meas; Fbk Force;
+shice li; zaihe; Force Transducer; loadcell; Reaction force; Kolbenkraft; Shear Force
+"""
+TIMES = "Time;time;t;Time (sec);Running Time;Elapsed Time;time_s;Zeit;Tempo;Tiempo;Timestamp;"
+TIMES += "shijian;Test Time;tout"
+OTHERS = (
+    ("Servovalve command", "V"),
+    ("Voltage command", "V"),
+    ("Valve output", "V"),
+    ("Axial Disp Error", "mm"),
+    ("Tracking error", "mm"),
+    ("Table acceleration", "g"),
+    ("acc_1", "g"),
+    ("Strain 3", "µε"),
+    ("SG_05", "ustrain"),
+    ("Oil pressure", "bar"),
+    ("Oil temperature", "°C"),
+    ("Counter", ""),
+    ("state", ""),
+    ("Sync pulse", "V"),
+    ("Actuator velocity", "mm/s"),
+    ("Force command", "kN"),
+    ("Spool position", "V"),
+    ("Compensated command", "mm"),
+    ("Predicted displacement", "mm"),
+    ("Frame drift", "mm"),
+    ("Table displacement", "mm"),
+)
+_BARE = 0.2  # share of files without units
+_LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254, "inch": 0.0254, "Millimeters": 1e-3}
+_FORCES = {"N": 1.0, "kN": 1e3, "kip": 4448.2216152605, "lbf": 4.4482216152605}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--files", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--names", choices=("at_hand", "held_out", "all"), default="held_out")
+    parser.add_argument("--show", action="store_true")
+    options = parser.parse_args()
+    counts, random = Counter(), Random(options.seed)  # noqa: S311
+    with tempfile.TemporaryDirectory() as folder:
+        for number in range(options.files):
+            _evaluate(random, Path(folder) / f"{number}.csv", options, counts)
+    columns = counts["right"] + counts["wrong"] + counts["asked"] + counts["missed"]
+    print(json.dumps({**counts, "columns": columns, "right_share": counts["right"] / columns}))
+
+
+def held_out(name: str) -> bool:
+    return zlib.crc32(name.lower().encode()) % 3 == 0
+
+
+def _drawn(random: Random, listed: str, names: str) -> str:
+    choices = [" ".join(name.split()) for name in listed.split(";")]
+    chosen = [name for name in choices if names == "all" or held_out(name) is (names == "held_out")]
+    return random.choice(chosen)
+
+
+def _evaluate(random: Random, path: Path, options: argparse.Namespace, counts: Counter) -> None:
+    truth = _write(random, path, options.names)
+    try:
+        found = {channel.part.value: channel for channel in read_recording(path).channels}
+    except InputError as error:
+        counts["asked"] += len(truth)
+        counts["files_asked"] += 1
+        if options.show:
+            print("ASKED", path.read_text(encoding="utf-8").splitlines()[:2], str(error)[:260])
+        return
+    wrong = 0
+    for part, (name, factor) in truth.items():
+        channel = found.get(part)
+        if channel is None:
+            counts["missed"] += 1
+        elif channel.column == name and np.isclose(channel.factor, factor, rtol=1e-6):
+            counts["right"] += 1
+            continue
+        else:
+            counts["wrong"] += 1
+            wrong += 1
+        if options.show:
+            print(part, repr(name), factor, channel, path.read_text(encoding="utf-8").splitlines()[:2])
+    counts["files_silently_wrong"] += bool(wrong)
+
+
+def _write(random: Random, path: Path, names: str) -> dict[str, tuple[str, float]]:
+    """Write a file; which column is which, and its factor to SI units."""
+    noise = np.random.default_rng(random.randrange(1 << 30))
+    rate, size = random.choice((100.0, 256.0, 512.0, 1024.0)), 3000
+    time = np.arange(size) / rate
+    frequencies = [random.uniform(0.3, 3.0) for _ in range(4)]
+    phases = [random.uniform(0.0, 6.0) for _ in range(4)]
+
+    def moved(at):
+        return sum(
+            0.01 * np.sin(2.0 * np.pi * f * at + p) / f for f, p in zip(frequencies, phases, strict=True)
+        )
+
+    delay = random.uniform(-0.002, 0.02)
+    command, measured = moved(time), random.uniform(0.96, 1.02) * moved(time - delay)
+    measured = measured + 1e-5 * noise.normal(size=size)
+    force = 1e5 * measured + 20.0 * noise.normal(size=size)
+    length, strength = random.choice(list(_LENGTHS)), random.choice(list(_FORCES))
+    columns: dict[str, tuple[str, np.ndarray]] = {}
+    truth: dict[str, tuple[str, float]] = {}
+    for part, listed, values, unit, factor in (
+        ("time", TIMES, time, "s", 1.0),
+        ("command", COMMANDS, command, length, _LENGTHS[length]),
+        ("measured", MEASURED, measured, length, _LENGTHS[length]),
+        ("force", FORCES, force, strength, _FORCES[strength]),
+    ):
+        if part == "force" and random.random() < 0.3:
+            continue
+        name = _drawn(random, listed, "all" if part == "time" else names)
+        while name in columns:
+            name = _drawn(random, listed, "all" if part == "time" else names)
+        columns[name] = (unit, values / factor)
+        truth[part] = (name, factor)
+    if random.random() < _BARE:  # which then is metres and newtons, as far as anyone can tell
+        columns = {
+            name: ("", values * truth[part][1])
+            for part, (name, _) in truth.items()
+            for values in [columns[name][1]]
+        }
+        truth = {part: (name, 1.0) for part, (name, _) in truth.items()}
+    for name, unit in random.sample(OTHERS, random.randrange(4)):
+        columns[name] = (unit, _other(name, time, command, measured, force, noise))
+    order = list(columns)
+    random.shuffle(order)
+    style = random.choice(("brackets", "square", "line"))
+    header = {"brackets": "{} ({})", "square": "{} [{}]", "line": "{}"}[style]
+    heads = {name: header.format(name, columns[name][0]) if columns[name][0] else name for name in order}
+    separator = random.choice((",", ";", "\t"))
+    lines = [separator.join(heads[name] for name in order)]
+    if style == "line":
+        lines.append(separator.join(columns[name][0] for name in order))
+    rows = np.column_stack([columns[name][1] for name in order])
+    lines += [separator.join(f"{value:.9g}" for value in row) for row in rows]
+    path.write_text("\n".join(lines), encoding="utf-8")
+    return {part: (heads[name], factor) for part, (name, factor) in truth.items()}
+
+
+def _other(name, time, command, measured, force, noise):
+    drift = np.gradient(command)
+    known = {
+        "Axial Disp Error": 1e3 * (command - measured),
+        "Tracking error": 1e3 * (command - measured),
+        "Servovalve command": 50.0 * drift,
+        "Voltage command": 400.0 * command,
+        "Valve output": 45.0 * drift,
+        "Actuator velocity": 1e3 * np.gradient(measured),
+        "Force command": 1e-3 * force,
+        "Spool position": 48.0 * drift,
+        "Compensated command": 1e3 * (command + 2.0 * drift),
+        "Predicted displacement": 1e3 * (command + drift),
+        "Frame drift": 700.0 * np.roll(measured, 5),
+        "Table displacement": 20.0 * np.sin(0.003 * np.arange(time.size) ** 1.1),
+        "Counter": np.arange(time.size),
+        "state": np.ones(time.size),
+    }
+    return known.get(name, noise.normal(size=time.size))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,6 @@
+"""Files in many layouts stand beside these tests."""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
