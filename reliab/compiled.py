@@ -50,5 +50,5 @@ def copy_rows(source: NDArray[Any], target: NDArray[Any]) -> None:
 
 def kernel_folder() -> Path | None:
     """Folder in which compiled kernels of this module are kept; None where none can be written."""
-    kept = getattr(copy_rows, "stats", None)  # a plain function where Numba is told to compile nothing
-    return Path(kept.cache_path) if kept and kept.cache_path else None
+    cache = getattr(copy_rows, "stats", None)  # a plain function where Numba is told to compile nothing
+    return Path(cache.cache_path) if cache and cache.cache_path else None

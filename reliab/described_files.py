@@ -114,7 +114,7 @@ def _require_bounded(content: object, where: str) -> None:
         for value in level:
             if isinstance(value, int) and abs(value) >= _LARGEST_WHOLE:
                 raise _too_large(f"one of {value.bit_length()} bits", where)
-        level = [part for value in level for part in _parts(value)]
+        level = [item for value in level for item in _parts(value)]
 
 
 def _too_large(value: str, where: str) -> InputError:

@@ -67,11 +67,11 @@ def refuse_links(folder: Path, *beside: Path) -> None:
     A folder may come from someone else: what is read or written where a link stands would be the file that
     it names, anywhere on this machine.
     """
-    for part in (*beside, *folder.rglob("*")):
-        if part.is_symlink():
+    for entry in (*beside, *folder.rglob("*")):
+        if entry.is_symlink():
             raise InputError(
                 "A folder of results must hold its own files, without links to others",
-                value=f"a link at {part}",
+                value=f"a link at {entry}",
                 remedy="Remove the link, or put the file itself in its place",
                 where=str(folder),
             )

@@ -35,9 +35,9 @@ def shipped(kind: str, name: str) -> Path:
     """
     if kind not in KINDS:
         raise InputError("What ships is a dataset or a study", value=kind, remedy=f"Use {' or '.join(KINDS)}")
-    folder, known = shipped_folder(kind), checksums(kind)
+    folder, digests = shipped_folder(kind), checksums(kind)
     path = folder / name
-    if not path.exists() and name in known:
+    if not path.exists() and name in digests:
         path = fetched(kind, name)
         if not path.exists():
             raise InputError(
@@ -54,8 +54,8 @@ def shipped(kind: str, name: str) -> Path:
             value=name,
             remedy=f"Choose among {', '.join(present)}",
         )
-    if name in known:
-        _verify(path, path.stat().st_mtime_ns, known[name])
+    if name in digests:
+        _verify(path, path.stat().st_mtime_ns, digests[name])
     return path
 
 

@@ -109,7 +109,7 @@ def ellipses(
             )
         stored: xr.Dataset = source.reliab.ellipses(several(threshold), metrics, curves, progress=progress)
         return stored
-    stated = StatedStructures.of(f=f, xi=xi, alpha=alpha, model=model)
+    stated = StatedStructures.from_plain(f=f, xi=xi, alpha=alpha, model=model)
     request = EllipseRequest(
         frequencies=stated.frequencies,
         damping_ratios=stated.damping_ratios,

@@ -52,13 +52,13 @@ def first_order_ellipse(excitation: Excitation, structure: Structure) -> FirstOr
     True
     """
     w0, xi = structure.circular_frequency, structure.damping_ratio
-    rest = 1.0 - structure.experimental_fraction
+    numerical_fraction = 1.0 - structure.experimental_fraction
 
     def dynamic(s: Spectrum, stiffness: float) -> Spectrum:
         return np.asarray(s**2 + 2.0 * xi * w0 * s + w0**2 * stiffness)
 
     def to_gain(s: Spectrum) -> Spectrum:
-        return np.asarray(dynamic(s, rest) / dynamic(s, 1.0) ** 2)
+        return np.asarray(dynamic(s, numerical_fraction) / dynamic(s, 1.0) ** 2)
 
     exact, step = respond(excitation, lambda s: 1.0 / dynamic(s, 1.0))
     of_gain, _ = respond(excitation, to_gain)

@@ -75,17 +75,17 @@ def suite_contours(
     `loops`: the same structure under each motion; `thresholds`: errors on the contours [-]. Returns for each
     motion the contour of each threshold, as `motion_contours` gives them.
     """
-    together = [place for place, loop in enumerate(loops) if _is_regular(loop)]
+    regular = [place for place, loop in enumerate(loops) if _is_regular(loop)]
     contours: dict[int, list[Contour]] = {}
-    if together:
-        suite = _Suite(loops=[loops[place] for place in together], contours_of_motion=len(thresholds))
+    if regular:
+        suite = _Suite(loops=[loops[place] for place in regular], contours_of_motion=len(thresholds))
         traced = trace_contours(
             suite.error,
-            np.tile(np.asarray(thresholds, dtype=np.float64), len(together)),
+            np.tile(np.asarray(thresholds, dtype=np.float64), len(regular)),
             loops[0].structure,
-            side=list(side) * len(together),
+            side=list(side) * len(regular),
         )
-        for rank, place in enumerate(together):
+        for rank, place in enumerate(regular):
             of_motion = traced[rank * len(thresholds) : (rank + 1) * len(thresholds)]
             if _is_reducible(loops[place], of_motion):
                 contours[place] = of_motion
@@ -106,14 +106,14 @@ class _Suite:
         """RMS^R of actuators, each under the motion of its contour."""
         cells = Cells(structure=self.loops[0].structure, gain=amplitude, delay=delay)
         motion = contour // self.contours_of_motion
-        squares, known = mean_squares(
+        squares, precise = mean_squares(
             [loop.responses for loop in self.loops], cells.expansions(self.loops[0].blocks.step), motion
         )
-        for place in np.unique(motion[~known]):
-            which = np.flatnonzero(~known & (motion == place))
+        for place in np.unique(motion[~precise]):
+            which = np.flatnonzero(~precise & (motion == place))
             loop = self.loops[place]
-            rest = loop.cells(gain=amplitude[which], delay=delay[which])
-            squares[which] = loop.deviation(rest).mean_square
+            cells_of_motion = loop.cells(gain=amplitude[which], delay=delay[which])
+            squares[which] = loop.deviation(cells_of_motion).mean_square
         peaks = np.array([loop.blocks.ideal_peak for loop in self.loops])
         return np.asarray(np.sqrt(squares) / peaks[motion])
 

@@ -30,7 +30,7 @@ class Scales:
     Examples
     --------
     >>> scales = Scales(displacement=0.1, velocity=0.5, acceleration=3.0, force=200.0, duration=40.0)
-    >>> scales.of((("force", 1.0), ("velocity", -1.0)))
+    >>> scales.product((("force", 1.0), ("velocity", -1.0)))
     400.0
     """
 
@@ -50,7 +50,7 @@ class Scales:
                     remedy="Leave out tests in which nothing moves",
                 )
 
-    def of(self, exponents: tuple[tuple[str, float], ...]) -> float:
+    def product(self, exponents: tuple[tuple[str, float], ...]) -> float:
         """Product of powers of the scales."""
         return float(math.prod(float(getattr(self, name)) ** exponent for name, exponent in exponents))
 
@@ -114,7 +114,7 @@ class Parameter:
 
     def unit(self, scales: Scales) -> float:
         """SI value of the dimensionless one."""
-        return scales.of(self.scale)
+        return scales.product(self.scale)
 
     def coordinate(self, value: float, scales: Scales) -> float:
         """Coordinate in which the parameter is fitted: itself if signed, else its logarithm."""

@@ -32,12 +32,12 @@ def _hysteretic_force(
     beta = 1.0 - gamma - 2.0 * min(gamma, 0.0) ** 2
     travel = (motion[0] - state[1]) / coefficients[1] if state[0] != 0.0 else 0.0
     sign = 1.0 if travel >= 0.0 else -1.0
-    parts = min(int(abs(travel) / _LARGEST_PART) + 1, _MOST_PARTS)
-    part = travel / parts
+    substeps = min(int(abs(travel) / _LARGEST_PART) + 1, _MOST_PARTS)
+    increment = travel / substeps
     z, energy = state[2], state[3]
-    for place in range(parts):
+    for place in range(substeps):
         weaker = 1.0 + coefficients[6] * energy
-        softer = part / (1.0 + coefficients[5] * energy)
+        softer = increment / (1.0 + coefficients[5] * energy)
         if coefficients[7] > 0.0:
             softer *= 1.0 - coefficients[7] * math.exp(-((z / _SLIP_WIDTH) ** 2))
         direction = beta if sign * z >= 0.0 else -beta
@@ -45,10 +45,10 @@ def _hysteretic_force(
         middle = min(max(z + 0.5 * rise, -_LARGEST_FORCE), _LARGEST_FORCE)
         direction = beta if sign * middle >= 0.0 else -beta
         rise = softer * (1.0 - weaker * abs(middle) ** exponent * (direction + gamma))
-        energy = max(energy + middle * (part - rise), 0.0)
+        energy = max(energy + middle * (increment - rise), 0.0)
         z = min(max(z + rise, -_LARGEST_FORCE), _LARGEST_FORCE)
-        if abs(rise) < _YIELDS * abs(part):  # it yields, and goes on yielding to the end of the step
-            energy = max(energy + (parts - 1 - place) * part * z, 0.0)
+        if abs(rise) < _YIELDS * abs(increment):  # it yields, and goes on yielding to the end of the step
+            energy = max(energy + (substeps - 1 - place) * increment * z, 0.0)
             break
     state[0], state[1], state[2], state[3] = 1.0, motion[0], z, energy
     return coefficients[0] * (z - coefficients[4] * motion[0] / coefficients[1])

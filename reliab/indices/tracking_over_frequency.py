@@ -43,10 +43,10 @@ class TrackingOverFrequency:
 
     def at(self, frequency: Array | float) -> tuple[Array, Array]:
         """Give A [-] and d [s] at frequencies [Hz]; beyond the known ones those of the nearest."""
-        sought = np.abs(np.asarray(frequency, dtype=np.float64))
+        frequencies = np.abs(np.asarray(frequency, dtype=np.float64))
         return (
-            np.interp(sought, self.frequency, self.amplitude),
-            np.interp(sought, self.frequency, self.delay),
+            np.interp(frequencies, self.frequency, self.amplitude),
+            np.interp(frequencies, self.frequency, self.delay),
         )
 
     def known(self, frequency: float) -> bool:
@@ -87,7 +87,7 @@ def tracking_over_frequency(command: Array, measured: Array, time_step: float) -
     (0.98, 2.0)
     """
     whole = frequency_evaluation(command, measured, time_step).equivalent_delay
-    aligned = _advanced(measured, whole, time_step)
+    aligned = _advance(measured, whole, time_step)
     points = min(int(_LONGEST / time_step), 2 * command.size // (_LEAST_STRETCHES + 1))
     rate = 1.0 / time_step
     frequency, cross = scipy.signal.csd(command, aligned, fs=rate, nperseg=points)
@@ -116,7 +116,7 @@ def tracking_over_frequency(command: Array, measured: Array, time_step: float) -
     )
 
 
-def _advanced(history: Array, time: float, time_step: float) -> Array:
+def _advance(history: Array, time: float, time_step: float) -> Array:
     """Advance a history by a time [s] in the frequency domain, at rest before and after it."""
     points = 2 * history.size
     turns = np.fft.rfftfreq(points, time_step)

@@ -31,13 +31,13 @@ COLUMNS = ("motion", "event", "set", "file", "dt_s", "units")
 _REQUIRED = ("motion", "file")
 
 
-def read_catalogue(path: Path, report: Report, given: Declared) -> list[RecordFile]:
+def read_catalogue(path: Path, report: Report, defaults: Declared) -> list[RecordFile]:
     """Read a catalogue."""
     source = open_source(path, report) if report.within(path.parent, path.name) else None
     if source is None:
         return []
     rows = csv.reader(line.text for line in source.lines())
-    filled = _filled(rows, report)
+    filled = _rows_with_cells(rows, report)
     columns = [name.strip().lower() for name in next(filled, [])]
     missing = [name for name in _REQUIRED if name not in columns]
     if missing:
@@ -54,7 +54,7 @@ def read_catalogue(path: Path, report: Report, given: Declared) -> list[RecordFi
         line = rows.line_num
         row = dict(zip(columns, (of_cell(cell.strip()) for cell in cells), strict=False))
         if _has_name(row, seen, line, report):
-            records.extend(_record(path, row, line, given, report))
+            records.extend(_record(path, row, line, defaults, report))
     if not seen and not report.faults:
         report.add(
             "A catalogue must hold at least one motion",
@@ -65,7 +65,7 @@ def read_catalogue(path: Path, report: Report, given: Declared) -> list[RecordFi
     return records
 
 
-def _filled(rows: Iterator[list[str]], report: Report) -> Iterator[list[str]]:
+def _rows_with_cells(rows: Iterator[list[str]], report: Report) -> Iterator[list[str]]:
     try:
         yield from (cells for cells in rows if any(of_cell(cell.strip()) for cell in cells))
     except csv.Error as error:
@@ -93,7 +93,7 @@ def _has_name(row: dict[str, str], seen: dict[str, int], line: int, report: Repo
 
 
 def _record(
-    path: Path, row: dict[str, str], line: int, given: Declared, report: Report
+    path: Path, row: dict[str, str], line: int, defaults: Declared, report: Report
 ) -> Iterator[RecordFile]:
     """Yield the record of a row, unless the row has a fault."""
     faults_before = len(report.faults)
@@ -108,8 +108,10 @@ def _record(
             remedy="Correct the path, which starts at the catalogue, or remove the row",
         )
     declared = Declared(
-        time_step=_one_of(_positive(row, "dt_s", line, report), given.time_step, "time steps", line, report),
-        units=_one_of(_units(row, line, report), given.units, "units", line, report),
+        time_step=_one_of(
+            _positive(row, "dt_s", line, report), defaults.time_step, "time steps", line, report
+        ),
+        units=_one_of(_units(row, line, report), defaults.units, "units", line, report),
         header_count=_whole(row, "header_npts", line, report),
         header_time_step=_positive(row, "header_dt_s", line, report),
         where=f"{path.name}, line {line}",
@@ -126,16 +128,16 @@ def _record(
         )
 
 
-def _one_of(noted: T | None, given: T | None, what: str, line: int, report: Report) -> T | None:
+def _one_of(noted: T | None, default: T | None, what: str, line: int, report: Report) -> T | None:
     """Return the value from the catalogue or from the caller; the two must not differ."""
-    if noted is not None and given is not None and noted != given:
+    if noted is not None and default is not None and noted != default:
         report.add(
             f"The {what} that are given must be those of the catalogue",
             line=line,
-            value=f"{given} against {noted}",
+            value=f"{default} against {noted}",
             remedy="Give none, since the catalogue has them",
         )
-    return given if noted is None else noted
+    return default if noted is None else noted
 
 
 def _positive(row: dict[str, str], column: str, line: int, report: Report) -> float | None:

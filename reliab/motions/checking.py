@@ -102,7 +102,7 @@ def inspect(
     """Check a folder, a file or a built-in suite like `check_folder`, and count the records too."""
     if path in BUILT_IN:
         return Inspection(records=len(list(load_motions(path))), faults=[])
-    source, given = Path(path), declare(time_step, units)
+    source, declared = Path(path), declare(time_step, units)
     if not (is_folder(source) or is_file(source)):
         raise InputError(
             "A source of motions must exist", value=str(path), remedy="Name a folder of records or one file"
@@ -110,7 +110,7 @@ def inspect(
     faults: list[Fault] = []
     peaks: list[_Peak] = []
     checked = 0
-    for record, report in _records(source, given, faults):
+    for record, report in _records(source, declared, faults):
         if sets is not None and record.set_name not in sets:
             continue
         checked += 1
@@ -118,7 +118,7 @@ def inspect(
         faults.extend(report.faults)
         if reading is not None:
             value = float(np.abs(reading.acceleration).max())
-            confirmed = record.declared.units is not None and given.units is None
+            confirmed = record.declared.units is not None and declared.units is None
             peaks.append(
                 _Peak(file=report.file, value=value, stated=reading.units_stated, confirmed=confirmed)
             )
@@ -130,21 +130,21 @@ def inspect(
     return Inspection(records=checked, faults=list(dict.fromkeys([*faults, *mixed])), notes=notes)
 
 
-def _records(source: Path, given: Declared, faults: list[Fault]) -> Iterator[tuple[RecordFile, Report]]:
+def _records(source: Path, declared: Declared, faults: list[Fault]) -> Iterator[tuple[RecordFile, Report]]:
     """Find the records, each with a new report, and collect the faults of catalogues and headers."""
     catalogue = source / CATALOGUE
     if is_file(catalogue):
         report = Report(file=str(catalogue))
-        records_of_catalogue = read_catalogue(catalogue, report, given)
+        records_of_catalogue = read_catalogue(catalogue, report, declared)
         faults.extend(report.faults)
         scanned: Iterable[tuple[Path, list[RecordFile], Report]] = [
             (record.path, [record], Report(file=str(record.path))) for record in records_of_catalogue
         ]
     elif is_folder(source):
-        scanned = scan_folder(source, given)
+        scanned = scan_folder(source, declared)
     else:
         report = Report(file=str(source))
-        scanned = [(source, scan_file(source, motion_name(Path(source.name)), given, report), report)]
+        scanned = [(source, scan_file(source, motion_name(Path(source.name)), declared, report), report)]
     for path, records, report in scanned:
         if not records:
             faults.extend(report.faults)

@@ -75,8 +75,8 @@ def arias_times(acceleration: ArrayLike, time_step: float, fractions: Sequence[f
     [0.0, 0.25, 1.0]
     """
     samples = np.asarray(acceleration, dtype=np.float64)
-    wanted = np.asarray(fractions, dtype=np.float64)
-    if not ((wanted >= 0) & (wanted <= 1)).all():
+    shares = np.asarray(fractions, dtype=np.float64)
+    if not ((shares >= 0) & (shares <= 1)).all():
         raise InputError("Fractions of the Arias intensity must lie in [0, 1]", value=fractions)
     samples = samples / (np.abs(samples).max() or 1.0)
     reached = np.concatenate([[0.0], np.cumsum(_segment_energies(samples, time_step))])
@@ -84,7 +84,7 @@ def arias_times(acceleration: ArrayLike, time_step: float, fractions: Sequence[f
         raise InputError(
             "The Arias intensity needs a record that is not zero throughout", value="nothing but zeros"
         )
-    target = wanted * reached[-1]
+    target = shares * reached[-1]
     segment = np.clip(np.searchsorted(reached, target, side="left") - 1, 0, samples.size - 2)
     energy = (target - reached[segment]) / time_step
     times: Array = time_step * (segment + _share_of_segment(samples[segment], samples[segment + 1], energy))

@@ -47,14 +47,14 @@ UNREAD = {
 _NOT_RECORDS = ("readme", "license", "licence", "copying", "changelog")
 
 
-def scan_folder(folder: Path, given: Declared) -> Iterator[tuple[Path, list[RecordFile], Report]]:
+def scan_folder(folder: Path, declared: Declared) -> Iterator[tuple[Path, list[RecordFile], Report]]:
     """Find the records of a folder."""
     paths = [path for path in sorted(folder.rglob("*")) if _may_be_record(path, folder)]
     names = _names(paths, folder)
     for path in paths:
         report = Report(file=str(path))
         inside = report.within(folder, path.relative_to(folder).as_posix())
-        yield path, scan_file(path, names[path], given, report) if inside else [], report
+        yield path, scan_file(path, names[path], declared, report) if inside else [], report
 
 
 class UnreadFileWarning(UserWarning):
@@ -68,15 +68,19 @@ def unread_files(folder: Path) -> list[Path]:
     return [path for path, out_of_sight in zip(paths, hidden, strict=True) if not out_of_sight]
 
 
-def scan_file(path: Path, name: str, given: Declared, report: Report) -> list[RecordFile]:
+def scan_file(path: Path, name: str, declared: Declared, report: Report) -> list[RecordFile]:
     """Find the motions in one file."""
     opened = open_records(path, report, whole=False)
     headers = opened[1] if opened else []
     if len(headers) == 1:
-        return [RecordFile(path=path, name=name, event=headers[0].event or name, declared=given)]
+        return [RecordFile(path=path, name=name, event=headers[0].event or name, declared=declared)]
     return [
         RecordFile(
-            path=path, name=f"{name}/{channel}", event=header.event or name, channel=channel, declared=given
+            path=path,
+            name=f"{name}/{channel}",
+            event=header.event or name,
+            channel=channel,
+            declared=declared,
         )
         for channel, header in enumerate(headers, start=1)
     ]
@@ -165,16 +169,16 @@ def load_motions(
         raise InputError(
             "At least one source of motions must be given", remedy="Name a file, a folder or synthetic"
         )
-    given = declare(time_step, units)
-    suite = MotionSuite(entry for source in sources for entry in _entries(source, given))
-    kept = suite.select(sets=sets if sets is not None else set(suite.set_names) - {HELD_OUT})
-    if not kept:
+    declared = declare(time_step, units)
+    suite = MotionSuite(entry for source in sources for entry in _entries(source, declared))
+    selected = suite.select(sets=sets if sets is not None else set(suite.set_names) - {HELD_OUT})
+    if not selected:
         raise InputError(
             "At least one motion must be left",
             value=f"only motions of the set {HELD_OUT}",
             remedy=f"Name the set {HELD_OUT} to use it",
         )
-    return kept
+    return selected
 
 
 def read_motion(
@@ -237,17 +241,17 @@ def declare(time_step: float | None, units: str | None) -> Declared:
     return Declared(time_step=time_step, units=None if units is None else parse_unit(units))
 
 
-def _entries(source: str | Path, given: Declared) -> list[MotionEntry]:
+def _entries(source: str | Path, declared: Declared) -> list[MotionEntry]:
     if source in BUILT_IN:
         from reliab.motions.synthetic import synthetic_suite
 
         return list(synthetic_suite().entries)
     path = Path(source)
     if is_folder(path):
-        return list(_folder_entries(path, given))
+        return list(_folder_entries(path, declared))
     if is_file(path):
         report = Report(file=str(path))
-        records = scan_file(path, motion_name(Path(path.name)), given, report)
+        records = scan_file(path, motion_name(Path(path.name)), declared, report)
         report.raise_first()
         return list(records)
     raise InputError(
@@ -257,11 +261,11 @@ def _entries(source: str | Path, given: Declared) -> list[MotionEntry]:
     )
 
 
-def _folder_entries(folder: Path, given: Declared) -> list[RecordFile]:
+def _folder_entries(folder: Path, declared: Declared) -> list[RecordFile]:
     catalogue = folder / CATALOGUE
     if is_file(catalogue):
         report = Report(file=str(catalogue))
-        records = read_catalogue(catalogue, report, given)
+        records = read_catalogue(catalogue, report, declared)
         report.raise_first()
         return records
     unread = unread_files(folder)
@@ -271,7 +275,7 @@ def _folder_entries(folder: Path, given: Declared) -> list[RecordFile]:
         message = f"{folder}: skipped {names}, in formats that are not read; export records as text or CSV"
         warnings.warn(message, UnreadFileWarning, stacklevel=4)
     entries = []
-    for _, records, report in scan_folder(folder, given):
+    for _, records, report in scan_folder(folder, declared):
         report.raise_first()
         entries.extend(records)
     if not entries:

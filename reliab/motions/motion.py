@@ -59,8 +59,8 @@ class Motion:
         if not self.name:
             raise InputError("A motion must have a name")
         require_short(np.size(self.acceleration), self.name)
-        object.__setattr__(self, "acceleration", _checked_samples(self.acceleration, self.name))
-        object.__setattr__(self, "time_step", _checked_step(self.time_step, self.name))
+        object.__setattr__(self, "acceleration", _check_samples(self.acceleration, self.name))
+        object.__setattr__(self, "time_step", _check_step(self.time_step, self.name))
         object.__setattr__(self, "event", self.event or self.name)
 
     @property
@@ -115,7 +115,7 @@ def require_short(samples: int, name: str, most: int = MOST_SAMPLES) -> None:
         )
 
 
-def _checked_samples(samples: Array, name: str) -> Array:
+def _check_samples(samples: Array, name: str) -> Array:
     copied = np.array(samples, dtype=np.float64)
     if copied.ndim != 1 or copied.size < 2:  # noqa: PLR2004 - two samples make the shortest record
         raise InputError(
@@ -143,7 +143,7 @@ def _checked_samples(samples: Array, name: str) -> Array:
     return copied
 
 
-def _checked_step(time_step: float, name: str) -> float:
+def _check_step(time_step: float, name: str) -> float:
     if not (np.isfinite(time_step) and time_step > 0):
         raise InputError(
             "The time step must be positive and finite",

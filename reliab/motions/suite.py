@@ -137,8 +137,8 @@ class MotionSuite(Sequence[Motion]):
         InputError
             If the suite has no such name or set.
         """
-        kept_names = _known(names, self.names, "motion")
-        kept_sets = _known(sets, self.set_names, "set")
+        kept_names = _require_names(names, self.names, "motion")
+        kept_sets = _require_names(sets, self.set_names, "set")
         return MotionSuite(
             entry for entry in self._entries if entry.name in kept_names and entry.set_name in kept_sets
         )
@@ -170,12 +170,12 @@ class MotionSuite(Sequence[Motion]):
         return html_table(repr(self).strip("<>"), rows, more)
 
 
-def _known(wanted: Iterable[str] | None, present: tuple[str, ...], what: str) -> set[str]:
+def _require_names(requested: Iterable[str] | None, present: tuple[str, ...], what: str) -> set[str]:
     """Return the names or sets asked for, all of which must be in the suite."""
-    if wanted is None:
+    if requested is None:
         return set(present)
-    kept = {wanted} if isinstance(wanted, str) else set(wanted)
-    unknown = sorted(kept - set(present))
+    names = {requested} if isinstance(requested, str) else set(requested)
+    unknown = sorted(names - set(present))
     if unknown:
         choices = sorted({name for name in present if name})
         close = get_close_matches(unknown[0], choices, n=3, cutoff=0.4) or choices[:5]
@@ -184,4 +184,4 @@ def _known(wanted: Iterable[str] | None, present: tuple[str, ...], what: str) ->
             value=unknown[0],
             remedy=f"Choose for example {', '.join(close)}" if close else f"The suite has no {what}s",
         )
-    return kept
+    return names

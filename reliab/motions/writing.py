@@ -94,14 +94,14 @@ def write_motion(motion: Motion, path: Path) -> None:
 
 def _files(suite: MotionSuite) -> Iterator[str]:
     """Name of a file for each motion, unique even where capitals do not count."""
-    taken: set[str] = set()
+    file_names: set[str] = set()
     for name, set_name in zip(suite.names, suite.set_names, strict=True):
         stem = _as_file(name) or "motion"
         folder = f"{_as_file(set_name) or 'motions'}/"
         file, again = f"{folder}{stem}.txt", 2
-        while file.lower() in taken:
+        while file.lower() in file_names:
             file, again = f"{folder}{stem}_{again}.txt", again + 1
-        taken.add(file.lower())
+        file_names.add(file.lower())
         yield file
 
 

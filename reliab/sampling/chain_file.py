@@ -148,7 +148,7 @@ def _store(group: "h5py.Group", chain: "Backend", signature: str) -> None:
         "iteration": chain.iteration,
         "signature": signature,
     }
-    states = {f"random_state_{number}": part for number, part in enumerate(chain.random_state or ())}
+    states = {f"random_state_{number}": values for number, values in enumerate(chain.random_state or ())}
     group.attrs.update({**described, **states})
     group.create_dataset("accepted", data=chain.accepted, fletcher32=True)
     for name in ("chain", "log_prob"):

@@ -117,7 +117,7 @@ def draw(
 ) -> PosteriorSample:
     """Draw as :func:`sample` does, without asking whether the run has converged."""
     width = ensembles.walkers or width_of(model)
-    laplace = Laplace.of(model)
+    laplace = Laplace.about_mode(model)
     with _chains(file, group, model, ensembles, width) as (chains, save):
         samplers = [_sampler(model, laplace, width, chain) for chain in chains]
         starts = [_start(laplace, width, (ensembles.seed, number)) for number in range(ensembles.count)]
@@ -135,11 +135,11 @@ def draw(
             steps *= 2
 
 
-def _kept_draws(model: Model, samplers: "list[EnsembleSampler]", kept: int, thin: int) -> PosteriorSample:
+def _kept_draws(model: Model, samplers: "list[EnsembleSampler]", steps: int, thin: int) -> PosteriorSample:
     """Take as many draws as are left out before them."""
     return PosteriorSample(
         names=tuple(parameter.name for parameter in model.parameters),
-        draws=np.stack([sampler.get_chain(discard=kept)[:kept] for sampler in samplers]),
+        draws=np.stack([sampler.get_chain(discard=steps)[:steps] for sampler in samplers]),
         thin=thin,
         accepted=float(np.mean([sampler.acceptance_fraction for sampler in samplers])),
     )
@@ -199,8 +199,8 @@ def _chains(
     names = [f"{group}/ensemble_{number}".strip("/") for number in range(ensembles.count)]
     signature = _signature(model, ensembles, width)
     shape = (width, len(model.parameters))
-    with ChainFile.opened(file, names, signature, shape, model=model.name) as (kept, chains):
-        yield chains, kept.save
+    with ChainFile.opened(file, names, signature, shape, model=model.name) as (chain_file, chains):
+        yield chains, chain_file.save
 
 
 def _signature(model: Model, ensembles: Ensembles, width: int) -> str:

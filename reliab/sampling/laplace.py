@@ -30,7 +30,7 @@ class Laplace:
     factor: Array
 
     @classmethod
-    def of(cls, model: Model) -> Self:
+    def about_mode(cls, model: Model) -> Self:
         """Approximate the posterior of a model.
 
         The approximation is nowhere wider than the prior.

@@ -1,7 +1,7 @@
 from .converter import (
     converter_step as converter_step,
     expected_error as expected_error,
-    rounded_differently as rounded_differently,
+    vary_rounding as vary_rounding,
 )
 from .filters import low_pass as low_pass, smoothed as smoothed
 from .noise import (

@@ -46,7 +46,7 @@ def converter_step(values: Array) -> float:
     return step if np.abs(levels / step - places).max() < _ON_THE_GRID else 0.0
 
 
-def rounded_differently(motion: Array, step: float) -> Iterator[Array]:
+def vary_rounding(motion: Array, step: float) -> Iterator[Array]:
     """Round a motion on grids of steps that are shifted against each other.
 
     `motion`: a motion, shape (n,); `step`: step of the converter, in the unit of the motion. Yields what

@@ -79,12 +79,12 @@ def summary(tracks: Array, intervals: float, ideal_peak: float) -> Deviation:
 
     `ideal_peak` [m].
     """
-    inner = refined_peak(tracks[_LEFT], tracks[_PEAK], tracks[_RIGHT])
+    inner = refine_peak(tracks[_LEFT], tracks[_PEAK], tracks[_RIGHT])
     peak = np.fmax(inner, np.abs(tracks[LATEST]))
     return Deviation(mean_square=tracks[_SQUARES] / intervals, peak=peak, ideal_peak=ideal_peak)
 
 
-def refined_peak(left: Array, middle: Array, right: Array) -> Array:
+def refine_peak(left: Array, middle: Array, right: Array) -> Array:
     """Largest modulus of the parabola through a sampled extreme value and its neighbours."""
     with np.errstate(all="ignore"):  # a violently unstable cell may overflow to infinity
         curvature = left + right - 2.0 * middle
@@ -104,4 +104,4 @@ def peak_of_history(history: Array) -> float:
     at = int(np.argmax(np.abs(history)))
     if at in (0, history.size - 1):
         return float(abs(history[at]))
-    return float(refined_peak(history[at - 1 : at], history[at : at + 1], history[at + 1 : at + 2])[0])
+    return float(refine_peak(history[at - 1 : at], history[at : at + 1], history[at + 1 : at + 2])[0])

@@ -103,9 +103,9 @@ class Loop:
         Returns error for this record with free vibration until rest; infinite where no dominant pole was
         found.
         """
-        lost, sought = cells.reduction
+        neglected, total = cells.reduction
         with np.errstate(invalid="ignore"):  # infinite loss in a band without power
-            error = np.sqrt(self._band_power @ lost / np.maximum(self._band_power @ sought, 1e-300))
+            error = np.sqrt(self._band_power @ neglected / np.maximum(self._band_power @ total, 1e-300))
         return np.where(np.isnan(error), np.inf, error)
 
     def reducible(self, cells: Cells) -> NDArray[np.bool_]:
@@ -154,7 +154,7 @@ class Loop:
         """The structure's shared drives under the record."""
         if self.prepared is not None:
             return self.prepared.driven_record
-        return DrivenRecord.of(self.blocks, shared_drives(self.structure, self.blocks.step))
+        return DrivenRecord.from_blocks(self.blocks, shared_drives(self.structure, self.blocks.step))
 
     def _reduced(self, cells: Cells) -> Deviation:
         deviation = Deviation(
@@ -182,7 +182,7 @@ class Loop:
     def _stepped(self, cells: Cells, driven: DrivenCells) -> Stepped:
         if self.prepared is not None and self.prepared.cells is cells:
             return self.prepared.stepped
-        return Stepped.of(self.blocks, self.driven_record, driven)
+        return Stepped.through_window(self.blocks, self.driven_record, driven)
 
     def _mixed(self, cells: Cells, reducible: NDArray[np.bool_], rough: NDArray[np.bool_]) -> Deviation:
         """Reduce the loop where that is good enough, and solve the delay equation elsewhere."""

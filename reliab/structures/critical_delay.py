@@ -100,7 +100,8 @@ def critical_delay(partition: Partition, gain: float = 1.0) -> tuple[float, floa
     The paper's 6.4 ms for 1 Hz and 2 % damping:
 
     >>> from reliab.structures.structure import Structure
-    >>> delay, frequency = critical_delay(Partition.of(Structure(frequency=1.0, damping_ratio=0.02)))
+    >>> structure = Structure(frequency=1.0, damping_ratio=0.02)
+    >>> delay, frequency = critical_delay(Partition.from_structure(structure))
     >>> round(1000 * delay, 3), round(frequency, 2)
     (6.368, 1.0)
     """

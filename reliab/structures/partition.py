@@ -55,7 +55,7 @@ class Partition:
 
     A frame of one degree of freedom whose whole spring is tested is the paper's structure:
 
-    >>> frame = Frame.of(Structure(frequency=1.0, damping_ratio=0.02), mass=1000.0)
+    >>> frame = Frame.from_structure(Structure(frequency=1.0, damping_ratio=0.02), mass=1000.0)
     >>> partition = Partition(frame=frame, interface=[1.0], specimen=Specimen(stiffness=39478.4176))
     >>> partition.stiffness_shares.round(6)
     array([1.])
@@ -112,11 +112,13 @@ class Partition:
         )
 
     @classmethod
-    def of(cls, structure: Structure, mass: float = 1.0) -> "Partition":
+    def from_structure(cls, structure: Structure, mass: float = 1.0) -> "Partition":
         """Return the one-mode structure as a partition: its share α of the spring is the specimen."""
         stiffness = structure.experimental_fraction * structure.circular_frequency**2 * mass
         return cls(
-            frame=Frame.of(structure, mass), interface=np.ones(1), specimen=Specimen(stiffness=stiffness)
+            frame=Frame.from_structure(structure, mass),
+            interface=np.ones(1),
+            specimen=Specimen(stiffness=stiffness),
         )
 
     def _without(self, matrix: Array, share: float) -> Array:

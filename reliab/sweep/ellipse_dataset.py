@@ -122,5 +122,5 @@ def share_at_rest(ellipses: xr.Dataset) -> xr.DataArray:
         sizes = [name for name in ("f", "xi", "threshold", "metric") if name in ellipses.dims]
         nothing = np.full([ellipses.sizes[name] for name in sizes], np.nan)
         return xr.DataArray(nothing, dims=sizes, coords={name: ellipses[name] for name in sizes})
-    kept = ellipses["error_at_rest"] < ellipses[Dimension.THRESHOLD]
-    return kept.mean(Dimension.MOTION)
+    below = ellipses["error_at_rest"] < ellipses[Dimension.THRESHOLD]
+    return below.mean(Dimension.MOTION)

@@ -146,14 +146,14 @@ def with_sides(dataset: xr.Dataset) -> xr.Dataset:
 def _in_window(dataset: xr.Dataset, window: str | None, path: str | Path) -> xr.Dataset:
     """Choose one of the windows of a file."""
     stored = _windows(dataset)
-    chosen = window or (Window().label if Window().label in stored else stored[0])
-    if chosen not in stored:
+    label = window or (Window().label if Window().label in stored else stored[0])
+    if label not in stored:
         raise InputError(
             "The window must be one for which there are ellipses",
-            value=f"{chosen!r}, there are {', '.join(stored)}",
+            value=f"{label!r}, there are {', '.join(stored)}",
             remedy="Choose one of these, or trace the boundaries in that window",
             where=str(path),
         )
     if Dimension.WINDOW in dataset.dims:
-        dataset = dataset.isel({Dimension.WINDOW: stored.index(chosen)}, drop=True)
-    return dataset.assign_attrs(window=chosen)
+        dataset = dataset.isel({Dimension.WINDOW: stored.index(label)}, drop=True)
+    return dataset.assign_attrs(window=label)

@@ -16,12 +16,12 @@ from reliab.simulation import EffectLoop, Engine, Loop
 from reliab.simulation.hybrid_test import HybridTest
 from reliab.structures import Structure
 from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_dataset
-from reliab.sweep.labels import joined_coordinates, motion_coordinates
+from reliab.sweep.labels import join_coordinates, motion_coordinates
 from reliab.sweep.request import check_model, excitation_of, loop_of, structures_of
 from reliab.sweep.shares import for_each_share
 from reliab.vocabulary import SHARE_ATTRIBUTE, Metric, Side
 
-_TOGETHER = 64
+_MOTIONS_AT_A_TIME = 64
 """Number of motions that are traced together; limits the memory."""
 
 
@@ -101,20 +101,22 @@ def trace_ellipses(
         the error of an actuator that does not move. Of several shares of the stiffness all have the dimension
         `alpha` after `xi`; of one it is the attribute `experimental_fraction`.
     """
-    return request.each_share(lambda asked, advance: _traced(motions, asked, advance), progress)
+    return request.each_share(lambda of_share, advance: _trace_share(motions, of_share, advance), progress)
 
 
-def _traced(motions: Sequence[Motion], request: EllipseRequest, progress: Progress) -> xr.Dataset:
+def _trace_share(motions: Sequence[Motion], request: EllipseRequest, progress: Progress) -> xr.Dataset:
     """Trace the boundaries of structures of one share."""
-    tables, rests, headers = [], [], []
-    for begin in range(0, len(motions), _TOGETHER):
-        batch = [motions[place] for place in range(begin, min(begin + _TOGETHER, len(motions)))]
-        table, rest = _tables(batch, request)
+    tables, errors_at_rest, headers = [], [], []
+    for begin in range(0, len(motions), _MOTIONS_AT_A_TIME):
+        batch = [motions[place] for place in range(begin, min(begin + _MOTIONS_AT_A_TIME, len(motions)))]
+        table, at_rest = _tables(batch, request)
         tables.append(table)
-        rests.append(rest)
+        errors_at_rest.append(at_rest)
         headers.append(motion_coordinates(batch))
         progress(begin + len(batch), len(motions))
-    return labelled(np.concatenate(tables), headers, request, error_at_rest=np.concatenate(rests))
+    return label_curves(
+        np.concatenate(tables), headers, request, error_at_rest=np.concatenate(errors_at_rest)
+    )
 
 
 def _tables(motions: Sequence[Motion], request: EllipseRequest) -> tuple[Array, Array]:
@@ -123,18 +125,18 @@ def _tables(motions: Sequence[Motion], request: EllipseRequest) -> tuple[Array, 
     Shapes (motion, f, xi, threshold, metric, curve, side, columns) and (motion, f, xi, metric).
     """
     excitations = [excitation_of(motion, request.window) for motion in motions]
-    rows, rests = [], []
+    rows, errors_at_rest = [], []
     for structure in request.structures:
         loops = [loop_of(request.model, excitation, structure, request.engine) for excitation in excitations]
-        rests.append(
+        errors_at_rest.append(
             [[relative_error(loop.at_rest(), metric)[0] for metric in request.metrics] for loop in loops]
         )
         rows.append([_rows(loops, metric, request) for metric in request.metrics])
     sizes = len(request.frequencies), len(request.damping_ratios)
     table = np.array(rows, dtype=np.float64)  # over (structure, metric, motion, threshold, side, curve, …)
     table = table.reshape(*sizes, *table.shape[1:]).transpose(3, 0, 1, 4, 2, 6, 5, 7)
-    rest = np.array(rests, dtype=np.float64).reshape(*sizes, len(motions), -1)
-    return table, np.moveaxis(rest, 2, 0)
+    at_rest = np.array(errors_at_rest, dtype=np.float64).reshape(*sizes, len(motions), -1)
+    return table, np.moveaxis(at_rest, 2, 0)
 
 
 def _rows(loops: Sequence[Loop | EffectLoop], metric: Metric, request: EllipseRequest) -> Array:
@@ -150,7 +152,7 @@ def _rows(loops: Sequence[Loop | EffectLoop], metric: Metric, request: EllipseRe
     return curve_table(contours, request.curves).reshape(len(loops), *sizes)
 
 
-def labelled(
+def label_curves(
     table: Array,
     headers: Sequence[dict[str, xr.Variable]],
     request: EllipseRequest,
@@ -163,7 +165,7 @@ def labelled(
     """
     return ellipse_dataset(
         table,
-        {**joined_coordinates(headers), "f": list(request.frequencies), "xi": list(request.damping_ratios)},
+        {**join_coordinates(headers), "f": list(request.frequencies), "xi": list(request.damping_ratios)},
         thresholds=request.thresholds,
         metrics=request.metrics,
         curves=request.curves,
@@ -220,10 +222,10 @@ def predict_ellipses(
     array([4.])
     """
     _check_predictable(request)
-    return request.each_share(lambda asked, advance: _predicted(motions, asked, advance), progress)
+    return request.each_share(lambda of_share, advance: _predict_share(motions, of_share, advance), progress)
 
 
-def _predicted(motions: Sequence[Motion], request: EllipseRequest, progress: Progress) -> xr.Dataset:
+def _predict_share(motions: Sequence[Motion], request: EllipseRequest, progress: Progress) -> xr.Dataset:
     """Predict the ellipses of structures of one share."""
     tables, headers = [], []
     for done, motion in enumerate(motions, start=1):
@@ -239,7 +241,7 @@ def _predicted(motions: Sequence[Motion], request: EllipseRequest, progress: Pro
         tables.append(np.tile(table, (len(request.curves), len(request.sides), 1)))
         headers.append(motion_coordinates([motion]))
         progress(done, len(motions))
-    return labelled(np.stack(tables), headers, request).assign_attrs(caution=CAUTION)
+    return label_curves(np.stack(tables), headers, request).assign_attrs(caution=CAUTION)
 
 
 def _check_predictable(request: EllipseRequest) -> None:

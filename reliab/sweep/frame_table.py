@@ -20,7 +20,7 @@ from reliab.simulation.frames import FrameLoop, FrameUnderTest, rig_response, st
 from reliab.structures import Structure
 from reliab.structures.critical_delay import critical_delay
 from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_dataset
-from reliab.sweep.labels import joined_coordinates, motion_coordinates
+from reliab.sweep.labels import join_coordinates, motion_coordinates
 from reliab.sweep.request import excitation_of
 from reliab.vocabulary import MILLI, Metric, Side
 
@@ -65,20 +65,20 @@ def trace_frame_ellipses(
     name and `error_of` the response whose error counts.
     """
     mode = governing_mode(request.frame)
-    tables, rests, headers = [], [], []
+    tables, errors_at_rest, headers = [], [], []
     for done, motion in enumerate(motions, start=1):
         loop = FrameLoop(
             excitation=excitation_of(motion, request.window),
             partition=request.frame.partition,
             output=request.frame.output,
         )
-        rests.append([[[relative_error(loop.at_rest(), metric)[0] for metric in request.metrics]]])
+        errors_at_rest.append([[[relative_error(loop.at_rest(), metric)[0] for metric in request.metrics]]])
         tables.append(_table(loop, request))
         headers.append(motion_coordinates([motion]))
         progress(done, len(motions))
     return ellipse_dataset(
         np.stack(tables)[:, np.newaxis, np.newaxis],
-        {**joined_coordinates(headers), "f": [mode.frequency], "xi": [mode.damping_ratio]},
+        {**join_coordinates(headers), "f": [mode.frequency], "xi": [mode.damping_ratio]},
         thresholds=request.thresholds,
         metrics=request.metrics,
         curves=request.curves,
@@ -89,7 +89,7 @@ def trace_frame_ellipses(
             "frame": request.frame.name,
             "error_of": request.frame.error_of,
         },
-        error_at_rest=np.array(rests),
+        error_at_rest=np.array(errors_at_rest),
     )
 
 
@@ -163,13 +163,13 @@ def summary_of_rig(errors: pd.DataFrame, metric: str, threshold: float) -> dict[
     unstable.
     """
     sizes = errors[metric].to_numpy(dtype=float)
-    known = bool(sizes.size)
+    stable = bool(sizes.size)
     return {
-        "stable": known,
+        "stable": stable,
         "metric": metric,
         "threshold": threshold,
-        "share_below": float(np.mean(sizes < threshold)) if known else None,
-        "median": float(np.median(sizes)) if known else None,
-        "largest": float(sizes.max()) if known else None,
+        "share_below": float(np.mean(sizes < threshold)) if stable else None,
+        "median": float(np.median(sizes)) if stable else None,
+        "largest": float(sizes.max()) if stable else None,
         "motions": errors.to_dict("records"),
     }

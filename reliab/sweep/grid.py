@@ -164,24 +164,24 @@ class ScaledGrid(Grid):
         }
 
     def _gains(self, damping_ratio: float) -> Array:
-        outwards = _spaced(self._CORE, GAIN_SCALE * REACH, REACH, self.gain_steps)
+        outwards = _space_evenly(self._CORE, GAIN_SCALE * REACH, REACH, self.gain_steps)
         return np.exp(damping_ratio * np.concatenate([-outwards[:0:-1], outwards]))
 
     def _delays(self, frequency: float, damping_ratio: float) -> Array:
         scale = damping_ratio / (2.0 * np.pi * frequency)
-        late = _spaced(self._CORE, DELAY_SCALE * self._LONGEST, self._LONGEST, self.delay_steps)
+        late = _space_evenly(self._CORE, DELAY_SCALE * self._LONGEST, self._LONGEST, self.delay_steps)
         if self.lead_steps == 0:
             return scale * late
         # The loop without numerical stiffness has the shortest period of all experimental fractions.
         structure = Structure(frequency=frequency, damping_ratio=damping_ratio)
         highest_gain = np.exp(REACH * damping_ratio)
         furthest = float(furthest_lead(structure, np.array(highest_gain))) / scale
-        early = _spaced(self._CORE, DELAY_SCALE * self._LONGEST, furthest, self.lead_steps)
+        early = _space_evenly(self._CORE, DELAY_SCALE * self._LONGEST, furthest, self.lead_steps)
         return scale * np.concatenate([-early[:0:-1], late])
 
 
 @lru_cache(maxsize=64)
-def _spaced(core: float, scale: float, furthest: float, steps: int) -> Array:
+def _space_evenly(core: float, scale: float, furthest: float, steps: int) -> Array:
     """Values from zero, evenly spaced in the coordinate in which surfaces are interpolated."""
     dense = np.concatenate([[0.0], np.geomspace(1e-3 * core, furthest, 20_000)])
     even = np.linspace(0.0, float(stretched(np.array(furthest), core, scale)), steps + 1)

@@ -33,7 +33,7 @@ def motion_coordinates(motions: Sequence[Motion]) -> dict[str, xr.Variable]:
     return {name: xr.Variable((Dimension.MOTION,), values) for name, values in columns.items()}
 
 
-def joined_coordinates(batches: Sequence[Mapping[str, xr.Variable]]) -> dict[str, xr.Variable]:
+def join_coordinates(batches: Sequence[Mapping[str, xr.Variable]]) -> dict[str, xr.Variable]:
     """Join the coordinates of several batches of ground motions."""
     return {
         name: xr.Variable((Dimension.MOTION,), np.concatenate([batch[name].values for batch in batches]))

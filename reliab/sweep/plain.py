@@ -60,7 +60,7 @@ class StatedStructures:
     model: HybridTest | None = None  # The model, if there is one
 
     @classmethod
-    def of(
+    def from_plain(
         cls, *, f: Numbers | None, xi: Numbers | None, alpha: Numbers, model: str | Path | HybridTest | None
     ) -> "StatedStructures":
         """Take what was stated, and 1 Hz and 2 % where nothing was.
@@ -148,15 +148,15 @@ def sweep_request(
     >>> sweep_request(f=[2.0, 0.5]).frequencies
     (0.5, 2.0)
     """
-    stated = StatedStructures.of(f=f, xi=xi, alpha=alpha, model=model)
+    structures = StatedStructures.from_plain(f=f, xi=xi, alpha=alpha, model=model)
     return SweepRequest(
-        frequencies=tuple(sorted(stated.frequencies)),
-        damping_ratios=tuple(sorted(stated.damping_ratios)),
-        grid=one_of(grid, _GRIDS if stated.model is None else _GRIDS_OF_DELAYS, "grid"),
+        frequencies=tuple(sorted(structures.frequencies)),
+        damping_ratios=tuple(sorted(structures.damping_ratios)),
+        grid=one_of(grid, _GRIDS if structures.model is None else _GRIDS_OF_DELAYS, "grid"),
         windows=tuple(Window.parse(text) for text in several(window)),
-        experimental_fractions=stated.experimental_fractions,
+        experimental_fractions=structures.experimental_fractions,
         engine=one_of(engine, {choice.value: choice for choice in Engine}, "engine"),
-        model=stated.model,
+        model=structures.model,
     )
 
 

@@ -87,14 +87,14 @@ class SweepRequest:
             "kp": coordinates["kp"][1].tolist(),
             "tau": coordinates["tau"][1].tolist(),
             "windows": [window.label for window in self.windows],
-            **self._described_shares(),
+            **self._describe_shares(),
             "engine": str(self.engine),
             "tolerance": REDUCTION_TOLERANCE,
             "tolerance_lead": LEAD_TOLERANCE,
             **model,
         }
 
-    def _described_shares(self) -> dict[str, object]:
+    def _describe_shares(self) -> dict[str, object]:
         if len(self.experimental_fractions) > 1:
             return {"experimental_fractions": list(self.experimental_fractions)}
         return {"experimental_fraction": self.experimental_fractions[0]}

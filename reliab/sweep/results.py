@@ -49,8 +49,8 @@ def real_results(f: Sequence[float] | None, xi: Sequence[float] | None) -> Path:
     'results_of_six.nc'
     """
     held = all(
-        wanted is not None and all(np.isclose(nodes, value, rtol=1e-9).any() for value in wanted)
-        for nodes, wanted in zip(_SIX, (f, xi), strict=True)
+        values is not None and all(np.isclose(nodes, value, rtol=1e-9).any() for value in values)
+        for nodes, values in zip(_SIX, (f, xi), strict=True)
     )
     return shipped("datasets", _OF_SIX if held else _OF_ALL)
 
@@ -205,10 +205,10 @@ _CHECK_PATH = "Check the path, or simulate first"
 
 def write_compact(results: xr.Dataset, path: str | Path) -> None:
     """Write the errors of a results dataset to one small NetCDF file."""
-    kept = [*Metric, *({_ERROR_AT_REST} & set(results))]
-    compact = results[kept].load()
+    variables = [*Metric, *({_ERROR_AT_REST} & set(results))]
+    compact = results[variables].load()
     for metric in Metric:
-        compact[metric] = _coded(compact[metric])
+        compact[metric] = _encode_errors(compact[metric])
     compact.attrs["precision"] = (
         f"errors above {_LARGEST_ERROR:g} are stored as {_LARGEST_ERROR:g} and those below "
         f"{_SMALLEST_ERROR:g} as 0; relative rounding {0.5 * _STEP:g}"
@@ -238,23 +238,23 @@ def open_compact(path: Path) -> xr.Dataset:
         if _CODED in dataset.attrs:
             step = float(dataset.attrs.pop(_CODED))
             for metric in Metric:
-                dataset[metric] = _decoded(dataset[metric], step)
+                dataset[metric] = _decode_errors(dataset[metric], step)
         if Dimension.SHARE not in dataset.dims:
             dataset.attrs[SHARE_ATTRIBUTE] = float(dataset.attrs[SHARE_ATTRIBUTE])
     return dataset
 
 
-def _coded(errors: xr.DataArray) -> xr.DataArray:
+def _encode_errors(errors: xr.DataArray) -> xr.DataArray:
     """Write errors as differences of whole steps of their logarithm between neighbours."""
-    known = np.nan_to_num(errors.values.astype(np.float64), nan=_LARGEST_ERROR, posinf=_LARGEST_ERROR)
-    steps = np.round(np.log(np.clip(known, _SMALLEST_ERROR, _LARGEST_ERROR)) / _STEP).astype(np.int32)
+    finite = np.nan_to_num(errors.values.astype(np.float64), nan=_LARGEST_ERROR, posinf=_LARGEST_ERROR)
+    steps = np.round(np.log(np.clip(finite, _SMALLEST_ERROR, _LARGEST_ERROR)) / _STEP).astype(np.int32)
     for name in _NEIGHBOURS:
         steps = np.diff(steps, axis=errors.get_axis_num(name), prepend=np.int32(0))
     return errors.copy(data=steps)
 
 
-def _decoded(steps: xr.DataArray, step: float) -> xr.DataArray:
-    """Read errors that :func:`_coded` wrote."""
+def _decode_errors(steps: xr.DataArray, step: float) -> xr.DataArray:
+    """Read errors that :func:`_encode_errors` wrote."""
     whole = steps.values.astype(np.int64)
     for name in _NEIGHBOURS:
         whole = np.cumsum(whole, axis=steps.get_axis_num(name))

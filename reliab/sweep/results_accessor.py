@@ -19,7 +19,7 @@ from reliab.sweep.shares import at_share, for_each_share, share_of, shares_of
 from reliab.sweep.store_layout import MEND, STORED
 from reliab.vocabulary import RESULT_DIMENSIONS, SHARE_ATTRIBUTE, Dimension, Metric, Side
 
-_TOGETHER = 32  # motions
+_MOTIONS_AT_A_TIME = 32  # motions
 
 
 def batches(motions: int) -> Iterator[slice]:
@@ -28,8 +28,8 @@ def batches(motions: int) -> Iterator[slice]:
     >>> [(some.start, some.stop) for some in batches(70)]
     [(0, 32), (32, 64), (64, 70)]
     """
-    for begin in range(0, motions, _TOGETHER):
-        yield slice(begin, min(begin + _TOGETHER, motions))
+    for begin in range(0, motions, _MOTIONS_AT_A_TIME):
+        yield slice(begin, min(begin + _MOTIONS_AT_A_TIME, motions))
 
 
 def surfaces_of(errors: xr.DataArray) -> ErrorSurfaces:
@@ -60,8 +60,8 @@ def contours_of(
 
     contours = trace_contours(error, levels, structure, side=sides)
     inside = np.stack([_inside_grid(errors, structure, *pair) for pair in pairs], axis=-1)
-    chosen = [contour if ok else None for contour, ok in zip(contours, inside.ravel(), strict=True)]
-    return [chosen[k : k + len(pairs)] for k in range(0, len(chosen), len(pairs))]
+    within_grid = [contour if ok else None for contour, ok in zip(contours, inside.ravel(), strict=True)]
+    return [within_grid[k : k + len(pairs)] for k in range(0, len(within_grid), len(pairs))]
 
 
 def _inside_grid(
@@ -148,16 +148,16 @@ class ResultsAccessor:
     def at_structure(self, f: float, xi: float) -> xr.Dataset:
         """Results of one structure, as float64 with one-dimensional `kp` and `tau` coordinates."""
         gains, delays = self.grid(f, xi)
-        chosen = self._dataset.drop_vars([Dimension.GAIN, Dimension.DELAY]).isel(
+        results = self._dataset.drop_vars([Dimension.GAIN, Dimension.DELAY]).isel(
             {
                 Dimension.FREQUENCY: int(np.argmin(np.abs(self._dataset["f"].values - f))),
                 Dimension.DAMPING_RATIO: int(np.argmin(np.abs(self._dataset["xi"].values - xi))),
             }
         )
         with self._sound():
-            chosen = chosen.load()
-        floats = {name: values.astype(np.float64) for name, values in chosen.items() if name != "stable"}
-        return with_labels(chosen.assign(floats).assign_coords(kp=gains, tau=delays))
+            results = results.load()
+        floats = {name: values.astype(np.float64) for name, values in results.items() if name != "stable"}
+        return with_labels(results.assign(floats).assign_coords(kp=gains, tau=delays))
 
     def nearest(self, *, f: float, xi: float, gain: float, delay: float) -> xr.Dataset:
         """Results of the cell nearest to a given gain [-] and delay [s], for every motion."""
@@ -214,11 +214,11 @@ class ResultsAccessor:
         self._check_sides(sides)
         if len(shares := shares_of(self._dataset)) > 1:
 
-            def of(share: float, advance: Progress) -> xr.Dataset:
+            def trace_share(share: float, advance: Progress) -> xr.Dataset:
                 of_share = ResultsAccessor(at_share(self._dataset, share))
                 return of_share.ellipses(thresholds, metrics, curves, sides=sides, progress=advance)
 
-            return for_each_share(shares, of, progress)
+            return for_each_share(shares, trace_share, progress)
         sizes = [self._dataset.sizes[name] for name in ("motion", "f", "xi")]
         table = np.full(
             (*sizes, len(thresholds), len(metrics), len(curves), len(sides), len(COLUMNS)), np.nan
@@ -228,12 +228,12 @@ class ResultsAccessor:
         for i, f in enumerate(self._dataset["f"].values.tolist()):
             for j, xi in enumerate(self._dataset["xi"].values.tolist()):
                 structure = self.structure(f, xi)
-                for some in batches(sizes[0]):
-                    results = ResultsAccessor(self._dataset.isel(motion=some)).at_structure(f, xi)
+                for batch in batches(sizes[0]):
+                    results = ResultsAccessor(self._dataset.isel(motion=batch)).at_structure(f, xi)
                     for k, metric in enumerate(metrics):
                         rows = curve_table(contours_of(results[metric], structure, pairs), curves)
                         by_side = rows.reshape(-1, len(thresholds), len(sides), *rows.shape[2:])
-                        table[some, i, j, :, k] = by_side.swapaxes(2, 3)
+                        table[batch, i, j, :, k] = by_side.swapaxes(2, 3)
                 progress(i * sizes[2] + j + 1, total)
         return ellipse_dataset(
             table,

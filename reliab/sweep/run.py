@@ -126,14 +126,14 @@ def _solve_and_store(job: SweepJob, store: ResultsStore, index: int) -> None:
 
 def _on_cluster(address: str, job: SweepJob, store: ResultsStore, missing: list[int]) -> Iterator[None]:
     """Solve motions on a cluster and store the results on this computer."""
-    for solution in _solved_on_cluster(address, job, missing):
+    for solution in _solve_on_cluster(address, job, missing):
         store.write(*solution)
         yield
 
 
-def _solved_on_cluster(address: str, job: SweepJob, missing: list[int]) -> Iterator[Solved]:
+def _solve_on_cluster(address: str, job: SweepJob, missing: list[int]) -> Iterator[Solved]:
     """Solve motions on a cluster."""
-    with _connected(address) as client:
+    with _connect(address) as client:
         from distributed import as_completed
 
         shared = client.scatter(job, broadcast=True)
@@ -145,13 +145,13 @@ def _solved_on_cluster(address: str, job: SweepJob, missing: list[int]) -> Itera
         ahead = _TASKS_PER_THREAD * max(1, sum(client.nthreads().values()))
         running = as_completed([submit(index) for index in islice(queue, ahead)])
         for future in running:
-            yield _result(future)
+            yield _take_result(future)
             future.release()
             for index in islice(queue, 1):
                 running.add(submit(index))
 
 
-def _result(future: "Future[Solved]") -> Solved:
+def _take_result(future: "Future[Solved]") -> Solved:
     """Take what a worker answered; results that were stored before are safe where none did."""
     from distributed import CancelledError, KilledWorker
 
@@ -166,7 +166,7 @@ def _result(future: "Future[Solved]") -> Solved:
     return solution
 
 
-def _connected(address: str) -> "Client":
+def _connect(address: str) -> "Client":
     try:
         from distributed import Client
     except ImportError:

@@ -43,7 +43,7 @@ def share_of(dataset: xr.Dataset) -> float:
     if len(shares) > 1:
         raise InputError(
             "This is asked of one share of the stiffness in the laboratory",
-            value=f"a dataset of α = {_listed(shares)}",
+            value=f"a dataset of α = {_list_shares(shares)}",
             remedy="Choose one with reliab.sweep.at_share, or as `alpha` of a command",
         )
     return shares[0]
@@ -62,12 +62,12 @@ def at_share(dataset: xr.Dataset, share: float | None = None) -> xr.Dataset:
     (0.0004, {'experimental_fraction': 0.5})
     """
     shares = shares_of(dataset)
-    wanted = share_of(dataset) if share is None else share
-    near = [place for place, stored in enumerate(shares) if np.isclose(wanted, stored, rtol=1e-9)]
+    requested = share_of(dataset) if share is None else share
+    near = [place for place, stored in enumerate(shares) if np.isclose(requested, stored, rtol=1e-9)]
     if not near:
         raise InputError(
             "The share of the stiffness must be among those of the dataset",
-            value=f"α = {wanted:g}, it is of α = {_listed(shares)}",
+            value=f"α = {requested:g}, it is of α = {_list_shares(shares)}",
             remedy="Choose one of these, or simulate that one",
         )
     if Dimension.SHARE not in dataset.coords:
@@ -86,17 +86,17 @@ def for_each_share(
     a dataset of that share; `progress`: called with the steps done for all shares and their number. Returns
     of one share what was computed, unchanged; of several with the dimension `alpha` after `xi`.
     """
-    parts = []
+    datasets = []
     for turn, share in enumerate(shares):
 
         def advance(done: int, total: int, turn: int = turn) -> None:
             progress(turn * total + done, len(shares) * total)
 
-        parts.append(compute(share, advance))
-    if len(parts) == 1:
-        return parts[0]
+        datasets.append(compute(share, advance))
+    if len(datasets) == 1:
+        return datasets[0]
     joined = xr.concat(
-        parts,
+        datasets,
         xr.DataArray(list(shares), dims=Dimension.SHARE, name=str(Dimension.SHARE)),
         data_vars="all",
         coords="minimal",
@@ -105,13 +105,13 @@ def for_each_share(
         combine_attrs="override",
     )
     joined.attrs.pop(SHARE_ATTRIBUTE, None)
-    cautions = dict.fromkeys(part.attrs["caution"] for part in parts if "caution" in part.attrs)
+    cautions = dict.fromkeys(dataset.attrs["caution"] for dataset in datasets if "caution" in dataset.attrs)
     if cautions:
         joined.attrs["caution"] = " ".join(cautions)
     return with_labels(joined.map(_beside_the_damping_ratio, keep_attrs=True))
 
 
-def _listed(shares: Sequence[float]) -> str:
+def _list_shares(shares: Sequence[float]) -> str:
     return ", ".join(f"{share:g}" for share in shares)
 
 

@@ -47,7 +47,7 @@ def _by_poles(request: SweepRequest) -> bool:
 @lru_cache(maxsize=8)
 def _batch(grid: Grid, structures: tuple[Structure, ...]) -> StructureBatch:
     """All structures with their cells, brought together once for all motions."""
-    return StructureBatch.of([_cells(grid, structure) for structure in structures])
+    return StructureBatch.from_cells([_cells(grid, structure) for structure in structures])
 
 
 @lru_cache(maxsize=256)
@@ -63,13 +63,13 @@ def solve_motion(motion: Motion, request: SweepRequest) -> list[MotionResults]:
 
 def _solve_window(motion: Motion, request: SweepRequest, window: Window) -> MotionResults:
     excitation = excitation_of(motion, window)
-    pair = QuadraturePair.of(excitation)
+    pair = QuadraturePair.from_excitation(excitation)
     structures = request.structures
     batch = _batch(request.grid, tuple(structures)) if _by_poles(request) else None
     prepared = batch.prepare(excitation) if batch else [None for _ in structures]
     tables = [
-        _solve_structure(excitation, pair, request, structure, found)
-        for structure, found in zip(structures, prepared, strict=True)
+        _solve_structure(excitation, pair, request, structure, of_structure)
+        for structure, of_structure in zip(structures, prepared, strict=True)
     ]
     shape = tuple(map(len, request.structure_axes.values()))
     columns = {
@@ -170,8 +170,8 @@ def _distinct(delays: Array) -> Array:
 
 def _evenly(values: Array) -> Array:
     """Choose a few of the values, as evenly spaced as possible."""
-    wanted = np.linspace(values[0], values[-1], _NODES)
-    nearest = np.unique(np.argmin(np.abs(values[:, np.newaxis] - wanted), axis=0))
+    even = np.linspace(values[0], values[-1], _NODES)
+    nearest = np.unique(np.argmin(np.abs(values[:, np.newaxis] - even), axis=0))
     return np.asarray(values[nearest])
 
 

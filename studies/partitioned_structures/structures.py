@@ -26,7 +26,7 @@ def partitioned_structures() -> dict[str, Partition]:
         return spring(with_specimen(frame, interface, specimen), interface, specimen)
 
     return {
-        "one mass, half of its spring": Partition.of(structure, mass=1000.0),
+        "one mass, half of its spring": Partition.from_structure(structure, mass=1000.0),
         "two storeys, the first one tested": spring(
             two, floor_interface(two, 1), Specimen(stiffness=4e5, mass=100.0)
         ),

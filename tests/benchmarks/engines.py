@@ -163,7 +163,7 @@ def main() -> None:
     def pole() -> object:
         return Loop(excitation=excitation, structure=structure, engine=Engine.POLE).deviation(cells)
 
-    batch = StructureBatch.of([ExplicitGrid().cells(some) for some in STRUCTURES])
+    batch = StructureBatch.from_cells([ExplicitGrid().cells(some) for some in STRUCTURES])
 
     def together() -> object:
         return batch.prepare(excitation)

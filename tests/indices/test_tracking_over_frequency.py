@@ -6,7 +6,7 @@ import pytest
 from reliab.errors import InputError
 from reliab.indices.tracking_over_frequency import (
     TrackingOverFrequency,
-    _advanced,
+    _advance,
     tracking_over_frequency,
 )
 
@@ -123,6 +123,6 @@ def test_only_frequencies_between_the_first_and_the_last_are_known():
 @pytest.mark.parametrize("steps", [1, 7])
 def test_a_history_that_is_advanced_rests_midway_between_its_ends_afterwards(steps):
     history = np.random.default_rng(3).standard_normal(200) + np.linspace(1.0, 9.0, 200)
-    advanced = _advanced(history, steps * 0.01, 0.01)
+    advanced = _advance(history, steps * 0.01, 0.01)
     assert advanced[:-steps] == pytest.approx(history[steps:])
     assert advanced[-steps:] == pytest.approx(np.full(steps, 0.5 * (history[0] + history[-1])))

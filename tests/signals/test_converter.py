@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from reliab.signals import converter_step, expected_error, rounded_differently
+from reliab.signals import converter_step, expected_error, vary_rounding
 
 
 def test_all_levels_are_whole_steps_apart():
@@ -35,7 +35,7 @@ def test_levels_that_differ_by_rounding_of_the_computer_are_one():
 
 def test_a_motion_is_rounded_on_every_shifted_grid():
     motion = 0.04 * np.random.default_rng(9).standard_normal(3000)
-    noises = np.array(list(rounded_differently(motion, 0.02)))
+    noises = np.array(list(vary_rounding(motion, 0.02)))
     places = (motion + noises) / 0.02
     shifts = np.sort(np.unique(np.round(places - np.floor(places), 9)))
     assert shifts == pytest.approx((np.arange(8) + 0.5) / 8)

@@ -149,7 +149,7 @@ def test_deviation_below_its_drive_is_left_to_double_precision():
     loop = Loop(excitation=excitation, structure=Structure(frequency=1.0, damping_ratio=0.03))
     cells = loop.cells(gain=[0.98, 1.0], delay=[0.001, 0.0])
     driven = cells.driven(loop.blocks.step, cells.recursions(loop.blocks.step)[0])
-    stepped = Stepped.of(loop.blocks, loop.driven_record, driven)
+    stepped = Stepped.through_window(loop.blocks, loop.driven_record, driven)
     both = np.ones(2, dtype=bool)
     _, faint = drive_stepping.deviation(loop.blocks, loop.driven_record, driven, both, stepped)
     assert faint.tolist() == [True, False]
@@ -172,5 +172,5 @@ def test_silence_has_no_drives():
         excitation=Excitation(acceleration=np.zeros(500), time_step=0.01),
         structure=Structure(frequency=1.0, damping_ratio=0.02),
     )
-    record = DrivenRecord.of(loop.blocks, shared_drives(loop.structure, loop.blocks.step))
+    record = DrivenRecord.from_blocks(loop.blocks, shared_drives(loop.structure, loop.blocks.step))
     assert not record.drives.any()

@@ -22,7 +22,7 @@ RECORD = np.random.default_rng(7).standard_normal(1800)
 def test_each_structure_is_solved_as_if_it_were_alone(grid, window):
     excitation = Excitation(acceleration=RECORD, time_step=0.0137, window=window)
     cells = [grid.cells(structure) for structure in STRUCTURES]
-    prepared = StructureBatch.of(cells).prepare(excitation)
+    prepared = StructureBatch.from_cells(cells).prepare(excitation)
     for structure, some, beforehand in zip(STRUCTURES, cells, prepared, strict=True):
         together = Loop(excitation=excitation, structure=structure, prepared=beforehand).deviation(some)
         alone = Loop(excitation=excitation, structure=structure).deviation(some)
@@ -34,7 +34,7 @@ def test_each_structure_is_solved_as_if_it_were_alone(grid, window):
 def test_other_cells_of_a_prepared_loop_are_stepped_anew():
     excitation = Excitation(acceleration=RECORD, time_step=0.01)
     structure = STRUCTURES[1]
-    batch = StructureBatch.of([ExplicitGrid().cells(structure)])
+    batch = StructureBatch.from_cells([ExplicitGrid().cells(structure)])
     (beforehand,) = batch.prepare(excitation)
     loop = Loop(excitation=excitation, structure=structure, prepared=beforehand)
     other = loop.cells(gain=[0.99, 1.0], delay=[0.001, 0.002])
@@ -44,9 +44,9 @@ def test_other_cells_of_a_prepared_loop_are_stepped_anew():
 
 def test_a_record_that_would_fill_the_memory_is_left_to_each_structure():
     long = Excitation(acceleration=np.zeros(4_100_000), time_step=0.01)
-    assert StructureBatch.of([ExplicitGrid().cells(STRUCTURES[0])]).prepare(long) == [None]
+    assert StructureBatch.from_cells([ExplicitGrid().cells(STRUCTURES[0])]).prepare(long) == [None]
 
 
 def test_a_window_shorter_than_two_blocks_is_left_to_each_structure():
     excitation = Excitation(acceleration=RECORD, time_step=0.01, window=(4.0, 4.015))
-    assert StructureBatch.of([ExplicitGrid().cells(STRUCTURES[0])]).prepare(excitation) == [None]
+    assert StructureBatch.from_cells([ExplicitGrid().cells(STRUCTURES[0])]).prepare(excitation) == [None]

@@ -162,7 +162,7 @@ def test_every_stored_window_has_its_own_errors(store, results, suite):
 def test_motions_traced_some_at_a_time_have_the_curves_of_all_together(store, monkeypatch):
     results = open_results(store)
     together = results.reliab.ellipses((0.02, 0.05), tuple(Metric))
-    monkeypatch.setattr("reliab.sweep.results_accessor._TOGETHER", 4)
+    monkeypatch.setattr("reliab.sweep.results_accessor._MOTIONS_AT_A_TIME", 4)
     xr.testing.assert_identical(results.reliab.ellipses((0.02, 0.05), tuple(Metric)), together)
 
 

@@ -127,7 +127,10 @@ def test_shares_that_do_not_increase_are_refused(shares):
 def traced_frame(motions, request, **options):
     structure = Structure(frequency=1.0, damping_ratio=0.05)
     frame = FrameUnderTest(
-        name="frame", partition=Partition.of(structure, mass=20.0), output=None, error_of="interface"
+        name="frame",
+        partition=Partition.from_structure(structure, mass=20.0),
+        output=None,
+        error_of="interface",
     )
     asked = {name: getattr(request, name) for name in ("thresholds", "metrics", "curves", "sides")}
     return trace_frame_ellipses(motions, FrameRequest(frame=frame, **asked), **options)

@@ -62,14 +62,14 @@ def _channel(source: Source, match: re.Match[bytes], begin: int, stop: int, repo
     count, step, units, width = (decode(group or b"") for group in match.groups())
     label = _CHANNEL.search(source.content, begin, match.start())
     origin = _ORIGIN.search(source.content, begin, match.start())
-    stated = state_units(units.strip().rstrip("."), line, report)
-    _check_peak_units(source, stated, begin, match.start(), report)
+    unit = state_units(units.strip().rstrip("."), line, report)
+    _check_peak_units(source, unit, begin, match.start(), report)
     return Header(
         start=min(match.end() + 1, stop),
         stop=stop,
         count=state_count(count, line, report),
         time_step=state_time_step(step, line, report),
-        units=stated,
+        units=unit,
         width=int(width) or None if width else None,
         event=" ".join(decode(origin[1]).replace(",", " ").split()) if origin else "",
         channel=decode(label[2]).strip() if label else "",

@@ -59,11 +59,11 @@ def last_place(text: str) -> float:
     return float(Decimal(1).scaleb(int(_decimal(text).as_tuple().exponent)))
 
 
-def may_round(time_step: float, stated: Statement[float]) -> bool:
+def may_round(time_step: float, step_of_header: Statement[float]) -> bool:
     """Tell whether a header may print this true step as it does: rounded, cut off, or off by 5 % at most."""
-    excess = time_step - stated.value
-    place = stated.tolerance * _SLACK
-    return -place / 2 <= excess <= place or abs(excess) <= _CORRECTION * stated.value
+    excess = time_step - step_of_header.value
+    place = step_of_header.tolerance * _SLACK
+    return -place / 2 <= excess <= place or abs(excess) <= _CORRECTION * step_of_header.value
 
 
 def _decimal(text: str) -> Decimal:

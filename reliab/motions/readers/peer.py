@@ -117,7 +117,7 @@ def _event(before: list[Line]) -> str:
     name = " ".join(title[: match.start()].replace(",", " ").split()).upper() if match else ""
     if match is None or not name:
         return ""
-    month, day, year = (int(part) for part in match.groups())
+    month, day, year = (int(digits) for digits in match.groups())
     if len(match[3]) == 2:  # noqa: PLR2004 - a year of two digits
         year += 1900 if year >= _CENTURY_TURNS else 2000
     return f"{name} {year}-{month:02}-{day:02}"

@@ -67,16 +67,16 @@ def _settle_units(
     header: Header, declared: Declared, report: Report, *, sound: bool
 ) -> AccelerationUnit | None:
     """Find the units; if the header already has a fault, missing units are not reported again."""
-    stated = header.units
-    if stated is not None and declared.units not in {None, stated.value}:
+    of_header = header.units
+    if of_header is not None and declared.units not in {None, of_header.value}:
         report.add(
             "The units in the header must be those that are declared for the record",
-            line=stated.line,
-            value=f"{stated.value} in the header, {declared.units} in {declared.where}",
+            line=of_header.line,
+            value=f"{of_header.value} in the header, {declared.units} in {declared.where}",
             remedy="Correct whichever is wrong",
         )
         return None
-    units = stated.value if stated is not None else declared.units or header.default_units
+    units = of_header.value if of_header is not None else declared.units or header.default_units
     if units is None and sound:
         report.add(
             "The units must be stated",
@@ -87,8 +87,8 @@ def _settle_units(
 
 
 def _settle_time_step(header: Header, declared: Declared, report: Report, *, sound: bool) -> float | None:
-    stated = header.time_step
-    if stated is None:
+    of_header = header.time_step
+    if of_header is None:
         if declared.time_step is None and sound:
             report.add(
                 "The time step must be stated",
@@ -97,12 +97,12 @@ def _settle_time_step(header: Header, declared: Declared, report: Report, *, sou
             )
         return declared.time_step
     if declared.time_step is None:
-        return stated.value
-    if not may_round(declared.time_step, stated):
+        return of_header.value
+    if not may_round(declared.time_step, of_header):
         report.add(
             "A declared time step must be the header's, except for rounding in the header",
-            line=stated.line,
-            value=f"{stated.value:g} s in the header, {declared.time_step:g} s in {declared.where}",
+            line=of_header.line,
+            value=f"{of_header.value:g} s in the header, {declared.time_step:g} s in {declared.where}",
             remedy="Correct whichever is wrong",
         )
         return None
@@ -270,14 +270,14 @@ def _rounding(source: Source, header: Header) -> float:
 
 def _with_step(source: Source, header: Header, step: float, tolerance: float, report: Report) -> Header:
     line = source.line_number(header.start)
-    stated = header.time_step
-    if stated is None:
+    of_header = header.time_step
+    if of_header is None:
         return replace(header, time_step=Statement(value=step, line=line, tolerance=tolerance))
-    if not may_round(step, stated):
+    if not may_round(step, of_header):
         report.add(
             "The time step in the header must be the one between the times",
-            line=stated.line,
-            value=f"{stated.value:g} s in the header, {step:g} s between the times",
+            line=of_header.line,
+            value=f"{of_header.value:g} s in the header, {step:g} s between the times",
             remedy="Correct the header",
         )
     return header

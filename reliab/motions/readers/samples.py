@@ -86,7 +86,7 @@ def split_line(line: Line, header: Header) -> list[str]:
         return tokens
     if header.width is not None:
         return _split_columns(line.text.rstrip(), header.width)
-    return [part for token in tokens for part in _split_glued(token)]
+    return [number for token in tokens for number in _split_glued(token)]
 
 
 def _split_columns(text: str, width: int) -> list[str]:

@@ -181,4 +181,4 @@ def _named_units(text: str) -> str | None:
 def _unit_among(text: str) -> str:
     """Return the part of ``s, m/s2`` or of ``acceleration: g`` that is a unit, or else all of it."""
     parts = re.split(r"[,;:=]|\band\b|\bin\b", text, flags=_FLAGS)
-    return next((part for part in parts if find_unit(part)), text)
+    return next((word for word in parts if find_unit(word)), text)

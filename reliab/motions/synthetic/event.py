@@ -16,7 +16,7 @@ from reliab.motions.synthetic.fema_p695_2009 import Earthquake, draw_earthquake,
 from reliab.motions.synthetic.parameters import RecordingParameters, physical_parameters, regression_of
 from reliab.motions.synthetic.pulse import pulse_probability
 from reliab.motions.synthetic.random_stream import RandomStream
-from reliab.motions.synthetic.recording import TIME_STEP, simulate_recording, trimmed, turned
+from reliab.motions.synthetic.recording import TIME_STEP, simulate_recording, trim_quiet_ends, turned
 from reliab.motions.synthetic.scenario import Scenario
 from reliab.vocabulary import STANDARD_GRAVITY
 
@@ -52,7 +52,7 @@ class EventErrors:
         """Draw errors for the next station until one of them gives a motion."""
         shared, scale = (0.0, 1.0) if self._shared is None else (self._shared, sqrt(1.0 - EVENT_SHARE))
         while True:
-            standard = shared + scale * self._correlated(stream)
+            standard = shared + scale * self._draw_correlated(stream)
             if np.abs(standard).max() > _CUT:
                 continue
             result = attempt(standard * self._regression.deviations)
@@ -63,10 +63,10 @@ class EventErrors:
     def _share(self, standard: Array) -> None:
         """Draw η from its distribution given the whole error of the first station."""
         if self._shared is None:
-            remainder = sqrt(EVENT_SHARE * (1.0 - EVENT_SHARE)) * self._correlated(self._stream)
+            remainder = sqrt(EVENT_SHARE * (1.0 - EVENT_SHARE)) * self._draw_correlated(self._stream)
             self._shared = EVENT_SHARE * standard + remainder
 
-    def _correlated(self, stream: RandomStream) -> Array:
+    def _draw_correlated(self, stream: RandomStream) -> Array:
         normals = stream.normals(self._regression.deviations.size)
         correlated: Array = np.sum(self._regression.factor * normals, axis=1)
         return correlated
@@ -149,6 +149,6 @@ def _record(
     parameters: RecordingParameters, magnitude: float, noises: tuple[RandomStream, RandomStream], angle: float
 ) -> Array:
     motion = simulate_recording(parameters, magnitude, noises)
-    rounded = np.round(trimmed(turned(motion, angle)) / QUANTUM) * QUANTUM
+    rounded = np.round(trim_quiet_ends(turned(motion, angle)) / QUANTUM) * QUANTUM
     rounded.flags.writeable = False
     return rounded

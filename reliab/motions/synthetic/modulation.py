@@ -66,11 +66,11 @@ def fit_modulation(component: ComponentParameters) -> Modulation:
     Returns with D0-5 and D5-95 exactly, unless D5-95 is so much longer than D0-5 that only D0-95 can be had.
     """
     ratio = component.strong_end / component.onset_duration
-    wanted = component.rise_duration / component.strong_end
+    rise_over_end = component.rise_duration / component.strong_end
 
     def excess(peak_share: float) -> float:
         shape = _unit_shape(peak_share, ratio)
-        return shape.time_of_share(_RISE) / shape.time_of_share(_END) - wanted
+        return shape.time_of_share(_RISE) / shape.time_of_share(_END) - rise_over_end
 
     if excess(_ONSET) >= 0.0:
         peak_share = _ONSET

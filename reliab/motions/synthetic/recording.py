@@ -45,7 +45,7 @@ def filter_frequency(component: ComponentParameters, modulation: Modulation, tim
     return np.maximum(linear, _LOWEST_FREQUENCY)
 
 
-def filtered_noise(noise: Array, frequency: Array, bandwidth: float, time_step: float) -> Array:
+def filter_noise(noise: Array, frequency: Array, bandwidth: float, time_step: float) -> Array:
     """Filter white noise through a damped oscillator; each impulse keeps the frequency of its instant.
 
     x(t) = Σ h(t − τ, ω(τ)) w(τ) / √(Σ h(t − τ, ω(τ))²) over all earlier impulses τ, with h(t, ω) = ω/√(1 −
@@ -57,7 +57,7 @@ def filtered_noise(noise: Array, frequency: Array, bandwidth: float, time_step: 
     `noise` (n,); `frequency` (n,) [Hz]; `time_step` [s]; returns (n,).
 
     >>> noise = np.array([1.0, 0.0, 0.0, 0.0])
-    >>> filtered_noise(noise, np.full(4, 2.0), bandwidth=0.2, time_step=0.01)
+    >>> filter_noise(noise, np.full(4, 2.0), bandwidth=0.2, time_step=0.01)
     array([0.        , 1.        , 0.88843676, 0.7887594 ])
     """
     total, power = np.zeros(noise.size), np.zeros(noise.size)
@@ -174,19 +174,19 @@ def simulate_recording(
     count = ceil(_LENGTH * max(component.strong_end for component in components) / TIME_STEP)
     quiet = padding(magnitude, TIME_STEP)
     times = TIME_STEP * np.arange(count, dtype=np.float64)
-    strong = [_modulated_noise(*pair, times) for pair in zip(components, noises, strict=True)]
+    strong = [_modulate_noise(*pair, times) for pair in zip(components, noises, strict=True)]
     motion = high_pass(np.pad(strong, ((0, 0), (quiet, quiet))), magnitude, TIME_STEP)
-    wanted = np.array([component.arias_intensity for component in components])
-    motion *= np.sqrt(wanted / _arias_intensity(motion))[:, np.newaxis]
+    intensities = np.array([component.arias_intensity for component in components])
+    motion *= np.sqrt(intensities / _arias_intensity(motion))[:, np.newaxis]
     if parameters.pulse is not None:
         motion[0, quiet : quiet + count] += pulse_acceleration(parameters.pulse, times)
     return motion
 
 
-def _modulated_noise(component: ComponentParameters, noise: RandomStream, times: Array) -> Array:
+def _modulate_noise(component: ComponentParameters, noise: RandomStream, times: Array) -> Array:
     modulation = fit_modulation(component)
     frequency = filter_frequency(component, modulation, times)
-    process = filtered_noise(noise.normals(times.size), frequency, component.bandwidth, TIME_STEP)
+    process = filter_noise(noise.normals(times.size), frequency, component.bandwidth, TIME_STEP)
     return process * modulation(times)
 
 
@@ -208,7 +208,7 @@ def turned(motion: Array, angle: float) -> Array:
     return np.stack([cos(angle) * first + sin(angle) * second, cos(angle) * second - sin(angle) * first])
 
 
-def trimmed(motion: Array) -> Array:
+def trim_quiet_ends(motion: Array) -> Array:
     """Cut off the quiet time before and after a motion, and bring what is left to rest.
 
     Both components are cut where the displacement of the first to move, and of the last to rest, is 1 % of

@@ -86,7 +86,7 @@ def frame_of_tables(content: dict[str, Any], where: str) -> FrameUnderTest:
     )
     try:
         with np.errstate(over="raise", invalid="raise", divide="raise"):
-            return _built(description, Path(where).parent)
+            return _build(description, Path(where).parent)
     except (FloatingPointError, OverflowError):
         raise InputError(
             "Mass, damping and stiffness of a frame must be finite numbers",
@@ -107,7 +107,7 @@ def read_frame(path: str | Path) -> FrameUnderTest:
     return frame_of_tables(read_toml(path, rule=rule, remedy=remedy), str(path))
 
 
-def _built(description: FrameDescription, folder: Path) -> FrameUnderTest:
+def _build(description: FrameDescription, folder: Path) -> FrameUnderTest:
     table = description.frame
     mass, stiffness = table.matrices
     plain = Frame(

@@ -77,9 +77,9 @@ class FrameCells:
         s = (2j * np.pi * self.frequencies).astype(np.complex128)
         exact = transfer(self.partition, self.gain, self.delay, s, self.output)
         ideal = transfer(self.partition, np.ones(1), np.zeros(1), s, self.output)
-        lost = np.abs(exact - self.poles.transfer(s)) ** 2
-        sought = np.maximum(np.abs(exact - ideal), _NO_DEVIATION * np.abs(ideal)) ** 2
-        return np.where(np.isfinite(lost), lost, np.inf), sought
+        neglected = np.abs(exact - self.poles.transfer(s)) ** 2
+        total = np.maximum(np.abs(exact - ideal), _NO_DEVIATION * np.abs(ideal)) ** 2
+        return np.where(np.isfinite(neglected), neglected, np.inf), total
 
 
 REDUCTION_TOLERANCE = 3e-3
@@ -201,9 +201,9 @@ class FrameLoop:
 
     def reduction_error(self, cells: FrameCells) -> Array:
         """Relative error of RMS^R that the reduction causes for this record [-], shape (cells,)."""
-        lost, sought = cells.reduction
+        neglected, total = cells.reduction
         with np.errstate(invalid="ignore"):
-            error = np.sqrt(self._band_power @ lost / np.maximum(self._band_power @ sought, 1e-300))
+            error = np.sqrt(self._band_power @ neglected / np.maximum(self._band_power @ total, 1e-300))
         return np.where(np.isnan(error), np.inf, error)
 
     def deviation(self, cells: FrameCells) -> Deviation:

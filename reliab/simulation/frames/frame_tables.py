@@ -92,8 +92,8 @@ class TransferTable(DescribedTable):
             message = "numerator and denominator belong together"
             raise ValueError(message)
         ways = self.denominator, self.poles_per_s, self.file, self.servo_hydraulic
-        given = sum(way is not None for way in ways)
-        if given > 1 or (given == 0 and self.gain is None and not self.delay_ms):
+        count = sum(way is not None for way in ways)
+        if count > 1 or (count == 0 and self.gain is None and not self.delay_ms):
             message = (
                 "give numerator and denominator, or poles_per_s, file, servo_hydraulic, or gain and delay_ms"
             )
@@ -101,7 +101,7 @@ class TransferTable(DescribedTable):
         only_with = (
             (
                 self.gain is not None,
-                self.poles_per_s is not None or given == 0,
+                self.poles_per_s is not None or count == 0,
                 "gain needs poles_per_s or delay_ms",
             ),
             (bool(self.zeros_per_s), self.poles_per_s is not None, "zeros_per_s needs poles_per_s"),
@@ -134,10 +134,10 @@ class TransferTable(DescribedTable):
         return TransferFunction(numerator=numerator, denominator=denominator, delay=delay)
 
 
-def _roots(stated: tuple[Root, ...]) -> list[complex]:
+def _roots(entries: tuple[Root, ...]) -> list[complex]:
     """All zeros or poles, both of each pair."""
     roots: list[complex] = []
-    for root in stated:
+    for root in entries:
         if isinstance(root, tuple):
             roots += [complex(*root), complex(root[0], -root[1])] if root[1] else [complex(root[0])]
         else:
@@ -267,19 +267,19 @@ class EffectTable(BaseModel):
     @property
     def effect(self) -> Effect:
         """The effect."""
-        kind, given = find_effect(self.name), dict(self.model_extra or {})
-        known = [parameter.name for parameter in kind.parameters]
-        unknown = sorted(set(given) - set(known))
+        kind, values = find_effect(self.name), dict(self.model_extra or {})
+        names = [parameter.name for parameter in kind.parameters]
+        unknown = sorted(set(values) - set(names))
         if unknown:
             raise InputError(
-                f"The parameters of {self.name} are {', '.join(known)}",
+                f"The parameters of {self.name} are {', '.join(names)}",
                 value=", ".join(unknown),
                 remedy="Give these, in SI units",
             )
         try:
-            return kind(**given)
+            return kind(**values)
         except TypeError:
-            missing = [name for name in known if name not in given]
+            missing = [name for name in names if name not in values]
             raise InputError(f"{self.name} needs its parameters", value=f"no {', '.join(missing)}") from None
 
 

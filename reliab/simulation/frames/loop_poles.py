@@ -1,4 +1,4 @@
-"""The hybrid test of a partitioned frame reduced to one pole pair per mode and a fast rest.
+"""The hybrid test of a partitioned frame reduced to one pole pair per mode and a fast remainder.
 
 With g = γᵀD⁻¹γ of the undivided structure, D = M s² + C s + K, and σ = k_p e^(−sτ), the poles of the test
 are the roots of ``1 + Z(s)(σ(s) − 1)g(s) = 0``. Each pole λ of the structure grows into one of them as the
@@ -35,10 +35,10 @@ class PoleLoop:
     # shape (modes, cells); their conjugates belong to them. NaN where Newton's iteration did not converge
     poles: Spectrum
     residues: Spectrum
-    # rest, rest_time: Static value R [s²] and time constant T [s] of the fast rest, shape (cells,): R/(1 +
-    # Ts), or for T < 0 the ground ahead, R e^(−Ts)
-    rest: Array
-    rest_time: Array
+    # remainder, remainder_time: Static value R [s²] and time constant T [s] of what the pairs leave, shape
+    # (cells,): R/(1 + Ts), or for T < 0 the ground ahead, R e^(−Ts)
+    remainder: Array
+    remainder_time: Array
 
     @property
     def stable(self) -> NDArray[np.bool_]:
@@ -49,8 +49,8 @@ class PoleLoop:
     def transfer(self, s: Spectrum) -> Spectrum:
         """Reduced transfer function from −a_g [s²] at s [rad/s], shape (frequencies, cells)."""
         at = np.asarray(s)[:, np.newaxis]
-        lag, ahead = np.maximum(self.rest_time, 0.0), np.maximum(-self.rest_time, 0.0)
-        total = self.rest * np.exp(at * ahead) / (1.0 + at * lag)
+        lag, ahead = np.maximum(self.remainder_time, 0.0), np.maximum(-self.remainder_time, 0.0)
+        total = self.remainder * np.exp(at * ahead) / (1.0 + at * lag)
         for pole, residue in zip(self.poles, self.residues, strict=True):
             total = total + residue / (at - pole) + residue.conj() / (at - pole.conj())
         return np.asarray(total)
@@ -66,29 +66,29 @@ def pole_loop(partition: Partition, gain: Array, delay: Array, output: Array | N
             value=f"{partition.frame.size - start.size} overdamped modes",
             remedy="Reduce the damping, or the number of degrees of freedom",
         )
-    poles = np.stack([_followed(partition, complex(pole), gain, delay) for pole in start])
+    poles = np.stack([_follow_pole(partition, complex(pole), gain, delay) for pole in start])
     residues = _residues(partition, poles, gain, delay, output)
-    rest, rest_time = _rest(partition, poles, residues, gain, delay, output)
-    return PoleLoop(poles=poles, residues=residues, rest=rest, rest_time=rest_time)
+    remainder, remainder_time = _remainder(partition, poles, residues, gain, delay, output)
+    return PoleLoop(poles=poles, residues=residues, remainder=remainder, remainder_time=remainder_time)
 
 
-def _followed(partition: Partition, pole: complex, gain: Array, delay: Array) -> Spectrum:
+def _follow_pole(partition: Partition, pole: complex, gain: Array, delay: Array) -> Spectrum:
     """Pole that grows out of one of the structure's, shape (cells,)."""
     start, others, residue, other_residues = _receptance(partition, pole)
     k, c, m = partition.specimen.stiffness, partition.specimen.damping, partition.specimen.mass
     s = np.full(gain.size, start, dtype=np.complex128)
     step = s
-    for part in range(1, _PARTS + 1):
-        share = part / _PARTS
+    for stage in range(1, _PARTS + 1):
+        share = stage / _PARTS
         for _ in range(_NEWTON_STEPS):
             sigma = gain * np.exp(-s * delay)
             error = share * (sigma - 1.0)
             impedance, impedance_slope = k + s * (c + s * m), c + 2.0 * s * m
             distance = s[:, np.newaxis] - others
-            rest = (other_residues / distance).sum(axis=1)
-            rest_slope = -(other_residues / distance**2).sum(axis=1)
-            smooth = residue + (s - start) * rest  # (s − λ)·g
-            smooth_slope = rest + (s - start) * rest_slope
+            sum_over_others = (other_residues / distance).sum(axis=1)
+            slope_over_others = -(other_residues / distance**2).sum(axis=1)
+            smooth = residue + (s - start) * sum_over_others  # (s − λ)·g
+            smooth_slope = sum_over_others + (s - start) * slope_over_others
             force = impedance * error
             force_slope = impedance_slope * error - impedance * share * delay * sigma
             value = (s - start) + smooth * force
@@ -125,13 +125,13 @@ def _residues(
     frame, gamma = partition.frame, partition.interface
     load = frame.mass @ frame.influence
     k, c, m = partition.specimen.stiffness, partition.specimen.damping, partition.specimen.mass
-    known = np.nan_to_num(poles, nan=1.0)
-    sigma = gain * np.exp(-known * delay)
-    force = partition.impedance(known) * (sigma - 1.0)
-    force_slope = (c + 2.0 * known * m) * (sigma - 1.0) - (k + known * (c + known * m)) * delay * sigma
-    at = known[..., np.newaxis, np.newaxis]
+    s = np.nan_to_num(poles, nan=1.0)
+    sigma = gain * np.exp(-s * delay)
+    force = partition.impedance(s) * (sigma - 1.0)
+    force_slope = (c + 2.0 * s * m) * (sigma - 1.0) - (k + s * (c + s * m)) * delay * sigma
+    at = s[..., np.newaxis, np.newaxis]
     along = np.outer(gamma, gamma)
-    matrix = frame.dynamic_stiffness(known) + force[..., np.newaxis, np.newaxis] * along
+    matrix = frame.dynamic_stiffness(s) + force[..., np.newaxis, np.newaxis] * along
     slope = 2.0 * at * frame.mass + frame.damping + force_slope[..., np.newaxis, np.newaxis] * along
     shapes = np.linalg.svd(matrix)[2][..., -1, :].conj()
     scale = np.einsum("...i,...ij,...j->...", shapes, slope, shapes)
@@ -140,7 +140,7 @@ def _residues(
     return np.asarray(np.where(np.isnan(poles), np.nan, response * seen))
 
 
-def _rest(
+def _remainder(
     partition: Partition, poles: Spectrum, residues: Spectrum, gain: Array, delay: Array, output: Array | None
 ) -> tuple[Array, Array]:
     """Value and time constant at s = 0 of what the pole pairs leave of the transfer function."""
@@ -152,7 +152,7 @@ def _rest(
     value = remainder.mean(axis=0).real
     slope = (remainder / s[:, np.newaxis]).mean(axis=0).real
     time = np.nan_to_num(-slope / value, nan=0.0, posinf=0.0, neginf=0.0)
-    # The rest of a delay lags, that of a lead is ahead; one of another shape follows the ground at once.
+    # A delay leaves a remainder that lags (T > 0), a lead one that is ahead (T < 0); any other is static.
     sound = (time * delay > 0.0) & (np.abs(time) < 2.0 * np.abs(delay))
     return np.asarray(np.nan_to_num(value)), np.where(sound, time, 0.0)
 

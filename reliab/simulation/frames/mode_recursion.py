@@ -21,12 +21,12 @@ _COEFFICIENTS = 7
 
 
 def recursion(loop: PoleLoop, step: float) -> Array:
-    """Coefficients of every pair and of the rest.
+    """Coefficients of every pair and of the remainder.
 
     `step` [s].
     Returns shape (modes + 1, 7, cells): of the last two displacements, of the ground at the end of this step,
     at its begin and a step before, the displacement a step before the record for which its first sample acts
-    as a jump, and of the ground at the end of the next step. The last row is the rest.
+    as a jump, and of the ground at the end of the next step. The last row is the remainder.
     """
     early, late, decay = ramp_weights(loop.poles, step)
     r, back = loop.residues, loop.residues * decay.conj()
@@ -44,21 +44,21 @@ def recursion(loop: PoleLoop, step: float) -> Array:
         ],
         axis=1,
     )
-    return np.concatenate([pairs, _rest(loop, step)[np.newaxis]])
+    return np.concatenate([pairs, _remainder(loop, step)[np.newaxis]])
 
 
-def _rest(loop: PoleLoop, step: float) -> Array:
-    """Coefficients of the rest, shape (7, cells): a first-order lag, or the ground some time ahead."""
-    rest = np.zeros((_COEFFICIENTS, loop.rest.size))
-    ahead = np.maximum(-loop.rest_time, 0.0) / step
-    rest[2], rest[6] = -loop.rest * (1.0 - ahead), -loop.rest * ahead
-    lags = loop.rest_time > 0.0
+def _remainder(loop: PoleLoop, step: float) -> Array:
+    """Coefficients of the remainder, shape (7, cells): a first-order lag, or the ground some time ahead."""
+    remainder = np.zeros((_COEFFICIENTS, loop.remainder.size))
+    ahead = np.maximum(-loop.remainder_time, 0.0) / step
+    remainder[2], remainder[6] = -loop.remainder * (1.0 - ahead), -loop.remainder * ahead
+    lags = loop.remainder_time > 0.0
     if lags.any():
-        pole = -1.0 / loop.rest_time[lags]
+        pole = -1.0 / loop.remainder_time[lags]
         early, late, decay = ramp_weights(pole, step)
-        static = -loop.rest[lags] * pole
-        rest[0, lags], rest[2, lags], rest[3, lags] = decay, -static * late, -static * early
-    return rest
+        static = -loop.remainder[lags] * pole
+        remainder[0, lags], remainder[2, lags], remainder[3, lags] = decay, -static * late, -static * early
+    return remainder
 
 
 @compiled
@@ -79,7 +79,12 @@ def _track_lanes(ground: Array, ideal: Array, first: int, coefficients: Array) -
     k[:] = coefficients
     t = np.zeros((TRACKS, LANES))
     t[LATEST] = np.nan
-    x, y, rest, total = np.zeros((pairs, LANES)), np.zeros((pairs, LANES)), np.zeros(LANES), np.zeros(LANES)
+    x, y, remainder, total = (
+        np.zeros((pairs, LANES)),
+        np.zeros((pairs, LANES)),
+        np.zeros(LANES),
+        np.zeros(LANES),
+    )
     # y lies one step before x; it starts where a jump at the first sample puts it.
     for p in range(pairs):
         for j in range(LANES):
@@ -89,9 +94,9 @@ def _track_lanes(ground: Array, ideal: Array, first: int, coefficients: Array) -
         before = ground[i - 1] if i > 0 else 0.0
         earlier = ground[i - 2] if i > 1 else 0.0
         for j in range(LANES):
-            rest[j] = k[pairs, 0, j] * rest[j] + k[pairs, 2, j] * now
-            rest[j] += k[pairs, 3, j] * before + k[pairs, 6, j] * after
-            total[j] = rest[j]
+            remainder[j] = k[pairs, 0, j] * remainder[j] + k[pairs, 2, j] * now
+            remainder[j] += k[pairs, 3, j] * before + k[pairs, 6, j] * after
+            total[j] = remainder[j]
         if i > 0:
             for p in range(pairs):
                 for j in range(LANES):

@@ -84,10 +84,10 @@ def _run_coarsely(
     samples = step * np.arange(ground.size, dtype=np.float64)
     instants = h * np.arange(int(np.ceil(samples[-1] / h)) + 1, dtype=np.float64)
     histories = _run(test, np.interp(instants, samples, ground), h, integrator, compensator)
-    return _resampled(test, histories, instants, samples, step)
+    return _resample(test, histories, instants, samples, step)
 
 
-def _resampled(
+def _resample(
     test: HybridTest, histories: Histories, instants: Array, samples: Array, step: float
 ) -> Histories:
     """Histories at other instants, between which the motion is smooth."""

@@ -45,7 +45,7 @@ def march(  # noqa: C901, PLR0912, PLR0915 - one compiled loop; what it calls co
     at_readings = at_forces + forces.addresses.size
     at_end = at_readings + readings.addresses.size
     states = np.zeros((at_end + 1, width))
-    kept = np.zeros_like(states)
+    saved_states = np.zeros_like(states)
     motion, scratch = np.zeros(3), np.zeros(width)
     # After a step or more the command at its end has not reached the piston: no correction is needed.
     final = delay >= h and at_elements == 0
@@ -53,7 +53,7 @@ def march(  # noqa: C901, PLR0912, PLR0915 - one compiled loop; what it calls co
         if not final:
             for row in range(at_end):
                 for column in range(width):
-                    kept[row, column] = states[row, column]
+                    saved_states[row, column] = states[row, column]
         measured_force = 2.0 * force[i - 1] - force[i - 2] if i > 1 else force[0]
         for correction in range(corrections + 1):
             if i > 0:
@@ -77,7 +77,7 @@ def march(  # noqa: C901, PLR0912, PLR0915 - one compiled loop; what it calls co
             if correction > 0:
                 for row in range(at_end):
                     for column in range(width):
-                        states[row, column] = kept[row, column]
+                        states[row, column] = saved_states[row, column]
             last_measured = piston[0, i - 1] if i > 0 else 0.0
             call_all(socket.addresses, socket.coefficients, states, 0, motion, last_measured, h)
             sent[0, i], sent[1, i], sent[2, i] = motion[0], motion[1] * h, motion[2] * h * h

@@ -66,7 +66,7 @@ def write_model(path: Path | str, model: UpdatedModel) -> None:
 def read_model(path: Path | str) -> UpdatedModel:
     """Read an updated model."""
     path = Path(path)
-    described = _described(path)
+    described = _describe(path)
     test = HybridTest(
         structure=described.structure.built() if described.structure else None,
         mass=described.structure.mass_kg if described.structure else 1.0,
@@ -134,7 +134,7 @@ class _ModelFile(_Table):
     effects: list[_Effect] = []
 
 
-def _described(path: Path) -> _ModelFile:
+def _describe(path: Path) -> _ModelFile:
     remedy = f"Compare with a {MODEL_FILE} that `reliab diagnose --out` writes"
     content = read_toml(path, rule="A model must be a readable TOML file", remedy=remedy)
     rule = "A model holds known keys with allowed values"
@@ -143,17 +143,17 @@ def _described(path: Path) -> _ModelFile:
 
 def _effect(entry: _Effect, where: str) -> Effect:
     kind = find_effect(entry.name)
-    wanted, given = {parameter.name: parameter for parameter in kind.parameters}, entry.parameters
-    if set(wanted) != set(given):
+    parameters, values = {parameter.name: parameter for parameter in kind.parameters}, entry.parameters
+    if set(parameters) != set(values):
         raise InputError(
-            f"The parameters of {entry.name} are {', '.join(wanted)}",
-            value=", ".join(given) or "none",
+            f"The parameters of {entry.name} are {', '.join(parameters)}",
+            value=", ".join(values) or "none",
             remedy="Give each of them once",
             where=where,
         )
-    for name, value in given.items():
-        _check_units(wanted[name], value, where)
-    return kind(**{name: value.value for name, value in given.items()})
+    for name, value in values.items():
+        _check_units(parameters[name], value, where)
+    return kind(**{name: value.value for name, value in values.items()})
 
 
 def _check_units(parameter: Parameter, value: _Value, where: str) -> None:
@@ -167,18 +167,18 @@ def _check_units(parameter: Parameter, value: _Value, where: str) -> None:
 
 
 def _deviations(described: _ModelFile) -> dict[str, float]:
-    stated = {"gain": described.actuator.gain_sd, "delay_s": described.actuator.delay_s_sd}
+    deviations = {"gain": described.actuator.gain_sd, "delay_s": described.actuator.delay_s_sd}
     if described.specimen is not None:
-        stated["stiffness_n_per_m"] = described.specimen.stiffness_n_per_m_sd
+        deviations["stiffness_n_per_m"] = described.specimen.stiffness_n_per_m_sd
     for effect in described.effects:
-        stated.update({f"{effect.name}.{name}": value.sd for name, value in effect.parameters.items()})
-    return {name: value for name, value in stated.items() if value is not None}
+        deviations.update({f"{effect.name}.{name}": value.sd for name, value in effect.parameters.items()})
+    return {name: value for name, value in deviations.items() if value is not None}
 
 
 def _text(model: UpdatedModel, file: str) -> str:
     test, sd = model.test, model.deviations
     lines = [_HEAD.format(file=file), *(f"# {' '.join(limit.split())}" for limit in model.limits)]
-    lines += [f"format = {_FORMAT}", f"name = {_quoted(model.name)}"]
+    lines += [f"format = {_FORMAT}", f"name = {_quote(model.name)}"]
     if test.structure is not None:
         lines += _table(
             "[structure]",
@@ -208,7 +208,7 @@ def _text(model: UpdatedModel, file: str) -> str:
 
 
 def _effect_lines(effect: Effect, sd: Mapping[str, float]) -> list[str]:
-    lines = ["", "[[effects]]", f"# {effect.description}", f"name = {_quoted(str(effect.name))}"]
+    lines = ["", "[[effects]]", f"# {effect.description}", f"name = {_quote(str(effect.name))}"]
     for parameter, value in zip(effect.parameters, effect.values.tolist(), strict=True):
         key = f"{effect.name}.{parameter.name}"
         content: dict[str, Any] = {"value": value, "sd": sd.get(key), "units": parameter.units}
@@ -223,9 +223,9 @@ def _table(head: str, remark: str = "", /, **content: float | str | None) -> lis
 
 
 def _written(value: float | str) -> str:
-    return _quoted(value) if isinstance(value, str) else repr(float(value))
+    return _quote(value) if isinstance(value, str) else repr(float(value))
 
 
-def _quoted(text: str) -> str:
+def _quote(text: str) -> str:
     """Write a string of TOML, which JSON's strings are once DEL is escaped."""
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -25,7 +25,7 @@ class Plan(NamedTuple):
 @lru_cache(maxsize=512)
 def plan(effects: tuple[Effect, ...], setting: Setting) -> Plan:
     """Prepare effects for a compiled loop, once for all the tests that they act in."""
-    stepped = [_checked(effect) for effect in effects]
+    stepped = [_require_kernel(effect) for effect in effects]
     rows = [effect.coefficients(setting) for effect in stepped]
     table = np.zeros((len(rows), max((row.size for row in rows), default=1)))
     for place, row in enumerate(rows):
@@ -33,7 +33,7 @@ def plan(effects: tuple[Effect, ...], setting: Setting) -> Plan:
     return Plan(np.array([effect.kernel.address for effect in stepped], dtype=np.int64), table)
 
 
-def _checked(effect: Effect) -> SteppedEffect:
+def _require_kernel(effect: Effect) -> SteppedEffect:
     if not isinstance(effect, SteppedEffect):
         raise InputError(f"An effect with the role {effect.role} needs a kernel", value=effect.name)
     if effect.kernel.states > STATES:

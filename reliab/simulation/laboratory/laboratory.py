@@ -103,7 +103,7 @@ def run_laboratory(
     >>> from reliab.structures.partition import Partition
     >>> from reliab.simulation.transfer_systems import first_order_lag
     >>> shaken = np.sin(2 * np.pi * np.arange(0.0, 10.0, 0.01))
-    >>> partition = Partition.of(Structure(frequency=1.0, damping_ratio=0.05), mass=1000.0)
+    >>> partition = Partition.from_structure(Structure(frequency=1.0, damping_ratio=0.05), mass=1000.0)
     >>> run = run_laboratory(partition, Rig(transfer_system=first_order_lag(0.001)), shaken, 0.01)
     >>> run.lost, run.measured.size
     (False, 40920)
@@ -215,11 +215,11 @@ def _plant_step(partition: Partition, plant: Plant, h: float) -> PlantStep:
 def _events(rig: Rig, plant: Plant, h: float, beyond: float) -> Events:
     # What follows its command at once is read a step later, so that a pure delay has that step already.
     delay = plant.delay if plant.dynamics.size else max(plant.delay - h, 0.0)
-    whole, rest = divmod(delay / h, 1.0)
+    whole, fraction = divmod(delay / h, 1.0)
     sensors, limits = rig.sensors, rig.limits
     return Events(
         whole=int(whole),
-        rest=float(rest),
+        fraction=float(fraction),
         stroke=limits.stroke,
         rate=limits.rate,
         force=limits.force,

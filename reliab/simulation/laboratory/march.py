@@ -50,10 +50,10 @@ class PlantStep(NamedTuple):
 
 
 class Events(NamedTuple):
-    """Delay in whole steps and the rest, limits, resolutions, and where a test counts as lost."""
+    """Delay in whole steps and a fraction, limits, resolutions, and where a test counts as lost."""
 
     whole: int
-    rest: float
+    fraction: float
     stroke: float
     rate: float
     force: float
@@ -64,7 +64,7 @@ class Events(NamedTuple):
 
 
 @compiled
-def _rounded(value: float, step: float) -> float:
+def _round(value: float, step: float) -> float:
     return step * np.rint(value / step) if step > 0.0 else value
 
 
@@ -110,7 +110,7 @@ def march(  # noqa: C901, PLR0912, PLR0915 - one compiled loop; what it calls co
         for i in range(order):
             x += plant.displacement[i] * w[i]
             v += plant.velocity[i] * w[i]
-        measured = _rounded(x + noise[0, k], events.displacement_step)
+        measured = _round(x + noise[0, k], events.displacement_step)
         # 2 Controller and converter.
         if socket.addresses.size > 0:
             call_kernel(
@@ -124,10 +124,10 @@ def march(  # noqa: C901, PLR0912, PLR0915 - one compiled loop; what it calls co
         sent = min(max(motion[0], -events.stroke), events.stroke)
         sent = min(max(sent, sent_before - h * events.rate), sent_before + h * events.rate)
         sent_before = sent
-        signals[0, k] = sent = _rounded(sent, events.command_step)
+        signals[0, k] = sent = _round(sent, events.command_step)
         late = signals[0, k - events.whole] if k >= events.whole else 0.0
         later = signals[0, k - events.whole - 1] if k > events.whole else 0.0
-        held = events.rest * later + (1.0 - events.rest) * late
+        held = events.fraction * later + (1.0 - events.fraction) * late
         # 3 Force of the specimen.
         difference = (x - x_before) / h
         if forces.addresses.size > 0:
@@ -144,7 +144,7 @@ def march(  # noqa: C901, PLR0912, PLR0915 - one compiled loop; what it calls co
             if not plant.contains_nonlinear:
                 force += nonlinear
         arrived = held
-        reading = _rounded(force + noise[1, k], events.force_step)
+        reading = _round(force + noise[1, k], events.force_step)
         signals[1, k], signals[2, k], signals[3, k] = x, measured, reading
         if not (abs(x) < events.beyond and abs(motion[0]) < events.beyond):
             return floors, signals, k
@@ -162,12 +162,12 @@ def march(  # noqa: C901, PLR0912, PLR0915 - one compiled loop; what it calls co
             z[i] = z_next[i]
         acting = 1.5 * nonlinear - 0.5 * nonlinear_before  # in the middle of the step
         if emulate:
-            for part in range(4):
-                reach = 0.0 if part == 0 else (0.5 * h if part < 3 else h)  # noqa: PLR2004
+            for quarter in range(4):
+                reach = 0.0 if quarter == 0 else (0.5 * h if quarter < 3 else h)  # noqa: PLR2004
                 for i in range(order):
-                    stage[i] = w[i] + (reach * slopes[part - 1, i] if part > 0 else 0.0)
+                    stage[i] = w[i] + (reach * slopes[quarter - 1, i] if quarter > 0 else 0.0)
                 rate = difference
-                if part > 0:
+                if quarter > 0:
                     here = 0.0
                     for i in range(order):
                         here += plant.displacement[i] * stage[i]
@@ -176,7 +176,7 @@ def march(  # noqa: C901, PLR0912, PLR0915 - one compiled loop; what it calls co
                     slope = plant.command_rate[i] * held + plant.differenced[i] * rate
                     for j in range(order):
                         slope += plant.dynamics[i, j] * stage[j]
-                    slopes[part, i] = slope
+                    slopes[quarter, i] = slope
             for i in range(order):
                 w_next[i] = w[i] + h / 6.0 * (
                     slopes[0, i] + 2.0 * slopes[1, i] + 2.0 * slopes[2, i] + slopes[3, i]

@@ -155,8 +155,8 @@ def peak_of_mode(
     largest = 0.0
     for k in range(ideal.size - 1):
         if max(abs(ideal[k]), abs(ideal[k + 1])) >= _NEAR_PEAK * high:
-            for part in range(_PARTS + 1):
-                time = min(window[0] + step * (k + part / _PARTS), window[1])
+            for place in range(_PARTS + 1):
+                time = min(window[0] + step * (k + place / _PARTS), window[1])
                 i, way = _way_to(time, h, a.shape[1], pole)
                 if i >= 0:
                     _, y = _along(way, samples[i, 0], samples[i, 1], a[0, i], a[0, i + 1])

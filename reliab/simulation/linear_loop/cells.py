@@ -104,5 +104,5 @@ class Cells:
         if len(parts) == 1:
             return parts[0]
         order = np.argsort(np.concatenate([place for place, _ in self.reduced]))
-        lost, sought = (np.concatenate(part, axis=1)[:, order] for part in zip(*parts, strict=True))
-        return lost, sought
+        neglected, total = (np.concatenate(columns, axis=1)[:, order] for columns in zip(*parts, strict=True))
+        return neglected, total

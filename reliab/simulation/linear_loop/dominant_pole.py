@@ -102,11 +102,13 @@ def modal_loop(structure: Structure, gain: Array, delay: Array, *, measured: boo
     slope = 2.0 * pole + 2.0 * xi * w0 - delay * coupled * np.exp(-pole * delay)
     output, late = (gain, delay) if measured else (np.ones_like(gain), np.zeros_like(delay))
     residue = np.where(oscillates, output * np.exp(-pole * late) / slope, 0.0)
-    rest = _series(structure, gain, delay, output, late)
+    series_without_pair = _series(structure, gain, delay, output, late)
     for power in range(_MOMENTS):
-        rest[power] += 2.0 * (residue / pole ** (power + 1)).real
+        series_without_pair[power] += 2.0 * (residue / pole ** (power + 1)).real
     short = w0 * delay < _SHORT
-    fast_poles, fast_residues = _fast_pair(rest, delay, short if measured else np.zeros_like(short))
+    fast_poles, fast_residues = _fast_pair(
+        series_without_pair, delay, short if measured else np.zeros_like(short)
+    )
     if not measured:
         fast_residues = np.where(short, 0.0, fast_residues)  # of the order of τ⁴
     return ModalLoop(pole=pole, residue=residue, fast_poles=fast_poles, fast_residues=fast_residues)
@@ -124,15 +126,15 @@ def _series(structure: Structure, gain: Array, delay: Array, output: Array, late
     denominator[2] += 1.0
     series: Array = np.zeros_like(numerator)
     for k in range(_MOMENTS):
-        known = sum(series[j] * denominator[k - j] for j in range(k))
-        series[k] = (numerator[k] - known) / denominator[0]
+        lower_terms = sum(series[j] * denominator[k - j] for j in range(k))
+        series[k] = (numerator[k] - lower_terms) / denominator[0]
     return series
 
 
-def _fast_pair(rest: Array, delay: Array, short: NDArray[np.bool_]) -> tuple[Spectrum, Spectrum]:
+def _fast_pair(series: Array, delay: Array, short: NDArray[np.bool_]) -> tuple[Spectrum, Spectrum]:
     """Poles and residues of the Padé approximant of Taylor coefficients, shape (2, cells) each."""
     tau = np.maximum(delay, 1e-12)
-    c = rest / tau ** np.arange(2, 2 + _MOMENTS)[:, np.newaxis]  # in units of the delay
+    c = series / tau ** np.arange(2, 2 + _MOMENTS)[:, np.newaxis]  # in units of the delay
     # For a very short delay rounding errors dominate the higher coefficients; a known shape replaces them.
     shape = np.array([[1.0], [-1.0 / 3.0], [1.0 / 12.0], [-1.0 / 60.0]])
     c = np.where(short, c[0] * shape, c)
@@ -162,7 +164,7 @@ def transfer_of_shift(structure: Structure, gain: Array, shift: Spectrum, s: Spe
     return actuator / (s**2 + 2.0 * xi * w0 * s + w0**2 * (1.0 - alpha + alpha * actuator))
 
 
-def compared_frequencies(structure: Structure) -> Spectrum:
+def comparison_frequencies(structure: Structure) -> Spectrum:
     """Frequencies s = iω [rad/s] at which the reduction is compared with the exact loop, shape (bands, 1)."""
     return (2j * np.pi * structure.frequency * _COMPARED[:, np.newaxis]).astype(np.complex128)
 
@@ -176,13 +178,13 @@ def band_edges(structure: Structure) -> Array:
 def reduction_loss(structure: Structure, gain: Array, delay: Array, loop: ReducedLoop) -> tuple[Array, Array]:
     """Compare the reduced loop with the exact one, band by band.
 
-    Returns `lost, sought`: squared moduli of exact minus reduced transfer function and of x_m − x_I over −a_g
-    [s⁴], shape (bands, cells). Weighted by the power of a record in each band their sums give the relative
-    error of the deviation's mean square.
+    Returns `neglected, total`: squared moduli of exact minus reduced transfer function and of x_m − x_I over
+    −a_g [s⁴], shape (bands, cells). Weighted by the power of a record in each band their sums give the
+    relative error of the deviation's mean square.
     """
-    s = compared_frequencies(structure)
+    s = comparison_frequencies(structure)
     exact = transfer(structure, gain, delay, s)
     ideal = transfer(structure, np.ones(1), np.zeros(1), s)
-    lost = np.abs(exact - loop.transfer(s)) ** 2
-    sought = np.maximum(np.abs(exact - ideal), _NO_DEVIATION * np.abs(ideal)) ** 2
-    return np.where(np.isfinite(lost), lost, np.inf), sought
+    neglected = np.abs(exact - loop.transfer(s)) ** 2
+    total = np.maximum(np.abs(exact - ideal), _NO_DEVIATION * np.abs(ideal)) ** 2
+    return np.where(np.isfinite(neglected), neglected, np.inf), total

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from reliab.arrays import Array
 from reliab.compiled import compiled, copy_rows
-from reliab.simulation.deviation import Deviation, end_weight, refined_peak
+from reliab.simulation.deviation import Deviation, end_weight, refine_peak
 from reliab.simulation.linear_loop.blocks import Blocks
 from reliab.simulation.linear_loop.pole_recursion import fill_lanes
 from reliab.simulation.linear_loop.shared_drives import DRIVES, SharedDrives
@@ -71,7 +71,7 @@ def _square(p: float, q: float, r: float, s: float) -> float:
 
 
 @compiled
-def _noted(
+def _note_peak(
     old: tuple[float, float, float, float], new: tuple[float, float, float, float], one: float
 ) -> tuple[float, float, float, float]:
     """Whichever of two peaks, with pass and state, is higher.
@@ -133,7 +133,7 @@ def _track_lanes(  # noqa: PLR0915 - one compiled loop
                 high = _larger(_highest(y0, y1, y2, y3), _highest(y4, y5, y6, y7))
                 part[j] += _square(y0, y1, y2, y3) + _square(y4, y5, y6, y7)
                 noted = (s[2, j], s[3, j], s[4, j], s[5, j])
-                s[2, j], s[3, j], s[4, j], s[5, j] = _noted(noted, (high, at, y, d), one)
+                s[2, j], s[3, j], s[4, j], s[5, j] = _note_peak(noted, (high, at, y, d), one)
             i, passes = i + _PASS, passes + 1
         else:
             ends = i + 1 == blocks
@@ -149,7 +149,7 @@ def _track_lanes(  # noqa: PLR0915 - one compiled loop
                 s[0, j], s[1, j], last[j] = now, d0, abs(now)
                 part[j] += weight * now * now
                 noted = (s[2, j], s[3, j], s[4, j], s[5, j])
-                s[2, j], s[3, j], s[4, j], s[5, j] = _noted(noted, (inner * abs(now), at, y, d), one)
+                s[2, j], s[3, j], s[4, j], s[5, j] = _note_peak(noted, (inner * abs(now), at, y, d), one)
             i += 1
         if passes == _PARTS or i >= blocks:
             for j in range(LANES):
@@ -242,7 +242,7 @@ class DrivenRecord:
     scale: float  # Largest drive [m]
 
     @classmethod
-    def of(cls, blocks: Blocks, drives: SharedDrives) -> "DrivenRecord":
+    def from_blocks(cls, blocks: Blocks, drives: SharedDrives) -> "DrivenRecord":
         """Drives under the record of some blocks."""
         single, scale = in_units(drives.histories(blocks))
         return cls(drives=single, scale=scale)
@@ -279,7 +279,7 @@ class Stepped:
     last: Array
 
     @classmethod
-    def of(cls, blocks: Blocks, record: DrivenRecord, cells: DrivenCells) -> "Stepped":
+    def through_window(cls, blocks: Blocks, record: DrivenRecord, cells: DrivenCells) -> "Stepped":
         """Step the cells through the window."""
         filled = fill_lanes(cells.coefficients, LANES)
         squares, around, last = track(record.drives, blocks.before, blocks.end, filled, np.float32(1.0))
@@ -294,9 +294,9 @@ def deviation(
     Returns `faint`: whether a deviation stays below its drive, as under a record of high frequencies only,
     shape (cells,); single precision is then not enough.
     """
-    unit, asked = record.scale * cells.size[which], np.flatnonzero(which)
-    left, middle, right = stepped.around[:, asked]
-    peak = np.fmax(refined_peak(left, middle, right), stepped.last[asked])
-    mean_square = unit**2 * stepped.squares[asked] / blocks.intervals
+    unit, cells_of_lanes = record.scale * cells.size[which], np.flatnonzero(which)
+    left, middle, right = stepped.around[:, cells_of_lanes]
+    peak = np.fmax(refine_peak(left, middle, right), stepped.last[cells_of_lanes])
+    mean_square = unit**2 * stepped.squares[cells_of_lanes] / blocks.intervals
     strayed = Deviation(mean_square=mean_square, peak=unit * peak, ideal_peak=blocks.ideal_peak)
     return strayed, (peak > 0.0) & (peak < 1.0)

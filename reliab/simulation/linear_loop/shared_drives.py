@@ -54,12 +54,12 @@ class SharedDrives:
 
     def weights(self, coefficients: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Weights of the shared drives in those of late actuators."""
-        wanted = _parts(_drives(coefficients, self.exact, self.back) / self.rows)
-        weights, rest = _fit(self.orthonormal, wanted)
+        targets = _parts(_drives(coefficients, self.exact, self.back) / self.rows)
+        weights, residual = _fit(self.orthonormal, targets)
         undisturbed = _exact_drive(self.exact, self.back) / self.rows
         nothing = _NO_DRIVE * _sizes(_parts(undisturbed))
-        weights[:, np.all(_sizes(wanted) <= nothing, axis=0)] = 0.0
-        return weights, np.all(_sizes(rest) <= LEFT_OUT * _sizes(wanted) + nothing, axis=0)
+        weights[:, np.all(_sizes(targets) <= nothing, axis=0)] = 0.0
+        return weights, np.all(_sizes(residual) <= LEFT_OUT * _sizes(targets) + nothing, axis=0)
 
     def histories(self, blocks: Blocks) -> Array:
         """Shared drives [m] in each block of a record, shape (blocks, drives)."""
@@ -77,17 +77,17 @@ def shared_drives(structure: Structure, step: float) -> SharedDrives:
     back = np.exp(-1j * np.append(below, np.geomspace(turn, np.pi, _FREQUENCIES)))[:, np.newaxis]
     exact = recursion(modal_loop(structure, np.ones(1), np.zeros(1)), step)[:6]
     candidates = _candidates(structure, step)
-    wanted = _drives(candidates, exact, back)
-    sizes = _sizes(_parts(wanted))
+    targets = _drives(candidates, exact, back)
+    sizes = _sizes(_parts(targets))
     rows = np.sqrt(np.mean((sizes / sizes.max(axis=0)) ** 2, axis=1, keepdims=True))
-    scaled = _parts(wanted / rows)
+    scaled = _parts(targets / rows)
     _, _, order = scipy.linalg.qr(scaled / np.linalg.norm(scaled, axis=0), mode="economic", pivoting=True)
-    taken = order[:DRIVES]
-    orthonormal, triangle = np.linalg.qr(scaled[:, taken])
+    selected = order[:DRIVES]
+    orthonormal, triangle = np.linalg.qr(scaled[:, selected])
     return SharedDrives(
         back=back,
         exact=exact,
-        sources=candidates[:, taken].copy(),
+        sources=candidates[:, selected].copy(),
         mixture=np.linalg.inv(triangle),
         orthonormal=orthonormal.copy(),
         rows=rows,
@@ -131,20 +131,20 @@ def _sizes(parts: Array) -> Array:
 
 
 @compiled
-def _fit(orthonormal: Array, wanted: Array) -> tuple[Array, Array]:
+def _fit(orthonormal: Array, targets: Array) -> tuple[Array, Array]:
     """Weights and rest; summed in a fixed order, so that no cell depends on the company of others."""
-    weights, rest = np.zeros((orthonormal.shape[1], wanted.shape[1])), wanted.copy()
+    weights, residual = np.zeros((orthonormal.shape[1], targets.shape[1])), targets.copy()
     for k in range(orthonormal.shape[1]):
-        for row in range(wanted.shape[0]):
+        for row in range(targets.shape[0]):
             q = orthonormal[row, k]
-            for j in range(wanted.shape[1]):
-                weights[k, j] += q * wanted[row, j]
-    for row in range(wanted.shape[0]):
+            for j in range(targets.shape[1]):
+                weights[k, j] += q * targets[row, j]
+    for row in range(targets.shape[0]):
         for k in range(orthonormal.shape[1]):
             q = orthonormal[row, k]
-            for j in range(wanted.shape[1]):
-                rest[row, j] -= q * weights[k, j]
-    return weights, rest
+            for j in range(targets.shape[1]):
+                residual[row, j] -= q * weights[k, j]
+    return weights, residual
 
 
 @compiled

@@ -56,7 +56,7 @@ def _next(state: Four, a0: float, a1: float, m: Six) -> float:
 
 
 @compiled
-def _measured(state: Four, h: Four) -> float:
+def _measure(state: Four, h: Four) -> float:
     """Measured displacement at the end of a block."""
     return (h[0] * state[2] + h[1] * state[3]) + (h[2] * state[0] + h[3] * state[1])
 
@@ -92,10 +92,10 @@ def _track_lanes(
                 track = (t[0, j], t[1, j], t[2, j], t[3, j], t[4, j], t[5, j])
                 t[0, j], t[1, j], t[2, j], t[3, j], t[4, j], t[5, j] = follow_four(
                     track,
-                    _measured((x2, v2, x0, v0), read) - w,
-                    _measured((x3, v3, x2, v2), read) - x,
-                    _measured((x4, v4, x3, v3), read) - y,
-                    _measured((x5, v5, x4, v4), read) - z,
+                    _measure((x2, v2, x0, v0), read) - w,
+                    _measure((x3, v3, x2, v2), read) - x,
+                    _measure((x4, v4, x3, v3), read) - y,
+                    _measure((x5, v5, x4, v4), read) - z,
                 )
             i += 4
         else:
@@ -106,7 +106,7 @@ def _track_lanes(
                 state = (s[0, j], s[1, j], s[2, j], s[3, j])
                 after = (_next(state, a, e, m), _next(state, a, e, n), state[0], state[1])
                 s[0, j], s[1, j], s[2, j], s[3, j] = after
-                now = _measured(after, (k[12, j], k[13, j], k[14, j], k[15, j])) - w
+                now = _measure(after, (k[12, j], k[13, j], k[14, j], k[15, j])) - w
                 if i + 1 >= before:
                     track = (t[0, j], t[1, j], t[2, j], t[3, j], t[4, j], t[5, j])
                     now = t[2, j] + end * (now - t[2, j]) if last else now

@@ -37,7 +37,7 @@ def respond(
     `transfer_function` [rad/s]; `longest`, `lead` [s].
     Returns `response`: response at equal steps from the begin to the end of the window, both included.
     """
-    line = _Line.of(excitation, longest, lead)
+    line = _Line.for_excitation(excitation, longest, lead)
     return line.response(transfer_function), line.step
 
 
@@ -52,7 +52,7 @@ class _Line:
     step: float
 
     @classmethod
-    def of(cls, excitation: Excitation, longest: float, lead: float) -> Self:
+    def for_excitation(cls, excitation: Excitation, longest: float, lead: float) -> Self:
         begin, end = excitation.window
         steps = int(np.ceil((end - begin) / longest - 1e-9))
         step = (end - begin) / steps
@@ -122,7 +122,7 @@ def deviation(
     `longest` [s].
     """
     refuse_long_leads(structure, gain, delay)
-    line = _Line.of(excitation, longest, max(0.0, -float(delay.min(initial=0.0))))
+    line = _Line.for_excitation(excitation, longest, max(0.0, -float(delay.min(initial=0.0))))
     ideal = line.response(lambda s: transfer(structure, np.ones(()), np.zeros(()), s))
     unstable = np.flatnonzero(delay >= critical_delay(structure, gain))
     if unstable.size:

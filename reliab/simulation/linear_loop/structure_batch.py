@@ -50,12 +50,14 @@ class StructureBatch:
     first: NDArray[np.int64]  # First lane of each structure, and the end, shape (structures + 1,)
 
     @classmethod
-    def of(cls, cells: Sequence[Cells]) -> "StructureBatch":
+    def from_cells(cls, cells: Sequence[Cells]) -> "StructureBatch":
         """Bring the cells of several structures together."""
-        structures = [some.structure for some in cells]
+        structures = [cells_of_structure.structure for cells_of_structure in cells]
         steps = [block_length(structure) for structure in structures]
         drives = [shared_drives(structure, step) for structure, step in zip(structures, steps, strict=True)]
-        filled = [fill_lanes(some.own_driven.coefficients, LANES) for some in cells]
+        filled = [
+            fill_lanes(cells_of_structure.own_driven.coefficients, LANES) for cells_of_structure in cells
+        ]
         poles = [structure.pole for structure in structures]
         return cls(
             cells=tuple(cells),

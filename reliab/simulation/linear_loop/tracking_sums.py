@@ -58,7 +58,7 @@ class QuadraturePair:
     turned: Excitation
 
     @classmethod
-    def of(cls, excitation: Excitation) -> "QuadraturePair":
+    def from_excitation(cls, excitation: Excitation) -> "QuadraturePair":
         """Pair a record with its Hilbert transform."""
         record = excitation.acceleration
         silence = np.zeros_like(record)

@@ -109,8 +109,8 @@ class _Packed:
     def take(self, count: int) -> bytes:
         while len(self._ready) < count:
             self._ready += self._piece()
-        taken, self._ready = self._ready[:count], self._ready[count:]
-        return taken
+        values, self._ready = self._ready[:count], self._ready[count:]
+        return values
 
     def skip(self, count: int) -> None:
         while len(self._ready) < count:

@@ -81,7 +81,7 @@ def read_matlab(path: str | Path, variable: str | None = None, delay: float = 0.
     held = _variables(path, variable)
     try:
         with np.errstate(over="raise", invalid="raise", divide="raise"):
-            return _built(_Held(held, str(path)), delay)
+            return _build(_Held(held, str(path)), delay)
     except (FloatingPointError, OverflowError, np.linalg.LinAlgError) as error:
         raise InputError(
             "The numbers of a transfer system must not be so large that its poles are none",
@@ -91,7 +91,7 @@ def read_matlab(path: str | Path, variable: str | None = None, delay: float = 0.
         ) from None
 
 
-def _built(held: "_Held", delay: float) -> TransferFunction:
+def _build(held: "_Held", delay: float) -> TransferFunction:
     for numerator, denominator in _FORMS:
         if held.has(numerator, denominator):
             return TransferFunction(
@@ -132,11 +132,11 @@ class _Held:
         """Numbers in a row, whatever their shape was; real ones only, unless complex ones are meant."""
         values = np.asarray(self._variables[name])
         if not np.issubdtype(values.dtype, np.number):
-            raise self._refused(name, "a full matrix of numbers", "something else")
+            raise self._refuse(name, "a full matrix of numbers", "something else")
         if not np.isfinite(values).all():
-            raise self._refused(name, "finite", "numbers that are not")
+            raise self._refuse(name, "finite", "numbers that are not")
         if real and np.imag(values).any():
-            raise self._refused(name, "real numbers", "complex ones")
+            raise self._refuse(name, "real numbers", "complex ones")
         return np.asarray(np.real(values) if real else values).ravel()
 
     def matrix(self, name: str, rows: int, columns: int) -> NDArray[Any]:
@@ -144,10 +144,10 @@ class _Held:
         values = self.vector(name)
         if values.size != rows * columns:
             size = f"{rows} × {columns}, for one input and one output"
-            raise self._refused(name, f"a matrix of {size}", f"{values.size} numbers")
+            raise self._refuse(name, f"a matrix of {size}", f"{values.size} numbers")
         return values.reshape(rows, columns)
 
-    def _refused(self, name: str, needed: str, value: str) -> InputError:
+    def _refuse(self, name: str, needed: str, value: str) -> InputError:
         return InputError(
             f"The variable {name} of a transfer system must be {needed}",
             value=value,

@@ -179,7 +179,7 @@ class TransferFunction(TransferSystem):
             velocity=rows[1],
             force=sum((k * row for k, row in zip(linear, rows, strict=True)), np.zeros(order)),
             displacement_of_command=d,
-            force_of_command=sum(k * part for k, part in zip(linear, of_command, strict=True)),
+            force_of_command=sum(k * direct for k, direct in zip(linear, of_command, strict=True)),
             delay=self.delay,
             differenced=np.zeros(order),
         )

@@ -139,7 +139,7 @@ class Frame:
         require_positive_semidefinite(self.damping, "damping matrix", "Damping must not feed energy in")
 
     @classmethod
-    def of(cls, structure: Structure, mass: float = 1.0) -> Self:
+    def from_structure(cls, structure: Structure, mass: float = 1.0) -> Self:
         """Return the one-mode structure as a frame of one degree of freedom of a mass [kg]."""
         w0 = structure.circular_frequency
         damping = 2.0 * structure.damping_ratio * w0 * mass

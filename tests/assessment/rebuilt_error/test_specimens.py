@@ -219,7 +219,7 @@ def test_a_structure_whose_interface_no_mode_moves_is_pushed_as_a_whole():
 
 
 def test_a_partition_is_the_structure_of_its_frame():
-    partition = Partition.of(STRUCTURE, mass=5.0)
+    partition = Partition.from_structure(STRUCTURE, mass=5.0)
     whole, single = whole_structure(partition), WholeStructure.of(STRUCTURE)
     assert whole.natural_frequencies == pytest.approx(single.natural_frequencies)
     s = np.array([1.0 + 3.0j, 20.0j])

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from reliab.motions.synthetic.modulation import Modulation
 from reliab.motions.synthetic.parameters import ComponentParameters
-from reliab.motions.synthetic.recording import filter_frequency, filtered_noise
+from reliab.motions.synthetic.recording import filter_frequency, filter_noise
 
 _STEP = 0.01
 
@@ -31,7 +31,7 @@ def test_constant_frequency_is_the_sum_over_all_impulses(bandwidth: float) -> No
     noise = np.random.default_rng(1).standard_normal(1500)
     frequency = np.full(noise.size, 3.0)
     expected = _sum_over_impulses(noise, frequency, bandwidth)
-    assert filtered_noise(noise, frequency, bandwidth, _STEP) == pytest.approx(expected, abs=1e-4)
+    assert filter_noise(noise, frequency, bandwidth, _STEP) == pytest.approx(expected, abs=1e-4)
 
 
 @pytest.mark.parametrize("slope", [-0.3, 0.2])
@@ -40,16 +40,14 @@ def test_wandering_frequency_is_the_sum_but_for_the_staircase(bandwidth: float, 
     noise = np.random.default_rng(2).standard_normal(1500)
     frequency = 5.0 + slope * np.arange(noise.size) * _STEP
     expected = _sum_over_impulses(noise, frequency, bandwidth)
-    difference = filtered_noise(noise, frequency, bandwidth, _STEP) - expected
+    difference = filter_noise(noise, frequency, bandwidth, _STEP) - expected
     assert np.sqrt(np.mean(difference**2)) < 0.05
 
 
 def test_variance_is_one_at_every_time_but_the_first() -> None:
     rng = np.random.default_rng(3)
     frequency = np.linspace(6.0, 2.0, 300)
-    ensemble = np.array(
-        [filtered_noise(rng.standard_normal(300), frequency, 0.2, _STEP) for _ in range(2000)]
-    )
+    ensemble = np.array([filter_noise(rng.standard_normal(300), frequency, 0.2, _STEP) for _ in range(2000)])
     assert np.all(ensemble[:, 0] == 0.0)
     assert np.var(ensemble[:, 1:], axis=0) == pytest.approx(np.ones(299), abs=0.16)
     assert np.var(ensemble[:, 1:]) == pytest.approx(1.0, abs=0.02)
@@ -57,7 +55,7 @@ def test_variance_is_one_at_every_time_but_the_first() -> None:
 
 def test_noise_crosses_zero_at_the_frequency_of_the_filter() -> None:
     noise = np.random.default_rng(4).standard_normal(100_000)
-    process = filtered_noise(noise, np.full(noise.size, 2.0), 0.1, _STEP)
+    process = filter_noise(noise, np.full(noise.size, 2.0), 0.1, _STEP)
     upcrossings = np.sum((process[1:] > 0.0) & (process[:-1] <= 0.0))
     assert upcrossings / (noise.size * _STEP) == pytest.approx(2.0, rel=0.03)
 

@@ -12,7 +12,7 @@ from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import NO_PULSE
 from reliab.motions.synthetic.event import QUANTUM, EventErrors, Recording, simulate_event
 from reliab.motions.synthetic.parameters import RecordingParameters, physical_parameters
 from reliab.motions.synthetic.random_stream import RandomStream
-from reliab.motions.synthetic.recording import TIME_STEP, simulate_recording, trimmed, turned
+from reliab.motions.synthetic.recording import TIME_STEP, simulate_recording, trim_quiet_ends, turned
 from reliab.vocabulary import STANDARD_GRAVITY
 
 
@@ -110,7 +110,7 @@ def test_turning_by_a_right_angle_swaps_the_components() -> None:
 def test_trimming_takes_the_quiet_time_only() -> None:
     parameters = _parameters(1)
     motion = simulate_recording(parameters, 7.0, (RandomStream(8, 1), RandomStream(9, 1)))
-    kept = trimmed(motion)
+    kept = trim_quiet_ends(motion)
     assert kept.shape[1] < motion.shape[1]
     assert np.abs(kept).max(axis=1) == pytest.approx(np.abs(motion).max(axis=1), rel=1e-3)
     assert _arias(kept)[:, -1] == pytest.approx(_arias(motion)[:, -1], rel=5e-3)

@@ -83,7 +83,7 @@ def test_one_degree_of_freedom_is_the_one_mode_loop(shaken):
     structure = Structure(frequency=1.3, damping_ratio=0.03, experimental_fraction=0.7)
     excitation = Excitation(acceleration=shaken, time_step=0.02, window=(2.0, 11.0))
     one = Loop(excitation=excitation, structure=structure)
-    frame = FrameLoop(excitation=excitation, partition=Partition.of(structure, mass=30.0))
+    frame = FrameLoop(excitation=excitation, partition=Partition.from_structure(structure, mass=30.0))
     actuators = {"gain": [1.0, 0.98, 1.01, 1.0], "delay": [1e-3, 0.0, 2e-3, 0.03]}
     expected, found = one.deviation(one.cells(**actuators)), frame.deviation(frame.cells(**actuators))
     np.testing.assert_allclose(found.mean_square, expected.mean_square, rtol=1e-3)

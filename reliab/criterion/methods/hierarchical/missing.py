@@ -37,7 +37,7 @@ def filled(model: Hierarchical, lacking: NDArray[np.float64], events: NDArray[np
         return model
     completed = model
     for _ in range(_ROUNDS):
-        theta = Laplace.of(completed).mode[None]
+        theta = Laplace.about_mode(completed).mode[None]
         law = np.einsum("tq,fxt->fxq", completed.coefficients(theta)[0], completed.terms)
         covariance = _covariance(completed.grid, completed.covariances(theta)[0])
         rng = np.random.default_rng(2017)  # the same draws in every round

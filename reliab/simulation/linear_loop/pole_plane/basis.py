@@ -26,7 +26,7 @@ import scipy
 from reliab.arrays import Array, Spectrum
 from reliab.simulation.linear_loop.dominant_pole import (
     ModalLoop,
-    compared_frequencies,
+    comparison_frequencies,
     dominant_pole,
     modal_loop,
 )
@@ -77,9 +77,9 @@ class PoleBasis:
         pole = np.where(near, pole, self.poles[0])
         coefficients = np.empty((self.poles.size, pole.size), dtype=np.complex128)
         gamma = np.ones_like(pole)
-        for k, taken in enumerate(self.poles):
-            coefficients[k] = 2.0 * taken.real * gamma / (pole + taken.conjugate())
-            gamma = gamma * (pole - taken) / (pole + taken.conjugate())
+        for k, of_basis in enumerate(self.poles):
+            coefficients[k] = 2.0 * of_basis.real * gamma / (pole + of_basis.conjugate())
+            gamma = gamma * (pole - of_basis) / (pole + of_basis.conjugate())
         return coefficients, np.where(near, np.abs(gamma), np.inf)
 
     def fast_coefficients(self, loop: ModalLoop) -> tuple[Array, Array]:
@@ -88,15 +88,15 @@ class PoleBasis:
         Returns `left_out`: largest modulus, over the frequencies, of what the expansion leaves out of the
         transfer function from −a_g [s²], shape (cells,).
         """
-        at = compared_frequencies(self.structure)
-        wanted, given = loop.fast_transfer(at), self.fast.fast_transfer(at)
-        coefficients = self._fast_inverse @ _parts(wanted)
-        return coefficients, np.abs(given @ coefficients - wanted).max(axis=0)
+        at = comparison_frequencies(self.structure)
+        exact, own = loop.fast_transfer(at), self.fast.fast_transfer(at)
+        coefficients = self._fast_inverse @ _parts(exact)
+        return coefficients, np.abs(own @ coefficients - exact).max(axis=0)
 
     @cached_property
     def _fast_inverse(self) -> Array:
-        given = _parts(self.fast.fast_transfer(compared_frequencies(self.structure)))
-        return np.asarray(scipy.linalg.pinv(given, rtol=1e-12), dtype=np.float64)
+        of_basis = _parts(self.fast.fast_transfer(comparison_frequencies(self.structure)))
+        return np.asarray(scipy.linalg.pinv(of_basis, rtol=1e-12), dtype=np.float64)
 
 
 @lru_cache(maxsize=256)
@@ -113,16 +113,16 @@ def pole_basis(structure: Structure) -> PoleBasis:
     gain, delay = (values.ravel() for values in np.meshgrid(gains, delays))
     poles = dominant_pole(structure, gain, delay)
     near = poles[distance(poles, undisturbed) <= _REGION]
-    chosen = [undisturbed]
+    expansion = [undisturbed]
     left_out = (near - undisturbed) / (near + undisturbed.conjugate())
     size = np.maximum(np.abs(left_out), _SMALLEST_DEVIATION)
-    while len(chosen) < _MOST_POLES and np.any(np.abs(left_out) > _LEFT_OUT * size):
+    while len(expansion) < _MOST_POLES and np.any(np.abs(left_out) > _LEFT_OUT * size):
         worst = complex(near[np.argmax(np.abs(left_out) / size)])
-        chosen.append(worst)
+        expansion.append(worst)
         left_out = left_out * (near - worst) / (near + worst.conjugate())
     nodes = scale * _REGION_LAG * np.arange(1, _FAST_PAIRS + 1) / _FAST_PAIRS
     fast = modal_loop(structure, np.ones_like(nodes), nodes)
-    return PoleBasis(structure=structure, poles=np.array(chosen), fast=fast)
+    return PoleBasis(structure=structure, poles=np.array(expansion), fast=fast)
 
 
 def distance(pole: Spectrum, from_pole: complex) -> Array:

@@ -65,9 +65,11 @@ def _late(basis: PoleBasis, cells: NDArray[np.intp], loop: ModalLoop) -> Expansi
     amplitudes[0] -= 1.0 / (2j * basis.structure.pole.imag)
     weights = np.concatenate([-2.0 * amplitudes.real, 2.0 * amplitudes.imag, fast]).T
     usable = np.isfinite(left_out)
-    lost = 2.0 * np.abs(loop.residue * shares) * np.where(usable, left_out, 0.0)
-    lost = np.concatenate([lost, fast_left_out[np.newaxis]])
-    return Expansion(cells=cells[usable], ahead=0, weights=weights[usable].copy(), left_out=lost.T[usable])
+    neglected = 2.0 * np.abs(loop.residue * shares) * np.where(usable, left_out, 0.0)
+    neglected = np.concatenate([neglected, fast_left_out[np.newaxis]])
+    return Expansion(
+        cells=cells[usable], ahead=0, weights=weights[usable].copy(), left_out=neglected.T[usable]
+    )
 
 
 def _early(basis: PoleBasis, cells: NDArray[np.intp], loop: LeadingLoop, step: float) -> list[Expansion]:
@@ -89,14 +91,14 @@ def _early(basis: PoleBasis, cells: NDArray[np.intp], loop: LeadingLoop, step: f
         ]
     ).T
     usable = np.isfinite(left_out)
-    lost = 2.0 * np.abs(carried * shares) * np.where(usable, left_out, 0.0)
-    lost = np.concatenate([lost, np.zeros((1, cells.size))]).T
+    neglected = 2.0 * np.abs(carried * shares) * np.where(usable, left_out, 0.0)
+    neglected = np.concatenate([neglected, np.zeros((1, cells.size))]).T
     groups = []
     for count in np.unique(ahead[usable]):
         alike = (ahead == count) & usable
         groups.append(
             Expansion(
-                cells=cells[alike], ahead=int(count), weights=weights[alike].copy(), left_out=lost[alike]
+                cells=cells[alike], ahead=int(count), weights=weights[alike].copy(), left_out=neglected[alike]
             )
         )
     return groups
@@ -113,21 +115,21 @@ def mean_squares(
 
     Returns `mean_square`: mean of (x_m − x_I)² over the window [m²], shape (cells,); zero where it is not
     known.
-    Returns `known`: whether what the expansion leaves out is at most `LEFT_OUT` of RMS^R, shape (cells,).
+    Returns `precise_cells`: where the expansion leaves out at most `LEFT_OUT` of RMS^R, shape (cells,).
     """
-    mean_square, known = np.zeros(motion.size), np.zeros(motion.size, dtype=np.bool_)
+    mean_square, precise_cells = np.zeros(motion.size), np.zeros(motion.size, dtype=np.bool_)
     for expansion in expansions:
         under = motion[expansion.cells]
-        asked = np.unique(under)
-        place = np.searchsorted(asked, under)
-        sums = [responses[k].sums(expansion.ahead) for k in asked]
-        products, energy = (np.stack(part) for part in zip(*sums, strict=True))
+        motions = np.unique(under)
+        place = np.searchsorted(motions, under)
+        sums = [responses[k].sums(expansion.ahead) for k in motions]
+        products, energy = (np.stack(arrays) for arrays in zip(*sums, strict=True))
         squares = _quadratic_forms(expansion.weights, products, place)
         left_out = np.einsum("ij,ij->i", expansion.left_out, energy[place])
         precise = left_out <= LEFT_OUT * np.sqrt(squares)
         mean_square[expansion.cells[precise]] = squares[precise]
-        known[expansion.cells[precise]] = True
-    return mean_square, known
+        precise_cells[expansion.cells[precise]] = True
+    return mean_square, precise_cells
 
 
 @compiled
@@ -138,9 +140,9 @@ def _quadratic_forms(weights: Array, products: Array, which: NDArray[np.int64]) 
     for row in range(which.size):
         w, total = weights[row], 0.0
         for k in range(count):
-            g, part = products[which[row], k], 0.0
+            g, product = products[which[row], k], 0.0
             for m in range(count):
-                part += g[m] * w[m]
-            total += w[k] * part
+                product += g[m] * w[m]
+            total += w[k] * product
         forms[row] = max(total, 0.0)
     return forms

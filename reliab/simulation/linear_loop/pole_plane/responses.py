@@ -49,14 +49,14 @@ class Responses:
     def sums(self, ahead: int) -> Sums:
         """Sum up products and energies of the responses, once for each number of blocks ahead."""
         if ahead not in self._sums:
-            self._sums[ahead] = self._summed(ahead)
+            self._sums[ahead] = self._sum_products(ahead)
         return self._sums[ahead]
 
     @cached_property
     def _sums(self) -> dict[int, Sums]:
         return {}
 
-    def _summed(self, ahead: int) -> Sums:
+    def _sum_products(self, ahead: int) -> Sums:
         stepping = _Stepping(self.basis, self.blocks.step)
         pieces = self._early(stepping, ahead) if ahead else self._late(stepping)
         products = _by_trapezoids(pieces, self.blocks.end) / self.blocks.intervals

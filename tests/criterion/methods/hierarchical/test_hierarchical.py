@@ -129,7 +129,7 @@ def test_missing_ellipses_are_drawn_and_leave_the_spread_as_it_is(ellipses):
     narrow = hierarchical_model(Population.of(complete, **ERROR))
 
     def quantile(model):
-        theta = Laplace.of(model).mode[None]
+        theta = Laplace.about_mode(model).mode[None]
         drawn = model.draw_motions(theta, np.arange(20_000), np.random.default_rng(1))[0]
         return np.quantile(drawn[:, 1, 1, 0], 0.05)
 
