@@ -26,7 +26,7 @@ from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.lapped_transform import analyse, synthesise
 from reliab.assessment.rebuilt_error.level_likelihood import level_likelihood
 from reliab.assessment.rebuilt_error.noise import SensorNoise, white_floor
-from reliab.signals import converter_step, rounded_differently
+from reliab.signals import converter_step, vary_rounding
 
 _PERIODS_OF_HOP = 4.0  # of the structure, from one frame to the next
 _FEWEST_FRAMES = 4
@@ -134,7 +134,7 @@ def _rounding(
     if step == 0.0 or noise.weights[0] >= _DITHERED * step**2 / 12.0:
         return np.zeros((1, hop)), noise
     powers, floors = [], []
-    for rounded in rounded_differently(motion, step):
+    for rounded in vary_rounding(motion, step):
         powers.append(analyse(noise.smooth(rounded)[::every], hop) ** 2)
         floors.append(white_floor(rounded))
     power = np.mean(powers, axis=0)
