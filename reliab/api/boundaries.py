@@ -56,7 +56,7 @@ def ellipses(
     metric : {"rms", "mte"} or sequence of these, optional
         Which errors.
     window : str, optional
-        Where errors are taken, for ground motions: "record", "arias" or seconds.
+        Part of the record over which errors are computed, for ground motions: "record", "arias" or seconds.
     alpha : float or sequence of float, optional
         Experimental fraction of the stiffness [-], for ground motions; of several the ellipses have a
         dimension.

@@ -40,7 +40,7 @@ def simulate(
         Actuators that are simulated: scaled to each structure, late and early (with a model late only), or
         those of the paper, which are late.
     window : str or sequence of str, optional
-        Where errors are taken, "record", "arias" or seconds; several may be stored.
+        Part of the record over which errors are computed: "record", "arias" or seconds; may be several.
     alpha : float or sequence of float, optional
         Experimental fraction of the stiffness [-]; of several the results have a dimension.
     model : str, pathlib.Path or HybridTest, optional

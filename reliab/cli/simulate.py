@@ -34,7 +34,7 @@ def simulate(
         typer.Option(
             "--window",
             metavar="record|SECONDS|arias...",
-            help="Where errors are taken; several may be stored.",
+            help="Part of the record over which errors are computed; several may be stored.",
         ),
     ] = None,
     alpha: Fractions = None,

@@ -125,7 +125,7 @@ def sweep_request(
     grid : {"scaled", "paper"}, optional
         Actuators that are simulated; with a model those of "scaled" are late only.
     window : str or sequence of str, optional
-        Where errors are taken, "record", "arias" or seconds.
+        Part of the record over which errors are computed: "record", "arias" or seconds.
     alpha : float or sequence of float, optional
         Experimental fraction of the stiffness [-].
     model : str, pathlib.Path or HybridTest, optional

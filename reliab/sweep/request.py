@@ -152,7 +152,7 @@ def _description(model: HybridTest) -> dict[str, object]:
 def excitation_of(motion: Motion, window: Window) -> Excitation:
     """Return the excitation that a ground motion is within a window.
 
-    `window`: stretch of the record over which the error is taken. Returns the whole record, with the bounds
+    `window`: part of the record over which the error is computed. Returns the whole record, with the bounds
     of the window [s].
 
     >>> from reliab.motions import load_motions
