@@ -30,8 +30,8 @@ DEEPEST: Final = 32
 _MOST_BYTES = 5_000_000  # of TOML, which take two to six seconds
 _LARGEST_WHOLE = 2**63  # as TOML has it
 _DIGITS = 18  # of which NumPy's whole numbers hold any
-_PART = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')"""
-_LONG_NAME = re.compile(rf"""(?<![\w"'.-])(?:{_PART}[ \t]*+\.[ \t]*+){{{DEEPEST}}}""")
+_KEY_PART = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')"""
+_LONG_NAME = re.compile(rf"""(?<![\w"'.-])(?:{_KEY_PART}[ \t]*+\.[ \t]*+){{{DEEPEST}}}""")
 
 
 def read_toml(path: str | Path, *, rule: str, remedy: str) -> dict[str, Any]:

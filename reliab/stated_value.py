@@ -8,7 +8,7 @@ from reliab.errors import InputError
 from reliab.significant import significant
 from reliab.vocabulary import PERCENT
 
-_STATED = re.compile(
+_QUANTITY = re.compile(
     r"^\s*(?P<value>[+-]?[\d.]+(?:e[+-]?\d+)?)\s*"
     r"(?:(?:±|\+/?-|,(?=[^,.]*\.))\s*(?P<deviation>[\d.]+(?:e[+-]?\d+)?)\s*(?P<percent>%?))?\s*$",
     re.IGNORECASE,
@@ -44,7 +44,7 @@ class StatedValue:
         """
         try:
             # bytes of the command line that its locale could not read come as surrogates
-            match = _STATED.match(text.encode("utf-8", "surrogateescape").decode("utf-8", "replace"))
+            match = _QUANTITY.match(text.encode("utf-8", "surrogateescape").decode("utf-8", "replace"))
             value = float(match["value"]) if match else math.nan
             deviation = float(match["deviation"] or 0.0) if match else math.nan
         except ValueError:

@@ -48,7 +48,7 @@ class _Peak:
 
     file: str
     value: float
-    stated: bool
+    has_units: bool
     confirmed: bool
 
 
@@ -120,13 +120,13 @@ def inspect(
             value = float(np.abs(reading.acceleration).max())
             confirmed = record.declared.units is not None and declared.units is None
             peaks.append(
-                _Peak(file=report.file, value=value, stated=reading.units_stated, confirmed=confirmed)
+                _Peak(file=report.file, value=value, has_units=reading.units_stated, confirmed=confirmed)
             )
     if not checked and not faults:
         faults.append(_no_records(source, sets))
     unlike = list(_unlike_peaks(peaks))
-    mixed = [fault for stated, fault in unlike if not stated]
-    notes = [*_unread(source), *(fault for stated, fault in unlike if stated)]
+    mixed = [fault for has_units, fault in unlike if not has_units]
+    notes = [*_unread(source), *(fault for has_units, fault in unlike if has_units)]
     return Inspection(records=checked, faults=list(dict.fromkeys([*faults, *mixed])), notes=notes)
 
 
@@ -191,7 +191,7 @@ def _unlike_peaks(peaks: list[_Peak]) -> Iterator[tuple[bool, Fault]]:
                 value=f"{significant(peak.value / STANDARD_GRAVITY)} g against "
                 f"{significant(middle / STANDARD_GRAVITY)} g",
                 remedy=f"A weak record, or wrong units in its header; {remedy}"
-                if peak.stated
+                if peak.has_units
                 else f"Check for mixed units; {remedy}",
             )
-            yield peak.stated, fault
+            yield peak.has_units, fault

@@ -64,7 +64,9 @@ class UnreadFileWarning(UserWarning):
 def unread_files(folder: Path) -> list[Path]:
     """Find files of a folder that may hold records in a format that is not read."""
     paths = sorted(path for path in folder.rglob("*") if path.suffix.lower() in UNREAD and path.is_file())
-    hidden = (any(part.startswith(".") for part in path.relative_to(folder).parts) for path in paths)
+    hidden = (
+        any(component.startswith(".") for component in path.relative_to(folder).parts) for path in paths
+    )
     return [path for path, out_of_sight in zip(paths, hidden, strict=True) if not out_of_sight]
 
 
@@ -89,7 +91,7 @@ def scan_file(path: Path, name: str, declared: Declared, report: Report) -> list
 def _may_be_record(path: Path, folder: Path) -> bool:
     """Tell whether a file has the extension of a record or is recognised by its header."""
     inner = path.relative_to(folder)
-    if any(part.startswith(".") for part in inner.parts) or not path.is_file():
+    if any(component.startswith(".") for component in inner.parts) or not path.is_file():
         return False
     if path.name.lower() == CATALOGUE or path.stem.lower().lstrip("_").startswith(_NOT_RECORDS):
         return False

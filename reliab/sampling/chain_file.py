@@ -48,7 +48,7 @@ class ChainFile:
         """Read the chains of an earlier run, or begin with empty ones; at the end all are written."""
         with decoding(_RULE, remedy=_REMEDY, where=path):
             stored = _read(path, names, shape)
-        if any(known != signature for known, _ in stored.values() if known is not None):
+        if any(recorded != signature for recorded, _ in stored.values() if recorded is not None):
             raise InputError(
                 "A run is resumed with the model, data and settings that it began with",
                 value=f"another run of {model}",

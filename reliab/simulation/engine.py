@@ -162,21 +162,21 @@ class Loop:
             peak=np.empty(cells.gain.size),
             ideal_peak=self.blocks.ideal_peak,
         )
-        for part in cells.recursions(self.blocks.step):
-            alone = np.ones(part.cells.size, dtype=np.bool_)
-            if part.ahead == 0:
-                driven = cells.driven(self.blocks.step, part)
+        for recursion in cells.recursions(self.blocks.step):
+            alone = np.ones(recursion.cells.size, dtype=np.bool_)
+            if recursion.ahead == 0:
+                driven = cells.driven(self.blocks.step, recursion)
                 which = self.driven_record.bounded(driven)
                 if which.any():
                     place, record = driven.place[which], self.driven_record
                     stepped = self._stepped(cells, driven)
                     strayed, faint = drive_stepping.deviation(self.blocks, record, driven, which, stepped)
-                    deviation.put(part.cells[place], strayed)
+                    deviation.put(recursion.cells[place], strayed)
                     alone[place] = faint
             if alone.any():
-                coefficients = part.coefficients[:, alone]
-                strayed = pole_stepping.deviation(self.blocks, coefficients, ahead=part.ahead)
-                deviation.put(part.cells[alone], strayed)
+                coefficients = recursion.coefficients[:, alone]
+                strayed = pole_stepping.deviation(self.blocks, coefficients, ahead=recursion.ahead)
+                deviation.put(recursion.cells[alone], strayed)
         return deviation
 
     def _stepped(self, cells: Cells, driven: DrivenCells) -> Stepped:

@@ -77,15 +77,15 @@ def _channel(source: Source, match: re.Match[bytes], begin: int, stop: int, repo
 
 
 def _check_peak_units(
-    source: Source, stated: Statement[AccelerationUnit] | None, begin: int, end: int, report: Report
+    source: Source, unit_of_samples: Statement[AccelerationUnit] | None, begin: int, end: int, report: Report
 ) -> None:
     """Compare the units of the peak in the text header with those of the samples."""
     peak = _PEAK.search(source.content, begin, end)
     unit = find_unit(decode(peak[1])) if peak else None
-    if peak and unit and stated and unit is not stated.value:
+    if peak and unit and unit_of_samples and unit is not unit_of_samples.value:
         report.add(
             "A file must state one kind of units",
-            line=stated.line,
-            value=f"{stated.value} after {unit} in line {source.line_number(peak.start(1))}",
+            line=unit_of_samples.line,
+            value=f"{unit_of_samples.value} after {unit} in line {source.line_number(peak.start(1))}",
             remedy="Correct whichever is wrong",
         )

@@ -92,21 +92,21 @@ def _parse_sizes(line: Line) -> tuple[str, str]:
 
 
 def _units(lines: list[Line], report: Report) -> Statement[AccelerationUnit] | None:
-    stated: Statement[AccelerationUnit] | None = None
+    of_header: Statement[AccelerationUnit] | None = None
     for line in lines:
         if kind := _NOT_ACCELERATION.search(line.text):
             report.add("A record must be of acceleration", line=line.number, value=kind[1].lower())
         elif match := _UNITS.search(line.text):
             unit = state_units(match[1], line.number, report)
-            if unit and stated and unit.value != stated.value:
+            if unit and of_header and unit.value != of_header.value:
                 report.add(
                     "A file must state one kind of units",
                     line=unit.line,
-                    value=f"{unit.value} after {stated.value} in line {stated.line}",
+                    value=f"{unit.value} after {of_header.value} in line {of_header.line}",
                     remedy="Correct whichever is wrong",
                 )
-            stated = stated or unit
-    return stated
+            of_header = of_header or unit
+    return of_header
 
 
 def _event(before: list[Line]) -> str:

@@ -80,7 +80,7 @@ def coefficients(structure: Structure, gain: Array, delay: Array, step: float) -
         return np.asarray((moved / (poles[0] - poles[1])).real)
 
     value, rate, end_value, end_rate = (coupling * state(effect) for effect in _cubic_effects(poles, step))
-    known = np.stack(
+    right_side = np.stack(
         [
             state(-decay * poles[::-1]) + value,
             state(decay) + rate,
@@ -98,8 +98,8 @@ def coefficients(structure: Structure, gain: Array, delay: Array, step: float) -
     by_pace = -end_value * fresh * place[3] + end_rate * (1.0 - fresh * pace[3])
     (xx, vx), (xv, vv) = by_place, by_pace
     determinant = (1.0 - xx) * (1.0 - vv) - xv * vx
-    new_place = ((1.0 - vv) * known[:, 0] + xv * known[:, 1]) / determinant
-    new_pace = (vx * known[:, 0] + (1.0 - xx) * known[:, 1]) / determinant
+    new_place = ((1.0 - vv) * right_side[:, 0] + xv * right_side[:, 1]) / determinant
+    new_pace = (vx * right_side[:, 0] + (1.0 - xx) * right_side[:, 1]) / determinant
     return np.concatenate([new_place, new_pace, np.stack(place), np.stack(pace), gain[np.newaxis]])
 
 

@@ -100,14 +100,14 @@ def _track_lanes(  # noqa: PLR0915 - one compiled loop
     k = np.empty((_COEFFICIENTS, LANES), dtype=np.float32)
     copy_rows(cells, k)
     s = np.zeros((_STATES, LANES), dtype=np.float32)
-    part, squares = np.zeros(LANES, dtype=np.float32), np.zeros(LANES)
+    squares_of_pass, squares = np.zeros(LANES, dtype=np.float32), np.zeros(LANES)
     last = np.zeros(LANES, dtype=np.float32)
     blocks, i, passes = drives.shape[0], 0, 0
     while i < blocks:
         at: Single = np.float32(i)
         if i == before:
             for j in range(LANES):
-                squares[j], part[j] = 0.0, np.float32(0.5) * s[0, j] * s[0, j]
+                squares[j], squares_of_pass[j] = 0.0, np.float32(0.5) * s[0, j] * s[0, j]
                 s[2, j], s[3, j], s[4, j], s[5, j] = abs(s[0, j]), at, s[0, j], s[1, j]
         if i + _PASS <= (before if i < before else blocks - 2):
             w0, w1, w2, w3 = _row(drives, i), _row(drives, i + 1), _row(drives, i + 2), _row(drives, i + 3)
@@ -131,7 +131,7 @@ def _track_lanes(  # noqa: PLR0915 - one compiled loop
                 y7, d7 = _step(y6, d6, b, n, u, w7)
                 s[0, j], s[1, j] = y7, d7
                 high = _larger(_highest(y0, y1, y2, y3), _highest(y4, y5, y6, y7))
-                part[j] += _square(y0, y1, y2, y3) + _square(y4, y5, y6, y7)
+                squares_of_pass[j] += _square(y0, y1, y2, y3) + _square(y4, y5, y6, y7)
                 noted = (s[2, j], s[3, j], s[4, j], s[5, j])
                 s[2, j], s[3, j], s[4, j], s[5, j] = _note_peak(noted, (high, at, y, d), one)
             i, passes = i + _PASS, passes + 1
@@ -147,14 +147,14 @@ def _track_lanes(  # noqa: PLR0915 - one compiled loop
                 _, d0 = _step(y, d, k[0, j], k[1, j], u, w0)
                 now = y + fraction * d0
                 s[0, j], s[1, j], last[j] = now, d0, abs(now)
-                part[j] += weight * now * now
+                squares_of_pass[j] += weight * now * now
                 noted = (s[2, j], s[3, j], s[4, j], s[5, j])
                 s[2, j], s[3, j], s[4, j], s[5, j] = _note_peak(noted, (inner * abs(now), at, y, d), one)
             i += 1
         if passes == _PARTS or i >= blocks:
             for j in range(LANES):
-                squares[j] += part[j]
-                part[j] = np.float32(0.0)
+                squares[j] += squares_of_pass[j]
+                squares_of_pass[j] = np.float32(0.0)
             passes = 0
     return s, squares, last
 
@@ -225,10 +225,10 @@ def driven_cells(drives: SharedDrives, coefficients: Array) -> DrivenCells:
     size = np.sqrt((weights**2).sum(axis=0))
     size[size == 0.0] = 1.0
     gains = np.empty((PASS_GAINS, place.size), dtype=np.float32)
-    rest = np.zeros(place.size)
+    remainder = np.zeros(place.size)
     for gain in gains:  # what one lacks the next makes up for
-        gain[:] = -c2 + rest
-        rest += -c2 - gain
+        gain[:] = -c2 + remainder
+        remainder += -c2 - gain
     single = np.concatenate([(1.0 - c1 - c2)[np.newaxis], gains, weights / size]).astype(np.float32)
     return DrivenCells(place=place, coefficients=single, size=size, growth=0.5 * np.log(-c2))
 

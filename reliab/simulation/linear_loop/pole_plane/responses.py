@@ -103,7 +103,7 @@ class _Stepping:
         early, late, decay = ramp_weights(basis.poles, step)
         self._weights = np.zeros((6, filled))
         self._weights[:, :count] = [
-            part for weight in (decay, early, late) for part in (weight.real, weight.imag)
+            component for weight in (decay, early, late) for component in (weight.real, weight.imag)
         ]
         self._state = np.zeros((3, filled))
         self._mixture = np.zeros((2 * filled, 2 * count))
