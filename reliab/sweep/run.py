@@ -16,7 +16,7 @@ from reliab.sweep.solve import MotionResults, solve_motion
 from reliab.sweep.store import ResultsStore
 
 if TYPE_CHECKING:
-    from distributed import Client, Future
+    from distributed import Client, Future as RemoteFuture
 
 _TASKS_PER_WORKER = 2  # tasks submitted per worker; limits the memory
 _TASKS_PER_THREAD = 4  # tasks submitted per thread of the cluster; limits its memory
@@ -151,7 +151,7 @@ def _solve_on_cluster(address: str, job: SweepJob, missing: list[int]) -> Iterat
                 running.add(submit(index))
 
 
-def _take_result(future: "Future[Solved]") -> Solved:
+def _take_result(future: "RemoteFuture[Solved]") -> Solved:
     """Take what a worker answered; results that were stored before are safe where none did."""
     from distributed import CancelledError, KilledWorker
 
