@@ -89,9 +89,9 @@ class PoleBasis:
         transfer function from −a_g [s²], shape (cells,).
         """
         at = comparison_frequencies(self.structure)
-        exact, own = loop.fast_transfer(at), self.fast.fast_transfer(at)
+        exact, of_basis = loop.fast_transfer(at), self.fast.fast_transfer(at)
         coefficients = self._fast_inverse @ _parts(exact)
-        return coefficients, np.abs(own @ coefficients - exact).max(axis=0)
+        return coefficients, np.abs(of_basis @ coefficients - exact).max(axis=0)
 
     @cached_property
     def _fast_inverse(self) -> Array:
