@@ -171,3 +171,12 @@ def test_what_prints_a_result_prints_one_line(motion):
         assert len(repr(result)) < 120, repr(result)
         assert "\n" not in repr(result)
     assert len(repr(motion)) < 250
+
+
+def test_data_frames_without_names_are_counted_from_one():
+    empty = pd.DataFrame({"command": [0.0], "measured": [0.0]})
+    assert list(reliab.assess([empty, "none.csv", empty]).faults) == [
+        "data frame 1",
+        "none.csv",
+        "data frame 3",
+    ]

@@ -214,17 +214,18 @@ def _name(node: ast.AST) -> str:
     return node.id if isinstance(node, ast.Name) else node.attr if isinstance(node, ast.Attribute) else ""
 
 
-def callers(names: set[str]) -> tuple[list[tuple[str, ast.FunctionDef]], set[str]]:
-    """Plain functions that mention names, also through kernels; and the files of these kernels."""
+def callers(names: set[str]) -> tuple[list[tuple[str, ast.FunctionDef]], set[tuple[str, str]]]:
+    """Plain functions that mention names, also through kernels; and files and names of these kernels."""
     plain: list[tuple[str, ast.FunctionDef]] = []
-    waiting, seen, compiled_files = sorted(names), set(names), set()
+    compiled: set[tuple[str, str]] = set()
+    waiting, seen = sorted(names), set(names)
     while waiting:
         for file, function in _users().get(waiting.pop(), []):
             if any(function is kernel for _, kernel in kernels().get(function.name, [])):
-                compiled_files.add(file)
+                compiled.add((file, function.name))
                 if function.name not in seen:
                     seen.add(function.name)
                     waiting.append(function.name)
             else:
                 plain.append((file, function))
-    return plain, compiled_files
+    return plain, compiled

@@ -117,12 +117,14 @@ class Reach:
             first = self.at(mutant.file, lines(place.statement))
         elif place.function is not None:
             first = self.at(mutant.file, lines_of_body(place.function))
-        for file, function in callers(_names(mutant))[0]:
+        names = _names(mutant)
+        plain, compiled = callers(names)
+        for file, function in plain:
             first |= self.at(file, lines_of_body(function))
-        if words := frozenset(_names(mutant)):
-            words |= {Path(mutant.file).stem}
+        if names:
+            words = frozenset({*names, *(name for _, name in compiled), Path(mutant.file).stem})
             first |= {test for test in self.seconds if _mentions(file_of(test), words)}
-        if not first and (not place.in_body or _names(mutant)):
+        if not first and (not place.in_body or names):
             bodies = [part for part in ast.walk(parsed(mutant.file)) if isinstance(part, ast.FunctionDef)]
             first = {name for body in bodies for name in self.at(mutant.file, lines_of_body(body))}
             first = first or set(self.seconds)
@@ -180,7 +182,7 @@ def stale(mutant: Mutant) -> set[str]:
     names = _names(mutant)
     if not names:
         return set()
-    return {mutant.file} | callers(names)[1]
+    return {mutant.file} | {file for file, _ in callers(names)[1]}
 
 
 def measured_reach(room: str, tests: list[str]) -> dict:

@@ -86,6 +86,20 @@ def test_a_fault_is_explained(old: str, new: str, rule: str, cosmos: str, write:
         read_motion(write("a.V2c", cosmos.replace(old, new)))
 
 
+@pytest.mark.parametrize(
+    ("announced", "mark"), [("-999, -999.00", -999.0), ("-88, -88.50", -88.5), ("", -999.0)]
+)
+def test_the_mark_of_what_is_unknown_is_the_one_that_the_header_names(
+    announced: str, mark: float, cosmos: str, write: Write
+) -> None:
+    line = "Values used when parameter or data value is unknown/unspecified:   -999, -999.00"
+    assert line in cosmos
+    text = cosmos.replace(line, line.replace("-999, -999.00", announced) if announced else " ")
+    path = write("a.V2c", text.replace("   3.438810e-01", f"{mark:15.6f}"))
+    with pytest.raises(InputError, match=f"found the mark of a missing sample, {mark:g}"):
+        read_motion(path)
+
+
 def test_a_step_that_the_header_leaves_open_can_be_given(cosmos: str, write: Write) -> None:
     path = write("a.V2c", cosmos.replace("       5.000000", "    -999.000000"))
     assert read_motion(path, time_step=0.01).time_step == 0.01

@@ -29,6 +29,17 @@ def test_shares_of_a_whole_storey_sum_to_the_energy_in_it(frame):
     np.testing.assert_allclose(partition.numerical_stiffness, np.diag([2e6, 0.0]), atol=1e-6)
 
 
+def test_shares_in_every_matrix_are_by_their_definition(frame):
+    specimen = Specimen(stiffness=1e5, damping=300.0, mass=50.0)
+    partition = Partition(frame=frame, interface=floor_interface(frame, 1), specimen=specimen)
+    shapes, omega = frame.modes.shapes, frame.modes.circular_frequency
+    assert (np.abs(omega - 1.0) > 10.0).all()
+    modal = (shapes.T @ frame.damping @ shapes).diagonal()
+    np.testing.assert_allclose(partition.stiffness_shares, 1e5 * shapes[0] ** 2 / omega**2)
+    np.testing.assert_allclose(partition.damping_shares, 300.0 * shapes[0] ** 2 / modal)
+    np.testing.assert_allclose(partition.mass_shares, 50.0 * shapes[0] ** 2)
+
+
 def test_adding_a_specimen_and_taking_it_out_again_is_the_bare_frame(frame):
     interface = floor_interface(frame, 1)
     specimen = Specimen(stiffness=1e5, damping=300.0, mass=50.0)

@@ -11,7 +11,7 @@ from reliab.simulation.excitation import Excitation
 from reliab.simulation.hybrid_test import HybridTest, drive, load, read_force, run_closed_loop
 from reliab.simulation.hybrid_test.open_loop import Motion3
 from reliab.simulation.linear_loop import spectral
-from reliab.structures.structure import Structure
+from reliab.structures import Specimen, Structure
 
 STEP = 1.0 / 512.0
 TIME = np.arange(0.0, 20.0, STEP)
@@ -40,6 +40,16 @@ def test_blocks_alone_repeat_what_they_did_in_the_loop():
     piston = drive(test, whole.command)
     np.testing.assert_allclose(piston.values[0], whole.piston.values[0], atol=1e-12)
     np.testing.assert_allclose(read_force(test, piston, load(test, piston)), whole.force, atol=1e-9)
+
+
+@pytest.mark.parametrize("mass", [0.0, 0.1])
+def test_the_force_in_the_loop_is_that_of_stiffness_damping_and_mass(mass):
+    specimen = Specimen(stiffness=20.0, damping=0.3, mass=mass)
+    test = HybridTest(structure=STRUCTURE, specimen=specimen, actuator=Actuator(delay=0.006))
+    whole = run_closed_loop(test, GROUND, STEP)
+    x, v, a = whole.piston.values
+    expected = 20.0 * x + 0.3 * v + mass * a
+    np.testing.assert_allclose(whole.force, expected, atol=1e-9 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("delay", [0.0, 0.006])
