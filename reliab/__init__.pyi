@@ -5,12 +5,15 @@ from .api import (
     design_test as design_test,
     diagnose_campaign as diagnose_campaign,
     ellipses as ellipses,
+    follow_test as follow_test,
     judge_paper_cases as judge_paper_cases,
     perform_study as perform_study,
     simulate as simulate,
+    simulate_suite as simulate_suite,
     trace_boundaries as trace_boundaries,
     validate_criteria as validate_criteria,
     validate_rebuilt_error as validate_rebuilt_error,
+    write_explorer as write_explorer,
 )
 from .criterion import (
     derive_criterion as derive_criterion,

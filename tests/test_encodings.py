@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reliab.cli.monitor.followed_rows import rows_of
+from reliab.api.followed_rows import rows_of
 from reliab.criterion import read_ellipses
 from reliab.discrepancy.campaign.channels import read_channels
 from reliab.encodings import as_cell, of_cell, pieces_as_utf8

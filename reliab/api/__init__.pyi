@@ -9,12 +9,28 @@ from .boundaries import ellipses as ellipses
 from .criteria import Criteria as Criteria, derive_criteria as derive_criteria
 from .design import Design as Design, design_test as design_test
 from .diagnosis import diagnose_campaign as diagnose_campaign, report_diagnosis as report_diagnosis
+from .explorer import ExplorerPage as ExplorerPage, write_explorer as write_explorer
+from .following import Message as Message, follow_test as follow_test
+from .installation import (
+    copy_samples as copy_samples,
+    describe_installation as describe_installation,
+    fetch_dataset as fetch_dataset,
+)
+from .motions import (
+    MotionCheck as MotionCheck,
+    MotionList as MotionList,
+    WrittenSuite as WrittenSuite,
+    check_motions as check_motions,
+    import_motions as import_motions,
+    list_motions as list_motions,
+    synthesize_motions as synthesize_motions,
+)
 from .paper_cases import PaperCases as PaperCases, judge_paper_cases as judge_paper_cases
 from .rebuilt_errors import (
     RebuiltErrorValidation as RebuiltErrorValidation,
     validate_rebuilt_error as validate_rebuilt_error,
 )
-from .simulation import simulate as simulate
+from .simulation import Simulation as Simulation, simulate as simulate, simulate_suite as simulate_suite
 from .studies import (
     PerformedStudy as PerformedStudy,
     StudyList as StudyList,

@@ -1,12 +1,29 @@
 """`reliab.simulate`: motions for all structures and actuators, stored."""
 
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import xarray as xr
 
-from reliab.progress import Progress, silent
+from reliab.api.sources import Files, listed, paths
+from reliab.motions import load_motions
+from reliab.progress import Progress, Show, quietly, silent
 from reliab.simulation.hybrid_test import HybridTest
-from reliab.sweep import WHOLLY_EXPERIMENTAL, Motions, Names, Numbers, suite_of, sweep_request
+from reliab.sweep import (
+    WHOLLY_EXPERIMENTAL,
+    Motions,
+    Names,
+    Numbers,
+    SweepRequest,
+    attributes,
+    open_results,
+    run_sweep,
+    suite_of,
+    sweep_request,
+)
+
+_STATED = ("grid", "windows", "engine", "tolerance", "experimental_fraction", "model", "study_hash")
 
 
 def simulate(
@@ -80,8 +97,6 @@ def simulate(
     (('motion', 'f', 'xi', 'kp', 'tau'), (2, 1, 1, 41, 57))
     """
     request = sweep_request(f=f, xi=xi, grid=grid, window=window, alpha=alpha, model=model, engine=engine)
-    from reliab.sweep import open_results, run_sweep
-
     path = run_sweep(
         suite_of(motions),
         request,
@@ -92,3 +107,89 @@ def simulate(
         progress=progress,
     )
     return open_results(path)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Simulation:
+    """A suite of ground motions that was simulated and stored.
+
+    Attributes
+    ----------
+    store : pathlib.Path
+        The Zarr store.
+    motions : int
+        Number of ground motions.
+    request : SweepRequest
+        Structures, actuators and windows.
+    """
+
+    store: Path
+    motions: int
+    request: SweepRequest
+
+    def results(self) -> xr.Dataset:
+        """Open the store, as :func:`reliab.simulate` does."""
+        return open_results(self.store)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values with stable keys: what was simulated, and where it is stored."""
+        described = self.request.describe()
+        stated = attributes(self.request, self.request.windows[0].label)
+        return {
+            "store": str(self.store),
+            "motions": self.motions,
+            **{name: described[name] for name in ("f", "xi", "kp", "tau")},
+            "alpha": list(self.request.experimental_fractions),
+            **{name: stated[name] for name in _STATED if name in stated},
+        }
+
+
+def simulate_suite(
+    *,
+    out: str | Path,
+    motions: Files = "synthetic",
+    sets: Names | None = None,
+    f: Numbers | None = None,
+    xi: Numbers | None = None,
+    grid: str = "scaled",
+    window: Names = "record",
+    alpha: Numbers = WHOLLY_EXPERIMENTAL,
+    model: str | Path | None = None,
+    engine: str = "automatic",
+    resume: bool = False,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    show: Show = quietly,
+) -> Simulation:
+    """Simulate motions from several sources and sets for all structures and actuators, and store the results.
+
+    Parameters
+    ----------
+    out : str or pathlib.Path
+        The Zarr store to write.
+    motions : str, pathlib.Path or sequence of these, optional
+        Ground motions: records, folders or a built-in suite.
+    sets : str or sequence of str, optional
+        Sets of their catalogue.
+    f, xi, grid, window, alpha, model, engine, resume, workers, scheduler : optional
+        As :func:`reliab.simulate` takes them.
+    show : callable, optional
+        Takes the name of a task and shows its progress.
+
+    Returns
+    -------
+    Simulation
+        Where the results are stored, and what was simulated.
+
+    Raises
+    ------
+    InputError
+        If a value is not allowed, a record is bad or the store cannot be written to.
+    IncompleteError
+        If the disk is full; what is stored is safe.
+    """
+    suite = load_motions(*paths(motions), sets=listed(sets))
+    request = sweep_request(f=f, xi=xi, grid=grid, window=window, alpha=alpha, model=model, engine=engine)
+    with show("Simulating") as progress:
+        run_sweep(suite, request, out, resume=resume, workers=workers, scheduler=scheduler, progress=progress)
+    return Simulation(store=Path(out), motions=len(suite), request=request)

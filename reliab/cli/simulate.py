@@ -1,10 +1,12 @@
 """`reliab simulate`: simulate once and store the results for all later questions."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from reliab.cli.demand import Demand, takes
 from reliab.cli.options import (
     DampingRatios,
     Fractions,
@@ -16,19 +18,19 @@ from reliab.cli.options import (
 )
 from reliab.cli.output import console, progress_bar, write_json
 
-_STATED = ("grid", "windows", "engine", "tolerance", "experimental_fraction", "model", "study_hash")
 
+@dataclass(frozen=True, kw_only=True)
+class SimulateDemand(Demand):
+    """Options of `reliab simulate`, arguments of `reliab.simulate_suite`."""
 
-def simulate(
-    *,
-    motions: Motions = None,
-    sets: Sets = None,
-    f: Frequencies = None,
-    xi: DampingRatios = None,
-    out: Annotated[Path, typer.Option("--out", metavar="STORE", help="The Zarr store to write.")],
+    motions: Motions = None
+    sets: Sets = None
+    f: Frequencies = None
+    xi: DampingRatios = None
+    out: Annotated[Path, typer.Option("--out", metavar="STORE", help="The Zarr store to write.")]
     grid: Annotated[
         str, typer.Option("--grid", metavar="scaled|paper", help="Actuators that are simulated.")
-    ] = "scaled",
+    ] = "scaled"
     window: Annotated[
         list[str] | None,
         typer.Option(
@@ -36,52 +38,36 @@ def simulate(
             metavar="record|SECONDS|arias...",
             help="Part of the record over which errors are computed; several may be stored.",
         ),
-    ] = None,
-    alpha: Fractions = None,
-    model: ModelFile = None,
+    ] = None
+    alpha: Fractions = None
+    model: ModelFile = None
     engine: Annotated[
         str, typer.Option("--engine", metavar="automatic|pole|delay|spectral", help="How the loop is solved.")
-    ] = "automatic",
-    resume: Annotated[bool, typer.Option("--resume", help="Continue a store that was begun.")] = False,
+    ] = "automatic"
+    resume: Annotated[bool, typer.Option("--resume", help="Continue a store that was begun.")] = False
     workers: Annotated[
         int | None, typer.Option("--workers", min=1, help="Threads; all processors by default.")
-    ] = None,
+    ] = None
     scheduler: Annotated[
         str | None,
         typer.Option("--scheduler", metavar="ADDRESS", help="A dask scheduler that solves the motions."),
-    ] = None,
-    json_target: JsonTarget = None,
-) -> None:
+    ] = None
+    json_target: JsonTarget = None
+
+
+@takes(SimulateDemand)
+def simulate(demand: SimulateDemand) -> None:
     """Simulate motions for all structures and actuators and store the results.
 
     With --model the structure and the effects are the model's, and gain, delay and the index (A, d) of the
     results are those of its actuator alone.
     """
-    from reliab.motions import load_motions
-    from reliab.sweep import attributes, run_sweep, sweep_request
+    from reliab.api import simulate_suite
 
-    suite = load_motions(*(motions or ["synthetic"]), sets=sets)
-    request = sweep_request(
-        f=f,
-        xi=xi,
-        grid=grid,
-        window=window or ["record"],
-        alpha=alpha or [1.0],
-        model=model,
-        engine=engine,
-    )
-    with progress_bar("Simulating") as progress:
-        run_sweep(suite, request, out, resume=resume, workers=workers, scheduler=scheduler, progress=progress)
-    described = request.describe()
-    stated = attributes(request, request.windows[0].label)
-    done = {
-        "store": str(out),
-        "motions": len(suite),
-        **{name: described[name] for name in ("f", "xi", "kp", "tau")},
-        "alpha": list(request.experimental_fractions),
-        **{name: stated[name] for name in _STATED if name in stated},
-    }
-    if not write_json(done, json_target):
+    simulation = demand.ask(simulate_suite, "json_target", show=progress_bar)
+    if not write_json(simulation.to_dict(), demand.json_target):
+        structures = len(simulation.request.structures)
         console().print(
-            f"{len(suite)} motions × {len(request.structures)} structures stored in {out}", highlight=False
+            f"{simulation.motions} motions × {structures} structures stored in {simulation.store}",
+            highlight=False,
         )

@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from reliab.api.followed_rows import chunks_of_text, rows_of
 from reliab.assessment.rebuilt_error import rebuild
 from reliab.cli import run
-from reliab.cli.monitor.followed_rows import chunks_of_text, rows_of
 from reliab.recordings import read_recording
 from reliab.simulation.actuator import Actuator
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from reliab.api import Message
 from reliab.assessment.rebuilt_error import Monitor
 from reliab.cli.diagnose import _show_effects
-from reliab.cli.monitor.watch import Watch
+from reliab.cli.monitor.shown import _table
 from reliab.cli.validate import shown_cases, shown_rates
 from reliab.structures.structure import Structure
 from reliab.vocabulary import Metric
@@ -70,13 +71,12 @@ def test_the_table_of_a_running_test_grows_with_what_is_known():
     time = np.arange(3000) / 256.0
     command = np.minimum(time, 1.0) * 0.01 * np.sin(6.0 * time)
     monitor = Monitor(Structure(frequency=1.0, damping_ratio=0.05), 1.0 / 256.0)
-    watch = Watch.__new__(Watch)
-    watch.alarms, watch.metric, watch.threshold = {}, Metric.RMS, 0.05
+    message = Message(kind="update", content={}, monitor=monitor, alarms={})
 
     def shown():
         screen = Console(width=100)
         with screen.capture() as caught:
-            screen.print(watch._table(monitor))  # noqa: SLF001
+            screen.print(_table(message, Metric.RMS, 0.05))
         return words_of(caught.get())
 
     monitor.feed(command[:100], 0.99 * command[:100])
@@ -84,7 +84,7 @@ def test_the_table_of_a_running_test_grows_with_what_is_known():
     assert "90 % interval" not in shown()
     monitor.feed(command[100:], 0.99 * command[100:])
     result = monitor.ask(draws=8)
-    watch.alarms["energy"] = "the loop has gained energy"
+    message.alarms["energy"] = "the loop has gained energy"
     text = shown()
     assert f"{result.rms.value:.2%} ({result.rms.low:.2%} to {result.rms.high:.2%})" in text
     assert f"{result.probability(0.05):.3f}" in text

@@ -267,7 +267,7 @@ def test_a_campaign_of_held_out_tests_only_is_refused(tmp_path):
 
 
 def test_a_test_without_ends_of_lines_is_not_followed_for_ever(tmp_path):
-    from reliab.cli.monitor.followed_rows import chunks_of_text, rows_of
+    from reliab.api.followed_rows import chunks_of_text, rows_of
 
     (tmp_path / "test.csv").write_bytes(b"x" * 200_000)
     pieces = chunks_of_text(str(tmp_path / "test.csv"), wait=0.01, start_within=0.01)

@@ -1,55 +1,106 @@
 """`reliab monitor`: the error of a test while it runs."""
 
+import json
+import sys
 from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TextIO
+from typing import Annotated, TextIO
 
 import typer
 
-from reliab.cli.monitor.options import (
-    Alpha,
-    Column,
-    DampingRatio,
-    Every,
-    FeedbackLag,
-    Frequency,
-    JsonTarget,
-    Rate,
-    Scale,
-    Source,
-    StartWithin,
-    Threshold,
-    Units,
-    Wait,
-)
-from reliab.cli.options import MetricName
+from reliab.cli.completion import samples
+from reliab.cli.demand import Demand, takes
+from reliab.cli.options import Column, MetricName
 from reliab.cli.output import console
+from reliab.cli.printable import printable
 from reliab.errors import InputError
-from reliab.shipped import or_shipped
 
 _ABOVE_THRESHOLD = 1
 
 
-def monitor(
-    source: Source,
-    *,
-    f: Frequency = None,
-    xi: DampingRatio = None,
-    alpha: Alpha = "1",
-    scale: Scale = "1",
-    feedback_lag: FeedbackLag = "0",
-    threshold: Threshold = 0.05,
-    metric: MetricName = "rms",
-    command: Column = None,
-    measured: Column = None,
-    time: Column = None,
-    rate: Rate = None,
-    units: Units = None,
-    every: Every = 0.5,
-    wait: Wait = 10.0,
-    start_within: StartWithin = 600.0,
-    json_target: JsonTarget = None,
-) -> None:
+@dataclass(frozen=True, kw_only=True)
+class MonitorDemand(Demand):
+    """Options of `reliab monitor`, arguments of `reliab.follow_test`."""
+
+    source: Annotated[
+        str,
+        typer.Argument(
+            metavar="FILE|-",
+            autocompletion=samples,
+            help="CSV file that is or will be written to, or - to read rows from standard input; or "
+            "sample_test, which ships.",
+        ),
+    ]
+    f: Annotated[
+        str | None,
+        typer.Option("--f", metavar="HZ", help="Natural frequency, 1 or with its standard deviation 1±0.01."),
+    ] = None
+    xi: Annotated[
+        str | None, typer.Option("--xi", metavar="RATIO", help="Damping ratio, 0.02 for 2 %, or 0.02±0.002.")
+    ] = None
+    alpha: Annotated[
+        str, typer.Option("--alpha", metavar="SHARE", help="Share of the stiffness in the laboratory.")
+    ] = "1"
+    scale: Annotated[
+        str,
+        typer.Option(
+            "--scale",
+            metavar="RATIO",
+            help="Scale of the displacement sensor; 1±0.005 where it may be off by 0.5 %.",
+        ),
+    ] = "1"
+    feedback_lag: Annotated[
+        str,
+        typer.Option("--feedback-lag", metavar="MS", help="Time by which the force is fed back late [ms]."),
+    ] = "0"
+    threshold: Annotated[
+        float,
+        typer.Option("--threshold", metavar="ERROR", help="Largest error of a good test, 0.05 for 5 %."),
+    ] = 0.05
+    metric: MetricName = "rms"
+    command: Column = None
+    measured: Column = None
+    time: Column = None
+    rate: Annotated[
+        float | None,
+        typer.Option("--rate", metavar="HZ", help="Sampling rate; by default read from the times."),
+    ] = None
+    units: Annotated[
+        str | None, typer.Option("--units", metavar="m|mm|in...", help="Unit of both displacements.")
+    ] = None
+    every: Annotated[
+        float, typer.Option("--every", metavar="SECONDS", help="Time of the test between two messages.")
+    ] = 0.5
+    wait: Annotated[
+        float,
+        typer.Option(
+            "--wait",
+            metavar="SECONDS",
+            help="Time without new rows after which the test counts as finished; longer than any pause of "
+            "the test.",
+        ),
+    ] = 10.0
+    start_within: Annotated[
+        float,
+        typer.Option(
+            "--start-within",
+            metavar="SECONDS",
+            help="Time within which the file must appear and have its first row; Ctrl-C ends the waiting.",
+        ),
+    ] = 600.0
+    json_target: Annotated[
+        str | None,
+        typer.Option(
+            "--json",
+            metavar="FILE|-",
+            help="One JSON object in a line for each message; '-' prints only these to standard output.",
+        ),
+    ] = None
+
+
+@takes(MonitorDemand)
+def monitor(demand: MonitorDemand) -> None:
     """Follow the error of a test while it runs; exit with code 1 when that of the whole test is too large.
 
     Alarms are printed as soon as they are raised, and do not change the exit code. The alarm of a loop that
@@ -57,42 +108,29 @@ def monitor(
     The alarm of the error is raised when its interval is above twice the threshold and the peak of the
     response has not doubled for 12 s. A test may last as long as you like: its memory stays below 1 GB.
     """
-    from reliab.cli.monitor.followed_rows import chunks_of_text, rows_of
-    from reliab.cli.monitor.stated_test import StatedTest
-    from reliab.cli.monitor.watch import Watch
-    from reliab.recordings import Part
-    from reliab.vocabulary import Metric
+    from reliab.api import follow_test
+    from reliab.cli.monitor.shown import Screen
 
-    if f is None:
-        raise InputError("A test needs --f, the structure's natural frequency", remedy="Give it in hertz")
-    if xi is None:
-        raise InputError(
-            "A test needs --xi, the structure's damping ratio", remedy="Give 0.02 for 2 %, or 0.02±0.002"
-        )
-    positive = {"--threshold": threshold, "--every": every, "--wait": wait, "--start-within": start_within}
-    for option, number in (positive if rate is None else positive | {"--rate": rate}).items():
-        if not 0.0 < number < float("inf"):
-            raise InputError(f"{option} must be positive", value=number)
-    stated = StatedTest.parse(f=f, xi=xi, alpha=alpha, scale=scale, feedback_lag=feedback_lag)
-    columns = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
-    declared = {part: name for part, name in columns.items() if name is not None}
-    source = source if source == "-" else str(or_shipped(Path(source), "datasets", "test.csv"))
-    rows = rows_of(
-        chunks_of_text(source, wait, start_within),
-        name="standard input" if source == "-" else Path(source).name,
-        declared=declared,
-        units=units,
+    messages = demand.ask(
+        follow_test, "json_target", say=lambda text: typer.echo(printable(text), file=sys.stderr)
     )
-    with _opened(json_target) as lines:
-        watch = Watch(stated, threshold, Metric.parse(metric), every, lines, quiet=json_target == "-")
-        watch.follow(rows, rate)
-    if source != "-" and json_target != "-":
+    quiet = demand.json_target == "-"
+    screen = Screen(metric=demand.metric, threshold=demand.threshold, quiet=quiet)
+    above = False
+    with _opened(demand.json_target) as lines, screen:
+        for message in messages:
+            if lines is not None:
+                lines.write(json.dumps(message.to_dict(), allow_nan=False) + "\n")
+                lines.flush()
+            screen.show(message)
+            above = message.to_dict().get("above_threshold", False)
+    if demand.source != "-" and not quiet:
         console().print(
-            f"No new row came for {wait:g} s: the test counts as finished. A new call reads the file from "
-            "its beginning; rows of a file that was replaced are known only to the call that saw them.",
+            f"No new row came for {demand.wait:g} s: the test counts as finished. A new call reads the file "
+            "from its beginning; rows of a file that was replaced are known only to the call that saw them.",
             highlight=False,
         )
-    if watch.above_threshold:
+    if above:
         raise typer.Exit(_ABOVE_THRESHOLD)
 
 

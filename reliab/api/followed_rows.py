@@ -7,13 +7,10 @@ from the beginning of the new one.
 import os
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import BinaryIO
 
-import typer
-
-from reliab.cli.printable import printable
 from reliab.errors import InputError
 from reliab.files import ordinary
 from reliab.recordings import Part, Rows, rows_as_written, stated_by_options
@@ -22,14 +19,16 @@ _POLL = 0.05  # s between two looks at a file that does not grow
 _BYTES = 1 << 16
 
 
-def chunks_of_text(source: str, wait: float, start_within: float) -> Iterator[bytes]:
-    """Bytes of a growing file, or of standard input, as they come."""
+def chunks_of_text(
+    source: str, wait: float, start_within: float, say: Callable[[str], None] = lambda _sentence: None
+) -> Iterator[bytes]:
+    """Bytes of a growing file, or of standard input, as they come; `say` tells that a file is awaited."""
     if source == "-":
         while piece := os.read(sys.stdin.fileno(), _BYTES):
             yield piece
         return
     path = Path(source)
-    stream = _awaited(path, start_within)
+    stream = _awaited(path, start_within, say)
     idle, lines = 0.0, 0
     try:
         while idle <= (wait if lines > 1 else start_within):
@@ -47,13 +46,10 @@ def chunks_of_text(source: str, wait: float, start_within: float) -> Iterator[by
         stream.close()
 
 
-def _awaited(path: Path, limit: float) -> BinaryIO:
+def _awaited(path: Path, limit: float, say: Callable[[str], None]) -> BinaryIO:
     """Open a file that a logger may still have to create in its folder."""
     if not path.exists() and path.absolute().parent.is_dir():
-        typer.echo(
-            f"Waiting up to {limit:g} s for {printable(path.name)}, which is not there yet; Ctrl-C ends it.",
-            file=sys.stderr,
-        )
+        say(f"Waiting up to {limit:g} s for {path.name}, which is not there yet; Ctrl-C ends it.")
         until = time.monotonic() + limit
         while not path.exists() and time.monotonic() < until:
             time.sleep(_POLL)
@@ -68,7 +64,7 @@ def _opened(path: Path) -> BinaryIO:
             "The file must be readable",
             value=error.strerror,
             remedy="Name the file that the test is or will be written to, or - for standard input; "
-            "--start-within gives its logger more time",
+            "`start_within` gives its logger more time",
             where=str(path),
         ) from error
 

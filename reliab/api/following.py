@@ -1,0 +1,314 @@
+"""`reliab.follow_test`: the error of a test while it runs, message by message."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from reliab.api.arguments import Quantity, require_positive, stated_values
+from reliab.api.followed_rows import chunks_of_text, rows_of
+from reliab.assessment.rebuilt_error import DRAWS, ErrorSoFar, Monitor, Tolerances
+from reliab.errors import InputError
+from reliab.recordings import Part, Rows
+from reliab.shipped import or_shipped
+from reliab.stated_value import StatedValue
+from reliab.structures import Structure
+from reliab.vocabulary import Metric
+
+_MILLISECONDS = 1e-3
+_GLANCE = 0.1  # s of the test between two looks at the alarms
+_CRITICAL = 0.25  # share of the structure's damping ratio below which a warning is given
+_ROWS_FOR_STEP = 64
+_GAP = 0.6  # of a step that a sample may come late or early after the one before
+_WHOLE_RATE = 1e-4  # relative distance up to which a rate is a whole number of hertz
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Message:
+    """What is known of a running test at a moment.
+
+    Attributes
+    ----------
+    kind : {"update", "alarm", "end"}
+        Why it comes: time has passed, an alarm was raised, the test has ended.
+    content : dict
+        The numbers, with stable keys.
+    monitor : Monitor
+        The monitor, which goes on with the test.
+    alarms : dict of str to str
+        Sentences of the alarms that were raised so far, by name.
+    """
+
+    kind: str
+    content: Mapping[str, Any]
+    monitor: Monitor
+    alarms: Mapping[str, str]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain numbers with stable keys."""
+        return dict(self.content)
+
+
+def follow_test(
+    source: str | Path,
+    *,
+    f: Quantity | None = None,
+    xi: Quantity | None = None,
+    alpha: Quantity = 1.0,
+    scale: Quantity = 1.0,
+    feedback_lag: Quantity = 0.0,
+    threshold: float = 0.05,
+    metric: str = "rms",
+    command: str | None = None,
+    measured: str | None = None,
+    time: str | None = None,
+    rate: float | None = None,
+    units: str | None = None,
+    every: float = 0.5,
+    wait: float = 10.0,
+    start_within: float = 600.0,
+    say: Callable[[str], None] = lambda _sentence: None,
+) -> Iterator[Message]:
+    """Follow the error of a test while its file is written.
+
+    Parameters
+    ----------
+    source : str or pathlib.Path
+        CSV file that is or will be written to, "-" for standard input, or "sample_test".
+    f, xi, alpha : float, str or StatedValue
+        Natural frequency [Hz], damping ratio [-], both needed, and share of the stiffness in the laboratory
+        [-], each with a standard deviation where it is not certain: "1±0.01".
+    scale, feedback_lag : float, str or StatedValue, optional
+        Scale of the displacement sensor [-]; time by which the force is fed back late [ms].
+    threshold : float, optional
+        Largest error of a good test [-].
+    metric : {"rms", "mte"}, optional
+        Error of the whole test.
+    command, measured, time : str, optional
+        Names of the columns, where they are not recognised.
+    rate : float, optional
+        Sampling rate [Hz]; by default read from the times.
+    units : str, optional
+        Unit of both displacements.
+    every : float, optional
+        Time of the test between two updates [s].
+    wait, start_within : float, optional
+        Time without new rows after which the test counts as finished, and time within which the file must
+        have its first row [s].
+    say : callable, optional
+        Takes a sentence while a file is awaited that does not exist yet.
+
+    Returns
+    -------
+    iterator of Message
+        Updates and alarms as they come; the last message is the end, whose `above_threshold` says whether the
+        error of the whole test is too large.
+
+    Raises
+    ------
+    InputError
+        If something is not stated or not allowed, or the rows cannot be followed.
+
+    Examples
+    --------
+    >>> *_, end = follow_test("sample_test", f=1, xi=0.02, wait=0.1)
+    >>> end.kind, end.to_dict()["above_threshold"]
+    ('end', False)
+    """
+    stated = _stated(f=f, xi=xi, alpha=alpha, scale=scale, feedback_lag=feedback_lag)
+    positive = {"threshold": threshold, "every": every, "wait": wait, "start_within": start_within}
+    for name, number in (positive if rate is None else {**positive, "rate": rate}).items():
+        if not 0.0 < number < float("inf"):
+            raise InputError(f"`{name}` must be positive", value=number)
+    columns = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
+    path = str(source) if str(source) == "-" else str(or_shipped(Path(source), "datasets", "test.csv"))
+    rows = rows_of(
+        chunks_of_text(path, wait, start_within, say),
+        name="standard input" if path == "-" else Path(path).name,
+        declared={part: name for part, name in columns.items() if name is not None},
+        units=units,
+    )
+    watch = _Watch(stated=stated, threshold=threshold, metric=Metric.parse(metric), every=every)
+    return watch.follow(rows, rate)
+
+
+def _stated(**quantities: Quantity | None) -> dict[str, StatedValue]:
+    """Read what is stated of structure, sensor and feedback, which must be complete."""
+    for name, what, remedy in (
+        ("f", "natural frequency", "Give it in hertz"),
+        ("xi", "damping ratio", "Give 0.02 for 2 %, or 0.02±0.002"),
+    ):
+        if quantities[name] is None:
+            raise InputError(f"A test needs `{name}`, the structure's {what}", remedy=remedy)
+    stated = stated_values(**quantities)
+    require_positive(stated)
+    return stated
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Watch:
+    """Follows rows, and says what is known."""
+
+    stated: Mapping[str, StatedValue]
+    threshold: float  # [-]
+    metric: Metric
+    every: float  # [s]
+    alarms: dict[str, str] = field(default_factory=dict)  # Sentences of those that were raised, by name
+
+    def follow(self, rows: Iterator[Rows], rate: float | None) -> Iterator[Message]:
+        """Follow rows to their end.
+
+        `rate` [Hz].
+        """
+        step, rows = _time_step(rows, rate)
+        monitor = self._monitor(step)
+        between, glance = (max(round(seconds / step), 1) for seconds in (self.every, _GLANCE))
+        scale = self.stated["scale"].value
+        for part in _at_equal_steps(rows, step):
+            begin = 0
+            while begin < part.command.size:
+                to_next = min(count - monitor.samples % count for count in (between, glance))
+                end = min(begin + to_next, part.command.size)
+                monitor.feed(part.command[begin:end], part.measured[begin:end] / scale)
+                if monitor.samples % glance == 0 or monitor.samples % between == 0:
+                    yield from self._new_alarms(monitor)
+                if monitor.samples % between == 0:
+                    yield self._update(monitor)
+                begin = end
+        yield self._end(monitor)
+
+    def _monitor(self, step: float) -> Monitor:
+        f, xi, alpha, scale, lag = (
+            self.stated[name] for name in ("f", "xi", "alpha", "scale", "feedback_lag")
+        )
+        tolerances = Tolerances(
+            frequency=f.deviation / f.value,
+            damping_ratio=xi.deviation / xi.value,
+            experimental_fraction=alpha.deviation / alpha.value,
+            sensor_scale=scale.deviation / scale.value,
+            feedback_lag=lag.deviation * _MILLISECONDS,
+        )
+        structure = Structure(frequency=f.value, damping_ratio=xi.value, experimental_fraction=alpha.value)
+        return Monitor(structure, step, feedback_lag=lag.value * _MILLISECONDS, tolerances=tolerances)
+
+    def _new_alarms(self, monitor: Monitor) -> Iterator[Message]:
+        """Raise the alarms that are due, at once."""
+        if monitor.gains_energy_since is not None:
+            yield from self._alarm("unstable", monitor, "the loop gains energy and may diverge")
+        if monitor.exceeds(self.threshold, self.metric):
+            yield from self._alarm(
+                "error",
+                monitor,
+                f"the error is above twice {self.threshold:.2%}; few tests end below that threshold then",
+            )
+
+    def _alarm(self, name: str, monitor: Monitor, sentence: str) -> Iterator[Message]:
+        if name not in self.alarms:
+            self.alarms[name] = f"Alarm at {monitor.now.time:.2f} s: {sentence}"
+            yield self._message(monitor, "alarm")
+
+    def _update(self, monitor: Monitor) -> Message:
+        if not monitor.due or (asked := monitor.ask()) is None:
+            return self._message(monitor, "update")
+        return self._message(monitor, "update", error=self._intervals(asked, monitor))
+
+    def _end(self, monitor: Monitor) -> Message:
+        asked = monitor.ask(draws=DRAWS)
+        above = asked.estimate(self.metric).value > self.threshold
+        return self._message(monitor, "end", error=self._intervals(asked, monitor), above_threshold=above)
+
+    def _message(self, monitor: Monitor, kind: str, **more: Any) -> Message:  # noqa: ANN401 - of JSON
+        now = monitor.now
+        damping = None if now.damping is None else now.damping.ratio
+        content = {
+            "kind": kind,
+            "samples": now.samples,
+            "time_s": now.time,
+            "error_m": now.error,
+            "rms": now.rms,
+            "mte": now.mte,
+            "net_damping_ratio": damping,
+            "near_instability": damping is not None and damping < _CRITICAL * self.stated["xi"].value,
+            "alarms": list(self.alarms),
+            **more,
+        }
+        return Message(kind=kind, content=content, monitor=monitor, alarms=self.alarms)
+
+    def _intervals(self, asked: ErrorSoFar, monitor: Monitor) -> dict[str, Any]:
+        return {
+            "rms": {"value": asked.rms.value, "low": asked.rms.low, "high": asked.rms.high},
+            "mte": {"value": asked.mte.value, "low": asked.mte.low, "high": asked.mte.high},
+            "until_s": monitor.now.time,
+            "metric": str(self.metric),
+            "threshold": self.threshold,
+            "probability": asked.probability(self.threshold, self.metric),
+        }
+
+
+def _time_step(rows: Iterator[Rows], rate: float | None) -> tuple[float, Iterator[Rows]]:
+    """Step between samples, from the rate or the first times.
+
+    `rate` [Hz]; returns step [s].
+    """
+    if rate is not None:
+        return 1.0 / rate, rows
+    first: list[Rows] = []
+    count = 0
+    for part in rows:
+        first.append(part)
+        count += part.command.size
+        if count > _ROWS_FOR_STEP:
+            break
+    if any(part.time is None for part in first):
+        raise InputError(
+            "A test that is followed needs times or a sampling rate",
+            remedy="Add a column time, or give the sampling rate with `rate`",
+        )
+    if count <= _ROWS_FOR_STEP:
+        raise InputError(
+            f"A test that is followed needs more than {_ROWS_FOR_STEP} rows",
+            value=count,
+            remedy="Wait until the test runs, or wait longer with `wait`",
+        )
+    times = np.concatenate([part.time for part in first if part.time is not None])
+    step = float(times[-1] - times[0]) / (times.size - 1)
+    if not step > 0.0:
+        raise InputError("Times must grow", value=f"{times[-1]:g} s after {times[0]:g} s")
+    whole = round(1.0 / step)
+    if whole > 0 and abs(whole * step - 1.0) < _WHOLE_RATE:
+        step = 1.0 / whole
+    return step, chain(first, rows)
+
+
+def _at_equal_steps(rows: Iterator[Rows], step: float) -> Iterator[Rows]:
+    """Pass rows on while their times, where there are any, follow at equal steps.
+
+    A time may come 0.6 of a step early or late after the one before it, which rounded times do; a missing
+    sample does more.
+
+    `step` [s].
+    """
+    begin: float | None = None
+    count, drift = 0, 0.0
+    for part in rows:
+        if part.time is not None:
+            begin = float(part.time[0]) if begin is None else begin
+            due = begin + step * np.arange(count, count + part.time.size)
+            # what a clock may drift from the nominal rate counts as no gap; a missing sample does
+            late = part.time - due
+            gap = np.flatnonzero(
+                np.abs(np.diff(late, prepend=late[0] if count == 0 else drift)) > _GAP * step
+            )
+            if gap.size:
+                row = int(gap[0])
+                raise InputError(
+                    f"Samples must follow each other at equal steps, here of {step:.6g} s",
+                    value=f"{part.time[row]:.10g} s for sample {count + row + 1}",
+                    remedy="A test with missing samples cannot be followed; assess it in pieces afterwards",
+                )
+            drift = float(late[-1])
+        count += part.command.size
+        yield part

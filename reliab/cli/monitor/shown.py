@@ -1,0 +1,92 @@
+"""What `reliab monitor` prints: lines, alarms at once, and on a terminal a table that is kept up to date."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Self
+
+from rich.live import Live
+
+from reliab.cli.output import console, table
+from reliab.significant import significant
+from reliab.vocabulary import PERCENT, Metric
+
+if TYPE_CHECKING:
+    from reliab.api import Message
+
+
+class Screen:
+    """Shows messages of a running test; `threshold` [-]."""
+
+    def __init__(self, *, metric: str, threshold: float, quiet: bool) -> None:
+        self._metric, self._threshold, self._quiet = Metric.parse(metric), threshold, quiet
+        self._terminal = console()
+        is_live = not quiet and self._terminal.is_terminal
+        self._live = Live(console=self._terminal, refresh_per_second=8) if is_live else None
+
+    def __enter__(self) -> Self:
+        if self._live is not None:
+            self._live.start()
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self._stop()
+
+    def _stop(self) -> None:
+        if self._live is not None:
+            self._live.stop()
+
+    def show(self, message: "Message") -> None:
+        """Show a message."""
+        if self._quiet:
+            return
+        content = message.to_dict()
+        if message.kind == "alarm":
+            self._print(list(message.alarms.values())[-1], style="red")
+        elif message.kind == "end":
+            self._stop()
+            self._print(_line(content, self._metric, self._threshold))
+            side = "above" if content["above_threshold"] else "not above"
+            self._print(f"The error of the whole test is {side} {self._threshold:.2%}.")
+        elif self._live is not None:
+            self._live.update(_table(message, self._metric, self._threshold))
+        elif "error" in content:
+            self._print(_line(content, self._metric, self._threshold))
+
+    def _print(self, text: str, style: str | None = None) -> None:
+        """Print a line at once, in a pipe too."""
+        self._terminal.print(text, style=style, highlight=False)
+        self._terminal.file.flush()
+
+
+def _line(message: Mapping[str, Any], metric: Metric, threshold: float) -> str:
+    error = message["error"][metric]
+    damping = message["net_damping_ratio"]
+    return (
+        f"{message['time_s']:8.2f} s  {metric.upper()} {error['value']:.2%} (90 %: "
+        f"{error['low']:.2%} to {error['high']:.2%}), below "
+        f"{significant(PERCENT * threshold)}% with "
+        f"probability {message['error']['probability']:.3f}, net damping "
+        + ("not settled" if damping is None else f"{damping:.2%}")
+    )
+
+
+def _table(message: "Message", metric: Metric, threshold: float) -> Any:  # noqa: ANN401 - a table of Rich
+    now, result = message.monitor.now, message.monitor.result
+    shown = table(
+        f"{now.time:.2f} s of the test, {now.samples} samples", {"quantity": "left", "value": "right"}
+    )
+    shown.add_row("error now, mm", f"{1e3 * now.error:.3f}")
+    shown.add_row("RMS^R so far, with noise", f"{now.rms:.2%}")
+    shown.add_row("MTE^R so far, with noise", f"{now.mte:.2%}")
+    if result is not None:
+        error = result.estimate(metric)
+        shown.add_row(
+            f"{metric.upper()} with its 90 % interval",
+            f"{error.value:.2%} ({error.low:.2%} to {error.high:.2%})",
+        )
+        probability = result.probability(threshold, metric)
+        shown.add_row(f"probability below {significant(PERCENT * threshold)}%", f"{probability:.3f}")
+    damping = None if now.damping is None else now.damping.ratio
+    shown.add_row("net damping ratio", "not settled" if damping is None else f"{damping:.2%}")
+    for alarm in message.alarms.values():
+        shown.add_row("ALARM", alarm)
+    return shown
