@@ -87,7 +87,7 @@ def _show_version(wanted: bool) -> None:  # noqa: FBT001 - Typer's callback
 def options(
     version: Annotated[  # noqa: FBT002 - an option of the command line
         bool,
-        typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version and leave."),
+        typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version."),
     ] = False,
 ) -> None:
     """Answer whether a real-time hybrid simulation can be trusted."""

@@ -29,7 +29,12 @@ class SimulateDemand(Demand):
     xi: DampingRatios = None
     out: Annotated[Path, typer.Option("--out", metavar="STORE", help="The Zarr store to write.")]
     grid: Annotated[
-        str, typer.Option("--grid", metavar="scaled|paper", help="Actuators that are simulated.")
+        str,
+        typer.Option(
+            "--grid",
+            metavar="scaled|paper",
+            help="Gains and delays to simulate: scaled to each structure, or the paper's.",
+        ),
     ] = "scaled"
     window: Annotated[
         list[str] | None,
@@ -42,7 +47,10 @@ class SimulateDemand(Demand):
     alpha: Fractions = None
     model: ModelFile = None
     engine: Annotated[
-        str, typer.Option("--engine", metavar="automatic|pole|delay|spectral", help="How the loop is solved.")
+        str,
+        typer.Option(
+            "--engine", metavar="automatic|pole|delay|spectral", help="How the equation of motion is solved."
+        ),
     ] = "automatic"
     resume: Annotated[bool, typer.Option("--resume", help="Continue a store that was begun.")] = False
     workers: Annotated[

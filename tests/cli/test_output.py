@@ -68,8 +68,10 @@ def test_symbols_are_written_out(run_with):
 
 
 def test_lines_without_a_table_keep_to_the_terminals_characters_as_well(run_with, monkeypatch):
-    info = importlib.import_module("reliab.cli.info")
-    monkeypatch.setattr(info, "describe", lambda: {"executable": "/home/Jürgen/ξ", "packages": {"ψ": "±1"}})
+    api = importlib.import_module("reliab.api")
+    monkeypatch.setattr(
+        api, "describe_installation", lambda: {"executable": "/home/Jürgen/ξ", "packages": {"ψ": "±1"}}
+    )
     for encoding, written in (
         ("ascii", "executable: /home/Jurgen/xi\npackages:\n  psi: +-1\n"),
         ("utf-8", "executable: /home/Jürgen/ξ\npackages:\n  ψ: ±1\n"),

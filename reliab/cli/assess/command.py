@@ -134,7 +134,10 @@ class AssessDemand(Reported):
         str | None, typer.Option("--delimiter", metavar="SIGN", help="What separates columns of a text.")
     ] = None
     design: Annotated[
-        bool, typer.Option("--design", help="Print tolerable errors before a test; no test is read.")
+        bool,
+        typer.Option(
+            "--design", help="Before a test: print how much amplitude error and delay the rig may have."
+        ),
     ] = False
     figure: Annotated[
         Path | None,
@@ -144,12 +147,14 @@ class AssessDemand(Reported):
     ] = None
     report: Annotated[
         Path | None,
-        typer.Option("--report", metavar="FILE.pdf", help="Report of two pages, to be filed with the test."),
+        typer.Option(
+            "--report", metavar="FILE.pdf", help="Write a report of two pages to file with the test."
+        ),
     ] = None
     out: Annotated[
         Path | None,
         typer.Option(
-            "--out", metavar="FILE.csv", help="Table of the verdicts, one row for each test; itself no test."
+            "--out", metavar="FILE.csv", help="Write the verdicts as a table, one row for each test."
         ),
     ] = None
     check: Annotated[bool, typer.Option("--check", help="Exit with code 1 unless the test is reliable.")] = (
@@ -175,7 +180,7 @@ class AssessDemand(Reported):
 
 @takes(AssessDemand)
 def assess(demand: AssessDemand) -> None:
-    """Judge a real test by the error that its command and measured displacement reveal."""
+    """Judge a real test by its error, computed from command and measured displacement."""
     if demand.design:
         _answer_design(demand)
     elif not _answer_tests(demand) and demand.check:

@@ -76,7 +76,7 @@ class ValidateDemand(Demand):
             "--method",
             autocompletion=methods,
             metavar="NAME...",
-            help="Meanings of the confidence; dirichlet by default.",
+            help="What the confidence means, one or several methods; dirichlet by default.",
         ),
     ] = None
     joint: Annotated[
