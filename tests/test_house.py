@@ -7,6 +7,7 @@ import ast
 import re
 from collections import Counter
 from collections.abc import Iterator
+from doctest import DocTestParser
 from functools import cache
 from pathlib import Path
 
@@ -14,10 +15,66 @@ import reliab
 
 PACKAGE = Path(reliab.__file__).parent
 STUDIES = PACKAGE.parent / "studies"
+TESTS = Path(__file__).parent
 LINES_OF_A_MODULE = 500
 LINES_OF_A_FUNCTION = 40
-VAGUE = frozenset({"found", "each", "one", "made", "told", "apart", "left", "there", "own", "other"})
-"""Words that name no thing of the field."""
+VAGUE = frozenset(
+    [
+        "found",
+        "each",
+        "one",
+        "made",
+        "told",
+        "apart",
+        "left",
+        "there",
+        "own",
+        "other",
+        "chosen",
+        "known",
+        "stated",
+        "kept",
+        "rest",
+        "part",
+        "given",
+        "asked",
+        "taken",
+        "wanted",
+        "named",
+        "done",
+        "thing",
+        "stuff",
+        "of",
+        "shown",
+        "seen",
+        "said",
+    ]
+)
+"""Words that name no thing of the field when they stand alone: what remains to ask is "which?".
+
+The first ten were refused first; the others came in their place."""
+
+SHARE_OF_VAGUE_NAMES = 0.002
+"""Largest share of the names of a room that may be such words."""
+
+MORE_VAGUE_NAMES = {
+    "beside the rooms": 0.031,
+    "api": 0.067,
+    "assessment": 0.017,
+    "cli": 0.04,
+    "criterion": 0.017,
+    "effects": 0.006,
+    "indices": 0.012,
+    "motions": 0.021,
+    "recordings": 0.063,
+    "sampling": 0.003,
+    "simulation": 0.009,
+    "structures": 0.006,
+    "sweep": 0.01,
+    "validation": 0.015,
+    "tests": 0.03,
+}
+"""Rooms that are not there yet, with the share that they may have; it is only ever lowered."""
 
 LONG_FUNCTIONS = {
     "simulation/hybrid_test/marching.py:march": "one compiled loop",
@@ -31,9 +88,6 @@ LONG_FUNCTIONS = {
 
 WITHOUT_USER_INSIDE = {
     "assessment/rebuilt_error/spectral.py:respond_spectrally": "the recursion's oracle",
-    "validation/criterion_coverage.py:coverage_table": "makes a table of criterion/README.md",
-    "validation/motion_terms.py:gain_of_terms": "makes a number of criterion/README.md",
-    "validation/yielding.py:yielding_tests": "makes datasets/yielding",
 }
 """Public code that nothing else in the package uses, and who uses it."""
 
@@ -107,14 +161,39 @@ def test_functions_are_short():
     assert long == set(LONG_FUNCTIONS)
 
 
+def named_in_examples(path: Path) -> Iterator[tuple[str, int]]:
+    """Yield the names to which the examples in the docstrings of a module give values, with their lines."""
+    lines = source(path)[0]
+    examples = DocTestParser().get_examples("\n".join(lines)) if any(">>>" in line for line in lines) else ()
+    for example in examples:
+        for node in ast.walk(ast.parse(example.source)):
+            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+                yield node.id, example.lineno + node.lineno
+
+
+def names_by_room() -> dict[str, list[tuple[str, bool]]]:
+    """Return every name with its place and whether it is vague, by room; studies and tests are rooms here."""
+    rooms: dict[str, list[tuple[str, bool]]] = {}
+    for top in (PACKAGE, STUDIES, TESTS):
+        for path in sorted(top.rglob("*.py")):
+            inside = path.relative_to(top).parts
+            room = top.name if top != PACKAGE else inside[0] if inside[1:] else "beside the rooms"
+            in_examples = named_in_examples(path) if top != TESTS else ()
+            for name, line in (*named_values(path), *in_examples):
+                vague = name.strip("_").lower() in VAGUE and not names_a_side(path, name)
+                rooms.setdefault(room, []).append((f"{path.relative_to(top.parent)}:{line} {name}", vague))
+    return rooms
+
+
 def test_names_are_nouns_of_the_field():
-    vague = [
-        f"{path.relative_to(PACKAGE)}:{line} {name}"
-        for path in modules()
-        for name, line in named_values(path)
-        if name.strip("_").lower() in VAGUE and not names_a_side(path, name)
-    ]
-    assert vague == []
+    """The share of vague names in a room stays below its limit; the message counts and lists them."""
+    beyond = []
+    for room, names in names_by_room().items():
+        vague = [place for place, is_vague in names if is_vague]
+        if len(vague) > MORE_VAGUE_NAMES.get(room, SHARE_OF_VAGUE_NAMES) * len(names):
+            share = len(vague) / len(names)
+            beyond.append("\n  ".join([f"{room}: {len(vague)} of {len(names)} ({share:.2%})", *vague]))
+    assert not beyond, "\n".join(beyond)
 
 
 def is_command(node: ast.FunctionDef | ast.ClassDef) -> bool:

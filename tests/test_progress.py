@@ -23,12 +23,10 @@ from reliab.structures import Structure
 from reliab.sweep import EllipseRequest, ScaledGrid, SweepRequest, predict_ellipses, run_sweep, trace_ellipses
 from reliab.sweep.frame_table import FrameRequest, errors_of_rig, trace_frame_ellipses
 from reliab.validation.beyond_the_model import try_rigs
-from reliab.validation.criterion_coverage import Truth, coverage_table
 from reliab.validation.cross_validation import cross_validate, k_fold
 from reliab.validation.cross_validation.candidates import Derived
 from reliab.validation.probability_calibration import probability_calibration
 from reliab.validation.rebuilt_error_study import study
-from reliab.validation.yielding import yielding_tests
 
 PACKAGE = Path(reliab.__file__).parent
 MOTIONS = load_motions("synthetic")[:2]
@@ -112,12 +110,6 @@ def of_folds(progress, ellipses):
     cross_validate(ellipses, folds, [candidate], scheme="k", confidences=[0.5], trials=8, progress=progress)
 
 
-def of_coverage(progress):
-    truth = Truth(n_events=8, motions_per_event=1, event_share=0.0)
-    methods = [(method_of("quantile"), False)]
-    coverage_table(methods, [truth], (0.5, 0.8, 0.9), suites=1, progress=progress)
-
-
 def of_shares(progress, tmp_path):
     results = reliab.simulate(MOTIONS, alpha=[0.5, 1.0], out=tmp_path / "results.zarr")
     results.reliab.ellipses(progress=progress)
@@ -152,9 +144,7 @@ CASES = {
     "probability_calibration": lambda progress, ellipses: probability_calibration(
         ellipses, trials=8, progress=progress
     ),
-    "coverage_table": of_coverage,
     "try_rigs": of_rigs,
-    "yielding_tests": lambda progress: yielding_tests(MOTIONS, [STRUCTURE], reductions=(), progress=progress),
     "try_tests": of_rounds,
     "cross_validate": of_folds,
     "add": of_posteriors,

@@ -89,6 +89,7 @@ def test_python_recipe_runs(block, capsys):
     assert float(capsys.readouterr().out) > 0.0
 
 
+@pytest.mark.of_studies
 def test_each_shipped_folder_says_where_it_came_from():
     for room in ("datasets", "studies", "reports"):
         assert (ROOT / room / "README.md").exists()

@@ -5,8 +5,10 @@ import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+import numpy as np
 from threadpoolctl import threadpool_limits
 
+from reliab.arrays import Array
 from reliab.discrepancy.blocks.actuator import ActuatorBlock
 from reliab.discrepancy.blocks.balance import BalanceBlock
 from reliab.discrepancy.blocks.frame_balance import FrameBalanceBlock
@@ -17,16 +19,14 @@ from reliab.discrepancy.campaign.campaign import Campaign, Channel, Stretch
 from reliab.discrepancy.campaign.contradictions import require_consistent
 from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.fitting.fit import Fit
-from reliab.discrepancy.fitting.informed_band import informed_up_to
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.locating.noise_test import is_model_error
 from reliab.discrepancy.naming.naming import diagnose_block
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
 from reliab.discrepancy.result.diagnosis import Diagnosis
-from reliab.discrepancy.spectra.scales import motions_of, scales_of
-from reliab.discrepancy.spectra.segment import cut_segments
-from reliab.discrepancy.spectra.starting import answered, settled
+from reliab.discrepancy.spectra.segment import Segment, answered, cut_segments, settled
+from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
 from reliab.effects import Role, Scales
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
@@ -37,6 +37,9 @@ _SPECIMEN = frozenset({Channel.MEASURED, Channel.FORCE})
 _BALANCE = frozenset({Channel.GROUND, Channel.COMMAND, Channel.FORCE})
 _LOOP = frozenset({Channel.GROUND, Channel.MEASURED})
 _STEPS = 6  # of the search of a block
+_LEAST_EXPLAINED = 0.5  # of the channel's power
+_SMOOTHED = 1.0  # Hz
+_FINEST = 0.1  # Hz
 
 
 def diagnose(campaign: Campaign | str | Path, *, progress: Progress = silent) -> Diagnosis:
@@ -81,18 +84,18 @@ def diagnose(campaign: Campaign | str | Path, *, progress: Progress = silent) ->
 def _observed(campaign: Campaign) -> list[type[ObservedBlock]]:
     """Blocks whose input and output follow from the recorded channels, in the order of the loop."""
     channels = campaign.channels
-    seen: list[type[ObservedBlock]] = []
+    observable: list[type[ObservedBlock]] = []
     if channels >= _ACTUATOR:
-        seen.append(ActuatorBlock)
-    if channels >= _SPECIMEN and (campaign.nominal.specimen is not None or not seen):
-        seen.append(SpecimenBlock)
+        observable.append(ActuatorBlock)
+    if channels >= _SPECIMEN and (campaign.nominal.specimen is not None or not observable):
+        observable.append(SpecimenBlock)
     if channels >= _BALANCE and campaign.structure is not None:
-        seen.append(BalanceBlock)
+        observable.append(BalanceBlock)
     if channels >= _BALANCE and campaign.partition is not None:
-        seen.append(FrameBalanceBlock)
-    if channels >= _LOOP and campaign.structure is not None and not seen:
-        seen.append(LoopBlock)
-    if not seen:
+        observable.append(FrameBalanceBlock)
+    if channels >= _LOOP and campaign.structure is not None and not observable:
+        observable.append(LoopBlock)
+    if not observable:
         raise InputError(
             "The columns and tables of a campaign must cover at least one block: command_m and measured_m, or"
             " measured_m and force_n, or ground_acceleration_mps2 and measured_m with a [structure] table of"
@@ -101,7 +104,7 @@ def _observed(campaign: Campaign) -> list[type[ObservedBlock]]:
             remedy="Add the columns that were recorded, in every test, or the table",
             where="campaign.toml",
         )
-    return seen
+    return observable
 
 
 def _block(
@@ -180,3 +183,30 @@ def _where_informed(block: BalanceBlock, campaign: Campaign, whole: Search) -> S
 def _samples(fitted: Fit) -> bool:
     """Whether a model's controller knows what it demands at its own instants only."""
     return any(effect.role is Role.INTEGRATION for effect in fitted.space.effects)
+
+
+def informed_up_to(problem: Problem, fitted: Fit) -> float:
+    """Frequency above the strongest motion from which a model explains less than half of the channel [Hz].
+
+    Returns the highest frequency that is judged, where the model explains more than half of the power up to
+    there.
+    """
+    remainders = problem.residuals(fitted.space, fitted.coordinates)
+    highest = max(segment.highest for segment in problem.segments)
+    grid = np.arange(_FINEST, highest, _FINEST)
+    signal, remainder = np.zeros(grid.size), np.zeros(grid.size)
+    for segment in problem.segments:
+        signal += _power_of(segment, problem.measured(segment.test), grid)
+        remainder += _power_of(segment, remainders[segment.test], grid)
+    strongest = int(np.argmax(signal))
+    unexplained = np.flatnonzero(remainder[strongest:] > (1.0 - _LEAST_EXPLAINED) * signal[strongest:])
+    return float(grid[strongest + unexplained[0]]) if unexplained.size else highest
+
+
+def _power_of(segment: Segment, values: Array, grid: Array) -> Array:
+    """Mean power within half a hertz of each frequency of a grid, shape of `grid`."""
+    frequency, power = segment.frequency[1:], np.abs(segment.spectrum(values)[1:]) ** 2
+    total = np.concatenate([[0.0], np.cumsum(power)])
+    begin = np.searchsorted(frequency, grid - 0.5 * _SMOOTHED)
+    end = np.searchsorted(frequency, grid + 0.5 * _SMOOTHED, side="right")
+    return np.asarray((total[end] - total[begin]) / np.maximum(end - begin, 1))

@@ -1,16 +1,27 @@
 """Verification on held-out tests: residual over signal before and after effects are added."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from itertools import combinations
 
 import numpy as np
+from scipy import fft, signal
 
 from reliab.arrays import Array
+from reliab.discrepancy.campaign.campaign import Channel, MeasuredTest
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.result.gap import Gap
-from reliab.discrepancy.spectra.floor import floors
 from reliab.discrepancy.spectra.segment import Segment
 from reliab.effects import Effect
+from reliab.signals import near_mains
+
+_SAME_INPUT = 0.02  # RMS of a difference over that of the input
+_MOTION_AT_REST = 0.002  # of the input's range
+_SHORTEST_REST = 0.25  # s
+_FEWEST_SAMPLES = 64
+_WHITE = 1.25  # ratio of the power in both halves of a band of white noise
 
 
 def residuals(proof: Problem, fitted: Fit, *, without: Sequence[type[Effect]] = ()) -> dict[int, Array]:
@@ -38,7 +49,7 @@ def gap(proof: Problem, before: dict[int, Array], after: dict[int, Array]) -> Ga
     """Compare residuals before and after with the part of the recordings that is not repeatable."""
     block = proof.block
     tests = tuple(dict.fromkeys(segment.test for segment in proof.segments))
-    known = floors(
+    noise_floors = floors(
         block.tests, tests, block.channel, block.inputs, rate=block.rate, highest=block.highest_signal
     )
     samples = sum(segment.end - segment.begin for segment in proof.segments)
@@ -48,7 +59,7 @@ def gap(proof: Problem, before: dict[int, Array], after: dict[int, Array]) -> Ga
         channel=str(block.channel),
         before=held_out_nrmse(proof, before),
         after=held_out_nrmse(proof, after),
-        floors={str(floor.source): float(np.sqrt(floor.mean_square / unit)) for floor in known},
+        floors={str(floor.source): float(np.sqrt(floor.mean_square / unit)) for floor in noise_floors},
         tests_before=errors_by_test(proof, before),
         tests_after=errors_by_test(proof, after),
     )
@@ -65,4 +76,116 @@ def _energy(proof: Problem, residual: dict[int, Array]) -> float:
 def _signal_energy(proof: Problem) -> float:
     """Energy of the channel over all held-out stretches."""
     parts = [_cut(segment, proof.block.measured(segment.test)) for segment in proof.segments]
-    return max(sum(float((part**2).sum()) for part in parts), 1e-300)
+    return max(sum(float((stretch**2).sum()) for stretch in parts), 1e-300)
+
+
+class Source(StrEnum):
+    """Where a floor comes from, the most reliable source first."""
+
+    REPEATED_TESTS = "repeated tests"
+    REPEATED_CYCLES = "repeated cycles"
+    BAND_ABOVE = "band above the motion"
+    AT_REST = "rest"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Floor:
+    """Mean square of the part of a channel that is not repeatable."""
+
+    mean_square: float  # In the square of the channel's unit
+    source: Source  # What it was taken from
+
+
+def floors(
+    tests: Sequence[MeasuredTest],
+    held_out: Iterable[int],
+    channel: Channel,
+    inputs: Sequence[Channel],
+    *,
+    rate: float,
+    highest: float,
+) -> tuple[Floor, ...]:
+    """Estimate the floor of a channel from every source that the recordings offer.
+
+    `rate`, `highest` [Hz].
+    """
+    proof = list(held_out)
+    ways = (
+        (Source.REPEATED_TESTS, _of_repeats(tests, channel, inputs)),
+        (Source.REPEATED_CYCLES, _of_cycles([tests[k] for k in proof], channel, inputs)),
+        (Source.BAND_ABOVE, _of_band([tests[k] for k in proof], channel, rate, highest)),
+        (Source.AT_REST, _of_rest([tests[k] for k in proof], channel, inputs, rate)),
+    )
+    groups = ((source, [value for value in values if value > 0.0]) for source, values in ways)
+    return tuple(Floor(mean_square=float(np.mean(v)), source=source) for source, v in groups if v)
+
+
+def _of_repeats(
+    tests: Sequence[MeasuredTest], channel: Channel, inputs: Sequence[Channel]
+) -> Iterator[float]:
+    for first, second in combinations(tests, 2):
+        if first.motion and first.motion == second.motion and first.size == second.size:
+            pairs = [(first.channels[c], second.channels[c]) for c in inputs]
+            if all(_close(a, b) for a, b in pairs):
+                yield float(np.var(first.channels[channel] - second.channels[channel])) / 2.0
+
+
+def _close(first: Array, second: Array) -> bool:
+    return bool(np.std(first - second) < _SAME_INPUT * max(float(np.std(first)), 1e-300))
+
+
+def _of_cycles(tests: Sequence[MeasuredTest], channel: Channel, inputs: Sequence[Channel]) -> Iterator[float]:
+    for test in tests:
+        driven = test.channels[inputs[-1]]
+        lag = _period(driven)
+        if lag is None:
+            continue
+        inner = slice(int(lag), None)  # the first cycle may start from rest
+        x, y = driven[inner], test.channels[channel][inner]
+        if y.size > 2 * lag and _close(x[lag:], x[:-lag]):
+            yield float(np.mean((y[lag:] - y[:-lag]) ** 2)) / 2.0
+
+
+def _period(values: Array) -> int | None:
+    """Return after how many samples a channel repeats itself best, None if it never swings."""
+    centred = values - values.mean()
+    size = fft.next_fast_len(2 * centred.size, real=True)
+    power = np.abs(fft.rfft(centred, size)) ** 2
+    correlation = fft.irfft(power, size)[: centred.size // 3]
+    negative = np.flatnonzero(correlation < 0.0)
+    if not negative.size:
+        return None
+    weighted = correlation[negative[0] :] / (centred.size - np.arange(negative[0], correlation.size))
+    return int(negative[0] + np.argmax(weighted))
+
+
+def _of_band(tests: Sequence[MeasuredTest], channel: Channel, rate: float, highest: float) -> Iterator[float]:
+    """Level of the band above the motion where it is white, so that it holds below as well, with pickup."""
+    for test in tests:
+        values = signal.detrend(test.channels[channel])
+        frequency, power = signal.periodogram(values, fs=rate, window="hann")
+        above = (frequency > highest) & (frequency < 0.49 * rate)
+        mains = near_mains(frequency, 0.5 * rate)
+        level = power[above & ~mains]
+        if level.size < 2 * _FEWEST_SAMPLES:
+            continue
+        low, high = (float(np.mean(half)) for half in np.array_split(level, 2))
+        if max(low, high) < _WHITE * min(low, high):
+            white = float(np.mean(level))
+            pickup = float(np.maximum(power[above & mains] - white, 0.0).sum() * frequency[1])
+            yield white * 0.5 * rate + pickup
+
+
+def _of_rest(
+    tests: Sequence[MeasuredTest], channel: Channel, inputs: Sequence[Channel], rate: float
+) -> Iterator[float]:
+    """Variance of the channel while nothing drives it, at the begin and at the end of a test."""
+    shortest = max(int(_SHORTEST_REST * rate), _FEWEST_SAMPLES)
+    for test in tests:
+        driven = np.stack([test.channels[c] for c in inputs])
+        reach = _MOTION_AT_REST * np.ptp(driven, axis=1, keepdims=True)
+        for order in (slice(None), slice(None, None, -1)):
+            moved = (np.abs(driven[:, order] - driven[:, order][:, :1]) > reach).any(axis=0)
+            length = int(np.argmax(moved)) if moved.any() else moved.size
+            if length >= shortest:
+                yield float(np.var(signal.detrend(test.channels[channel][order][:length])))

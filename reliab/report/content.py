@@ -65,8 +65,8 @@ class _Writer:
             "provenance": [[literal(name), literal(text)] for name, text in document.provenance.items()],
             "sheet": document.sheet,
         }
-        said = json.dumps(content, ensure_ascii=False)
-        terms = [[self._prose(term.name), self._prose(term.meaning)] for term in glossary_of(said)]
+        text = json.dumps(content, ensure_ascii=False)
+        terms = [[self._prose(term.name), self._prose(term.meaning)] for term in glossary_of(text)]
         whole = json.dumps({**content, "glossary": terms}, ensure_ascii=False)
         return {CONTENT_FILE: whole.encode(), **self._figures}
 

@@ -8,9 +8,8 @@ from typing import Literal
 import pandas as pd
 from matplotlib.figure import Figure as Drawing
 
-from reliab.report.formula import require_formula
 from reliab.report.numbers import Number
-from reliab.report.prose import Prose, references
+from reliab.report.prose import Prose, references, require_formula
 
 
 @dataclass(frozen=True, kw_only=True)

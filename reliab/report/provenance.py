@@ -5,12 +5,14 @@ from collections.abc import Mapping
 from reliab.criterion import Provenance, installed_versions
 
 
-def provenance_of(given: Mapping[str, object], criterion: Provenance | None = None) -> dict[str, str]:
+def provenance_of(
+    settings_by_name: Mapping[str, object], criterion: Provenance | None = None
+) -> dict[str, str]:
     """Collect versions, checksums and settings.
 
     Parameters
     ----------
-    given : mapping
+    settings_by_name : mapping
         What the caller knows, by its name: the hash of the study, seeds, …; shown first.
     criterion : Provenance, optional
         Where a criterion comes from.
@@ -20,7 +22,7 @@ def provenance_of(given: Mapping[str, object], criterion: Provenance | None = No
     dict of str to str
         Lines of the report.
     """
-    lines = {name: _line(value) for name, value in given.items()}
+    lines = {name: _line(value) for name, value in settings_by_name.items()}
     if criterion is None:
         return {"packages": _line(installed_versions()), **lines}
     settings = _line(criterion.settings)
@@ -37,7 +39,7 @@ def provenance_of(given: Mapping[str, object], criterion: Provenance | None = No
 
 def _line(value: object) -> str:
     if isinstance(value, Mapping):
-        return ", ".join(f"{name} {_line(part)}" for name, part in value.items())
+        return ", ".join(f"{name} {_line(item)}" for name, item in value.items())
     if isinstance(value, list | tuple):
-        return ", ".join(_line(part) for part in value)
+        return ", ".join(_line(item) for item in value)
     return f"{value:g}" if isinstance(value, float) else str(value)

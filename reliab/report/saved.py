@@ -16,7 +16,7 @@ from reliab.files import decoding, folder_written_whole, ordinary, require_small
 from reliab.received import named_within
 from reliab.report.content import CONTENT_FILE, files_of
 from reliab.report.document import Document
-from reliab.report.formula import require_formula
+from reliab.report.prose import require_formula
 
 CONTENT_RULE: Final = "A report is set from its content as `reliab run` wrote it"
 CONTENT_REMEDY: Final = "Run the study again with `reliab run`"
@@ -69,10 +69,10 @@ def saved_content(folder: Path) -> dict[str, bytes]:
             where=str(folder),
         )
         parts = list(_parts(content))
-        for part in parts:
-            if key := _FORMULAS.get(part.get("kind", "")):
-                require_formula(part[key])
-        figures = {part["file"] for part in parts if part.get("kind") == "figure"}
+        for piece in parts:
+            if key := _FORMULAS.get(piece.get("kind", "")):
+                require_formula(piece[key])
+        figures = {piece["file"] for piece in parts if piece.get("kind") == "figure"}
         # What was checked is what the template reads, not the bytes that it was decoded from.
         checked = json.dumps(content, ensure_ascii=False, allow_nan=False).encode()
         return {CONTENT_FILE: checked} | {name: _figure(folder, name) for name in sorted(figures)}

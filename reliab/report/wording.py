@@ -30,11 +30,11 @@ def window_in_words(window: str) -> str:
     >>> window_in_words("record"), window_in_words("40")
     ('the whole record', 'the first 40 s of the record')
     """
-    known = {
+    phrases = {
         "record": "the whole record",
         "arias": "5 % to 95 % of the Arias intensity of the record",
     }
-    return known.get(window, f"the first {window} s of the record")
+    return phrases.get(window, f"the first {window} s of the record")
 
 
 def meaning_of_confidence(method: str) -> str:

@@ -11,14 +11,13 @@ from .description import (
     TransferTable as TransferTable,
     ValidationTable as ValidationTable,
 )
-from .digests import digest as digest
 from .folders import study_module as study_module
 from .kind import Kind as Kind
 from .material import (
     SYNTHETIC as SYNTHETIC,
     Material as Material,
     Records as Records,
-    named as named,
+    motion_by_name as motion_by_name,
 )
 from .reading import (
     open_study as open_study,
@@ -27,7 +26,7 @@ from .reading import (
     study_from as study_from,
 )
 from .running import run_study as run_study, write_report as write_report
-from .stages import Stage as Stage, made_with as made_with, read_result as read_result
+from .stages import Stage as Stage, digest as digest, made_with as made_with, read_result as read_result
 from .steps import (
     CRITERIA as CRITERIA,
     ELLIPSES as ELLIPSES,

@@ -10,7 +10,7 @@ from reliab.errors import InputError
 from reliab.indices import Window
 from reliab.motions import Motion, MotionSuite, load_motions
 from reliab.study.description import RecordsStudy, SimulatedStudy
-from reliab.study.digests import digest
+from reliab.study.stages import digest
 from reliab.sweep import REAL, at_share, open_results, stored_results
 from reliab.validation.cross_validation import StoredTruth
 
@@ -109,13 +109,13 @@ class Material(Records):
             The results.
         """
         window = Window.parse(self._study.errors.window).label
-        return self._chosen(open_results(self.stored or folder / RESULTS, window=window))
+        return self._select(open_results(self.stored or folder / RESULTS, window=window))
 
     def truth(self, folder: Path) -> StoredTruth:
         """Return the true errors of tests under the motions, read from the results."""
         return StoredTruth(self.results(folder))
 
-    def _chosen(self, results: xr.Dataset) -> xr.Dataset:
+    def _select(self, results: xr.Dataset) -> xr.Dataset:
         structures = self._study.structures
         f, xi = list(structures.f), list(structures.xi)
         of_share = at_share(results, structures.experimental_fraction)
@@ -125,7 +125,7 @@ class Material(Records):
         results = open_results(stored, window=Window.parse(self._study.errors.window).label)
         structures = self._study.structures
         try:
-            self._chosen(results)
+            self._select(results)
         except KeyError:
             raise InputError(
                 "A study of stored results uses structures that they hold",
@@ -135,7 +135,7 @@ class Material(Records):
             ) from None
 
 
-def named(motions: MotionSuite, name: str) -> Motion:
+def motion_by_name(motions: MotionSuite, name: str) -> Motion:
     """Take a motion by its name, or say that it is missing."""
     if name not in motions.names:
         raise InputError(

@@ -105,7 +105,7 @@ def open_study(name: str | Path) -> Study:
             raise InputError(
                 "A study is a folder with study.toml, a TOML file, or the name of one that ships",
                 value=str(name),
-                remedy=f"Choose among {', '.join(present)}",
+                remedy=f"Choose among {', '.join(present) or 'your own: none ships with this installation'}",
             )
         path = present[path.name]
     if path.is_dir():

@@ -21,7 +21,7 @@ def run_study(
     out: str | Path,
     *,
     show: Show = quietly,
-    tell: Callable[[str, bool], None] = lambda _name, _done: None,
+    tell: Callable[[str, bool], None] = lambda _name, _finished: None,
     setting: Setting | None = None,
 ) -> Path:
     """Run a study, from its motions to the report; what is done already is not done again.

@@ -10,9 +10,13 @@ import contextlib
 import datetime as dt
 import hashlib
 import json
+import platform
+import re
 import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import PackageNotFoundError, requires, version
 from pathlib import Path
 from typing import Any
 
@@ -22,11 +26,12 @@ from reliab.criterion import installed_versions
 from reliab.described_files import read_json
 from reliab.errors import IncompleteError, InputError
 from reliab.files import written_by_one_process, written_whole
-from reliab.study.digests import code_digest, digest
-from reliab.study.environment import environment
 from reliab.unfinished import UNFINISHED, remove_abandoned
 
 MANIFEST = "manifest.json"
+_CHUNK = 1 << 20
+_NAME = re.compile(r"[A-Za-z0-9._-]+")
+_PROCESSORS = Path("/proc/cpuinfo")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,8 +73,8 @@ class RunFolder:
                 remedy="Name another folder",
             )
         remove_abandoned(path.rglob(f"{UNFINISHED}*"))
-        known = _read(path).get("stages", {})
-        self._manifest: dict[str, Any] = {"study": dict(study), "stages": known}
+        stages = _read(path).get("stages", {})
+        self._manifest: dict[str, Any] = {"study": dict(study), "stages": stages}
         self._write()
 
     @classmethod
@@ -211,3 +216,83 @@ class _Manifest(BaseModel):
 
     study: dict[str, Any]
     stages: dict[str, _Stage]
+
+
+@cache
+def code_digest() -> str:
+    """SHA-256 of the package's own code: what it computes may change with any of its files."""
+    package = Path(__file__).parents[1]
+    digests = hashlib.sha256()
+    for file in sorted(package.rglob("*.py")):
+        digests.update(str(file.relative_to(package)).encode())
+        digests.update(file.read_bytes())
+    return digests.hexdigest()
+
+
+def digest(path: Path) -> str:
+    """SHA-256 of a file, or of all files in a folder; empty where there is nothing.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        File or folder.
+
+    Returns
+    -------
+    str
+        The digest in hexadecimal.
+    """
+    total = hashlib.sha256()
+    files = sorted(path.rglob("*")) if path.is_dir() else [path]
+    for file in files:
+        if file.is_file():
+            total.update(str(file.relative_to(path)).encode())
+            with file.open("rb") as stream:
+                while chunk := stream.read(_CHUNK):
+                    total.update(chunk)
+    return total.hexdigest() if any(file.is_file() for file in files) else ""
+
+
+def environment() -> dict[str, object]:
+    """Describe what results are computed with.
+
+    Equal input gives equal bytes where all of this is equal; with another processor or other packages the
+    last digits of numbers may differ.
+
+    Returns "python", "system", "processor" and "packages": versions of this package and of all that it needs,
+    directly or through others.
+    """
+    return {
+        "python": platform.python_version(),
+        "system": platform.platform(),
+        "processor": _processor(),
+        "packages": dict(_packages()),
+    }
+
+
+@cache
+def _packages() -> tuple[tuple[str, str], ...]:
+    waiting, versions = ["reliab"], {}
+    while waiting:
+        name = waiting.pop()
+        if name in versions:
+            continue
+        try:
+            versions[name] = version(name)
+        except PackageNotFoundError:
+            continue  # needed on other systems only
+        needed = [line for line in requires(name) or () if "extra ==" not in line]
+        names = [match[0].lower() for line in needed if (match := _NAME.match(line))]
+        waiting.extend(re.sub(r"[-_.]+", "-", package) for package in names)  # a package has one name
+    return tuple(sorted(versions.items()))
+
+
+@cache
+def _processor() -> str:
+    """Name of the processor, as the system states it."""
+    try:
+        text = _PROCESSORS.read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        text = ""
+    match = re.search(r"^model name\s*:\s*(.+)$", text, re.MULTILINE)
+    return match[1].strip() if match else platform.processor() or platform.machine()

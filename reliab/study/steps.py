@@ -98,8 +98,8 @@ def derivation(errors: ErrorsTable, criterion: CriterionTable) -> Stage:
             for threshold in errors.thresholds
         ]
         content = {
-            "criteria": [json.loads(item.to_json()) for part in derived for item in part.criteria],
-            "refusals": [sentence for part in derived for sentence in part.refusals],
+            "criteria": [json.loads(item.to_json()) for criteria in derived for item in criteria.criteria],
+            "refusals": [sentence for criteria in derived for sentence in criteria.refusals],
         }
         text = json.dumps(content, ensure_ascii=False, allow_nan=False)
         with written_whole(folder / CRITERIA) as file:
@@ -109,14 +109,14 @@ def derivation(errors: ErrorsTable, criterion: CriterionTable) -> Stage:
     return Stage(name="derive", inputs=inputs, reads=(ELLIPSES,), writes=(CRITERIA,), work=work)
 
 
-def _derive(traced: xr.Dataset, threshold: float, metric: str, asked: CriterionTable) -> DerivedCriteria:
+def _derive(traced: xr.Dataset, threshold: float, metric: str, table: CriterionTable) -> DerivedCriteria:
     """Learn once from the ellipses of one error, and derive a criterion at each confidence."""
     error = f"No criterion for {100 * threshold:g} % {metric.upper()}"
     try:
         learned = Derivation.of(
             traced,
-            method=method_of(asked.method),
-            law=known(FITTED, asked.law),
+            method=method_of(table.method),
+            law=known(FITTED, table.law),
             threshold=threshold,
             metric=metric,
         )
@@ -124,9 +124,9 @@ def _derive(traced: xr.Dataset, threshold: float, metric: str, asked: CriterionT
         return DerivedCriteria(criteria=(), refusals=(f"{error}: {refusal}",))
     learned.warn_unless_converged()
     criteria, refusals = [], []
-    for confidence in asked.confidences:
+    for confidence in table.confidences:
         try:
-            criterion = learned.criterion(confidence, joint=asked.joint)
+            criterion = learned.criterion(confidence, joint=table.joint)
         except InputError as refusal:
             refusals.append(f"{error} at {100 * confidence:g} %: {refusal}")
             continue

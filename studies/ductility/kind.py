@@ -104,13 +104,13 @@ def _taking(study: DuctilityStudy, results: Path) -> Stage:
 def _check(study: DuctilityStudy, limits: pd.DataFrame) -> None:
     """Refuse stored results of other structures or another error than the study asks for."""
     table = study.structures
-    asked = {
+    options = {
         "f": set(table.f),
         "xi": set(table.xi),
         "alpha": {table.experimental_fraction},
         "threshold": {study.ductility.threshold},
     }
-    for name, values in asked.items():
+    for name, values in options.items():
         stored = set(limits[name])
         if stored != values:
             raise InputError(

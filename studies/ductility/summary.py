@@ -18,7 +18,7 @@ QUANTILES: Final = {"q05": 0.05, "q25": 0.25, "q50": 0.5, "q75": 0.75, "q95": 0.
 FEWEST_MOTIONS: Final = 20
 """Motions from which a limit that 95 % of them keep is stated."""
 
-_KEPT = 0.95
+_CONFIDENCE = 0.95
 
 
 def compare_levels(tests: pd.DataFrame) -> pd.DataFrame:
@@ -41,24 +41,24 @@ def compare_levels(tests: pd.DataFrame) -> pd.DataFrame:
     tests = tests.assign(**{NARROWEST: tests[list(DIRECTIONS)].min(axis=1, skipna=False)})
     rows = []
     everything = tests.assign(f=np.nan, xi=np.nan)
-    for (kind, level, f, xi), part in [
+    for (kind, level, f, xi), group in [
         *everything.groupby(["specimen", "level", "f", "xi"], sort=False, dropna=False),
         *tests.groupby(["specimen", "level", "f", "xi"], sort=False),
     ]:
         about = {"specimen": kind, "level": level, "f": f, "xi": xi}
-        rows += [about | _row(part, direction) for direction in (*DIRECTIONS, NARROWEST)]
+        rows += [about | _row(group, direction) for direction in (*DIRECTIONS, NARROWEST)]
     return pd.DataFrame(rows)
 
 
-def _row(part: pd.DataFrame, direction: str) -> dict[str, Any]:
+def _row(group: pd.DataFrame, direction: str) -> dict[str, Any]:
     """Statistics of one specimen in one direction."""
-    sound = part[part[direction].notna()]
+    sound = group[group[direction].notna()]
     below = np.asarray(sound[direction] < 1.0, dtype=np.float64)
     low, high = event_bootstrap(below, np.ones(below.size), sound["event"].to_numpy(dtype=np.str_))
     return {
         "direction": direction,
         "tests": len(sound),
-        "lost": len(part) - len(sound),
+        "lost": len(group) - len(sound),
         "motions": sound["motion"].nunique(),
         "events": sound["event"].nunique(),
         "ductility": sound["ductility"].median(),
@@ -92,10 +92,10 @@ def compare_limits(tests: pd.DataFrame) -> pd.DataFrame:
     )
     names = ["delay_ms", "linear_delay_ms", "amplitude", "linear_amplitude"]
     rows = []
-    for keys, part in tests.groupby(["specimen", "level", "f", "xi"], sort=False):
+    for keys, group in tests.groupby(["specimen", "level", "f", "xi"], sort=False):
         about = dict(zip(("specimen", "level", "f", "xi"), keys, strict=True))
-        enough = part["motion"].nunique() >= FEWEST_MOTIONS
+        enough = group["motion"].nunique() >= FEWEST_MOTIONS
         # A test whose exact response runs away tolerates nothing.
-        limits = part[names].fillna(0.0).quantile(1.0 - _KEPT)
+        limits = group[names].fillna(0.0).quantile(1.0 - _CONFIDENCE)
         rows.append(about | {name: limits[name] if enough else np.nan for name in names})
     return pd.DataFrame(rows)

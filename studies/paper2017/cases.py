@@ -153,8 +153,8 @@ def run_paper_cases(
         If there is no such integrator or compensator.
     """
     record = resample(truncate(motion, min(RECORD_SECONDS, motion.duration)), RATE_HZ)
-    chosen = printed_cases() if cases is None else cases
-    return [_run(record, case, integrator, compensator) for case in chosen]
+    cases_to_run = printed_cases() if cases is None else cases
+    return [_run(record, case, integrator, compensator) for case in cases_to_run]
 
 
 def _run(record: Motion, case: PaperCase, integrator: str, compensator: str) -> CaseOutcome:

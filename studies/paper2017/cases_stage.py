@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Final
 
 from reliab.motions import load_motions
-from reliab.study import Stage, named
+from reliab.study import Stage, motion_by_name
 from reliab.sweep import write_netcdf
 
 CASES: Final = "cases.nc"
@@ -14,7 +14,7 @@ _HELD_OUT = "held_out"
 
 def paper_cases(sources: tuple[str, ...], name: str) -> Stage:
     """Run the paper's four cases under a motion that is held out."""
-    motion = named(load_motions(*sources, sets=[_HELD_OUT]), name)
+    motion = motion_by_name(load_motions(*sources, sets=[_HELD_OUT]), name)
 
     def work(folder: Path) -> None:
         from .cases import cases_dataset, run_paper_cases

@@ -14,7 +14,7 @@ from reliab.study import (
     SimulatedStudy,
     Stage,
     made_with,
-    named,
+    motion_by_name,
     opened,
     simulation,
     tracing,
@@ -67,10 +67,10 @@ def _example(material: Material, show: Show) -> Stage:
         from .example import run_paper_example
 
         with show("Simulating the example"):
-            example = run_paper_example(named(material.motions, _EXAMPLE_MOTION))
+            example = run_paper_example(motion_by_name(material.motions, _EXAMPLE_MOTION))
         write_netcdf(example, folder / EXAMPLE)
 
-    inputs = {"motion": named(material.motions, _EXAMPLE_MOTION).checksum}
+    inputs = {"motion": motion_by_name(material.motions, _EXAMPLE_MOTION).checksum}
     return Stage(name="example", inputs=inputs, writes=(EXAMPLE,), work=work)
 
 

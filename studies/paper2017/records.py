@@ -60,8 +60,8 @@ class Records:
                 return np.empty(0)
             cells = cells.isel({name: nearest[0]})
         cells = cells.sel(metric=str(Metric.RMS))
-        for name, chosen in (("curve", CurveName.ELLIPSE), ("side", Side.LAG)):
-            cells = cells.sel({name: str(chosen)}) if name in cells.dims else cells
+        for name, label in (("curve", CurveName.ELLIPSE), ("side", Side.LAG)):
+            cells = cells.sel({name: str(label)}) if name in cells.dims else cells
         return np.asarray(cells.transpose("motion").values, dtype=np.float64)
 
     def of_motion(
@@ -91,13 +91,13 @@ class Records:
     def sample(self, frequency: float = ONE_HERTZ, damping_ratio: float = TWO_PERCENT) -> EllipseSample:
         """Ellipses of all motions at a structure; motions without an ellipse are left out."""
         a, b = (self.of_motions(name, frequency, damping_ratio) for name in "ab")
-        known = is_ellipse(a, b)
+        sound = is_ellipse(a, b)
         events = () if self.ellipses is None else self.ellipses["event"].values.tolist()
         return EllipseSample(
-            a=a[known],
-            b=b[known],
-            motions=np.array(self.motions, dtype=np.str_)[known],
-            events=np.array(events, dtype=np.str_)[known],
+            a=a[sound],
+            b=b[sound],
+            motions=np.array(self.motions, dtype=np.str_)[sound],
+            events=np.array(events, dtype=np.str_)[sound],
             frequency=frequency,
             damping_ratio=damping_ratio,
             threshold=FIVE_PERCENT,

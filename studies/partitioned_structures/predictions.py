@@ -41,12 +41,12 @@ _DRAWS: Final = 16  # of the rebuilt error, whose value alone counts here
 def mean_law() -> Dimensionless:
     """Dimensionless law through the geometric means of the ellipses that ship, at 5 % RMS^R."""
     ellipses = open_ellipses(shipped("datasets", "real_suite/ellipses.nc"))
-    chosen = ellipses.sel(threshold=_THRESHOLD, metric="rms", curve="ellipse")
-    if "side" in chosen.dims:
-        chosen = chosen.sel(side="lag")
+    selected = ellipses.sel(threshold=_THRESHOLD, metric="rms", curve="ellipse")
+    if "side" in selected.dims:
+        selected = selected.sel(side="lag")
     order = ("motion", "f", "xi")
-    a, b = (np.exp(np.log(chosen[name].transpose(*order).values).mean(axis=0)) for name in ("a", "b"))
-    return Dimensionless.fit(chosen["f"].values, chosen["xi"].values, a, b)
+    a, b = (np.exp(np.log(selected[name].transpose(*order).values).mean(axis=0)) for name in ("a", "b"))
+    return Dimensionless.fit(selected["f"].values, selected["xi"].values, a, b)
 
 
 def _by_index(a: float, b: float, amplitude: float, delay: float) -> float:

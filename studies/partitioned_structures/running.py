@@ -49,9 +49,9 @@ def run_tests(tests: Sequence[PartitionedTest], *, progress: Progress = silent) 
     partitions, law = partitioned_structures(), mean_law()
     with ThreadPoolExecutor() as pool:
         rows = []
-        for done, row in enumerate(pool.map(lambda test: _row(test, partitions, law), tests), start=1):
+        for count, row in enumerate(pool.map(lambda test: _row(test, partitions, law), tests), start=1):
             rows.append(row)
-            progress(done, len(tests))
+            progress(count, len(tests))
     return pd.DataFrame(rows)
 
 

@@ -150,7 +150,7 @@ def benchmark_compensator(name: str) -> Compensator | None:
     specimen = benchmark_partition(1).specimen
     factors = ServoHydraulic().inverse_factors(specimen)
     lag = factors[1] / factors[0]
-    known: dict[str, Compensator | None] = {
+    compensators: dict[str, Compensator | None] = {
         "pi_phase_lead": PhaseLeadControl(quantum=_CONVERTER),
         "none": None,
         "inverse": ModelInverse(factors=factors),
@@ -161,13 +161,13 @@ def benchmark_compensator(name: str) -> Compensator | None:
         "adaptive_time_series": AdaptiveTimeSeries(factors=factors[:3]),
         "adaptive_model_based": AdaptiveModelBased(factors=_FIRST_FACTORS),
     }
-    if name not in known:
+    if name not in compensators:
         raise InputError(
-            f"A compensator of the benchmark must be one of {', '.join(known)}",
+            f"A compensator of the benchmark must be one of {', '.join(compensators)}",
             value=name,
             remedy="Choose one of these",
         )
-    return known[name]
+    return compensators[name]
 
 
 def benchmark_rig(compensator: str, plant: BenchmarkPlant) -> Rig:

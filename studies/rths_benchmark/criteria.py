@@ -53,11 +53,11 @@ def benchmark_criteria(run: Run) -> dict[str, float]:
     """
     measured, numerical, reference = run.measured, run.floors, run.reference
 
-    def spread(values: Array, of: Array) -> float:
-        return 100.0 * float(np.std(values, ddof=1) / np.std(of, ddof=1))
+    def spread(values: Array, reference: Array) -> float:
+        return 100.0 * float(np.std(values, ddof=1) / np.std(reference, ddof=1))
 
-    def peak(values: Array, of: Array) -> float:
-        return 100.0 * float(np.abs(values).max() / np.abs(of).max())
+    def peak(values: Array, reference: Array) -> float:
+        return 100.0 * float(np.abs(values).max() / np.abs(reference).max())
 
     tracking = measured - numerical[0]
     first = measured - reference[0]

@@ -32,7 +32,7 @@ TESTS: Final = "benchmark.json"
 PUBLISHED: Final = "table3.csv"
 
 
-def _known(names: tuple[str, ...]) -> tuple[str, ...]:
+def _require_compensators(names: tuple[str, ...]) -> tuple[str, ...]:
     for name in names:
         benchmark_compensator(name)
     return names
@@ -45,7 +45,7 @@ class BenchmarkTable(Table):
     """`[benchmark]`: which cases, compensators and plants."""
 
     cases: Annotated[tuple[Case, ...], Field(min_length=1)] = (1, 2, 3, 4)
-    compensators: Annotated[Names, AfterValidator(_known)] = STANDARD
+    compensators: Annotated[Names, AfterValidator(_require_compensators)] = STANDARD
     perturbed: Annotated[int, Field(ge=0, le=1000)] = 20
     seed: Annotated[int, Field(ge=0)] = 0
     noises: Annotated[int, Field(ge=1, le=64)] = 6

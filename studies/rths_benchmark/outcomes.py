@@ -110,11 +110,11 @@ def run_benchmark(
     tests = list(_tests(motions, request, plants))
     rows = []
     with ThreadPoolExecutor() as pool:
-        for done, row in enumerate(
+        for count, row in enumerate(
             pool.map(lambda test: _row(*test, threshold=request.threshold), tests), start=1
         ):
             rows.append(row)
-            progress(done, len(tests))
+            progress(count, len(tests))
     return rows
 
 

@@ -139,10 +139,10 @@ def _table(ellipses: Sequence[Ellipse]) -> Array:
 def _durations(motion: Motion, structure: Structure) -> Difference:
     """Shorter and longer windows; beyond the record the structure vibrates freely."""
     ratios = np.geomspace(1.0 / _LONGEST, _LONGEST, _POINTS)
-    chosen = ratios[np.abs(np.log(ratios)) > np.log1p(_LEAST_CHANGE)]
+    different = ratios[np.abs(np.log(ratios)) > np.log1p(_LEAST_CHANGE)]
     quiet = np.zeros(int(np.ceil(_LONGEST * motion.duration / motion.time_step)) + 2)
     quiet[: motion.acceleration.size] = motion.acceleration
-    lengths = (chosen * motion.duration).tolist()
+    lengths = (different * motion.duration).tolist()
     ellipses = [simulated_ellipse(quiet, motion.time_step, structure, length) for length in lengths]
     details = tuple(
         f"{significant(length)} s instead of {significant(motion.duration)} s" for length in lengths

@@ -28,16 +28,16 @@ sys.path.insert(0, str(ROOT / "tests"))
 
 from blind_campaigns.scoring import wilson_interval  # noqa: E402
 from imperfect_worlds.world import FURTHER, RATE, write_world  # noqa: E402
-from reliab_studies.blind_evaluation.pages.confusions import discrepancy_reliability  # noqa: E402
 
 from reliab.discrepancy import BlockDiagnosis, Diagnosis, MeasuredTest, diagnose, read_campaign  # noqa: E402
 from reliab.discrepancy.blocks.actuator import ActuatorBlock  # noqa: E402
 from reliab.discrepancy.blocks.specimen import SpecimenBlock  # noqa: E402
 from reliab.discrepancy.campaign.campaign import Campaign, Stretch  # noqa: E402
 from reliab.discrepancy.campaign.channels import read_channels  # noqa: E402
-from reliab.discrepancy.spectra.scales import motions_of  # noqa: E402
 from reliab.discrepancy.spectra.segment import cut_segments  # noqa: E402
+from reliab.discrepancy.spectra.smoothing import motions_of  # noqa: E402
 from reliab.recordings import StatedChannels  # noqa: E402
+from reliab.study import study_module  # noqa: E402
 
 OFFSETS = {"sensor_bias", "force_bias"}
 BINS = (0.0, 0.05, 0.2, 0.5, 0.8, 0.95, 1.001)
@@ -129,7 +129,8 @@ def draw(stated: list[tuple[float, bool]], path: Path) -> None:
                 }
             )
     if rows:
-        discrepancy_reliability(pd.DataFrame(rows)).savefig(path, dpi=200)
+        pages = study_module("blind_evaluation", "pages.confusions")
+        pages.discrepancy_reliability(pd.DataFrame(rows)).savefig(path, dpi=200)
 
 
 def share(answers: list[bool]) -> str:

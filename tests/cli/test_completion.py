@@ -20,7 +20,7 @@ CASES = [
     ("criterion", "law", "dim", ["dimensionless"]),
     ("validate", "method", "", list(METHODS)),
     ("run", "study", "", sorted(shipped_studies())),
-    ("run", "study", "quick", ["quick"]),
+    pytest.param("run", "study", "quick", ["quick"], marks=pytest.mark.of_studies),
 ]
 
 

@@ -66,7 +66,13 @@ def interrupted(arguments, folder, after):
 
 @pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="Windows sends Ctrl-C to a console, not to a process")
-@pytest.mark.parametrize("name", COMMANDS)
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.of_studies if name in {"run", "report"} else ())
+        for name in COMMANDS
+    ],
+)
 def test_a_long_command_ends_with_one_sentence(name, tmp_path):
     arguments = COMMANDS[name]
     if name == "report":

@@ -70,7 +70,10 @@ def test_an_interrupted_command_ends_with_130_and_a_sentence(monkeypatch, capsys
     assert capsys.readouterr().err.strip() == "Interrupted. No file is half written; run the command again."
 
 
-@pytest.mark.parametrize("arguments", [["assess", "nothing", "--f", "1"], ["run", "nothing"]])
+@pytest.mark.parametrize(
+    "arguments",
+    [["assess", "nothing", "--f", "1"], pytest.param(["run", "nothing"], marks=pytest.mark.of_studies)],
+)
 def test_a_name_of_nothing_is_answered_by_the_names_that_there_are(arguments, capsys):
     assert run(arguments) == 2
     message = capsys.readouterr().err

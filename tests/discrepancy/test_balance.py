@@ -9,8 +9,8 @@ from reliab.discrepancy import diagnose, read_campaign
 from reliab.discrepancy.blocks.balance import BalanceBlock
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.search import Search
-from reliab.discrepancy.spectra.scales import motions_of, scales_of
 from reliab.discrepancy.spectra.segment import cut_segments
+from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
 
 
 @pytest.mark.parametrize("seed", [pytest.param(710001, marks=pytest.mark.slow), 710010])

@@ -2,7 +2,7 @@
 
 import pytest
 
-from reliab.discrepancy.degeneracy import _TELLS, remark, telling_test
+from reliab.discrepancy.result.missing_effect import _TELLS, remark, telling_test
 from reliab.effects import library
 
 

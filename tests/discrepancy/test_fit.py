@@ -13,8 +13,8 @@ from reliab.discrepancy.fitting.fit import fit, jacobian, refined, reweighted, s
 from reliab.discrepancy.fitting.left_out import left_out
 from reliab.discrepancy.fitting.problem import Problem, relative_powers
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.spectra.scales import motions_of, scales_of
 from reliab.discrepancy.spectra.segment import cut_segments
+from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
 from reliab.effects import find_effect
 from reliab.signals import NoiseModel
 from reliab.simulation.actuator import Actuator

@@ -5,8 +5,8 @@ import pytest
 from scipy import signal
 
 from reliab.discrepancy.campaign.campaign import Channel, MeasuredTest
+from reliab.discrepancy.proof import Source, floors
 from reliab.discrepancy.result.gap import Gap
-from reliab.discrepancy.spectra.floor import Source, floors
 
 RATE = 512.0
 TIME = np.arange(0.0, 20.0, 1.0 / RATE)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.discrepancy.spectra.floor import Source, _close, _period, floors
-from reliab.discrepancy.spectra.scales import motions_of, scales_of
+from reliab.discrepancy.proof import Source, _close, _period, floors
+from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
 from reliab.errors import InputError
 from reliab.structures import Specimen
 

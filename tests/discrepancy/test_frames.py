@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from reliab.discrepancy import Diagnosis, diagnose, read_campaign
-from reliab.discrepancy.adding.update import updated_model
+from reliab.discrepancy.adding.adding import updated_model
 from reliab.discrepancy.blocks.balance import motion_of_command
 from reliab.discrepancy.blocks.frame_balance import InnerMotion
 from reliab.discrepancy.campaign.campaign import Channel

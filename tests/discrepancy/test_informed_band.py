@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from reliab.discrepancy.fitting.informed_band import _power_of, informed_up_to
+from reliab.discrepancy.diagnose import _power_of, informed_up_to
 from reliab.discrepancy.spectra.segment import Segment
 
 RATE, SIZE, HIGHEST = 256.0, 16384, 45.0

@@ -6,7 +6,6 @@ from unittest.mock import patch
 import numpy as np
 import pytest
 
-from reliab.discrepancy.fitting.fitted_models import FittedModels
 from reliab.discrepancy.fitting.left_out import LeftOut
 from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.terms import outside_terms
@@ -55,7 +54,7 @@ def test_a_difference_within_its_standard_error_is_undecided(ratios, undecided):
         assert bool(abs(x + y) < abs(x - y)) is undecided
 
 
-class Judged(FittedModels):
+class Judged(Search):
     """Models with given energies in training and on a left-out test; noise judges."""
 
     def __init__(self, energies, left_out):
@@ -301,7 +300,7 @@ def test_a_plain_calibration_weighs_every_frequency_alike():
     models = Searched({(): 100.0}, {})
     models.null.noise = SimpleNamespace(density=lambda frequency: 3.0 + frequency, rate=100.0)
     models.problem.block = SimpleNamespace(rate=100.0)
-    with patch("reliab.discrepancy.fitting.fitted_models.fit", lambda *given: given):
+    with patch("reliab.discrepancy.fitting.search.fit", lambda *given: given):
         _problem, space, starts, noise = models.plain()
     assert (space, starts) == (models.null.space, [models.null.coordinates])
     assert noise.rate == 100.0

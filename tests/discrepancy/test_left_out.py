@@ -5,12 +5,11 @@ import pytest
 
 from reliab.discrepancy.blocks.actuator import ActuatorBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.discrepancy.fitting.fitted_models import FittedModels
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.screening import screened
 from reliab.discrepancy.fitting.search import Search
-from reliab.discrepancy.spectra.scales import motions_of, scales_of
 from reliab.discrepancy.spectra.segment import cut_segments
+from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
 
 RATE, STROKE, NOISE = 256.0, 0.02, 2e-5
 TIME = np.arange(0.0, 10.0, 1.0 / RATE)
@@ -40,7 +39,7 @@ def models():
     return search
 
 
-def test_a_limit_that_one_test_alone_reaches_is_not_judged_without_that_test(models: FittedModels):
+def test_a_limit_that_one_test_alone_reaches_is_not_judged_without_that_test(models: Search):
     limited = models.fitted[frozenset(["stroke_saturation"])]
     error = models.error(limited)
     assert error.foretold.tolist() == [True, True, True, False]

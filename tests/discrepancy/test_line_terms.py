@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from reliab.discrepancy.fitting.line_terms import line_terms
+from reliab.discrepancy.fitting.screening import line_terms
 from reliab.discrepancy.spectra.segment import Segment
 from reliab.vocabulary import Block
 

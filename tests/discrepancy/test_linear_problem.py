@@ -10,8 +10,7 @@ from scipy import optimize, stats
 
 from reliab.discrepancy.fitting.fit import Fit, bounded_step, fit, improved, jacobian, refined
 from reliab.discrepancy.fitting.left_out import LeftOut, _determined, refitted
-from reliab.discrepancy.fitting.observations import observations
-from reliab.discrepancy.fitting.problem import Problem, real_parts, relative_powers
+from reliab.discrepancy.fitting.problem import Problem, observations, real_parts, relative_powers
 from reliab.discrepancy.fitting.screening import screened
 from reliab.discrepancy.spectra.segment import Segment
 from reliab.signals import NoiseModel

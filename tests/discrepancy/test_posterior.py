@@ -13,8 +13,8 @@ from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.fitting.fit import fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import MODEL_ERROR, ModelSpace
-from reliab.discrepancy.spectra.scales import motions_of, scales_of
 from reliab.discrepancy.spectra.segment import cut_segments
+from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
 from reliab.effects import find_effect
 from reliab.errors import InputError
 from reliab.sampling import Ensembles

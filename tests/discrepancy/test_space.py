@@ -9,7 +9,7 @@ from reliab.discrepancy import read_campaign
 from reliab.discrepancy.blocks.actuator import ActuatorBlock
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.spectra.scales import motions_of, scales_of
+from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
 from reliab.effects import find_effect
 
 

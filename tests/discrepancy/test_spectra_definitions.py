@@ -6,7 +6,14 @@ import scipy
 
 from reliab.discrepancy.campaign.campaign import Stretch
 from reliab.discrepancy.spectra import smoothing
-from reliab.discrepancy.spectra.segment import Segment, _value_and_slope, cut_segments, energy_of
+from reliab.discrepancy.spectra.segment import (
+    Segment,
+    _value_and_slope,
+    answered,
+    cut_segments,
+    energy_of,
+    settled,
+)
 from reliab.discrepancy.spectra.smoothing import (
     _averaged,
     _share,
@@ -15,7 +22,6 @@ from reliab.discrepancy.spectra.smoothing import (
     highest_frequency,
     reliable_frequency,
 )
-from reliab.discrepancy.spectra.starting import answered, settled
 from reliab.signals import (
     NoiseModel,
 )

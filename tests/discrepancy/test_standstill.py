@@ -7,7 +7,7 @@ import pytest
 
 from reliab.discrepancy import diagnose
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.discrepancy.locating.standstill import standstill
+from reliab.discrepancy.naming.unexplained import standstill
 from reliab.simulation.actuator import Actuator
 
 RATE = 512.0

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from reliab.discrepancy.campaign.campaign import Stretch
-from reliab.discrepancy.spectra.starting import answered, settled
+from reliab.discrepancy.spectra.segment import answered, settled
 from reliab.simulation.hybrid_test import Motion3
 
 STEP = 0.005

@@ -9,10 +9,9 @@ from hypothesis import given, strategies as st
 from reliab.cli.diagnose import _proved
 from reliab.discrepancy import Gap, Verdict
 from reliab.discrepancy.naming import unexplained
+from reliab.discrepancy.result.diagnosis import remainder_statement, statement
 from reliab.discrepancy.result.gap import Remainder
-from reliab.discrepancy.result.statements import remainder_statement, statement
-from reliab.report.kinds.discrepancy.proof import _floor
-from reliab.report.kinds.discrepancy.report import _closed
+from reliab.report.kinds.discrepancy.report import _closed, _floor
 from reliab.vocabulary import Block
 
 UNCERTAINTY, PRINTED = 1.2, 1.01

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from reliab.discrepancy.fitting.fitted_models import FittedModels
 from reliab.discrepancy.fitting.left_out import LeftOut
+from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.terms import outside_terms
 from reliab.effects import find_effect
 from reliab.vocabulary import Block
@@ -17,7 +17,7 @@ TERM = outside_terms(Block.SPECIMEN)[0]
 WHOLE = 1.0  # energy that the calibrated model leaves
 
 
-class Known(FittedModels):
+class Known(Search):
     """Models that leave given energies, in training as on left-out tests."""
 
     def __init__(self, energies, *, flat=True):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from reliab.discrepancy import Campaign, Channel, MeasuredTest, diagnose, read_campaign
-from reliab.discrepancy.adding.update import updated_model
+from reliab.discrepancy.adding.adding import updated_model
 from reliab.effects import find_effect
 from reliab.simulation.actuator import Actuator
 from reliab.simulation.hybrid_test import HybridTest, Motion3, drive, load

@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 import reliab
-from reliab.explore.packing import pack
-from reliab.explore.page import words
+from reliab.explore.page import pack, words
 from reliab.shipped import shipped
 from reliab.sweep import open_windows
 

@@ -9,8 +9,7 @@ import pytest
 
 from reliab.cli import run
 from reliab.errors import InputError
-from reliab.explore.packing import pack
-from reliab.explore.page import Settings, bundled_script, render, write_page
+from reliab.explore.page import Settings, bundled_script, pack, render, write_page
 from reliab.sweep import write_ellipses
 
 MOST_BYTES = 5_000_000

@@ -6,15 +6,13 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
-import pandas as pd
 import pytest
-from reliab_studies.blind_evaluation.pages.confusions import discrepancy_confusion, discrepancy_reliability
 
 from reliab.discrepancy import Campaign, Channel, MeasuredTest, diagnose
 from reliab.discrepancy.adding.posterior import sample_posterior
 from reliab.effects import find_effect
 from reliab.report.content import CONTENT_FILE, files_of
-from reliab.report.figures.discrepancy_blocks import discrepancy_blocks
+from reliab.report.figures.discrepancy import discrepancy_blocks
 from reliab.report.kinds.discrepancy import discrepancy_report
 from reliab.report.kinds.discrepancy.figures import posterior_figure
 from reliab.report.pdf import compiled_report
@@ -90,7 +88,7 @@ def test_a_figure_that_fails_costs_a_figure_and_a_line(damped, monkeypatch):
     def fail(_found):
         raise ValueError("Number of rows must be positive")
 
-    monkeypatch.setattr("reliab.report.kinds.discrepancy.proof.gap_figure", fail)
+    monkeypatch.setattr("reliab.report.kinds.discrepancy.report.gap_figure", fail)
     document = discrepancy_report(damped, provenance={})
     content = json.dumps(text_of(document), ensure_ascii=False)
     assert "The figure of the gap could not be drawn" in content
@@ -124,19 +122,3 @@ def test_guilty_blocks_are_coloured():
     one = discrepancy_blocks(lacking={Block.SPECIMEN: "friction"}, observed=set(Block))
     assert svg(none).count(b"#f7d9c6") == 1  # the legend's
     assert svg(one).count(b"#f7d9c6") == 2
-
-
-def test_evaluations_are_drawn():
-    bins = pd.DataFrame(
-        {
-            "mean_stated": [0.5, 0.99],
-            "share": [0.4, 1.0],
-            "low": [0.2, 0.9],
-            "high": [0.7, 1.0],
-            "of": [10, 90],
-        }
-    )
-    assert discrepancy_reliability(bins).axes[0].get_lines()
-    counts = {"gap": {"gap": 9, "(not_identifiable)": 1}, "none": {"(no_missing_effect)": 12}}
-    drawn = {text.get_text() for text in discrepancy_confusion(counts).axes[0].texts}
-    assert drawn == {"9", "1", "12"}

@@ -11,9 +11,8 @@ from reliab.errors import InputError
 from reliab.report import save_content, saved_content
 from reliab.report.content import files_of
 from reliab.report.document import Document, Equation, Figure, Paragraph
-from reliab.report.formula import require_formula
 from reliab.report.pdf import compiled_report, templates
-from reliab.report.prose import Math, prose
+from reliab.report.prose import Math, prose, require_formula
 from reliab.report.setting import Setting
 
 DATE = dt.date(2026, 1, 1)

@@ -24,3 +24,9 @@ def random_record() -> RecordOf:
         return 3.0 * envelope * noise / np.std(noise), time_step
 
     return make
+
+
+@pytest.fixture(scope="session")
+def benchmark_partition():
+    """Make the partition of a case of the benchmark, of which facts are published; a study holds it."""
+    return pytest.importorskip("reliab_studies.rths_benchmark.benchmark").benchmark_partition

@@ -10,7 +10,7 @@ from pages import PAGES, SITE, name_of
 
 import reliab
 from reliab.cli import app
-from reliab.discrepancy.campaign.description import CampaignDescription
+from reliab.discrepancy.campaign.reading import CampaignDescription
 from reliab.simulation.frames.frame_tables import FrameDescription
 
 API = (SITE / "api.md").read_text(encoding="utf-8")

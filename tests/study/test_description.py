@@ -6,6 +6,7 @@ from reliab.errors import InputError
 from reliab.study import open_study, read_study, shipped_studies
 
 
+@pytest.mark.of_studies
 def test_every_shipped_study_is_valid_and_says_what_it_is_for():
     studies = shipped_studies()
     assert "quick" in studies
@@ -40,11 +41,16 @@ def test_every_shipped_study_is_valid_and_says_what_it_is_for():
             'title = "x"\nkind = "discrepancy"\n[campaign]\nfolder = "a"\n[motions]\n[criterion]\n',
             "motions is not a known table; criterion is not a known table",
         ),
-        (
+        pytest.param(
             'title = "x"\nkind = "table_audit"\n[motions]\nresults = "real_suite"',
             r"motions\.results is not a known key",
+            marks=pytest.mark.of_studies,
         ),
-        ('title = "x"\nkind = "suites"\n[validation]\nschemes = ["k_fold"]', r"validation\.schemes is not"),
+        pytest.param(
+            'title = "x"\nkind = "suites"\n[validation]\nschemes = ["k_fold"]',
+            r"validation\.schemes is not",
+            marks=pytest.mark.of_studies,
+        ),
         ('title = "x"\nkind = "magic"', "criterion"),
         ('title = "x"\nkind = "criterion"\nspeed = 3', "speed is not a known key"),
         ('title = "x"\nkind = "criterion"\n[structures]\nf = [-1.0]', r"structures\.f\.0"),
@@ -63,6 +69,7 @@ def test_faults_are_named_with_their_key(tmp_path, content, named):
         read_study(path)
 
 
+@pytest.mark.of_studies
 def test_a_study_that_is_not_there_is_said_to_be_missing(tmp_path):
     with pytest.raises(InputError, match="--list"):
         read_study(tmp_path / "none.toml")
@@ -70,6 +77,7 @@ def test_a_study_that_is_not_there_is_said_to_be_missing(tmp_path):
         open_study("magic")
 
 
+@pytest.mark.of_studies
 def test_other_motions_change_the_digest_and_displace_stored_results():
     study = open_study("quick")
     other = study.on(["elsewhere"], None)
@@ -78,6 +86,7 @@ def test_other_motions_change_the_digest_and_displace_stored_results():
     assert other.digest() != study.digest()
 
 
+@pytest.mark.of_studies
 def test_a_study_of_no_ground_motions_takes_none():
     for name in ("hidden_effect", "blind_evaluation"):
         with pytest.raises(InputError, match="not one of ground motions"):
@@ -86,6 +95,7 @@ def test_a_study_of_no_ground_motions_takes_none():
         open_study("quick").on(None, ["far_field"])
 
 
+@pytest.mark.of_studies
 def test_a_question_is_not_followed_by_a_colon():
     titles = {name: open_study(name).titled("real motions") for name in ("quick", "validation")}
     assert titles["quick"] == "Limits of amplitude error and delay: real motions"

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from reliab.study import environment as module
-from reliab.study.environment import environment
+from reliab.study import stages as module
+from reliab.study.stages import environment
 
 PROJECT = Path(__file__).resolve().parents[2] / "pyproject.toml"
 

@@ -9,12 +9,14 @@ from pathlib import Path
 import pytest
 
 from reliab.errors import InputError
-from reliab.shipped import shipped
+from reliab.shipped import shipped_folder
 from reliab.study import open_study, run_study
 from reliab.study.folders import kind_of, shipped_folders
 from reliab.study.kinds import KINDS
 
-STUDIES = shipped("studies", "")
+pytestmark = pytest.mark.of_studies
+
+STUDIES = shipped_folder("studies")
 
 
 def written(folder: Path) -> Path:

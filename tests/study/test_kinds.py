@@ -12,6 +12,8 @@ from reliab.study import open_study, run_study, study_from, write_report
 from reliab.study.kinds import KINDS
 from reliab.study.kinds.discrepancy import CampaignTable
 
+pytestmark = pytest.mark.of_studies
+
 
 def small(name, suite_folder, **tables):
     """A shipped study on few motions and structures."""

@@ -5,7 +5,7 @@ from importlib.metadata import metadata
 
 import pytest
 
-from reliab.study.environment import environment
+from reliab.study.stages import environment
 
 PERMISSIVE = re.compile(
     r"MIT|BSD|0BSD|Apache|ISC|PSF|Python Software Foundation|Zlib|CC0|HPND|LLVM-exception|Unlicense",

@@ -212,6 +212,7 @@ def test_a_study_judges_the_law_that_it_reports(small_study):
     assert candidates(small_study.errors, sampled)[0].method.name == "hierarchical"
 
 
+@pytest.mark.of_studies
 def test_two_earthquakes_end_in_a_report_that_says_what_they_do_not_carry(tmp_path, suite_folder):
     study = study_from(
         {

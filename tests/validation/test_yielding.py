@@ -1,66 +1,7 @@
-"""Elastoplastic tests: the linear limit, an independent integration, and the results that ship."""
+"""Reports say what was measured on specimens that yield."""
 
-import numpy as np
-import pytest
-from scipy.integrate import solve_ivp
-
-from reliab.motions.synthetic import synthetic_suite
-from reliab.report.sections.limits import limits_section
-from reliab.structures.structure import Structure
-from reliab.validation.yielding import (
-    HARDENING,
-    _fine,
-    _response,
-    measured_yielding,
-    summarise,
-    yielding_tests,
-)
-
-STRUCTURE = Structure(frequency=1.0, damping_ratio=0.05)
-
-
-@pytest.fixture(scope="module")
-def motions():
-    return list(synthetic_suite(count=3))
-
-
-def test_on_the_linear_boundary_a_specimen_that_does_not_yield_has_the_error_of_the_boundary(motions):
-    tests = yielding_tests(motions, [STRUCTURE], reductions=(0.5,))
-    assert len(tests) == 3 * 5
-    np.testing.assert_allclose(tests["ratio"], 1.0, rtol=1e-3)  # the boundary is traced by another engine
-
-
-def test_yielding_response_agrees_with_an_independent_integration(motions):
-    record, step = _fine(motions[0], STRUCTURE)
-    record = record[: int(15.0 / step)]
-    linear = _response(record, step, STRUCTURE, 1.0, 0.0, np.inf)
-    limit = float(np.abs(linear).max()) / 3.0
-    response = _response(record, step, STRUCTURE, 1.0, 0.0, limit)
-    w0, times = STRUCTURE.circular_frequency, step * np.arange(record.size)
-
-    def rate(t, state):
-        x, v, elastic = state
-        slipping = abs(elastic) >= limit and elastic * v > 0.0
-        force = HARDENING * x + (1.0 - HARDENING) * np.clip(elastic, -limit, limit)
-        ground = np.interp(t, times, record)
-        return [v, -ground - 2.0 * 0.05 * w0 * v - w0**2 * force, 0.0 if slipping else v]
-
-    solved = solve_ivp(rate, (0.0, times[-1]), [0.0, 0.0, 0.0], t_eval=times[::50], max_step=2e-3, rtol=1e-6)
-    peak = np.abs(response).max()
-    assert np.abs(response - linear).max() > 0.2 * peak
-    np.testing.assert_allclose(response[::50], solved.y[0], atol=0.01 * peak)
-
-
-def test_summary_counts_what_exceeds(motions):
-    tests = yielding_tests(motions, [STRUCTURE], reductions=(2.0, 4.0))
-    summary = summarise(tests)
-    overall = summary[summary["f"].isna()].set_index("R")
-    for reduction, part in tests.groupby("R"):
-        row = overall.loc[reduction]
-        assert row["exceeding"] == pytest.approx((part["error"] > 0.05).mean())
-        assert row["largest_ratio"] == pytest.approx(part["error"].max() / 0.05)
-        assert row["low"] <= row["exceeding"] <= row["high"]
-    assert len(summary) == 4
+from reliab.report.sections.method import limits_section
+from reliab.validation.yielding import measured_yielding
 
 
 def test_reports_say_what_was_measured_and_no_longer_that_yielding_is_safe():

@@ -107,8 +107,8 @@ def shaking_of(campaign: Campaign) -> tuple[Excitation, ...]:
         )
     peak = _largest_displacement(campaign)
     suite = load_motions("synthetic")
-    chosen = (suite[_SYNTHETIC_STRIDE * k] for k in range(_MOST_MOTIONS))
-    return tuple(_scaled(campaign.nominal, record.acceleration, record.time_step, peak) for record in chosen)
+    records = (suite[_SYNTHETIC_STRIDE * k] for k in range(_MOST_MOTIONS))
+    return tuple(_scaled(campaign.nominal, record.acceleration, record.time_step, peak) for record in records)
 
 
 def _largest_displacement(campaign: Campaign) -> float:

@@ -20,7 +20,7 @@ SMALLEST_AGREEMENT = 0.7
 
 _THIN = 8  # steps to a kept draw, of which a file takes milliseconds each
 _CHECKED = 48  # draws at which the surface is compared with simulations
-_KEPT = 4000
+_DRAWS = 4000
 _INTERVAL = (0.05, 0.95)
 
 
@@ -104,7 +104,7 @@ def sample_posterior(
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # convergence is said in the statement
         sampled = sample(surface, Ensembles(steps=steps, thin=_THIN, seed=seed), file=out, progress=progress)
-    coordinates = surface.coordinates(sampled.spread_out(_KEPT))
+    coordinates = surface.coordinates(sampled.spread_out(_DRAWS))
     return Posterior(
         names=_names(fitted.space),
         units=tuple(parameter.units for parameter in fitted.space.parameters),

@@ -36,9 +36,9 @@ class ActuatorBlock(ObservedBlock):
         self.calibrations = (gain(self.nominal), delay(self.nominal))
         self.offsets = (SensorBias,)
         roles = (*_ON_THE_WAY, Role.DISPLACEMENT_READING)
-        known = library().values()
+        effects = library().values()
         self.candidates = tuple(
-            e for e in known if e.role in roles and e is not SensorBias and e.refines is None
+            e for e in effects if e.role in roles and e is not SensorBias and e.refines is None
         )
         self.outside = outside_terms(self.block)
         parts = _parts(campaign)

@@ -12,22 +12,24 @@ the integration.
 """
 
 from copy import copy
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft
 
 from reliab.arrays import Array, Spectrum
-from reliab.discrepancy.blocks.calibration import structure_damping, structure_frequency
-from reliab.discrepancy.blocks.curved_ground import curvature_between_samples
+from reliab.discrepancy.blocks.calibration import Calibration, structure_damping, structure_frequency
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.effects import IntegrationError, RecordEffect, Role, Scales, library
+from reliab.effects import IntegrationError, Parameter, RecordEffect, Role, Scales, library
 from reliab.simulation.hybrid_test import HybridTest, Motion3
 from reliab.vocabulary import Block
 
 _RETURN = 1.0  # s, within which a record is closed to a period
 _STEPS_TO_ANSWER = 2.0  # of an integration, after which the command shows what was demanded
+_PER_SECOND_DIFFERENCE = 1.0 / 12.0  # of the second derivative of a cubic spline, to first order
 
 
 class BalanceBlock(ObservedBlock):
@@ -92,8 +94,10 @@ class BalanceBlock(ObservedBlock):
     def _demanded(self, effect: IntegrationError, moved: "ClosedSignal", likely: Spectrum) -> Array:
         """Acceleration that the controller demanded, `likely` where its own instants are too far apart."""
         frequency = fft.rfftfreq(moved.length, 1.0 / self.rate)
-        seen = frequency < 0.5 / effect.step_s
-        likely[seen] = moved.spectrum[seen] / effect.transfer(frequency[seen], self._circular_frequency)
+        resolved = frequency < 0.5 / effect.step_s
+        likely[resolved] = moved.spectrum[resolved] / effect.transfer(
+            frequency[resolved], self._circular_frequency
+        )
         return np.asarray(fft.irfft(likely, moved.length)[: moved.values.size])
 
     def _read_ground(self, records: tuple[RecordEffect, ...], test: int) -> "ClosedSignal":
@@ -135,3 +139,49 @@ def motion_of_command(test: MeasuredTest, step: float) -> Motion3:
     values = motion.values.copy()
     values[2, 1:-1] += np.diff(values[2] + test.channels[Channel.GROUND], 2) / 12.0
     return Motion3(values=values, step=step)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CurvedGround(RecordEffect):
+    """A ground acceleration that is curved between samples where a model takes it for straight.
+
+    The second derivative of the cubic spline through a command that answers the ground is exact where the
+    ground is straight between samples, and too large by −δ²/12 of the sampled ground where it is smooth. A
+    record that was played with straight lines m times as fine as it was sampled lies in between: 1 − m⁻².
+    """
+
+    name = "curved_ground"
+    block = Block.NUMERICAL
+    role = Role.RECORD
+    description = "the ground acceleration is curved between its samples"
+    parameters = (
+        Parameter(
+            name="curvature_between_samples",
+            units="-",
+            meaning="share of the curvature of a smooth ground acceleration",
+            signed=True,
+            typical=0.5,
+            lower=-1e-9,
+            upper=1.0,
+            starts=(0.0,),
+        ),
+    )
+
+    curvature_between_samples: float  # Share c of that difference, from 0 (straight) to 1 (smooth)
+
+    def applied(self, acceleration: NDArray[np.float64], step: float) -> NDArray[np.float64]:
+        """Ground acceleration [m/s²] that makes up for what the spline takes for straight."""
+        del step
+        changed = acceleration.copy()
+        share = _PER_SECOND_DIFFERENCE * self.curvature_between_samples
+        changed[1:-1] -= share * np.diff(acceleration, 2)
+        return changed
+
+
+def curvature_between_samples() -> Calibration:
+    """Share of the curvature of a smooth ground acceleration between its samples."""
+    return Calibration(
+        parameter=CurvedGround.parameters[0],
+        nominal=lambda _model: 0.0,
+        apply=lambda model, value: model.adding(CurvedGround(curvature_between_samples=max(value, 0.0))),
+    )

@@ -17,8 +17,7 @@ from scipy.linalg import null_space
 
 from reliab.arrays import Array
 from reliab.compiled import compiled
-from reliab.discrepancy.blocks.balance import motion_of_command
-from reliab.discrepancy.blocks.curved_ground import curvature_between_samples
+from reliab.discrepancy.blocks.balance import curvature_between_samples, motion_of_command
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.effects import RecordEffect, Role, Scales, library

@@ -69,11 +69,11 @@ class LoopBlock(ObservedBlock):
             scale = scale_of_excitation(self._scale())
             self.calibrations = (stiffness(self.nominal), damping(self.nominal), scale)
 
-    def integrate_at(self, wanted: float) -> None:
+    def integrate_at(self, rate: float) -> None:
         """Integrate at a rate near a wanted one [Hz]."""
-        self._wanted = wanted
-        self.every = max(1, int(self.rate // wanted))
-        self.parts = max(1, math.ceil(wanted / self.rate - _ROUNDING))
+        self._wanted = rate
+        self.every = max(1, int(self.rate // rate))
+        self.parts = max(1, math.ceil(rate / self.rate - _ROUNDING))
         self._grounds = [
             _resampled(test.channels[Channel.GROUND], self.parts, self.every) for test in self.tests
         ]
@@ -116,12 +116,12 @@ class LoopBlock(ObservedBlock):
     def _scale(self) -> float:
         """Scale at which the excitation explains most of a test, of springs within the calibration."""
         test = next(k for k, candidate in enumerate(self.tests) if not candidate.held_out)
-        seen = signal.detrend(self.measured(test)[:: self.every], type="constant")
+        measured = signal.detrend(self.measured(test)[:: self.every], type="constant")
         share, scale = 0.0, 1.0
         spring = stiffness(self.nominal)
         for factor in np.linspace(spring.parameter.lower, spring.parameter.upper, _SPRINGS):
             moved = signal.detrend(self.predict(spring.apply(self.nominal, factor), test), type="constant")
-            energy, along = float(moved @ moved), float(moved @ seen)
+            energy, along = float(moved @ moved), float(moved @ measured)
             if along**2 > share * energy:
                 share, scale = along**2 / energy, along / energy
         return scale

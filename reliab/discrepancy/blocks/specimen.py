@@ -31,7 +31,7 @@ from reliab.vocabulary import Block
 _NODES = np.sqrt(3.0) * np.array([-1.0, 0.0, 1.0])  # of Gauss and Hermite
 _WEIGHTS = np.array([1.0, 4.0, 1.0]) / 6.0
 _SKETCHED_RATE = 250.0  # Hz
-_KEPT = 12  # forces of effects that are remembered for each test
+_CACHED_FORCES = 12  # forces of effects that are remembered for each test
 
 
 class SpecimenBlock(ObservedBlock):
@@ -67,7 +67,7 @@ class SpecimenBlock(ObservedBlock):
     def move(self, pistons: Sequence[Motion3]) -> None:
         """Compute the motion of the piston in every test."""
         self.motions = tuple(pistons)
-        self._followed = lru_cache(maxsize=_KEPT * len(self.tests))(self._follow_one)
+        self._followed = lru_cache(maxsize=_CACHED_FORCES * len(self.tests))(self._follow_one)
 
     def _velocity_spreads(self) -> list[float]:
         readings = [test.channels[Channel.MEASURED] for test in self.tests]
@@ -130,10 +130,10 @@ class SpecimenBlock(ObservedBlock):
         return expected
 
 
-def _without_reading(model: HybridTest, seen: Motion3) -> Motion3:
+def _without_reading(model: HybridTest, reading: Motion3) -> Motion3:
     """Motion of the piston where a reading of it was smoothed, with the sensor's own effects removed."""
-    added = read_displacement(model, seen) - seen.values[0]
-    values = seen.values.copy()
+    added = read_displacement(model, reading) - reading.values[0]
+    values = reading.values.copy()
     values[0] -= added
-    values[1] -= np.gradient(added, seen.step)
-    return Motion3(values=values, step=seen.step)
+    values[1] -= np.gradient(added, reading.step)
+    return Motion3(values=values, step=reading.step)

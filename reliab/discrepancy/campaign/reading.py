@@ -25,30 +25,144 @@ The command is then the displacement of the frame at the interface, the force th
 import os
 import re
 from pathlib import Path
+from typing import Annotated, Any
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError
 
 from reliab.described_files import described_text, faults_in_words, keys_of, parse_toml
 from reliab.discrepancy.campaign.campaign import Campaign, MeasuredTest
 from reliab.discrepancy.campaign.channels import read_channels
-from reliab.discrepancy.campaign.description import (
-    CampaignDescription,
-    FrameTables,
-    SpecimenTable,
-    StructureTable,
-    TestTable,
-)
-from reliab.discrepancy.campaign.folder import CAMPAIGN_FILE, campaign_folder
 from reliab.errors import InputError
 from reliab.received import named_within
-from reliab.recordings import StatedChannels, stated_by_tables
+from reliab.recordings import ChannelTables, StatedChannels, stated_by_tables
+from reliab.shipped import shipped
 from reliab.simulation import Actuator
 from reliab.simulation.frames import frame_of_tables
 from reliab.structures import Partition, Specimen, Structure
 
+CAMPAIGN_FILE = "campaign.toml"
+_Positive = Annotated[float, Field(ge=1e-30, le=1e30)]  # whose squares are numbers
+_NotNegative = Annotated[float, Field(ge=0.0, le=1e30)]
 MOST_SAMPLES = 3_000_000
 """Largest number of samples of all tests, a thousand tests of 23 s at 128 Hz. By extrapolation from 4 and 16
 tests a diagnosis then takes about 4 GB and two hours."""
+
+
+def campaign_folder(folder: Path | str) -> Path:
+    """Take the path of a campaign as it is, or as the name of one that ships where there is no such path.
+
+    Parameters
+    ----------
+    folder : path
+        A path, or a name such as ``rig_a``.
+
+    Returns
+    -------
+    pathlib.Path
+        The path, or that of the campaign that ships.
+
+    Examples
+    --------
+    >>> campaign_folder("rig_a").parts[-2:]
+    ('campaigns', 'rig_a')
+    """
+    folder = Path(folder)
+    of_that_name = shipped("datasets", "campaigns") / folder
+    is_name = len(folder.parts) == 1 and not folder.exists()
+    return of_that_name if is_name and (of_that_name / CAMPAIGN_FILE).is_file() else folder
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class StructureTable(_Table):
+    """Nominal structure of one degree of freedom, as the operator assumes it."""
+
+    frequency_hz: _Positive = Field(description="Natural frequency")
+    damping_ratio: Annotated[float, Field(gt=0.0, lt=1.0)] = Field(description="Damping ratio ξ")
+    mass_kg: _Positive | None = Field(
+        default=None, description="Mass, which scales the force; without it forces are those of a unit mass"
+    )
+    experimental_fraction: Annotated[float, Field(gt=0.0, le=1.0)] = Field(
+        default=1.0, description="Share α of the stiffness that stands in the laboratory"
+    )
+
+
+class FrameTables(_Table):
+    """A frame in place of the structure of one degree of freedom, by tables of `frame.toml`."""
+
+    frame: dict[str, Any] = Field(description="Mass and stiffness, as `[frame]` of `frame.toml`")
+    damping: dict[str, Any] = Field(description="Damping, as `[damping]` of `frame.toml`")
+    specimen: dict[str, Any] = Field(description="Specimen and interface, as `[specimen]` of `frame.toml`")
+
+
+class ActuatorTable(_Table):
+    """Nominal actuator. Left out where the command is not recorded."""
+
+    gain: _Positive = Field(default=1.0, description="Measured over commanded displacement")
+    delay_s: _NotNegative = Field(default=0.0, description="Time by which the piston is late")
+
+
+class SpecimenTable(_Table):
+    """Nominal specimen, where it is not the structure's own spring."""
+
+    stiffness_n_per_m: _NotNegative = Field(default=0.0, description="Stiffness")
+    damping_n_s_per_m: _NotNegative = Field(default=0.0, description="Damping coefficient")
+    mass_kg: _NotNegative = Field(default=0.0, description="Mass that moves with the piston")
+
+
+class SamplingTable(_Table):
+    """How all tests were sampled."""
+
+    rate_hz: _Positive = Field(description="Samples in a second")
+
+
+class TestTable(_Table):
+    """A test; the table is repeated for each."""
+
+    file: Annotated[str, Field(min_length=1)] = Field(
+        description="File in the folder of the campaign, of any format that `reliab assess` reads"
+    )
+    test: Annotated[str, Field(max_length=200)] = Field(
+        default="", description="Name of the test, where the file holds several"
+    )
+    motion: str = Field(default="", description="What drove the test")
+    held_out: bool = Field(
+        default=False,
+        description="Whether the test is kept to verify what is found; if none is marked, the last one is",
+    )
+
+    @property
+    def name(self) -> str:
+        """File, and the test in it where it holds several."""
+        return f"{self.file}, {self.test}" if self.test else self.file
+
+
+def _kind_of_structure(table: object) -> str:
+    """Distinguish a frame from a structure of one degree of freedom by its tables."""
+    return "(frame)" if isinstance(table, dict) and "frame" in table else "(one_mode)"
+
+
+class CampaignDescription(_Table):
+    """A rig and its tests."""
+
+    name: str = Field(default="", description="Free text; without it the name of the folder")
+    structure: (
+        Annotated[
+            Annotated[StructureTable, Tag("(one_mode)")] | Annotated[FrameTables, Tag("(frame)")],
+            Discriminator(_kind_of_structure),
+        ]
+        | None
+    ) = Field(default=None, description="Numerical substructure; left out where there is none")
+    actuator: ActuatorTable | None = Field(default=None, description="Nominal actuator")
+    specimen: SpecimenTable | None = Field(default=None, description="Nominal specimen")
+    sampling: SamplingTable = Field(description="Sampling of all tests")
+    channels: ChannelTables = Field(
+        default=ChannelTables(),
+        description="Columns, units, signs and zeros, as `[channels]` of `channels.toml`",
+    )
+    tests: Annotated[list[TestTable], Field(min_length=1)] = Field(description="One table for each test")
 
 
 def read_campaign(folder: Path | str) -> Campaign:
@@ -185,9 +299,9 @@ def _explained(error: ValidationError, text: str, path: Path) -> InputError:
     """Say what is wrong, with the line of the first fault."""
     first = error.errors()[0]
     line = _line_of(text, keys_of(first["loc"]))
-    known = "A campaign is described by known keys with allowed values"
+    rule = "A campaign is described by known keys with allowed values"
     return InputError(
-        "A campaign must have at least one test" if first["type"] == "too_short" else known,
+        "A campaign must have at least one test" if first["type"] == "too_short" else rule,
         value=faults_in_words(error),
         remedy="Compare with datasets/campaigns/README.md, which `reliab samples` writes",
         where=f"{path.name}, line {line}" if line else path.name,
@@ -196,8 +310,8 @@ def _explained(error: ValidationError, text: str, path: Path) -> InputError:
 
 def _line_of(text: str, location: list[str]) -> int | None:
     """Line of a key, as far as it follows from its name and the order of its table."""
-    names = [part for part in location if not part.isdigit()]
-    counts = [int(part) for part in location if part.isdigit()]
+    names = [key for key in location if not key.isdigit()]
+    counts = [int(key) for key in location if key.isdigit()]
     if not names:
         return None
     lines = text.splitlines()

@@ -1,1 +1,1 @@
-from .observations import MOST_OF_A_TEST as MOST_OF_A_TEST
+from .problem import MOST_OF_A_TEST as MOST_OF_A_TEST

@@ -52,8 +52,8 @@ class LeftOut:
 
     def at_most(self, multiple: float, rival: "LeftOut") -> bool:
         """Whether the error is at most a multiple of another model's, in tests that the others foretell."""
-        seen = self.foretold
-        return float(self.relative[seen].sum()) <= multiple * float(rival.relative[seen].sum())
+        foretold = self.foretold
+        return float(self.relative[foretold].sum()) <= multiple * float(rival.relative[foretold].sum())
 
     def undecided(self, rival: "LeftOut") -> bool:
         """Whether the mean difference to another model is within its standard error over the tests."""
@@ -93,13 +93,13 @@ def left_out(problem: Problem, fitted: Fit, fixed: tuple[int, ...] = ()) -> Left
     )
 
 
-def _determined(fitted: Fit, kept: NDArray[np.bool_]) -> bool:
+def _determined(fitted: Fit, fitted_rows: NDArray[np.bool_]) -> bool:
     """Whether some rows say more of every parameter of the effects than its prior.
 
     A limit that a single test reaches follows from that test alone: without it nothing but the prior is left
     to predict it.
     """
-    derivatives = fitted.jacobian[kept]
+    derivatives = fitted.jacobian[fitted_rows]
     variances = np.diag(np.linalg.inv(derivatives.T @ derivatives + np.eye(fitted.space.size)))
     places = [fitted.space.places(effect) for effect in fitted.space.effects]
     return all(float(variances[place].max()) < _AS_BEFORE for place in places)
@@ -120,15 +120,15 @@ def _refitted_in_full(
     problem: Problem, fitted: Fit, excluded: NDArray[np.bool_], members: Sequence[int]
 ) -> Array:
     """Coordinates fitted without some segments, in a few steps, shape (size,)."""
-    kept = [k for k in range(len(problem.segments)) if k not in members]
-    rest = replace(
+    fitted_segments = [k for k in range(len(problem.segments)) if k not in members]
+    without_test = replace(
         problem,
-        segments=tuple(problem.segments[k] for k in kept),
-        tempering=tuple(problem.tempering[k] for k in kept),
-        powers=tuple(problem.powers[k] for k in kept),
+        segments=tuple(problem.segments[k] for k in fitted_segments),
+        tempering=tuple(problem.tempering[k] for k in fitted_segments),
+        powers=tuple(problem.powers[k] for k in fitted_segments),
     )
     start = replace(fitted, residual=fitted.residual[~excluded], jacobian=fitted.jacobian[~excluded])
-    return improved(rest, start, _STEPS).coordinates
+    return improved(without_test, start, _STEPS).coordinates
 
 
 def refitted(fitted: Fit, excluded: NDArray[np.bool_], fixed: tuple[int, ...]) -> Array:

@@ -16,6 +16,10 @@ from reliab.signals import NoiseModel, Periodogram, converter_step, expected_err
 _LEAST_OF_CONVERSION = 0.2  # of the mean square of a converter's error
 _LEAST_POWER = 0.05  # of the strongest test's
 _UNBOUNDED = 1e6  # a whitened residual that stands for a simulation that ran away
+MOST_OF_A_TEST = 24.0
+"""Largest number of observations in one test: later swings repeat the earlier ones."""
+
+_FEWEST = 4.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -152,7 +156,7 @@ class Problem:
     def densities(self, noise: NoiseModel) -> Array:
         """Return the expected power of each residual, shape (rows,)."""
         parts = [self._density(place, noise) for place in range(len(self.segments))]
-        return np.concatenate([np.concatenate([part, part[1:]]) for part in parts])
+        return np.concatenate([np.concatenate([density, density[1:]]) for density in parts])
 
     def reweighting(self, old: NoiseModel, new: NoiseModel) -> Array:
         """Factors that turn residuals whitened by one noise into those whitened by another, shape (rows,)."""
@@ -204,3 +208,19 @@ def real_parts(spectrum: NDArray[np.complex128], density: Array) -> Array:
     white = spectrum / np.sqrt(density)
     root = np.sqrt(2.0)
     return np.concatenate([white.real[:1], root * white.real[1:], root * white.imag[1:]])
+
+
+def observations(problem: Problem) -> dict[int, float]:
+    """Count the swings of the motion, up to a number in each test.
+
+    What a model misses is much the same along a swing and differs between swings of different size and
+    speed; samples, or frequencies, are no independent observations of it.
+    """
+    counts = {}
+    for test in {segment.test for segment in problem.segments}:
+        motion = problem.block.motions[test]
+        displacement, velocity = motion.values[0] - motion.values[0].mean(), motion.values[1]
+        turn = float(np.sqrt(np.mean(velocity**2) / max(float(np.mean(displacement**2)), 1e-300)))
+        share = sum(s.end - s.begin for s in problem.segments if s.test == test) / problem.block.rate
+        counts[test] = min(max(turn / np.pi * share, _FEWEST), MOST_OF_A_TEST)
+    return counts

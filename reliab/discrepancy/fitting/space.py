@@ -112,13 +112,13 @@ class ModelSpace:
 
     def starts(self, base: "ModelSpace", coordinates: Array) -> Iterator[Array]:
         """Coordinates from which to fit, given those of a smaller model; added effects at their starts."""
-        known = dict(zip(base._keys, coordinates.tolist(), strict=True))  # noqa: SLF001 - the same class
+        values = dict(zip(base._keys, coordinates.tolist(), strict=True))  # noqa: SLF001 - the same class
         added = [effect for effect in self.effects if effect not in base.effects]
         tries = max((len(effect.parameters[0].starts) for effect in added), default=1)
         lower, upper = self.bounds
         for k in range(tries):
             fresh = self._start(k)
-            filled = np.array([known.get(key, fresh[place]) for place, key in enumerate(self._keys)])
+            filled = np.array([values.get(key, fresh[place]) for place, key in enumerate(self._keys)])
             yield np.clip(self._as_late(filled, added), lower + 1e-9, upper - 1e-9)
 
     def _as_late(self, coordinates: Array, added: Sequence[type[Effect]]) -> Array:
@@ -146,8 +146,8 @@ class ModelSpace:
 
     def inherited(self, source: "ModelSpace", coordinates: Array) -> Array:
         """Coordinates of a larger model without what this one does not have."""
-        known = dict(zip(source._keys, coordinates.tolist(), strict=True))  # noqa: SLF001 - the same class
-        return np.array([known[key] for key in self._keys])
+        values = dict(zip(source._keys, coordinates.tolist(), strict=True))  # noqa: SLF001 - the same class
+        return np.array([values[key] for key in self._keys])
 
     def in_place_of(
         self, base: "ModelSpace", coordinates: Array, kind: type[Effect], special: type[Effect]

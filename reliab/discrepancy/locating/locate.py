@@ -8,6 +8,7 @@ factor corrects for the number of families.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy import stats
@@ -15,7 +16,7 @@ from scipy import stats
 from reliab.arrays import Array
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem, real_parts
-from reliab.discrepancy.locating.finding import Finding
+from reliab.renamed import renamed_method
 from reliab.signals import NoiseModel
 from reliab.simulation.hybrid_test import Motion3
 
@@ -23,6 +24,32 @@ _BANDS = ((0.0, 0.5), (0.5, 2.0), (2.0, 8.0), (8.0, 45.0))  # Hz
 _SIGNIFICANT = 1e-4
 _LISTED = 4
 _LEAST_PROBABILITY = 1e-300  # smaller ones are not told from zero
+
+
+@renamed_method("0.4", "as_dict", "to_dict")
+@dataclass(frozen=True, kw_only=True)
+class Finding:
+    """A place where the calibrated model fails."""
+
+    block: str  # block, channel: Where in the loop, and in which column
+    channel: str
+    test: str  # File of the test in which it shows most
+    kind: str  # What the residual depends on
+    detail: str  # One sentence
+    share_of_residual: float  # Part of the residual's power above the noise that it accounts for, in [0, 1]
+    p_value: float  # Probability of as much under noise alone, corrected for the number of tests made
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the entry of `where`."""
+        return {
+            "block": self.block,
+            "channel": self.channel,
+            "test": self.test,
+            "kind": self.kind,
+            "detail": self.detail,
+            "share_of_residual": self.share_of_residual,
+            "p_value": self.p_value,
+        }
 
 
 @dataclass(frozen=True)

@@ -1,26 +1,27 @@
 """From all fitted models of a block to the names that the data support."""
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy import stats
 
 from reliab.arrays import Array
-from reliab.discrepancy.fitting.fit import Fit, transferred
-from reliab.discrepancy.fitting.left_out import refitted
+from reliab.discrepancy.fitting.fit import Fit, fit, reweighted, transferred
+from reliab.discrepancy.fitting.left_out import LeftOut, left_out, refitted
 from reliab.discrepancy.fitting.problem import Problem
-from reliab.discrepancy.fitting.search import Search
+from reliab.discrepancy.fitting.screening import screened
+from reliab.discrepancy.fitting.search import COST, MATERIAL, Search
+from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.locating.locate import locate
 from reliab.discrepancy.locating.noise_test import LARGEST_STRUCTURED_SHARE, is_noise, structured_share
-from reliab.discrepancy.naming.estimates import calibration, estimates
-from reliab.discrepancy.naming.further_test import expected_error
-from reliab.discrepancy.naming.offset_rival import OffsetRival, offset_rival
-from reliab.discrepancy.naming.offsets import offset_odds, offsets
 from reliab.discrepancy.naming.ranking import SURE, believed, probability, ranking
 from reliab.discrepancy.naming.unexplained import unexplained
 from reliab.discrepancy.proof import gap, held_out_nrmse, residuals
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Ranked
-from reliab.discrepancy.result.missing_effect import MissingEffect, Rival
+from reliab.discrepancy.result.gap import FurtherError
+from reliab.discrepancy.result.missing_effect import MissingEffect, Rival, calibration, estimates
 from reliab.discrepancy.terms import is_outside
 from reliab.effects import Effect
 
@@ -28,13 +29,16 @@ MOST_SURE = 0.99
 """Largest probability that is stated where what the best model leaves fails the noise test."""
 
 _RIVALS = 4
+_FEWEST = 3  # left-out tests from which the error on a further one is foretold
+_TAILS = 0.05
+_SMALLEST_OFFSET = 2e-3  # of the channel's RMS
 
 
 def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     """Draw the conclusions from the search of a block."""
     problem, calibrated = search.problem, search.null
     ranked = ranking(search)
-    best, named, doubtful = believed(ranked, calibrated)
+    best, sure_effects, doubtful = believed(ranked, calibrated)
     judged = _judged_by_noise(problem, best)
     noise = is_noise(*judged)
     structured = structured_share(*judged)
@@ -55,7 +59,7 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         best=best,
         ranked=ranked,
         effects=(
-            *(naming.missing(kind) for kind in inside if kind in named),
+            *(naming.missing(kind) for kind in inside if kind in sure_effects),
             *biases,
         ),
         doubtful=tuple(naming.missing(kind) for kind in inside if kind in doubtful),
@@ -88,6 +92,16 @@ def _as_judged(problem: Problem, calibrated: Fit, plain: Problem, best: Fit) -> 
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class OffsetRival:
+    """A model that holds an effect in the place of an offset."""
+
+    effect: type[Effect]  # The effect
+    fit: Fit  # The model, in which the offset is zero
+    # Logarithm of how much more credible it is than the model with the offset, by the judge of the search
+    odds: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class _Naming:
     """What is needed to state an effect: all models, the believed one, and the held-out tests."""
 
@@ -101,7 +115,7 @@ class _Naming:
     def missing(self, effect: type[Effect]) -> MissingEffect:
         """State an effect of the library."""
         smaller = self.search.without(self.best, effect)
-        return self._stated(effect, probability(self.ranked, effect), smaller, self._rivals(effect))
+        return self._describe(effect, probability(self.ranked, effect), smaller, self._rivals(effect))
 
     def offset(self, effect: type[Effect], rival: OffsetRival | None) -> MissingEffect:
         """State an offset against models in which it is zero, with the best other effect in its place."""
@@ -114,12 +128,12 @@ class _Naming:
         moved = refitted(self.best, np.zeros(problem.rows, dtype=bool), (place,))
         smaller = min((replace(self.best, coordinates=x) for x in (neutral, moved)), key=self._error)
         rivals = () if rival is None else (self._rival(rival.effect.label(), shares[2], rival.fit),)
-        return self._stated(effect, shares[0], smaller, rivals)
+        return self._describe(effect, shares[0], smaller, rivals)
 
     def _rival(self, name: str, sure: float, fitted: Fit) -> Rival:
         return Rival(name=name, probability=sure, held_out_nrmse=self._error(fitted))
 
-    def _stated(
+    def _describe(
         self, effect: type[Effect], sure: float, smaller: Fit, rivals: tuple[Rival, ...]
     ) -> MissingEffect:
         key = f"{effect.name}."
@@ -142,13 +156,13 @@ class _Naming:
         The same effect at another place along the block is none of them: left-out tests or the likelihood
         decide where it acts, and no probability is stated of that.
         """
-        kept = set(self.best.space.effects) - {effect}
+        other_effects = set(self.best.space.effects) - {effect}
         rivals: list[Rival] = []
         for ranked in self.ranked:
             effects = set(ranked.fit.space.effects)
-            added = effects - kept
+            added = effects - other_effects
             names = {rival.label() for rival in added}
-            if kept <= effects and len(added) == 1 and names != {effect.label()}:
+            if other_effects <= effects and len(added) == 1 and names != {effect.label()}:
                 (name,) = names
                 rivals.append(self._rival(name, ranked.probability, ranked.fit))
             if len(rivals) == _RIVALS:
@@ -158,3 +172,80 @@ class _Naming:
 
 def _by_file(proof: Problem, residuals: dict[int, Array]) -> dict[str, Array]:
     return {proof.block.tests[test].file: values for test, values in residuals.items()}
+
+
+def expected_error(errors: LeftOut) -> FurtherError | None:
+    """Interval of the error on a further test, from those on tests that were left out.
+
+    The logarithms of the errors are taken for draws from one normal distribution, of which the further test
+    is another draw; the interval is Student's prediction interval.
+
+    >>> whole, every = np.full(3, 100.0), np.ones(3, dtype=bool)
+    >>> errors = LeftOut(energies=np.array([1.0, 4.0, 2.0]), signals=whole, units=np.ones(3), foretold=every)
+    >>> further = expected_error(errors)
+    >>> round(further.value, 3), round(further.low, 3), round(further.high, 3)
+    (0.141, 0.044, 0.455)
+    """
+    logarithms = 0.5 * np.log(np.maximum(errors.energies, 1e-300) / np.maximum(errors.signals, 1e-300))
+    count = logarithms.size
+    if count < _FEWEST:
+        return None
+    spread = float(logarithms.std(ddof=1)) * np.sqrt(1.0 + 1.0 / count)
+    reach = float(stats.t.isf(_TAILS, count - 1)) * spread
+    middle = float(logarithms.mean())
+    low, high = np.exp(middle - reach), np.exp(middle + reach)
+    return FurtherError(value=float(np.exp(middle)), low=float(low), high=float(high), tests=count)
+
+
+def offset_rival(search: Search, best: Fit, offset: type[Effect]) -> OffsetRival | None:
+    """Find the effect that explains most in the place of an offset.
+
+    Returns none where no effect promises to explain anything, or where the best of them predicts tests that
+    are left out clearly worse than the offset does, whatever its evidence: a noise model fitted to the
+    rival's own residual may take a constant for slow noise.
+    """
+    block = copy(search.problem.block)
+    block.offsets = tuple(kind for kind in block.offsets if kind is not offset)
+    problem = replace(search.problem, block=block)
+    space = ModelSpace(block, best.space.effects)
+    start = space.inherited(best.space, best.coordinates)
+    without = reweighted(problem, fit(problem, space, [start], best.noise))
+    promising = screened(problem, without, block.candidates, without)
+    if not promising or not promising[0].gain > 0.0:
+        return None
+    first = promising[0]
+    larger = ModelSpace(block, (*best.space.effects, first.kind))
+    rival = reweighted(problem, fit(problem, larger, [first.start], without.noise))
+    error = left_out(problem, rival)
+    if (1.0 - MATERIAL) * error.energy > search.error(best).energy:
+        return None
+    if not problem.flat:
+        odds = rival.log_evidence - best.log_evidence
+    else:
+        odds = search.likelihood(error) - search.likelihood(search.error(best))
+    return OffsetRival(effect=first.kind, fit=rival, odds=odds)
+
+
+def offsets(search: Search, best: Fit) -> list[type[Effect]]:
+    """Offsets that are significant, large enough to matter, and that help to predict left-out tests."""
+    return [kind for kind in search.problem.block.offsets if _is_offset(search, best, kind)]
+
+
+def _is_offset(search: Search, best: Fit, kind: type[Effect]) -> bool:
+    problem = search.problem
+    if offset_odds(best, kind) <= 0.0:
+        return False
+    place = best.space.places(kind).start
+    values = np.concatenate([problem.block.measured(s.test)[s.begin : s.end] for s in problem.segments])
+    if abs(float(best.space.values(best.coordinates)[place])) < _SMALLEST_OFFSET * float(values.std()):
+        return False
+    share = 1.0 - MATERIAL if problem.flat else 1.0
+    return search.error(best).energy <= share * left_out(problem, best, (place,)).energy
+
+
+def offset_odds(fitted: Fit, offset: type[Effect]) -> float:
+    """Logarithm of the odds that an offset is not zero, by the ratio of Savage and Dickey."""
+    place = fitted.space.places(offset).start
+    variance = float(fitted.covariance[place, place])
+    at_zero = -0.5 * float(fitted.coordinates[place]) ** 2 / variance - 0.5 * np.log(variance)
+    return float(-at_zero - COST)

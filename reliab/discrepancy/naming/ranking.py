@@ -6,8 +6,7 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.discrepancy.fitting.fit import Fit
-from reliab.discrepancy.fitting.fitted_models import cost
-from reliab.discrepancy.fitting.search import Search
+from reliab.discrepancy.fitting.search import Search, cost
 from reliab.discrepancy.result.block_diagnosis import Ranked
 from reliab.effects import Effect
 
@@ -83,11 +82,11 @@ def believed(ranked: Sequence[Ranked], null: Fit) -> tuple[Fit, set[type[Effect]
     """Return the model that is believed, its effects that are named, and those of which one acts."""
     best = ranked[0].fit
     effects = best.space.effects
-    named = {effect for effect in effects if probability(ranked, effect) >= SURE}
-    rest = set(effects) - named
+    sure_effects = {effect for effect in effects if probability(ranked, effect) >= SURE}
+    less_sure = set(effects) - sure_effects
     fewer = sum(r.probability for r in ranked if len(r.fit.space.effects) < len(effects))
-    doubtful = rest if fewer < _NEGLIGIBLE else set()
-    return _fit_with(ranked, named | doubtful) or null, named, doubtful
+    doubtful = less_sure if fewer < _NEGLIGIBLE else set()
+    return _fit_with(ranked, sure_effects | doubtful) or null, sure_effects, doubtful
 
 
 def _fit_with(ranked: Sequence[Ranked], effects: set[type[Effect]]) -> Fit | None:

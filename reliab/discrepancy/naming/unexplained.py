@@ -1,21 +1,21 @@
-"""Effects in a block that are not in the library."""
+"""Effects that are not in the library: other terms, a reading that drops out, a disturbance, a remainder."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from scipy import fft, ndimage, signal, stats
 
+from reliab.arrays import Array
 from reliab.discrepancy.campaign.campaign import Channel
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
-from reliab.discrepancy.locating.line_above import line_above
-from reliab.discrepancy.locating.standstill import standstill
-from reliab.discrepancy.naming.estimates import estimates
 from reliab.discrepancy.result.gap import Gap
-from reliab.discrepancy.result.missing_effect import Unknown
-from reliab.discrepancy.spectra.segment import energy_of
+from reliab.discrepancy.result.missing_effect import Unknown, estimates
+from reliab.discrepancy.spectra.segment import Segment, energy_of
 from reliab.discrepancy.terms import OutsideTerm
 from reliab.discrepancy.terms.periodic import Disturbance
-from reliab.signals import NoiseModel
+from reliab.signals import NoiseModel, near_mains
 from reliab.significant import significant
 from reliab.vocabulary import Block
 
@@ -31,6 +31,17 @@ of its energy are then no noise."""
 
 SMALLEST_GAP = 0.1
 """RMS of a remainder over that of the signal from which it is called an effect where no effect was found."""
+
+_CHANCE = 1e-7  # that noise alone shows a line anywhere
+_LEAST = 8.0  # times the power around it, on the average of the stretches
+_BEYOND_SPRING = 9.0  # times the power with which the spring answers what the displacement shows
+_AROUND = 25  # bins
+_AUDIBLE = 0.05  # of the energy of all that is left: every recording has lines far below its noise
+_FEWEST_SAMPLES = 5
+_FEWEST_EVENTS = 3
+_TIMES = 4.0  # of what the reading usually differs by
+_SHARE = 0.01  # of the channel's RMS
+_LEAST_OF_REMAINDER = 0.05  # share of the energy that the model leaves
 
 
 def unexplained(judged: tuple[Problem, Fit], best: Fit, proved: Gap, *, noise: bool) -> Unknown | None:
@@ -104,12 +115,12 @@ def _interrupted(problem: Problem, best: Fit, error: float) -> Unknown | None:
     The force that the numerical substructure would balance is no prediction of the load cell: it is computed
     back from the command, which a controller with steps of its own holds, too.
     """
-    seen = None if _is_balanced(problem) else standstill(problem, best)
-    if seen is None:
+    halt = None if _is_balanced(problem) else standstill(problem, best)
+    if halt is None:
         return None
     return Unknown(
         block=str(problem.block.block),
-        expression=f"{problem.block.channel} held {seen.events} times, for {significant(seen.seconds)} s "
+        expression=f"{problem.block.channel} held {halt.events} times, for {significant(halt.seconds)} s "
         "as a rule",
         description="the reading stands still now and then while the model moves on: the sensor drops out",
         held_out_nrmse=error,
@@ -127,3 +138,131 @@ def _disturbance(problem: Problem, best: Fit, error: float) -> Unknown | None:
         description=Disturbance.description,
         held_out_nrmse=error,
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Line:
+    """A wave in a force."""
+
+    frequency: float  # Frequency [Hz]
+    amplitude: float  # Root mean square over the stretches of its amplitude [N]
+
+
+def line_above(problem: Problem, best: Fit) -> Line | None:
+    """Find the strongest line of a force between the frequencies that are judged and the highest of a signal.
+
+    Where only a noisy displacement was recorded, models of the specimen are judged up to the frequency at
+    which it is mostly signal; a disturbance may act above. Its line must stand out in all stretches together,
+    exceed the spring's response to a line of the displacement, and be no multiple of the mains' frequency.
+    """
+    block = problem.block
+    if block.block is not Block.SPECIMEN or block.highest >= block.highest_signal:
+        return None
+    longest = max(problem.segments, key=lambda segment: segment.end - segment.begin)
+    grid = np.arange((longest.end - longest.begin) // 2) * block.rate / (longest.end - longest.begin)
+    residual = problem.residuals(best.space, best.coordinates)
+    forces = _powers(problem, residual, grid)
+    motions = _powers(problem, {s.test: _displacement(problem, s.test) for s in problem.segments}, grid)
+    specimen = best.space.model(best.coordinates).specimen
+    spring = 0.0 if specimen is None else specimen.stiffness
+    around = ndimage.median_filter(forces, (1, _AROUND)) / np.log(2.0)
+    clear = np.mean(forces / np.maximum(around, 1e-300), axis=0)
+    clear[forces.mean(axis=0) < _BEYOND_SPRING * spring**2 * motions.mean(axis=0)] = 0.0
+    clear[(grid <= block.highest) | (grid >= block.highest_signal)] = 0.0
+    clear[near_mains(grid, 0.5 * block.rate)] = 0.0
+    place = int(np.argmax(clear))
+    if clear[place] < _threshold(len(problem.segments), grid.size):
+        return None
+    amplitude = _amplitude(problem, residual, float(grid[place]))
+    if 0.5 * amplitude**2 < _AUDIBLE * _mean_square(problem, residual):
+        return None
+    return Line(frequency=float(grid[place]), amplitude=amplitude)
+
+
+def _threshold(stretches: int, trials: int) -> float:
+    """Mean power over its expectation that noise exceeds by chance only."""
+    return max(float(stats.gamma.isf(_CHANCE / trials, stretches)) / stretches, _LEAST)
+
+
+def _mean_square(problem: Problem, values: dict[int, Array]) -> float:
+    """Mean square over the segments of values without their means."""
+    return float(
+        np.mean([values[segment.test][segment.begin : segment.end].var() for segment in problem.segments])
+    )
+
+
+def _displacement(problem: Problem, test: int) -> Array:
+    return problem.block.tests[test].channels[Channel.MEASURED]
+
+
+def _powers(problem: Problem, values: dict[int, Array], grid: Array) -> Array:
+    """Power of each segment under a window that keeps strong slow parts where they are, on one grid."""
+    rows = []
+    for segment in problem.segments:
+        stretch = signal.detrend(values[segment.test][segment.begin : segment.end])
+        power = np.abs(fft.rfft(stretch * signal.windows.hann(stretch.size, sym=False))) ** 2 / stretch.size
+        rows.append(np.interp(grid, fft.rfftfreq(stretch.size, 1.0 / segment.rate), power))
+    return np.stack(rows)
+
+
+def _amplitude(problem: Problem, residual: dict[int, Array], frequency: float) -> float:
+    """Root mean square over the segments of the amplitude of a frequency."""
+    squares = [_amplitude_in(segment, residual[segment.test], frequency) ** 2 for segment in problem.segments]
+    return float(np.sqrt(np.mean(squares)))
+
+
+def _amplitude_in(segment: Segment, values: Array, frequency: float) -> float:
+    stretch = values[segment.begin : segment.end]
+    turn = 2.0 * np.pi * frequency / segment.rate * np.arange(stretch.size)
+    weights = signal.windows.hann(stretch.size, sym=False)
+    return float(2.0 * np.abs((weights * stretch) @ np.exp(-1j * turn)) / weights.sum())
+
+
+@dataclass(frozen=True, kw_only=True)
+class Standstill:
+    """How often and for how long a reading stands still."""
+
+    events: int  # Number of events in all tests
+    seconds: float  # Median of their lengths [s]
+
+
+def standstill(problem: Problem, best: Fit) -> Standstill | None:
+    """Find where the reading of a block stands still although the model moves on: the sensor drops out.
+
+    Noise and motion make every sample differ from the one before it. A run of equal samples counts where the
+    model moves on by much more than the reading usually changes, or misses it. Equal samples at the ends of a
+    record are rest, and a few events that contain almost none of the residual are no explanation.
+    """
+    lengths: list[int] = []
+    inside = whole = 0.0
+    for test, residual in problem.residuals(best.space, best.coordinates).items():
+        read = problem.block.measured(test)
+        expected = _judged(read - residual, problem.block.highest / problem.block.rate)
+        events = _standing_stretches(
+            read, expected, max(problem.steps[test], float(np.median(np.abs(residual))))
+        )
+        lengths += [end - begin for begin, end in events]
+        inside += sum(float((residual[begin:end] ** 2).sum()) for begin, end in events)
+        whole += float((residual**2).sum())
+    if len(lengths) < _FEWEST_EVENTS or inside < _LEAST_OF_REMAINDER * whole:
+        return None
+    return Standstill(events=len(lengths), seconds=float(np.median(lengths)) / problem.block.rate)
+
+
+def _judged(expected: Array, highest: float) -> Array:
+    """Keep of what a model expects the part below the highest frequency, in units of the sampling rate."""
+    return np.asarray(signal.sosfiltfilt(signal.butter(4, highest, fs=1.0, output="sos"), expected))
+
+
+def _standing_stretches(read: Array, expected: Array, usual: float) -> list[tuple[int, int]]:
+    """First sample of each event in a test and the one after the last."""
+    changes = np.diff(read)
+    edges = np.concatenate([[0], np.flatnonzero(changes) + 1, [read.size]])
+    if changes.any():
+        usual = max(usual, float(np.median(np.abs(changes[changes != 0.0]))))
+    least = _TIMES * usual + _SHARE * float(read.std())
+    events = []
+    for begin, end in zip(edges[1:-2].tolist(), edges[2:-1].tolist(), strict=True):
+        if end - begin >= _FEWEST_SAMPLES and float(np.ptp(expected[begin:end])) > least:
+            events.append((begin, end))
+    return events

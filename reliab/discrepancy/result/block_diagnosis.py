@@ -9,7 +9,7 @@ from reliab.arrays import Array
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
-from reliab.discrepancy.locating.finding import Finding
+from reliab.discrepancy.locating.locate import Finding
 from reliab.discrepancy.result.gap import FurtherError, Gap
 from reliab.discrepancy.result.missing_effect import Estimate, MissingEffect, Unknown
 from reliab.renamed import renamed_method

@@ -1,18 +1,18 @@
 """The results for a whole campaign."""
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
-from reliab.discrepancy.locating.finding import Finding
+from reliab.discrepancy.locating.locate import Finding
 from reliab.discrepancy.result.block_diagnosis import STRUCTURE, BlockDiagnosis, Verdict
-from reliab.discrepancy.result.gap import Gap
+from reliab.discrepancy.result.gap import Gap, Remainder
 from reliab.discrepancy.result.missing_effect import MissingEffect, Unknown
-from reliab.discrepancy.result.showing import draw_gap, table_of_diagnosis
-from reliab.discrepancy.result.statements import is_explained, remainder_statement, statement
+from reliab.html_table import html_table
 from reliab.renamed import renamed_method
 from reliab.significant import significant
-from reliab.vocabulary import Block
+from reliab.vocabulary import PERCENT, Block
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,6 +23,11 @@ SHORT_RECORD = 256
 """Samples of a test below which a remark says that it is short."""
 
 _LIKE_A_STRUCTURE = {"added_mass", "viscous_damping"}
+_VERDICTS = {
+    Verdict.NAMED: "The model lacks what is listed below.",
+    Verdict.UNKNOWN_EFFECT: "Something is missing that is none of the known effects.",
+    Verdict.NOT_IDENTIFIABLE: "Something is missing, but these tests do not show which effect it is.",
+}
 
 
 @renamed_method("0.4", "as_dict", "to_dict")
@@ -108,8 +113,8 @@ class Diagnosis:
         return draw_gap(self.campaign.name, self.blocks, axes)
 
     def __repr__(self) -> str:
-        named = ", ".join(effect.name for effect in (*self.effects, *self.doubtful))
-        return f"<Diagnosis of {self.campaign.name}: {self.verdict}{f' ({named})' if named else ''}>"
+        effects = ", ".join(effect.name for effect in (*self.effects, *self.doubtful))
+        return f"<Diagnosis of {self.campaign.name}: {self.verdict}{f' ({effects})' if effects else ''}>"
 
     def _repr_html_(self) -> str:
         effects = (*self.effects, *self.doubtful)
@@ -147,8 +152,8 @@ def _limits_of(block: BlockDiagnosis) -> list[str]:
         for item in block.misstated
     ]
     remarks += [offset.remark for offset in block.uncertain_offsets]
-    named = {effect.name for effect in (*block.effects, *block.doubtful)}
-    if block.block.inputs == (Channel.GROUND,) and named & _LIKE_A_STRUCTURE:
+    effects = {effect.name for effect in (*block.effects, *block.doubtful)}
+    if block.block.inputs == (Channel.GROUND,) and effects & _LIKE_A_STRUCTURE:
         remarks.append(
             "In a single channel an added mass or a damper looks like a natural frequency or a damping ratio"
             " that is stated wrongly: check the table [structure], or record command and force as well."
@@ -166,3 +171,91 @@ def _limits_of(block: BlockDiagnosis) -> list[str]:
     if not block.leaves_noise:
         remarks.append(remainder_statement(name, gap, block.structured_share))
     return remarks
+
+
+def table_of_diagnosis(
+    name: str, verdict: Verdict, effects: Iterable[MissingEffect], gap: Gap, remarks: Iterable[str]
+) -> str:
+    """Write the verdict on a campaign, the effects with their parameters, and the gap as a table in HTML."""
+    described = {
+        effect.name: "; ".join(
+            [
+                f"probability {significant(effect.probability)}",
+                *(
+                    f"{estimate.name} {estimate.value:.4g} ± {significant(estimate.sd, 1)} "
+                    f"{estimate.units}".strip()
+                    for estimate in effect.estimates
+                ),
+            ]
+        )
+        for effect in effects
+    }
+    rows = {
+        "verdict": str(verdict).replace("_", " "),
+        **described,
+        f"error on held-out tests, {gap.channel}": f"{significant(gap.before)} before, "
+        f"{significant(gap.after)} after",
+    }
+    return html_table(name, rows, remarks)
+
+
+def draw_gap(name: str, blocks: Sequence[BlockDiagnosis], axes: "Axes | None" = None) -> "Axes":
+    """Draw the error of the model on held-out tests before and after the effects are added."""
+    from matplotlib import pyplot as plt
+    from matplotlib.ticker import LogLocator
+
+    plot = plt.subplots(figsize=(6.0, 3.0))[1] if axes is None else axes
+    names = [f"{block.block.block}: {block.gap.channel}" for block in blocks]
+    for shift, label in ((-0.2, "before"), (0.2, "after")):
+        shares = [PERCENT * float(getattr(block.gap, label)) for block in blocks]
+        plot.bar([place + shift for place in range(len(names))], shares, width=0.4, label=label)
+    plot.set_xticks(range(len(names)), names)
+    plot.set(ylabel="error [% of RMS]", yscale="log", title=name)
+    plot.yaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
+    plot.yaxis.set_major_formatter("{x:g}")
+    plot.yaxis.set_minor_formatter("{x:g}")
+    plot.legend(frameon=False)
+    return plot
+
+
+def is_explained(block: BlockDiagnosis) -> bool:
+    """Whether what the model of a block leaves can be taken for noise."""
+    return block.gap.remainder is Remainder.AT_NOISE or (
+        block.gap.remainder is Remainder.NOT_KNOWN and block.leaves_noise
+    )
+
+
+def statement(verdict: Verdict, blocks: Iterable[BlockDiagnosis]) -> str:
+    """Say what a verdict means.
+
+    Returns one sentence. That nothing is missing is said only where every block is explained.
+    """
+    if verdict is not Verdict.NO_MISSING_EFFECT:
+        return _VERDICTS[verdict]
+    open_ones = [str(block.block.channel) for block in blocks if not is_explained(block)]
+    if not open_ones:
+        return "Calibration alone explains the tests: nothing is missing."
+    return (
+        f"Calibration explains the tests but for a remainder in {', '.join(open_ones)} that may not be noise."
+    )
+
+
+def remainder_statement(name: str, gap: Gap, structured_share: float) -> str:
+    """Say what remains of a block whose residual does not pass for noise."""
+    after = significant(gap.after)
+    floor = "unknown" if gap.floor is None else f"{significant(gap.floor)} by the {gap.source}"
+    subject = f"What the model of the {name} leaves of held-out tests, {after} of the signal's RMS,"
+    match gap.remainder:
+        case Remainder.AT_NOISE:
+            size = f"is at the noise floor of {floor}"
+        case Remainder.ABOVE_NOISE:
+            size = (
+                f"is not noise alone: {significant(gap.model_error)} of it is an error of the model above the"
+                f" noise floor of {floor}"
+            )
+        case Remainder.NOT_KNOWN:
+            size = "is an error of the model, noise, or both: the noise floor is unknown"
+    return (
+        f"{subject} {size}. {structured_share:.0%} of the energy of its residual follows the motion, so that"
+        " no probability above 0.99 is stated."
+    )

@@ -1,6 +1,6 @@
 // The motions' ellipses, as the page carries them: 16-bit codes, unpacked, and interpolated as Python does.
 
-// Unpack what reliab/explore/packing.py packed; asynchronous, since the browser inflates it.
+// Unpack what reliab/explore/page.py packed; asynchronous, since the browser inflates it.
 export async function unpack(packed) {
   const signs = atob(packed.codes), bytes = new Uint8Array(signs.length);
   for (let i = 0; i < bytes.length; i += 1) bytes[i] = signs.charCodeAt(i);

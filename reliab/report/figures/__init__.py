@@ -1,4 +1,4 @@
-"""Figures, one file each: from finished results to a matplotlib figure."""
+"""Figures, one subject to a file: from finished results to a matplotlib figure."""
 
 import lazy_loader
 

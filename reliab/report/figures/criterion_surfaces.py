@@ -51,17 +51,17 @@ def _draw(
     damping_ratios: NDArray[np.float64],
     values: NDArray[np.float64],
 ) -> None:
-    shown = np.where(values > 0.0, values, np.nan)
-    low, high = float(np.nanmin(shown)), float(np.nanmax(shown))
+    positive = np.where(values > 0.0, values, np.nan)
+    low, high = float(np.nanmin(positive)), float(np.nanmax(positive))
     axes.set(xscale="log", yscale="log")
     axes.set(xlim=(frequencies[0], frequencies[-1]), ylim=(damping_ratios[0], damping_ratios[-1]))
     shades = np.geomspace(low, high, _SHADES) if high > low else np.array([low, low * 1.01])
     axes.contourf(
-        frequencies, damping_ratios, shown, levels=shades, colors=_colours(shades.size - 1), norm=LogNorm()
+        frequencies, damping_ratios, positive, levels=shades, colors=_colours(shades.size - 1), norm=LogNorm()
     )
     levels = _levels(low, high)
     if levels.size:
-        lines = axes.contour(frequencies, damping_ratios, shown, levels=levels, colors=INK, linewidths=0.8)
+        lines = axes.contour(frequencies, damping_ratios, positive, levels=levels, colors=INK, linewidths=0.8)
         _label(axes, lines)
     axes.grid(visible=False)
 
@@ -105,8 +105,8 @@ def _colours(count: int) -> list[tuple[float, ...]]:
 def _spread(nodes: NDArray[np.float64]) -> list[float]:
     """Nodes whose labels do not touch on a logarithmic axis; the first and the last always."""
     least = _LEAST_SPACE * np.log(nodes[-1] / nodes[0])
-    kept = [float(nodes[0])]
+    nodes_apart = [float(nodes[0])]
     for node in nodes[1:-1].tolist():
-        if np.log(node / kept[-1]) >= least and np.log(nodes[-1] / node) >= least:
-            kept.append(node)
-    return [*kept, float(nodes[-1])]
+        if np.log(node / nodes_apart[-1]) >= least and np.log(nodes[-1] / node) >= least:
+            nodes_apart.append(node)
+    return [*nodes_apart, float(nodes[-1])]

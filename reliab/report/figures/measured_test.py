@@ -114,18 +114,22 @@ def error_over_time(
     figure, axes = panels(3, 1, height=height, share_x=True)
     histories, errors, divided = axes[:, 0]
     peak = float(np.abs(reference).max())
-    kept = np.linspace(0, times.size - 1, min(times.size, _MOST_SAMPLES)).astype(int)
-    histories.plot(times[kept], reference[kept] / peak, color=PALE, linewidth=2.6, label="exact $x_I$")
-    histories.plot(times[kept], measured[kept] / peak, color=BLUE, linewidth=0.7, label="measured $x_m$")
+    samples = np.linspace(0, times.size - 1, min(times.size, _MOST_SAMPLES)).astype(int)
+    histories.plot(times[samples], reference[samples] / peak, color=PALE, linewidth=2.6, label="exact $x_I$")
+    histories.plot(
+        times[samples], measured[samples] / peak, color=BLUE, linewidth=0.7, label="measured $x_m$"
+    )
     histories.set_ylabel("Displacement\nover peak [-]")
     errors.fill_between(
-        times[kept],
-        *(PERCENT / peak * end[kept] for end in band),
+        times[samples],
+        *(PERCENT / peak * end[samples] for end in band),
         color=PALE,
         label="90 % band",
         linewidth=0.0,
     )
-    errors.plot(times[kept], PERCENT / peak * error[kept], color=BLUE, linewidth=0.7, label="$x_m - x_I$")
+    errors.plot(
+        times[samples], PERCENT / peak * error[samples], color=BLUE, linewidth=0.7, label="$x_m - x_I$"
+    )
     errors.set_ylabel("Error\nover peak [%]")
     for rank, (name, sizes) in enumerate(parts.items()):
         edges = np.linspace(times[0], times[-1], sizes.size + 1)

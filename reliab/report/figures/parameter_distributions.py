@@ -1,4 +1,4 @@
-"""Distributions of the ellipse parameters over ground motions (Figure 12)."""
+"""Figures of the ellipse parameters over the motions: distributions, quantiles, correlation, posterior."""
 
 from collections.abc import Mapping
 
@@ -8,14 +8,33 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from reliab.criterion import EllipseSample
-from reliab.criterion.distributions import Distribution
-from reliab.report.axes import A_PARAMETER, B_PARAMETER, DENSITY_A, DENSITY_B, legend_below, name_axes
-from reliab.report.style import INK, PALE, letters, line, panels, styled
+from reliab.criterion import EllipseSample, MotionPredictive, QuantilePlot, quantile_plot
+from reliab.criterion.distributions import Distribution, Lognormal
+from reliab.report.axes import (
+    A_PARAMETER,
+    B_PARAMETER,
+    DENSITY_A,
+    DENSITY_B,
+    label_logarithmic,
+    legend_below,
+    mark,
+    name_axes,
+    scientific,
+)
+from reliab.report.style import BLUE, GREEN, GREY, INK, PALE, VERMILION, letters, line, panels, styled
+from reliab.sampling import NormalInverseChiSquared
+from reliab.significant import significant
+from reliab.vocabulary import PERCENT
 
 _HEIGHT = 53.0
 _POINTS = 400
 _BODY = 0.97
+_QUANTILE_HEIGHT = 53.0
+_CORRELATION_HEIGHT = 58.0
+_RESAMPLINGS = 1000
+_PREDICTIVE_HEIGHT = 88.0
+_PREDICTIVE_POINTS = 241
+_TAIL = 1e-3
 
 
 @styled
@@ -77,3 +96,140 @@ def _draw(axes: Axes, values: NDArray[np.float64], fits: Mapping[str, Distributi
             va="top",
             fontsize=8.0,
         )
+
+
+@styled
+def quantile_quantile(sample: EllipseSample, family: type[Distribution] = Lognormal) -> Figure:
+    """Draw a and b of the motions over the quantiles of a distribution that is fitted to them.
+
+    Returns panels a [-] and b [ms²] on logarithmic scales, with bands that hold each point with 95 %.
+    """
+    figure, axes = panels(1, 2, height=_QUANTILE_HEIGHT)
+    letters(axes, ("$a$", "$b$"))
+    names = (("$a$", "-"), ("$b$", "ms²"))
+    for place, values, (parameter, unit) in zip(axes[0], (sample.a, sample.b), names, strict=True):
+        _draw_quantiles(place, quantile_plot(values, family.fit(values)))
+        name_axes(
+            place,
+            f"{family.name.capitalize()} quantile of {parameter} [{unit}]",
+            f"{parameter} of motions [{unit}]",
+        )
+    legend_below(figure, axes[0, 0])
+    return figure
+
+
+def _draw_quantiles(axes: Axes, points: QuantilePlot) -> None:
+    axes.fill_between(
+        points.expected, points.low, points.high, color=PALE, alpha=0.6, linewidth=0.0, label="95 % band"
+    )
+    axes.plot(points.expected, points.expected, color=INK, linewidth=0.8, label="as the distribution")
+    axes.plot(points.expected, points.observed, "o", color=BLUE, fillstyle="none", label="motions")
+    axes.set(xscale="log", yscale="log")
+    label_logarithmic(axes.xaxis, axes.yaxis)
+
+
+@styled
+def parameter_correlation(sample: EllipseSample) -> Figure:
+    """Draw b against a, on linear scales with the fitted line and on logarithmic ones.
+
+    Returns two panels; each names the correlation of what it shows. The band holds 95 % of the lines of
+    resampled earthquakes.
+    """
+    figure, axes = panels(1, 2, height=_CORRELATION_HEIGHT)
+    letters(axes, ("linear", "logarithmic"))
+    for place in axes[0]:
+        place.plot(sample.a, sample.b, "o", color=BLUE, markersize=3.4, fillstyle="none", label="one motion")
+        name_axes(place, A_PARAMETER, B_PARAMETER)
+    _line(axes[0, 0], sample)
+    mark(axes[0, 0], f"correlation {sample.correlation:.3f}", (0.97, 0.10), ha="right")
+    axes[0, 0].ticklabel_format(axis="x", style="sci", scilimits=(0, 0), useMathText=True)
+    axes[0, 1].set(xscale="log", yscale="log")
+    label_logarithmic(axes[0, 1].xaxis, axes[0, 1].yaxis)
+    correlation = float(np.corrcoef(sample.log_a, sample.log_b)[0, 1])
+    mark(axes[0, 1], f"correlation of the logarithms {correlation:.3f}", (0.97, 0.10), ha="right")
+    return figure
+
+
+def _line(axes: Axes, sample: EllipseSample) -> None:
+    slope, intercept = np.polyfit(sample.a, sample.b, 1)
+    axes.set(xlim=(0.0, 1.05 * sample.a.max()), ylim=(0.0, 1.05 * sample.b.max()))
+    sns.regplot(
+        x=sample.a,
+        y=sample.b,
+        units=sample.events,
+        n_boot=_RESAMPLINGS,
+        seed=0,
+        scatter=False,
+        truncate=False,
+        color=VERMILION,
+        label=f"$b$ = {scientific(slope)}$\\,a$ {intercept:+.2f} ms²".replace("-", "−"),
+        line_kws={"linewidth": 1.2},
+        ax=axes,
+    )
+    name_axes(axes, A_PARAMETER, B_PARAMETER)
+    axes.legend(loc="upper left")
+
+
+@styled
+def posterior_and_predictive(
+    sample: EllipseSample, *, limits: tuple[float, float], confidence: float
+) -> Figure:
+    """Draw how well a quantile of the motions is known, and how a further motion is distributed.
+
+    `confidence` [-].
+    Returns above, posterior densities of the lognormal quantile; below, predictive distributions of a motion
+    of a further earthquake with the motions as steps.
+    """
+    figure, axes = panels(2, 2, height=_PREDICTIVE_HEIGHT)
+    share = PERCENT * (1.0 - confidence)
+    quantile, further = f"{significant(share)} % quantile", "a further motion"
+    letters(axes, (f"{quantile} of $a$", f"{quantile} of $b$", f"{further}: $a$", f"{further}: $b$"))
+    for k, (values, name) in enumerate(((sample.a, A_PARAMETER), (sample.b, B_PARAMETER))):
+        _posterior(axes[0, k], values, limits[k], 1.0 - confidence)
+        _predictive(axes[1, k], values, sample.events, limits[k], 1.0 - confidence)
+        name_axes(axes[0, k], name, "Density [-]" if k == 0 else "")
+        name_axes(axes[1, k], name, "Share below [-]" if k == 0 else "")
+    legend_below(figure, axes[1, 0], columns=5)
+    return figure
+
+
+def _posterior(axes: Axes, values: NDArray[np.float64], limit: float, share: float) -> None:
+    posterior = NormalInverseChiSquared.posterior(np.log(values))
+    probability = np.linspace(_TAIL, 1.0 - _TAIL, _PREDICTIVE_POINTS)
+    at = posterior.quantile_of_quantile(share, probability)
+    density = np.gradient(probability, at)
+    axes.fill_between(np.exp(at), density, color=PALE, linewidth=0.0)
+    axes.plot(np.exp(at), density, color=BLUE)
+    low, high = np.exp(posterior.quantile_of_quantile(share, [0.025, 0.975]))
+    axes.hlines(0.0, low, high, color=BLUE, linewidth=3.0)
+    axes.axvline(limit, color=VERMILION, linestyle=(0, (5, 1.6)))
+    axes.set_ylim(bottom=0.0)
+    axes.set_yticks([])
+    axes.ticklabel_format(axis="x", scilimits=(-2, 3), useMathText=True)
+
+
+def _predictive(
+    axes: Axes, values: NDArray[np.float64], events: NDArray[np.str_], limit: float, share: float
+) -> None:
+    logarithms = np.log(values)
+    room = 0.15 * np.ptp(logarithms)
+    least = min(logarithms.min(), np.log(limit)) if limit > 0.0 else logarithms.min()
+    x = np.linspace(least - room, logarithms.max() + room, _PREDICTIVE_POINTS)
+    repeated = np.repeat(logarithms[:, None], x.size, axis=1)
+    learned = MotionPredictive.fit(repeated, events).cumulative(x)
+    axes.ecdf(values, color=GREY, linewidth=1.0, label="motions")
+    axes.plot(np.exp(x), learned, color=BLUE, label="predictive")
+    normal = NormalInverseChiSquared.posterior(logarithms)
+    shares = np.linspace(_TAIL, 1.0 - _TAIL, _PREDICTIVE_POINTS)
+    axes.plot(
+        np.exp(normal.predictive_quantile(shares)),
+        shares,
+        color=GREEN,
+        linestyle=(0, (1.2, 1.2)),
+        label="lognormal",
+    )
+    axes.axhline(share, color=INK, linewidth=0.7, linestyle=(0, (1, 2)), label=significant(share, 2))
+    if limit > 0.0:
+        axes.axvline(limit, color=VERMILION, linestyle=(0, (5, 1.6)), label="criterion")
+    axes.set(xscale="log", xlim=tuple(np.exp([x[0], x[-1]])))
+    label_logarithmic(axes.xaxis)

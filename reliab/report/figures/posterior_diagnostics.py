@@ -18,7 +18,7 @@ _ROW = 26.0
 _CELL = 30.0
 _LABEL = 18
 _RANK_BINS = 20
-_KEPT = 1000
+_DRAWS = 1000
 """Draws of an ensemble that are drawn; all of them would make large files and no other picture."""
 
 
@@ -28,10 +28,10 @@ def traces(posterior: PosteriorSample, parameters: Sequence[str] = ()) -> Figure
 
     Returns one row for each parameter; ensembles that have converged lie over one another and run level.
     """
-    chosen = list(parameters or posterior.names)
-    figure, axes = panels(len(chosen), 2, height=14.0 + _ROW * len(chosen), ratios=(1.0, 2.0))
+    names = list(parameters or posterior.names)
+    figure, axes = panels(len(names), 2, height=14.0 + _ROW * len(names), ratios=(1.0, 2.0))
     number, chains = _thinned(posterior)
-    for (density, course), name in zip(axes, chosen, strict=True):
+    for (density, course), name in zip(axes, names, strict=True):
         for rank, values in enumerate(chains[..., posterior.names.index(name)]):
             colour = line(rank)["color"]
             _density(density, values, colour)
@@ -39,8 +39,8 @@ def traces(posterior: PosteriorSample, parameters: Sequence[str] = ()) -> Figure
         density.set_yticks([])
         density.set_title(plain(name))
         course.set_title(_convergence(posterior, name))
-        name_axes(density, "Value [-]" if name == chosen[-1] else "", "Density [-]")
-        name_axes(course, "Draw of the ensemble [-]" if name == chosen[-1] else "", "Value [-]")
+        name_axes(density, "Value [-]" if name == names[-1] else "", "Density [-]")
+        name_axes(course, "Draw of the ensemble [-]" if name == names[-1] else "", "Value [-]")
     return figure
 
 
@@ -50,14 +50,14 @@ def ranks(posterior: PosteriorSample, parameters: Sequence[str] = ()) -> Figure:
 
     Returns one panel for each parameter; ensembles that have converged are uniform, near the level line.
     """
-    chosen = list(parameters or posterior.names)
-    columns = min(3, len(chosen))
-    rows = -(-len(chosen) // columns)
+    names = list(parameters or posterior.names)
+    columns = min(3, len(names))
+    rows = -(-len(names) // columns)
     figure, axes = panels(rows, columns, height=14.0 + 34.0 * rows, share_y=True)
     places = axes.ravel()
-    for place in places[len(chosen) :]:
+    for place in places[len(names) :]:
         place.remove()
-    for place, name in zip(places, chosen, strict=False):
+    for place, name in zip(places, names, strict=False):
         values = walkers_in_turn(posterior.draws)[..., posterior.names.index(name)]
         for rank, ratio in enumerate(_rank_histograms(values)):
             place.stairs(ratio, np.linspace(0.0, values.size, _RANK_BINS + 1), baseline=None, **line(rank))
@@ -109,7 +109,7 @@ def _rank_histograms(values: NDArray[np.float64]) -> NDArray[np.float64]:
 def _thinned(posterior: PosteriorSample) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Take a thousand draws of each ensemble: their numbers, and shape (ensembles, draws, parameters)."""
     chains = walkers_in_turn(posterior.draws)
-    number = np.unique(np.linspace(0, chains.shape[1] - 1, _KEPT).astype(int))
+    number = np.unique(np.linspace(0, chains.shape[1] - 1, _DRAWS).astype(int))
     return number, chains[:, number]
 
 

@@ -32,8 +32,8 @@ def calibration_curve(rates: pd.DataFrame) -> Figure:
     least = PERCENT * min(rates["confidence"].min(), rates["low"].min())
     ends = (max(0.0, least - 3.0), 101.0)
     place.plot(ends, ends, color=GREY, linewidth=0.9, label="observed as stated")
-    for rank, (name, chosen) in enumerate(rates.groupby("candidate", sort=False)):
-        _curve(place, PERCENT * chosen[["confidence", "rate", "low", "high"]], str(name), rank)
+    for rank, (name, curve) in enumerate(rates.groupby("candidate", sort=False)):
+        _curve(place, PERCENT * curve[["confidence", "rate", "low", "high"]], str(name), rank)
     place.set(xlim=ends, ylim=ends, aspect="equal")
     name_axes(place, "Stated confidence [%]", "Observed containment [%]")
     legend_below(figure, place, columns=3)
@@ -48,9 +48,9 @@ def coverage_by_frequency(rates: pd.DataFrame, *, confidence: float) -> Figure:
     Returns observed containment [%] with intervals over the frequency [Hz]; criteria that fall far short of
     what is stated are drawn in separate axes, so that the others can be distinguished.
     """
-    stated = PERCENT * confidence
+    promise = PERCENT * confidence
     groups = list(rates.groupby("candidate", sort=False))
-    far = {str(name) for name, chosen in groups if chosen["rate"].max() < _FAR * confidence}
+    far = {str(name) for name, curve in groups if curve["rate"].max() < _FAR * confidence}
     near = rates[~rates["candidate"].isin(far)]
     split = bool(far) and len(near) > 0
     figure, axes = (
@@ -58,26 +58,28 @@ def coverage_by_frequency(rates: pd.DataFrame, *, confidence: float) -> Figure:
         if split
         else panels(height=_FREQUENCY_HEIGHT)
     )
-    for rank, (name, chosen) in enumerate(groups):
-        ordered = chosen.sort_values("f")
+    for rank, (name, curve) in enumerate(groups):
+        ordered = curve.sort_values("f")
         percent = PERCENT * ordered[["rate", "low", "high"]]
         shifted = ordered["f"] * np.exp(_SHIFT * 2.0 * (rank - 0.5 * (len(groups) - 1)))
         row = 1 if split and str(name) in far else 0
         _curve(axes[row, 0], percent.assign(confidence=shifted), str(name), rank)
-    shown = (near, rates[rates["candidate"].isin(far)]) if split else (rates,)
-    for place, drawn in zip(axes[:, 0], shown, strict=True):
-        _scale(place, drawn, stated)
-    axes[0, 0].axhline(stated, color=INK, linewidth=0.9, linestyle=(0, (1, 2)), label=f"stated {stated:g} %")
+    groups_of_axes = (near, rates[rates["candidate"].isin(far)]) if split else (rates,)
+    for place, drawn in zip(axes[:, 0], groups_of_axes, strict=True):
+        _scale(place, drawn, promise)
+    axes[0, 0].axhline(
+        promise, color=INK, linewidth=0.9, linestyle=(0, (1, 2)), label=f"stated {promise:g} %"
+    )
     for place in axes[:, 0]:
         name_axes(place, FREQUENCY if place is axes[-1, 0] else "", "Contained [%]")
     legend_below(figure, axes[0, 0], *axes[1:, 0], columns=3)
     return figure
 
 
-def _scale(axes: Axes, rates: pd.DataFrame, stated: float) -> None:
+def _scale(axes: Axes, rates: pd.DataFrame, promise: float) -> None:
     """Spread what is drawn over the whole height; criteria that fall far short have axes of their own."""
     low, high = PERCENT * float(rates["low"].min()), PERCENT * float(rates["high"].max())
-    margin = 0.06 * (max(high, stated) - low) if high > _FAR * stated else 0.06 * (high - low) + 1.0
+    margin = 0.06 * (max(high, promise) - low) if high > _FAR * promise else 0.06 * (high - low) + 1.0
     axes.set(xscale="log", ylim=(max(-margin, low - margin), min(high + margin, PERCENT + margin)))
     ticks = np.unique(rates["f"]).tolist()
     axes.set_xticks(ticks, [f"{frequency:g}" for frequency in ticks], minor=False)

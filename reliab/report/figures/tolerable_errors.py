@@ -24,17 +24,20 @@ def tolerable_errors_over_frequency(tolerances: Sequence[Tolerance]) -> Figure:
     figure, axes = panels(1, 2, height=_HEIGHT)
     letters(axes, (r"$\sqrt{a}$, no delay", r"$\sqrt{b}$, no amplitude error"))
     for rank, confidence in enumerate(sorted({tolerance.confidence for tolerance in tolerances})):
-        chosen = sorted(
+        by_frequency = sorted(
             (tolerance for tolerance in tolerances if tolerance.confidence == confidence),
             key=lambda tolerance: tolerance.frequency,
         )
-        f = np.array([tolerance.frequency for tolerance in chosen])
+        f = np.array([tolerance.frequency for tolerance in by_frequency])
         name = f"{confidence:.0%} of ground motions"
         axes[0, 0].plot(
-            f, [tolerance.amplitude_error for tolerance in chosen], label=name, **line(rank, marker=True)
+            f,
+            [tolerance.amplitude_error for tolerance in by_frequency],
+            label=name,
+            **line(rank, marker=True),
         )
         axes[0, 1].plot(
-            f, [MILLI * tolerance.delay for tolerance in chosen], label=name, **line(rank, marker=True)
+            f, [MILLI * tolerance.delay for tolerance in by_frequency], label=name, **line(rank, marker=True)
         )
     axes[0, 0].set_ylim(bottom=0.0)
     axes[0, 1].set_yscale("log")

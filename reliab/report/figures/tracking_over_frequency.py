@@ -44,9 +44,9 @@ def amplitude_and_delay_over_frequency(
         place.axhline(whole, color=VERMILION, linewidth=0.9, linestyle="--", label="index of the test")
         for frequency in filter(resolved.known, modes):
             place.axvline(frequency, color=GREY, linewidth=0.7, linestyle=":")
-        shown = np.append(values, whole)
-        reach = _MARGIN * max(float(np.ptp(shown)), 0.02 * float(np.abs(shown).max()), 1e-3)
-        place.set_ylim(float(shown.min()) - reach, float(shown.max()) + reach)
+        heights = np.append(values, whole)
+        reach = _MARGIN * max(float(np.ptp(heights)), 0.02 * float(np.abs(heights).max()), 1e-3)
+        place.set_ylim(float(heights.min()) - reach, float(heights.max()) + reach)
         place.set(xlabel="Frequency $f$ [Hz]", ylabel=name)
         place.margins(x=0.0)
     legend_below(figure, axes[0, 0], columns=3)

@@ -1,10 +1,19 @@
-"""Method and assumptions: what was simulated, what was measured, what was fitted."""
+"""Sections that say how results were computed and what limits their use."""
+
+from collections.abc import Sequence
 
 from reliab.criterion import Criterion
 from reliab.report.document import Equation, Paragraph, Points, Section
-from reliab.report.prose import prose
-from reliab.report.wording import meaning_of_confidence, percent, window_in_words
+from reliab.report.prose import Prose, prose
+from reliab.report.wording import listed, meaning_of_confidence, percent, window_in_words
+from reliab.validation import HARDENING, measured_yielding
 from reliab.vocabulary import CurveName
+
+_FITTED = (
+    "an ellipse is fitted to it by least squares, as a straight line of d² over (A − 1)²; the boundary may "
+    "run inside of it"
+)
+_INSCRIBED = "an ellipse is inscribed in it, so that all of the ellipse lies inside the boundary"
 
 
 def method_section(criterion: Criterion | None, *, experimental_fraction: float, window: str) -> Section:
@@ -87,13 +96,6 @@ def _indices() -> Section:
             ),
         ),
     )
-
-
-_FITTED = (
-    "an ellipse is fitted to it by least squares, as a straight line of d² over (A − 1)²; the boundary may "
-    "run inside of it"
-)
-_INSCRIBED = "an ellipse is inscribed in it, so that all of the ellipse lies inside the boundary"
 
 
 def _boundary(criterion: Criterion | None) -> Section:
@@ -183,4 +185,39 @@ def _assumptions(experimental_fraction: float) -> Section:
                 )
             ),
         ),
+    )
+
+
+def limits_section(sentences: Sequence[Prose]) -> Section:
+    """List what limits the use of the results."""
+    always = (
+        prose(
+            "The structure has one degree of freedom and stays linear; other systems are not covered. "
+            + _yielding()
+        ),
+        prose(
+            "A criterion looks at $A$ and $d$ alone. An actuator whose gain and delay change during the "
+            "test, friction, backlash or noise can cause errors that they do not show."
+        ),
+    )
+    return Section(title="Limits", blocks=(Points(items=(*sentences, *always)),), label="sec:limits")
+
+
+def _yielding() -> str:
+    """Say what was measured on specimens that yield."""
+    measured = measured_yielding()
+    shares = listed(
+        [
+            f"{percent(measurement.exceeding, 2)} of {measurement.tests} tests at $R = "
+            f"{measurement.reduction:g}$ (up to "
+            f"{measurement.largest_ratio:.1f} times)"
+            for measurement in measured
+        ]
+    )
+    return (
+        "A specimen that yields is not always less demanding: with an actuator at which the linear structure "
+        f"just reaches the error, the error of an elastoplastic one ({percent(HARDENING)} hardening) is "
+        "larger "
+        f"in {shares}, $R$ being the peak of the linear response over the yield displacement, under "
+        f"{measured[0].motions} real motions."
     )

@@ -11,9 +11,8 @@ from reliab.progress import Show
 from reliab.report import Document, save_content, saved_content
 from reliab.shipped import shipped
 from reliab.study.description import Study, Table
-from reliab.study.digests import digest
 from reliab.study.kind import Kind
-from reliab.study.stages import Stage, made_with
+from reliab.study.stages import Stage, digest, made_with
 
 if TYPE_CHECKING:
     from reliab.discrepancy.adding import Addition

@@ -66,7 +66,7 @@ def blind_evaluation_report(
         The report.
     """
     last = runs[-1]
-    asked = [rate for rate in last["rates"].values() if rate["target"] is not None and rate["of"]]
+    rates_with_target = [rate for rate in last["rates"].values() if rate["target"] is not None and rate["of"]]
     gap = last["closed_fraction"]
     return Document(
         kind="Blind evaluation of diagnoses",
@@ -74,8 +74,8 @@ def blind_evaluation_report(
         verdict=prose(
             "{reached} of {asked} targets are reached on {campaigns} campaigns that were not used while "
             "building; {failed} campaigns were answered wrongly.",
-            reached=sum(bool(rate["reached"]) for rate in asked),
-            asked=len(asked),
+            reached=sum(bool(rate["reached"]) for rate in rates_with_target),
+            asked=len(rates_with_target),
             campaigns=last["campaigns"],
             failed=len(last["failures"]),
         ),
@@ -142,13 +142,13 @@ def _earlier(runs: Sequence[Mapping[str, Any]]) -> tuple[Section, ...]:
             for run in runs
         }
     )
-    shown = frame.fillna("–").reset_index(names="what")
+    filled = frame.fillna("–").reset_index(names="what")
     columns = (
         Column(key="what", heading="What", wide=True),
         *(Column(key=code, heading=f"Code {code}") for code in frame.columns),
     )
     caption = "All runs in their order; each was made on campaigns that nobody had seen before."
-    table = Table(frame=shown, columns=columns, caption=caption, label="tab:runs")
+    table = Table(frame=filled, columns=columns, caption=caption, label="tab:runs")
     return (Section(title="Earlier runs", blocks=(table,), appendix=True),)
 
 
@@ -157,7 +157,7 @@ def _confusion(run: Mapping[str, Any]) -> Section:
     groups: dict[str, dict[str, Mapping[str, int]]] = {}
     for truth, answers in run["confusion"].items():
         groups.setdefault(_group(truth), {})[truth] = answers
-    named = [name for name in _GROUPS if name in groups]
+    group_names = [name for name in _GROUPS if name in groups]
     columns = (
         Column(key="group", heading="Hidden", wide=True),
         Column(key="kinds", heading="Kinds", number=Whole()),
@@ -169,14 +169,14 @@ def _confusion(run: Mapping[str, Any]) -> Section:
         title="Which effects are confused",
         blocks=(
             Table(
-                frame=pd.DataFrame([_counted(name, groups[name]) for name in named]),
+                frame=pd.DataFrame([_counted(name, groups[name]) for name in group_names]),
                 columns=columns,
                 caption="What is hidden against what is answered; verdicts without a name in brackets.",
                 label="tab:confusion",
             ),
             Figure(
-                drawing=discrepancy_confusion(groups[named[0]]),
-                caption=f"{named[0]}: what is hidden against what is answered.",
+                drawing=discrepancy_confusion(groups[group_names[0]]),
+                caption=f"{group_names[0]}: what is hidden against what is answered.",
                 label="fig:confusion",
                 leads=True,
             ),
@@ -273,8 +273,8 @@ def _failures(run: Mapping[str, Any]) -> Section:
 
 
 def _limits(notes: Sequence[Prose]) -> Section:
-    said = (
+    points = (
         "An effect must be named when it exceeds the noise in its own channel after calibration.",
         "Shares of few campaigns are uncertain: the intervals say how much.",
     )
-    return Section(title="How to read this", blocks=(Points(items=(*said, *notes)),))
+    return Section(title="How to read this", blocks=(Points(items=(*points, *notes)),))

@@ -161,18 +161,18 @@ def _table_of_levels(frame: pd.DataFrame) -> Table:
 def _by_kind(frame: pd.DataFrame) -> list[Prose]:
     """Say for each kind what was measured over its levels."""
     items: list[Prose] = []
-    for kind, part in frame.groupby("name", sort=False):
-        shares = [percent(float(part["narrower"].min())), percent(float(part["narrower"].max()))]
+    for kind, group in frame.groupby("name", sort=False):
+        shares = [percent(float(group["narrower"].min())), percent(float(group["narrower"].max()))]
         items.append(
             prose(
                 "*{kind}*: over levels from {first} to {last} the median tolerable delay is "
                 "{least:.2f} to {most:.2f} times the linear one; {narrower} of the tests of a level tolerate "
                 "less than the linear test in some direction.",
                 kind=str(kind),
-                first=Shortest()(part["level"].min()).digits,
-                last=Shortest()(part["level"].max()).digits,
-                least=part["late"].min(),
-                most=part["late"].max(),
+                first=Shortest()(group["level"].min()).digits,
+                last=Shortest()(group["level"].max()).digits,
+                least=group["late"].min(),
+                most=group["late"].max(),
                 narrower=" to ".join(dict.fromkeys(shares)),
             )
         )

@@ -60,11 +60,11 @@ def _draw(place: Axes, levels: pd.DataFrame) -> None:
     present = sorted(set(levels["level"]))
     place.axhline(1.0, color=INK, linewidth=0.9)
     for rank, (direction, name) in enumerate(_DIRECTIONS.items()):
-        chosen = levels[levels["direction"] == direction].set_index("level").loc[present]
+        quantiles = levels[levels["direction"] == direction].set_index("level").loc[present]
         at = np.arange(len(present)) + _SPACING * (rank - 1)
         look = line(rank, marker=True) | {"linestyle": "none"}
-        place.vlines(at, chosen["q05"], chosen["q95"], color=look["color"], linewidth=0.8)
-        place.vlines(at, chosen["q25"], chosen["q75"], color=look["color"], linewidth=2.6)
-        place.plot(at, chosen["q50"], label=name, markersize=4.6, **look)
+        place.vlines(at, quantiles["q05"], quantiles["q95"], color=look["color"], linewidth=0.8)
+        place.vlines(at, quantiles["q25"], quantiles["q75"], color=look["color"], linewidth=2.6)
+        place.plot(at, quantiles["q50"], label=name, markersize=4.6, **look)
     place.set(yscale="log", xticks=range(len(present)), xlim=(-0.5, len(present) - 0.5))
     place.set_xticklabels([f"{level:g}".replace("-", "−") for level in present])

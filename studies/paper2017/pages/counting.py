@@ -13,8 +13,8 @@ def of_row(numbers: pd.DataFrame) -> pd.Series:
 
 def count(numbers: pd.DataFrame) -> tuple[int, int]:
     """How many printed numbers outside the rows of Table 2 come back, of how many that can be recomputed."""
-    chosen = numbers[~of_row(numbers) & (numbers["item"] != "Table 2")].dropna(subset=["difference"])
-    return int((chosen["difference"].abs() <= CLOSE).sum()), len(chosen)
+    compared = numbers[~of_row(numbers) & (numbers["item"] != "Table 2")].dropna(subset=["difference"])
+    return int((compared["difference"].abs() <= CLOSE).sum()), len(compared)
 
 
 def rows_that_agree(numbers: pd.DataFrame) -> tuple[int, int, int]:
@@ -26,5 +26,5 @@ def rows_that_agree(numbers: pd.DataFrame) -> tuple[int, int, int]:
 
 def number(numbers: pd.DataFrame, item: str, quantity: str, column: str = "from_records") -> float:
     """Take one number of the table."""
-    chosen = (numbers["item"] == item) & (numbers["quantity"] == quantity)
-    return float(numbers.loc[chosen, column].to_numpy(dtype=np.float64)[0])
+    rows = (numbers["item"] == item) & (numbers["quantity"] == quantity)
+    return float(numbers.loc[rows, column].to_numpy(dtype=np.float64)[0])

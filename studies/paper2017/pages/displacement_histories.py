@@ -117,7 +117,7 @@ def as_printed(history: HistoryPanel) -> HistoryPanel:
 
 def _draw(axes: Axes, history: HistoryPanel) -> None:
     history = as_printed(history)
-    shown = [history.ideal] if history.measured is None else [history.ideal, history.measured]
+    curves = [history.ideal] if history.measured is None else [history.ideal, history.measured]
     # The exact response lies underneath, broad and pale, so that both remain visible where they agree.
     colour, width = (INK, 0.8) if history.measured is None else (PALE, 2.6)
     axes.plot(
@@ -139,7 +139,7 @@ def _draw(axes: Axes, history: HistoryPanel) -> None:
             linestyle=(0, (2.0, 1.0)),
             label="difference $x_m - x_I$",
         )
-    peak = MILLI * max(float(np.abs(values).max()) for values in shown)
+    peak = MILLI * max(float(np.abs(values).max()) for values in curves)
     axes.set_ylim(-_HEADROOM * peak, _HEADROOM * peak)
     axes.set_xlim(history.times[0], history.times[-1])
     axes.set_ylabel(DISPLACEMENT)

@@ -20,8 +20,7 @@ from reliab.criterion.laws import (
 from reliab.report import Block, Figure, Section
 from reliab.report.figures import ParameterSeries, parameters_over_damping_ratio, parameters_over_frequency
 from reliab.report.figures.ellipses_and_criterion import ellipses_and_criterion
-from reliab.report.figures.parameter_correlation import parameter_correlation
-from reliab.report.figures.parameter_distributions import parameter_distributions
+from reliab.report.figures.parameter_distributions import parameter_correlation, parameter_distributions
 from reliab.report.prose import prose
 from reliab.vocabulary import Metric
 

@@ -118,7 +118,7 @@ def paper_report(
 
 
 def _verdict(numbers: pd.DataFrame, contained: pd.DataFrame) -> Prose:
-    close, known = count(numbers)
+    close, recomputed = count(numbers)
     rows, errors, all_rows = rows_that_agree(numbers)
     law = contained["guo_2017_18"]
     return prose(
@@ -127,7 +127,7 @@ def _verdict(numbers: pd.DataFrame, contained: pd.DataFrame) -> Prose:
         "criterion, equation (18), promises 95 % of ground motions; the fitted ellipses of {worst} to {best}"
         " of them contain it.",
         close=close,
-        known=known,
+        known=recomputed,
         rows=rows,
         all=all_rows,
         errors=errors,
@@ -151,7 +151,7 @@ def _facts(records: Records, fraction: float) -> dict[str, Prose]:
 
 
 def _numbers(numbers: pd.DataFrame) -> Section:
-    shown = numbers[~of_row(numbers)]
+    rows = numbers[~of_row(numbers)]
     relative = Fixed(decimals=1, factor=PERCENT, signed=True)
     return Section(
         title="All tables, figures and numbered equations",
@@ -167,7 +167,7 @@ def _numbers(numbers: pd.DataFrame) -> Section:
                 )
             ),
             Table(
-                frame=_set(shown),
+                frame=_set(rows),
                 columns=(
                     Column(key="item", heading="Paper"),
                     Column(key="quantity", heading="Quantity", wide=True),

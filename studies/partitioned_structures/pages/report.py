@@ -48,8 +48,8 @@ def partitioned_structures_report(
     Document
         The report.
     """
-    kept = tests[~tests["lost"]]
-    table = ratios(kept).assign(name=lambda frame: [_NAMES[name] for name in frame["prediction"]])
+    completed = tests[~tests["lost"]]
+    table = ratios(completed).assign(name=lambda frame: [_NAMES[name] for name in frame["prediction"]])
     return Document(
         kind="Partitioned structures",
         title=title,
@@ -65,7 +65,7 @@ def partitioned_structures_report(
             ),
             "Purpose": purpose,
         },
-        blocks=(_predictions(table, kept), _by_structure(kept), _shares(shares)),
+        blocks=(_predictions(table, completed), _by_structure(completed), _shares(shares)),
         provenance=provenance_of(provenance),
     )
 

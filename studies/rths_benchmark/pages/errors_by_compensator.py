@@ -28,10 +28,10 @@ def benchmark_spread(tests: pd.DataFrame) -> Figure:
     figure, axes = panels(height=_HEIGHT, width=_WIDTH)
     place = axes[0, 0]
     groups = list(tests.groupby("name", sort=False))
-    for rank, (name, chosen) in enumerate(groups):
+    for rank, (name, errors) in enumerate(groups):
         shift = _SPREAD * (rank - 0.5 * (len(groups) - 1))
         look = {**line(rank, marker=True), "linestyle": "none", "fillstyle": "none"}
-        place.plot(chosen["case"] + shift, chosen["J4"].astype(float), label=plain(str(name)), **look)
+        place.plot(errors["case"] + shift, errors["J4"].astype(float), label=plain(str(name)), **look)
     cases = np.unique(tests["case"])
     values = tests["J4"].astype(float)
     place.set(xticks=cases, yscale="log", ylim=(0.8 * values.min(), 1.25 * values.max()))

@@ -123,7 +123,7 @@ def _verdict(judged: pd.DataFrame, threshold: float) -> Prose:
     if judged.empty:
         return "No test of the nominal plant was kept."
     good = judged["rms"] <= threshold
-    kept = [
+    below = [
         f"{name} {'in all' if of_name.all() else f'in {of_name.sum()} of'} {of_name.size}"
         for name, of_name in good.groupby(judged["name"], sort=False)
     ]
@@ -134,7 +134,7 @@ def _verdict(judged: pd.DataFrame, threshold: float) -> Prose:
         "differs from the true one by at most {off}, and is on the same side of {threshold} in {agree} of "
         "{tests} tests.",
         threshold=percent(threshold),
-        kept=", ".join(kept),
+        kept=", ".join(below),
         off=percent(off, 2),
         agree=agree,
         tests=len(judged),
@@ -157,20 +157,20 @@ def _published(published: pd.DataFrame) -> Section:
     emulated = published[published["variant"] == "emulated"]
     exact = published[published["variant"] == "exact"]
     both = emulated.merge(exact, on=["case", "criterion"], suffixes=("", "_exact"))
-    shown = {"published": "printed", "mean": "ours", "mean_exact": "exact"}
-    frame = both.pivot_table(index="criterion", columns="case", values=list(shown), sort=False)
+    headings = {"published": "printed", "mean": "ours", "mean_exact": "exact"}
+    frame = both.pivot_table(index="criterion", columns="case", values=list(headings), sort=False)
     frame.columns = pd.Index([" ".join(map(str, name)) for name in frame.columns.to_flat_index()])
     reached = int(emulated["reached"].sum())
     furthest = {
-        variant: float((chosen["mean"] / chosen["published"] - 1.0).abs().max())
-        for variant, chosen in published.groupby("variant")
+        variant: float((rows["mean"] / rows["published"] - 1.0).abs().max())
+        for variant, rows in published.groupby("variant")
     }
     columns = (
         Column(key="criterion", heading=""),
         *(
             Column(key=f"{key} {case}", heading=heading, number=Fixed(decimals=1), group=f"case {case}")
             for case in both["case"].unique()
-            for key, heading in shown.items()
+            for key, heading in headings.items()
         ),
     )
     text = prose(
@@ -219,10 +219,10 @@ def _compensators(table: pd.DataFrame, rows: Sequence[Mapping[str, Any]]) -> Sec
         "Means over cases, motions and plants of the tests that were not lost. J2 is the RMS of tracking, "
         "J4 of the measured first floor and J6 of the second floor against the undivided structure."
     )
-    kept = [{**row, "name": _worded(str(row["compensator"]))} for row in rows if not row["lost"]]
+    completed = [{**row, "name": _worded(str(row["compensator"]))} for row in rows if not row["lost"]]
     blocks: list[Block] = [Table(frame=frame, columns=columns, caption=caption, label="tab:compensators")]
-    if kept:
-        drawing = benchmark_spread(pd.DataFrame(kept))
+    if completed:
+        drawing = benchmark_spread(pd.DataFrame(completed))
         text = "First floor against the undivided structure (J4), by compensator and case, for all plants."
         blocks.append(Figure(drawing=drawing, caption=text, label="fig:spread", leads=True))
     return Section(title="Compensators", blocks=tuple(blocks))

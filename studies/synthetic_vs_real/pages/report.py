@@ -82,7 +82,7 @@ def suites_report(
     Document
         The report.
     """
-    names, kept = list(measures), _kept(coverage, confidence)
+    names, containment = list(measures), _containment(coverage, confidence)
     blocks: list[Block] = [_measures(measures), _limits(limits, names, confidence)]
     if spectra:
         blocks.insert(1, _spectra(spectra))
@@ -93,8 +93,8 @@ def suites_report(
     return Document(
         kind="Comparison of suites",
         title=title,
-        verdict=_verdict(limits, names, kept, confidence),
-        tone="bad" if kept is not None and kept["high"] < confidence else "plain",
+        verdict=_verdict(limits, names, containment, confidence),
+        tone="bad" if containment is not None and containment["high"] < confidence else "plain",
         facts={
             "Suites": listed([f"{name} ({len(table)} motions)" for name, table in measures.items()]),
             "Confidence": percent(confidence),
@@ -106,14 +106,16 @@ def suites_report(
     )
 
 
-def _verdict(limits: pd.DataFrame, names: Sequence[str], kept: pd.Series | None, confidence: float) -> Prose:
+def _verdict(
+    limits: pd.DataFrame, names: Sequence[str], containment: pd.Series | None, confidence: float
+) -> Prose:
     reference, compared = names[0], names[-1]
     ratios = _ratios(limits, reference, compared)
     ending = (
         ""
-        if kept is None
-        else f"; {percent(kept['rate'])} of the motions of “{reference}” contain it "
-        f"(95 % interval {percent(kept['low'])} to {percent(kept['high'])})"
+        if containment is None
+        else f"; {percent(containment['rate'])} of the motions of “{reference}” contain it "
+        f"(95 % interval {percent(containment['low'])} to {percent(containment['high'])})"
     )
     return prose(
         "For a stated {share} of motions, the criterion from “{compared}” allows {a_low:.2f} to {a_high:.2f} "
@@ -130,7 +132,7 @@ def _verdict(limits: pd.DataFrame, names: Sequence[str], kept: pd.Series | None,
     )
 
 
-def _kept(coverage: pd.DataFrame | None, confidence: float) -> pd.Series | None:
+def _containment(coverage: pd.DataFrame | None, confidence: float) -> pd.Series | None:
     """Take what the first criterion contains of the reference over all structures, where that is known."""
     if coverage is None:
         return None

@@ -42,13 +42,15 @@ def suite_measures(suites: Mapping[str, pd.DataFrame]) -> Figure:
     matplotlib.figure.Figure
         Shares of motions below a value, on logarithmic scales.
     """
-    shown = {name: axis for name, axis in MEASURES.items() if all(name in table for table in suites.values())}
-    rows = -(-len(shown) // _COLUMNS)
+    measures = {
+        name: axis for name, axis in MEASURES.items() if all(name in table for table in suites.values())
+    }
+    rows = -(-len(measures) // _COLUMNS)
     figure, axes = panels(rows, _COLUMNS, height=_HEIGHT * rows / 2.0, share_y=True)
     letters(axes)
-    for place in axes.ravel()[len(shown) :]:
+    for place in axes.ravel()[len(measures) :]:
         place.set_axis_off()
-    for number, (place, (column, name)) in enumerate(zip(axes.ravel(), shown.items(), strict=False)):
+    for number, (place, (column, name)) in enumerate(zip(axes.ravel(), measures.items(), strict=False)):
         for rank, (suite, table) in enumerate(suites.items()):
             look = line(rank)
             place.ecdf(table[column].dropna().to_numpy(), label=plain(suite), **look)

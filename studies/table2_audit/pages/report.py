@@ -56,7 +56,7 @@ def table_audit_report(
     """
     rows = rows.fillna({"difference": "", "detail": ""})
     disagreeing = rows[~rows["agrees"]]
-    named = disagreeing[disagreeing["difference"] != NONE_FOUND]
+    explained = disagreeing[disagreeing["difference"] != NONE_FOUND]
     before, after = (_root_mean_square(disagreeing[name]) for name in ("gap_before", "gap_after"))
     return Document(
         kind="Audit of a published table",
@@ -68,8 +68,8 @@ def table_audit_report(
             agree=int(rows["agrees"].sum()),
             all=len(rows),
             disagreeing=len(disagreeing),
-            named=len(named),
-            rest=len(disagreeing) - len(named),
+            named=len(explained),
+            rest=len(disagreeing) - len(explained),
             errors=int(((rows["error"] / rows["error_printed"] - 1.0).abs() <= CLOSE).sum()),
         ),
         facts={
@@ -152,7 +152,7 @@ def _ratios(disagreeing: pd.DataFrame) -> Table:
 
 
 def _all(rows: pd.DataFrame) -> Section:
-    shown = rows.assign(
+    worded = rows.assign(
         a_ratio=rows["a"] / rows["a_printed"],
         b_ratio=rows["b"] / rows["b_printed"],
     )
@@ -161,7 +161,7 @@ def _all(rows: pd.DataFrame) -> Section:
         title="All rows",
         blocks=(
             Table(
-                frame=shown,
+                frame=worded,
                 columns=(
                     Column(key="record", heading="Record"),
                     Column(key="a_printed", heading="printed", number=Scientific(), group=a),

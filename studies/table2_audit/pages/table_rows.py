@@ -33,16 +33,16 @@ def table_rows(rows: pd.DataFrame) -> Figure:
     """
     figure, axes = panels(1, 2, height=78.0, share_x=True, share_y=True)
     letters(axes, ("as simulated", "with the differences that were named"))
-    named = ~rows["agrees"] & rows["difference"].isin(["time step", "duration", "component"])
+    explained = ~rows["agrees"] & rows["difference"].isin(["time step", "duration", "component"])
     groups = (
         ("row that agrees", rows["agrees"], {"color": GREY, "marker": "o", "fillstyle": "none"}),
-        ("difference named", named, {"color": BLUE, "marker": "s"}),
-        ("none found", ~rows["agrees"] & ~named, {"color": VERMILION, "marker": "x"}),
+        ("difference named", explained, {"color": BLUE, "marker": "s"}),
+        ("none found", ~rows["agrees"] & ~explained, {"color": VERMILION, "marker": "x"}),
     )
     for place, ending in zip(axes[0], ("", "_after"), strict=True):
-        for label, chosen, style in groups:
-            shown = rows[chosen]
-            ratios = [shown[f"{name}{ending}"] / shown[f"{name}_printed"] for name in ("a", "b")]
+        for label, selection, style in groups:
+            points = rows[selection]
+            ratios = [points[f"{name}{ending}"] / points[f"{name}_printed"] for name in ("a", "b")]
             place.plot(*ratios, linestyle="", markersize=3.6, label=label, **style)
         place.axhline(1.0, color=INK, linewidth=0.5)
         place.axvline(1.0, color=INK, linewidth=0.5)

@@ -33,9 +33,9 @@ def error_beyond_the_model(
     percent = PERCENT * tests[["predicted", "error"]]
     ends = (0.8 * float(percent.min().min()), 1.25 * float(percent.max().max()))
     place.plot(ends, ends, color=GREY, linewidth=0.9)
-    for rank, (name, chosen) in enumerate(percent.groupby(tests["rig"], sort=False)):
+    for rank, (name, errors) in enumerate(percent.groupby(tests["rig"], sort=False)):
         look = {**line(rank, marker=True), "linestyle": "none", "fillstyle": "none"}
-        place.plot(chosen["predicted"], chosen["error"], label=plain(str(name)), **look)
+        place.plot(errors["predicted"], errors["error"], label=plain(str(name)), **look)
     place.set(xscale="log", yscale="log", xlim=ends, ylim=ends, aspect="equal")
     label_logarithmic(place.xaxis, place.yaxis)
     name_axes(place, f"{prediction} [%]", "Error of the test [%]")

@@ -37,14 +37,14 @@ def rebuilt_error_section(tests: pd.DataFrame, threshold: float) -> Section:
     Section
         Two figures and four tables.
     """
-    named = tests.assign(judge=tests["judge"].replace(_NAMES))
-    tables = summarised(named)
+    by_judge = tests.assign(judge=tests["judge"].replace(_NAMES))
+    tables = summarised(by_judge)
     return Section(
         title="The error of the test itself",
         blocks=(
             _opening(tables["looks"], threshold),
-            _population(named),
-            *_figures(named, tables["judges"]),
+            _population(by_judge),
+            *_figures(by_judge, tables["judges"]),
             *_tables(tables),
         ),
         label="sec:rebuilt",
@@ -76,28 +76,28 @@ def _opening(looks: pd.DataFrame, threshold: float) -> Paragraph:
 
 def _population(tests: pd.DataFrame) -> Paragraph:
     """Say of which tests the numbers on linear specimens are."""
-    chosen = tests[
+    accepted = tests[
         (tests["specimen"] == LINEAR)
         & (tests["sensor"] == PLAIN.sensor)
         & (tests["stated"] == RIGHT)
         & (tests["judge"] == REBUILT)
     ]
-    structures = chosen[["f", "xi", "alpha"]].drop_duplicates()
+    structures = accepted[["f", "xi", "alpha"]].drop_duplicates()
     return Paragraph(
         text=prose(
             "The numbers on linear specimens are those of {n} tests: {rigs} actuators under {motions} "
             "motions, on {structures}, with true errors of {least} to {most}. They hold for tests like "
             "these: larger errors give narrower ratios of stated to true error. Those of another series, in "
             "a laboratory of its own, stand in datasets/rebuilt_error.",
-            n=len(chosen),
-            rigs=chosen["rig"].nunique(),
-            motions=chosen["motion"].nunique(),
+            n=len(accepted),
+            rigs=accepted["rig"].nunique(),
+            motions=accepted["motion"].nunique(),
             structures=", ".join(
                 f"a structure of {f:g} Hz and {percent(xi)} damping (α = {alpha:g})"
                 for f, xi, alpha in structures.itertuples(index=False)
             ),
-            least=percent(float(chosen["error"].min()), 2),
-            most=percent(float(chosen["error"].max()), 2),
+            least=percent(float(accepted["error"].min()), 2),
+            most=percent(float(accepted["error"].max()), 2),
         )
     )
 
@@ -137,8 +137,8 @@ def _tables(tables: Mapping[str, pd.DataFrame]) -> tuple[Table, ...]:
         )
     )
     condition = [
-        sensor if stated == RIGHT else f"{sensor}, {stated}"
-        for sensor, stated in zip(conditions["sensor"], conditions["stated"], strict=True)
+        sensor if mistake == RIGHT else f"{sensor}, {mistake}"
+        for sensor, mistake in zip(conditions["sensor"], conditions["stated"], strict=True)
     ]
     with_judge = specimens["judge"].map({REBUILT: ", taken as linear", WITH_MODEL: ", with a model"})
     return (
@@ -163,7 +163,7 @@ def _tables(tables: Mapping[str, pd.DataFrame]) -> tuple[Table, ...]:
 
 def _table(frame: pd.DataFrame, key: str, heading: str, caption: Prose, label: str) -> Table:
     share, ratio = Fixed(decimals=1, factor=PERCENT), Fixed(decimals=3)
-    bad, good, stated = "bad tests", "good tests", "stated over true error"
+    bad, good, ratio_heading = "bad tests", "good tests", "stated over true error"
     return Table(
         frame=frame,
         columns=(
@@ -173,8 +173,8 @@ def _table(frame: pd.DataFrame, key: str, heading: str, caption: Prose, label: s
             Column(key="good", heading="tried", number=Whole(), group=good),
             Column(key="good_accepted", heading="accepted", unit="%", number=share, group=good),
             Column(key="contained", heading="Motions contained", unit="%", number=share),
-            Column(key="ratio_05", heading="5 %", number=ratio, group=stated),
-            Column(key="ratio_95", heading="95 %", number=ratio, group=stated),
+            Column(key="ratio_05", heading="5 %", number=ratio, group=ratio_heading),
+            Column(key="ratio_95", heading="95 %", number=ratio, group=ratio_heading),
             Column(key="covered", heading="In interval", unit="%", number=share),
         ),
         caption=caption,

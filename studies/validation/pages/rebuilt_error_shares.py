@@ -41,13 +41,15 @@ def stated_errors(tests: pd.DataFrame, judges: tuple[str, ...]) -> Figure:
         Errors [%] on logarithmic scales, by actuator; on the diagonal they agree.
     """
     figure, axes = panels(1, len(judges), height=_HEIGHT, share_x=True, share_y=True)
-    known = tests[tests["judge"].isin(judges) & np.isfinite(tests["estimate"]) & (tests["estimate"] > 0.0)]
-    percent = PERCENT * known[["error", "estimate"]]
+    estimated = tests[
+        tests["judge"].isin(judges) & np.isfinite(tests["estimate"]) & (tests["estimate"] > 0.0)
+    ]
+    percent = PERCENT * estimated[["error", "estimate"]]
     ends = (0.8 * float(percent.min().min()), 1.25 * float(percent.max().max()))
     for place, judge in zip(axes[0], judges, strict=True):
         place.plot(ends, ends, color=GREY, linewidth=0.9)
-        chosen = known[known["judge"] == judge]
-        for rank, (name, rows) in enumerate(chosen.groupby("rig", sort=False)):
+        of_judge = estimated[estimated["judge"] == judge]
+        for rank, (name, rows) in enumerate(of_judge.groupby("rig", sort=False)):
             look = {**line(rank, marker=True), "linestyle": "none", "fillstyle": "none"}
             place.plot(PERCENT * rows["error"], PERCENT * rows["estimate"], label=plain(str(name)), **look)
         place.set(xscale="log", yscale="log", xlim=ends, ylim=ends, aspect="equal")

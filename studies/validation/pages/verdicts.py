@@ -22,14 +22,14 @@ def verdicts_section(verdicts: pd.DataFrame, confidence: float) -> Section:
     Section
         A table.
     """
-    chosen = verdicts[np.isclose(verdicts["confidence"], confidence)]
-    chosen = chosen.assign(candidate=[law_in_words(str(name)) for name in chosen["candidate"]])
+    rows = verdicts[np.isclose(verdicts["confidence"], confidence)]
+    rows = rows.assign(candidate=[law_in_words(str(name)) for name in rows["candidate"]])
     good, bad = prose("good tests"), prose("bad tests")
     return Section(
         title="Verdicts on simulated tests",
         blocks=(
             Table(
-                frame=chosen,
+                frame=rows,
                 columns=(
                     Column(key="candidate", heading="Criterion"),
                     Column(key="good_accepted", heading="accepted", number=Whole(), group=good),

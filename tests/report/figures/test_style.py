@@ -6,10 +6,6 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
-from reliab_studies.paper2017.cases import cases_dataset, run_paper_cases
-from reliab_studies.paper2017.example import run_paper_example
-from reliab_studies.paper2017.pages import paper_report
-from reliab_studies.paper2017.printed import EXAMPLE, PrintedTables
 
 from reliab.criterion import derive_criterion
 from reliab.criterion.methods import method_of
@@ -45,26 +41,30 @@ def drawn_of_criterion(ellipses_of, rates):
 
 @pytest.fixture(scope="module")
 def drawn_of_paper(ellipses_of):
+    paper, cases, printed, example = (
+        pytest.importorskip(f"reliab_studies.paper2017.{name}")
+        for name in ("pages", "cases", "printed", "example")
+    )
     noise = np.random.default_rng(1).normal(size=3000) * np.hanning(3000)
-    motion = Motion(name=EXAMPLE, acceleration=noise, time_step=0.015)
-    tables = PrintedTables.read()
+    motion = Motion(name=printed.EXAMPLE, acceleration=noise, time_step=0.015)
+    tables = printed.PrintedTables.read()
     structures = (tuple(tables.table3["f_hz"]), tuple(tables.table4["xi"]))
     ellipses = ellipses_of(*structures, motions=100, events=19, names=tables.table2["record"].to_numpy())
     return figures_of(
-        paper_report(
+        paper.paper_report(
             title="P",
-            example=run_paper_example(motion),
+            example=example.run_paper_example(motion),
             ellipses=ellipses,
-            cases=cases_dataset(run_paper_cases(motion), motion),
+            cases=cases.cases_dataset(cases.run_paper_cases(motion), motion),
             provenance={},
         )
     )
 
 
-@pytest.fixture(scope="module")
-def drawn(drawn_of_criterion, drawn_of_paper):
-    """All figures of two kinds of report."""
-    return {**drawn_of_criterion, **drawn_of_paper}
+@pytest.fixture(scope="module", params=["drawn_of_criterion", "drawn_of_paper"])
+def drawn(request):
+    """All figures of a kind of report."""
+    return request.getfixturevalue(request.param)
 
 
 def test_every_axis_has_a_unit(drawn):

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-from reliab_studies.rths_benchmark.benchmark import benchmark_partition
 from scipy.integrate import solve_ivp
 from scipy.signal import lsim
 
@@ -120,7 +119,9 @@ def test_a_specimen_that_drives_one_mode_has_the_boundary_of_one_mode(shaken, mo
     np.testing.assert_allclose(delay[inside], one.delay[inside], rtol=0.01)
 
 
-def test_an_unstable_test_is_followed_by_its_poles_and_refused_by_the_spectral_engine(shaken):
+def test_an_unstable_test_is_followed_by_its_poles_and_refused_by_the_spectral_engine(
+    shaken, benchmark_partition
+):
     excitation = Excitation(acceleration=shaken, time_step=0.02)
     loop = FrameLoop(excitation=excitation, partition=benchmark_partition(1))
     found = loop.deviation(loop.cells(gain=1.0, delay=[0.010, 0.014, 0.020]))
@@ -192,7 +193,7 @@ def test_whatever_the_actuator_the_error_is_a_number_or_beyond_every_threshold(s
         assert not np.isnan(error).any()
 
 
-def test_what_a_frame_cannot_be_asked_is_refused(shaken):
+def test_what_a_frame_cannot_be_asked_is_refused(shaken, benchmark_partition):
     excitation = Excitation(acceleration=shaken, time_step=0.02)
     partition = benchmark_partition(1)
     with pytest.raises(InputError, match="needs 3 weights"):

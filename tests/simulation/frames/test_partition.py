@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from reliab_studies.rths_benchmark.benchmark import benchmark_partition
 
 from reliab.errors import InputError
 from reliab.simulation.frames.frame_file import frame_of_tables, read_frame
@@ -16,7 +15,7 @@ def frame():
     return Frame(mass=mass, stiffness=stiffness, damping=modal_damping(mass, stiffness, 0.02))
 
 
-def test_benchmark_shares():
+def test_benchmark_shares(benchmark_partition):
     np.testing.assert_allclose(benchmark_partition(1).stiffness_shares, [0.3079, 0.0591, 0.0076], atol=5e-5)
 
 
@@ -91,7 +90,7 @@ SOUND = {
 }
 
 
-def test_a_file_describes_the_benchmark(pytestconfig):
+def test_a_file_describes_the_benchmark(pytestconfig, benchmark_partition):
     read = read_frame(pytestconfig.rootpath / "datasets/frames/benchmark_case_1.toml")
     partition = benchmark_partition(1)
     np.testing.assert_allclose(read.partition.frame.stiffness, partition.frame.stiffness, rtol=1e-6)

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from reliab_studies.rths_benchmark.benchmark import benchmark_partition
 
 from reliab.errors import InputError
 from reliab.simulation.actuator import Actuator
@@ -19,7 +18,7 @@ from reliab.structures.structure import Structure
 
 
 @pytest.mark.parametrize(("case", "milliseconds"), [(1, 14.64), (2, 12.23), (3, 9.92), (4, 8.73)])
-def test_benchmark_critical_delays(case, milliseconds):
+def test_benchmark_critical_delays(case, milliseconds, benchmark_partition):
     delay, frequency = critical_delay(benchmark_partition(case))
     assert 1e3 * delay == pytest.approx(milliseconds, abs=0.01)
     assert frequency == pytest.approx([3.59, 3.43, 3.16, 3.60][case - 1], abs=0.005)

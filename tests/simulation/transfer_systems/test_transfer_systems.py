@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from reliab_studies.rths_benchmark.benchmark import benchmark_partition
 from scipy import signal
 from scipy.io import savemat
 
@@ -31,7 +30,7 @@ def state_space_transfer(plant, s):
     return (np.array(rational) + plant.displacement_of_command) * np.exp(-s * plant.delay)
 
 
-def test_benchmark_plant_has_the_published_gains_and_delays():
+def test_benchmark_plant_has_the_published_gains_and_delays(benchmark_partition):
     f = np.array([0.5, 2, 3.17, 3.44, 5, 8, 16, 38])
     response = ServoHydraulic().transfer(2j * np.pi * f, benchmark_partition(1).specimen)
     np.testing.assert_allclose(
@@ -44,7 +43,7 @@ def test_benchmark_plant_has_the_published_gains_and_delays():
     )
 
 
-def test_benchmark_plant_has_the_published_poles_and_inverse():
+def test_benchmark_plant_has_the_published_poles_and_inverse(benchmark_partition):
     specimen = benchmark_partition(1).specimen
     poles = np.linalg.eigvals(ServoHydraulic().plant(specimen).dynamics)
     expected = [-8.00 + 421.8j, -8.00 - 421.8j, -184.0 + 229.9j, -184.0 - 229.9j, -48.2]

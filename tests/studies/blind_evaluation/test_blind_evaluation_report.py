@@ -2,7 +2,9 @@
 
 import json
 
+import pandas as pd
 from reliab_studies.blind_evaluation.pages import blind_evaluation_report
+from reliab_studies.blind_evaluation.pages.confusions import discrepancy_confusion, discrepancy_reliability
 
 from reliab.report.content import CONTENT_FILE, files_of
 
@@ -44,3 +46,19 @@ def test_failures_are_named():
 
 def test_earlier_runs_stand_beside_the_last():
     assert "Code old" in text_of({**RUN, "code": "old"}, RUN)
+
+
+def test_evaluations_are_drawn():
+    bins = pd.DataFrame(
+        {
+            "mean_stated": [0.5, 0.99],
+            "share": [0.4, 1.0],
+            "low": [0.2, 0.9],
+            "high": [0.7, 1.0],
+            "of": [10, 90],
+        }
+    )
+    assert discrepancy_reliability(bins).axes[0].get_lines()
+    counts = {"gap": {"gap": 9, "(not_identifiable)": 1}, "none": {"(no_missing_effect)": 12}}
+    drawn = {text.get_text() for text in discrepancy_confusion(counts).axes[0].texts}
+    assert drawn == {"9", "1", "12"}

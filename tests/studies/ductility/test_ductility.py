@@ -11,6 +11,7 @@ from reliab_studies.ductility import (
     compare_limits,
     tolerances,
 )
+from reliab_studies.ductility.yielding import _fine, _response
 
 from reliab.boundary import motion_contours
 from reliab.errors import InputError
@@ -18,7 +19,6 @@ from reliab.motions.synthetic import synthetic_suite
 from reliab.simulation.engine import Loop
 from reliab.simulation.excitation import Excitation
 from reliab.structures.structure import Structure
-from reliab.validation.yielding import _fine, _response
 
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.05)
 THRESHOLD = 0.05

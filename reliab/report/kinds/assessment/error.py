@@ -1,16 +1,16 @@
 """The error of a test and where it comes from, for its report."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Final, Literal
 
 import numpy as np
+import pandas as pd
 
 from reliab.assessment import PART_NAMES, Assessment, ErrorOfTest, Word, probability_text
 from reliab.assessment.rebuilt_error import Estimate
 from reliab.recordings import Recording
-from reliab.report.document import Figure, Table
+from reliab.report.document import Column, Figure, Table
 from reliab.report.figures.measured_test import error_over_time
-from reliab.report.kinds.assessment.quantities import quantities_table
 from reliab.report.prose import Prose, prose
 from reliab.report.wording import ERRORS, percent, spelled_out
 from reliab.vocabulary import MILLI, PERCENT, Metric
@@ -29,9 +29,9 @@ def errors_table(error: ErrorOfTest, recording: Recording) -> Table:
     """Tabulate the error with its interval, and its parts."""
     sizes = {"RMSᴿ": Metric.RMS, "MTEᴿ": Metric.MTE}
     rows = [(name, *_with_interval(error.of(metric)), "") for name, metric in sizes.items()]
-    for name, part in error.parts.by_name.items():
-        remaining = f"{PERCENT * part.remaining_rms:.2f}"
-        rows.append((f"RMSᴿ from {PART_NAMES[name]} alone", f"{PERCENT * part.rms:.2f}", "", remaining))
+    for name, share in error.parts.by_name.items():
+        remaining = f"{PERCENT * share.remaining_rms:.2f}"
+        rows.append((f"RMSᴿ from {PART_NAMES[name]} alone", f"{PERCENT * share.rms:.2f}", "", remaining))
     return quantities_table(
         rows,
         ("Error, over the peak of the exact displacement", "Found [%]", "90 % interval", "Without it"),
@@ -109,4 +109,20 @@ def advice(assessment: Assessment) -> Prose:
             if off > 0.0
             else "At its own delay it is not accepted with any amplitude.",
         )
+    )
+
+
+def quantities_table(
+    rows: Sequence[tuple[str, ...]], headings: Sequence[str], *, caption: Prose, label: str
+) -> Table:
+    """Tabulate quantities."""
+    frame = pd.DataFrame(rows, columns=[str(place) for place in range(len(headings))])
+    return Table(
+        frame=frame,
+        columns=tuple(
+            Column(key=key, heading=heading, wide=key == "0")
+            for key, heading in zip(frame.columns, headings, strict=True)
+        ),
+        caption=caption,
+        label=label,
     )

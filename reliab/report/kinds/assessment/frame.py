@@ -13,8 +13,8 @@ from reliab.report.kinds.assessment.error import (
     errors_table,
     histories_figure,
     improve_first,
+    quantities_table,
 )
-from reliab.report.kinds.assessment.quantities import quantities_table
 from reliab.report.numbers import MISSING
 from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
@@ -87,8 +87,8 @@ def _cautions(assessment: FrameAssessment) -> list[Prose]:
 
 
 def _over_frequency(assessment: FrameAssessment) -> tuple[Block, ...]:
-    resolved, part = assessment.over_frequency, assessment.resolved
-    if resolved is None or part is None:
+    resolved, tracked = assessment.over_frequency, assessment.resolved
+    if resolved is None or tracked is None:
         return (_indices(assessment), _modes(assessment))
     tracking = assessment.tracking
     figure = Figure(
@@ -104,8 +104,8 @@ def _over_frequency(assessment: FrameAssessment) -> tuple[Block, ...]:
         label="fig:frequency",
     )
     text = (
-        f"Amplitude and delay over frequency account for an RMSᴿ of {percent(part.rms)}; without them "
-        f"{percent(part.remaining_rms)} would remain, which no gain and delay describes: noise, friction, "
+        f"Amplitude and delay over frequency account for an RMSᴿ of {percent(tracked.rms)}; without them "
+        f"{percent(tracked.remaining_rms)} would remain, which no gain and delay describes: noise, friction, "
         "saturation, or a force that was fed back late."
     )
     return (_indices(assessment), _modes(assessment), Paragraph(text=text), figure)

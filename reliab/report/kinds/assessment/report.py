@@ -7,8 +7,14 @@ import numpy as np
 from reliab.assessment import LEVEL, Assessment, Word
 from reliab.report.document import Document, Figure, Paragraph, Points, Section, Table
 from reliab.report.figures.measured_test import tracking_overview
-from reliab.report.kinds.assessment.error import TONES, advice, error_sentence, errors_table, histories_figure
-from reliab.report.kinds.assessment.quantities import quantities_table
+from reliab.report.kinds.assessment.error import (
+    TONES,
+    advice,
+    error_sentence,
+    errors_table,
+    histories_figure,
+    quantities_table,
+)
 from reliab.report.numbers import MISSING, Fixed
 from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
@@ -65,9 +71,9 @@ def _facts(assessment: Assessment) -> dict[str, Prose]:
         "Test": f"{recording.name}, {recording.duration:.1f} s at {1.0 / recording.time_step:.5g} Hz",
         "Structure": prose(
             "$f =$ {f} Hz, $xi =$ {xi}, share of the stiffness in the laboratory $alpha =$ {alpha}",
-            f=_stated(assessment, "f", structure.frequency),
-            xi=_stated(assessment, "xi", structure.damping_ratio),
-            alpha=_stated(assessment, "alpha", structure.experimental_fraction),
+            f=_with_deviation(assessment, "f", structure.frequency),
+            xi=_with_deviation(assessment, "xi", structure.damping_ratio),
+            alpha=_with_deviation(assessment, "alpha", structure.experimental_fraction),
         ),
         "Threshold and window": (
             f"{percent(assessment.criterion.threshold)}, over the test's own {recording.duration:.4g} s"
@@ -78,7 +84,7 @@ def _facts(assessment: Assessment) -> dict[str, Prose]:
     }
 
 
-def _stated(assessment: Assessment, name: str, value: float) -> str:
+def _with_deviation(assessment: Assessment, name: str, value: float) -> str:
     return str(assessment.stated.get(name, f"{value:g}"))
 
 

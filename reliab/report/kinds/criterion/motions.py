@@ -5,10 +5,12 @@ import pandas as pd
 from reliab.criterion.distributions import Lognormal, LogSkewNormal
 from reliab.report.document import Column, Figure, Paragraph, Section, Table
 from reliab.report.figures.event_forest import event_forest
-from reliab.report.figures.parameter_correlation import parameter_correlation
-from reliab.report.figures.parameter_distributions import parameter_distributions
-from reliab.report.figures.posterior_and_predictive import posterior_and_predictive
-from reliab.report.figures.quantile_quantile import quantile_quantile
+from reliab.report.figures.parameter_distributions import (
+    parameter_correlation,
+    parameter_distributions,
+    posterior_and_predictive,
+    quantile_quantile,
+)
 from reliab.report.kinds.criterion.reported import ReportedCriteria
 from reliab.report.numbers import Fixed, Scientific, Significant
 from reliab.report.prose import Piece, prose
@@ -118,23 +120,27 @@ def appendix_section(reported: ReportedCriteria) -> Section:
     for name in ("duration", "pga"):
         if name in reported.ellipses.coords:
             frame[name] = reported.ellipses[name].sel(motion=sample.motions).values
-    shown = frame.sort_values("a").head(_LONG_TABLE) if len(frame) > _LONG_TABLE else frame
+    listed_motions = frame.sort_values("a").head(_LONG_TABLE) if len(frame) > _LONG_TABLE else frame
     optional = {
         "duration": Column(key="duration", heading="Duration", unit="s", number=Fixed(decimals=1)),
         "pga": Column(key="pga", heading="Peak", unit="m/s²", number=Fixed()),
     }
-    which = "" if len(shown) == len(frame) else f" The {_LONG_TABLE} least tolerant of {len(frame)} motions."
+    which = (
+        ""
+        if len(listed_motions) == len(frame)
+        else f" The {_LONG_TABLE} least tolerant of {len(frame)} motions."
+    )
     caption: tuple[Piece, ...] = (
         *prose("Ellipses of the motions at {f:g} Hz and $xi = {xi:g}$ for ", f=f, xi=xi),
         ERRORS[Metric(sample.metric)],
         f" of {percent(sample.threshold)}.{which}",
     )
     table = Table(
-        frame=shown,
+        frame=listed_motions,
         columns=(
             Column(key="motion", heading="Motion"),
-            *([] if _named_after_events(shown) else [Column(key="event", heading="Earthquake")]),
-            *(column for name, column in optional.items() if name in shown),
+            *([] if _named_after_events(listed_motions) else [Column(key="event", heading="Earthquake")]),
+            *(column for name, column in optional.items() if name in listed_motions),
             Column(key="a", heading=prose("$a$"), unit="-", number=Scientific()),
             Column(key="b", heading=prose("$b$"), unit="ms²", number=Significant()),
         ),

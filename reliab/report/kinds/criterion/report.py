@@ -1,4 +1,4 @@
-"""Report of a criterion: how much amplitude error and delay a test may have, and why."""
+"""Report of a criterion: verdict, result, motions and method; or, of too few motions, what they do show."""
 
 from collections.abc import Mapping, Sequence
 
@@ -7,14 +7,14 @@ import pandas as pd
 import xarray as xr
 
 from reliab.criterion import Criterion
-from reliab.report.document import Block, Document
+from reliab.report.document import Block, Column, Document, Points, Section, Table
 from reliab.report.kinds.criterion.motions import appendix_section, motions_section
 from reliab.report.kinds.criterion.reported import ReportedCriteria
 from reliab.report.kinds.criterion.result import result_section
+from reliab.report.numbers import Fixed, Number, Scientific, Significant
 from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
-from reliab.report.sections.limits import limits_section
-from reliab.report.sections.method import method_section
+from reliab.report.sections.method import limits_section, method_section
 from reliab.report.sections.rates import rates_section
 from reliab.report.sources import SOURCES
 from reliab.report.wording import (
@@ -27,7 +27,7 @@ from reliab.report.wording import (
     window_in_words,
 )
 from reliab.sweep import share_of
-from reliab.vocabulary import Metric
+from reliab.vocabulary import PERCENT, Metric
 
 _NEXT = (
     "judge a test with reliab assess TEST.csv --criterion FILE.json: it takes the index of the test from its "
@@ -52,14 +52,14 @@ def criterion_report(
     `real_motions` [-].
     """
     reported = ReportedCriteria(ellipses=ellipses, criteria=tuple(criteria))
-    chosen = reported.criterion
+    criterion = reported.criterion
     fraction = share_of(ellipses)
     blocks: list[Block] = [result_section(reported, population), motions_section(reported)]
     if coverage is not None and len(coverage):
-        blocks.append(rates_section(coverage, confidence=chosen.confidence))
+        blocks.append(rates_section(coverage, confidence=criterion.confidence))
     blocks += [
-        limits_section((*chosen.provenance.warnings, *notes)),
-        method_section(chosen, experimental_fraction=fraction, window=chosen.provenance.window),
+        limits_section((*criterion.provenance.warnings, *notes)),
+        method_section(criterion, experimental_fraction=fraction, window=criterion.provenance.window),
         appendix_section(reported),
     ]
     return Document(
@@ -73,18 +73,18 @@ def criterion_report(
             "To do next": _NEXT,
         },
         blocks=tuple(blocks),
-        provenance=provenance_of(provenance, chosen.provenance),
+        provenance=provenance_of(provenance, criterion.provenance),
         sources=SOURCES,
     )
 
 
 def _verdict(reported: ReportedCriteria, population: str) -> Prose:
-    chosen, (f, xi), (a, b) = reported.criterion, reported.structure, reported.limits
-    early = reported.lead(chosen)
+    criterion, (f, xi), (a, b) = reported.criterion, reported.structure, reported.limits
+    early = reported.lead(criterion)
     return (
         *prose("At {f:g} Hz and $xi = {xi:g}$, a test keeps ", f=f, xi=xi),
-        *error_below(chosen.metric, chosen.threshold),
-        f" for {percent(chosen.confidence)} of {population} while ",
+        *error_below(criterion.metric, criterion.threshold),
+        f" for {percent(criterion.confidence)} of {population} while ",
         ellipse(a, b),
         *prose(
             " with $d$ in ms: at most {amplitude} of amplitude error alone, or {delay:.2f} ms of delay alone"
@@ -109,9 +109,9 @@ def _real(share: Mapping[str, float] | None) -> dict[str, Prose]:
 
 
 def _facts(reported: ReportedCriteria, coverage: pd.DataFrame | None) -> dict[str, Prose]:
-    chosen, source = reported.criterion, reported.criterion.provenance
-    together = "for both limits together" if chosen.joint else "for each limit separately"
-    meaning = meaning_of_confidence(chosen.method)
+    criterion, source = reported.criterion, reported.criterion.provenance
+    together = "for both limits together" if criterion.joint else "for each limit separately"
+    meaning = meaning_of_confidence(criterion.method)
     facts: dict[str, Prose] = {
         "Ground motions": f"{source.n_motions} of {source.n_events} earthquakes",
         "Structures": prose(
@@ -121,13 +121,13 @@ def _facts(reported: ReportedCriteria, coverage: pd.DataFrame | None) -> dict[st
             alpha=source.experimental_fraction,
         ),
         "Error": (
-            *error_below(chosen.metric, chosen.threshold),
-            f", {MEANINGS_OF_ERRORS[Metric(chosen.metric)]}, over {window_in_words(source.window)}",
+            *error_below(criterion.metric, criterion.threshold),
+            f", {MEANINGS_OF_ERRORS[Metric(criterion.metric)]}, over {window_in_words(source.window)}",
         ),
-        "Confidence": f"{percent(chosen.confidence)}, {together}: {meaning}",
+        "Confidence": f"{percent(criterion.confidence)}, {together}: {meaning}",
     }
     if coverage is not None and len(coverage):
-        facts["Put to the test"] = _tested(coverage, chosen.confidence)
+        facts["Put to the test"] = _tested(coverage, criterion.confidence)
     return facts
 
 
@@ -139,4 +139,63 @@ def _tested(coverage: pd.DataFrame, confidence: float) -> Prose:
     return (
         f"{percent(row['rate'])} of the motions of held-out earthquakes contain the criterion "
         f"(95 % interval {percent(row['low'])} to {percent(row['high'])})"
+    )
+
+
+def no_criterion_report(
+    *,
+    title: str,
+    ellipses: xr.Dataset,
+    reasons: Sequence[str],
+    provenance: Mapping[str, object],
+    purpose: str = "",
+) -> Document:
+    """Report the boundaries of the motions, and why no criterion follows from them."""
+    events = len(set(ellipses["event"].values.tolist()))
+    motions = ellipses.sizes["motion"]
+    return Document(
+        kind="Reliability criterion",
+        title=title,
+        verdict=f"{motions} ground motions of {events} earthquakes are too few for the criteria asked for.",
+        tone="bad",
+        facts={"Ground motions": f"{motions} of {events} earthquakes", "Purpose": purpose},
+        blocks=(
+            Section(title="What could not be done", blocks=(Points(items=tuple(reasons)),)),
+            Section(title="What each motion tolerates", blocks=(_ellipses_table(ellipses),)),
+        ),
+        provenance=provenance_of(provenance),
+    )
+
+
+def _ellipses_table(ellipses: xr.Dataset) -> Table:
+    first = {name: 0 for name in ellipses["a"].dims if name != "motion"}
+    at = ellipses.isel(first)
+    f, xi, threshold = (float(at[name]) for name in ("f", "xi", "threshold"))
+    frame = at[["a", "b"]].reset_coords("event").to_dataframe().reset_index()
+    positive = frame[["a", "b"]].where(frame[["a", "b"]] > 0.0)
+    frame = frame.assign(amplitude=np.sqrt(positive["a"]), delay=np.sqrt(positive["b"]))
+    columns: tuple[tuple[str, Prose, str, Number], ...] = (
+        ("a", prose("$a$"), "-", Scientific()),
+        ("b", prose("$b$"), "ms²", Significant()),
+        ("amplitude", prose("$sqrt(a)$"), "%", Fixed(factor=PERCENT)),
+        ("delay", prose("$sqrt(b)$"), "ms", Fixed()),
+    )
+    return Table(
+        frame=frame,
+        columns=(
+            Column(key="motion", heading="Motion"),
+            Column(key="event", heading="Earthquake"),
+            *(
+                Column(key=key, heading=heading, unit=unit, number=number)
+                for key, heading, unit, number in columns
+            ),
+        ),
+        caption=prose(
+            "Ellipses fitted to the boundaries of the motions at {f:g} Hz, $xi = {xi:g}$ and an error of "
+            "{threshold:g} %.",
+            f=f,
+            xi=xi,
+            threshold=PERCENT * threshold,
+        ),
+        label="tab:motions",
     )

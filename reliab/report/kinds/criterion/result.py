@@ -36,7 +36,7 @@ _UNCONVERGED = (
 
 def result_section(reported: ReportedCriteria, population: str = "ground motions") -> Section:
     """State the criterion at one structure, then over all."""
-    chosen = reported.criterion
+    main_criterion = reported.criterion
     f, xi = reported.structure
     blocks: list[Block] = [
         Paragraph(
@@ -70,7 +70,7 @@ def result_section(reported: ReportedCriteria, population: str = "ground motions
         blocks.insert(1, Remark(text=zero))
     if any(criterion.provenance.settings.get("converged") is False for criterion in reported.criteria):
         blocks.insert(0, Remark(text=_UNCONVERGED))
-    title = f"Criterion for {percent(chosen.confidence)} of {population}"
+    title = f"Criterion for {percent(main_criterion.confidence)} of {population}"
     return Section(title=title, blocks=tuple(blocks), label="sec:result")
 
 
@@ -140,18 +140,18 @@ def _limits_of_criteria(reported: ReportedCriteria) -> pd.DataFrame:
 
 
 def _named_limits(reported: ReportedCriteria) -> dict[str, tuple[float, float]]:
-    chosen = reported.criterion
+    main_criterion = reported.criterion
     alike = [
         criterion
         for criterion in reported.criteria
-        if (criterion.threshold, criterion.metric) == (chosen.threshold, chosen.metric)
+        if (criterion.threshold, criterion.metric) == (main_criterion.threshold, main_criterion.metric)
     ]
-    named = {}
+    limits = {}
     for criterion in alike:
         a, b = (float(limit) for limit in criterion.limits(*reported.structure))
         if a > 0.0 and b > 0.0:
-            named[f"{percent(criterion.confidence)} of motions"] = (a, b)
-    return named
+            limits[f"{percent(criterion.confidence)} of motions"] = (a, b)
+    return limits
 
 
 def _over_structures(reported: ReportedCriteria) -> Iterator[Block]:
@@ -197,8 +197,8 @@ def _surfaces(reported: ReportedCriteria) -> Drawing:
 
 
 def _pivot(reported: ReportedCriteria, limit: np.ndarray, number: Fixed, text: str, label: str) -> Table:
-    rows = _chosen(reported.damping_ratios.size, _MOST_ROWS)
-    across = _chosen(reported.frequencies.size, _MOST_COLUMNS)
+    rows = _spread_places(reported.damping_ratios.size, _MOST_ROWS)
+    across = _spread_places(reported.frequencies.size, _MOST_COLUMNS)
     frame = pd.DataFrame(limit[np.ix_(across, rows)].T, columns=[str(k) for k in across])
     frame.insert(0, "xi", reported.damping_ratios[rows])
     columns = tuple(
@@ -213,7 +213,7 @@ def _pivot(reported: ReportedCriteria, limit: np.ndarray, number: Fixed, text: s
     )
 
 
-def _chosen(count: int, most: int) -> list[int]:
+def _spread_places(count: int, most: int) -> list[int]:
     """Positions spread evenly over those that there are."""
     return sorted({int(k) for k in np.linspace(0, count - 1, min(count, most)).round()})
 

@@ -11,12 +11,16 @@ from reliab.discrepancy.campaign import Channel
 from reliab.discrepancy.result import BlockDiagnosis, Diagnosis
 from reliab.effects import find_effect
 from reliab.report.document import Block as DocumentBlock, Figure, Paragraph
-from reliab.report.figures.discrepancy_blocks import discrepancy_blocks
-from reliab.report.figures.discrepancy_gap import GapPanel, discrepancy_gap
-from reliab.report.figures.discrepancy_histories import ModelledHistory, discrepancy_histories
-from reliab.report.figures.discrepancy_posterior import discrepancy_posterior
-from reliab.report.figures.discrepancy_state_plane import discrepancy_state_plane
-from reliab.report.figures.discrepancy_time_frequency import discrepancy_time_frequency
+from reliab.report.figures.discrepancy import (
+    GapPanel,
+    ModelledHistory,
+    discrepancy_blocks,
+    discrepancy_gap,
+    discrepancy_histories,
+    discrepancy_posterior,
+    discrepancy_state_plane,
+    discrepancy_time_frequency,
+)
 from reliab.report.prose import prose
 from reliab.report.wording import spelled_out
 from reliab.vocabulary import Block

@@ -1,18 +1,30 @@
 """Report of a measured campaign: where the model fails, what is missing, and the proof."""
 
 from collections.abc import Mapping, Sequence
+from functools import partial
+
+import numpy as np
+import pandas as pd
 
 from reliab.discrepancy.adding import Posterior
 from reliab.discrepancy.fitting import MOST_OF_A_TEST
 from reliab.discrepancy.naming import LARGEST_REMAINDER
-from reliab.discrepancy.result import Diagnosis, Remainder, Verdict
-from reliab.report.document import Block, Document, Paragraph, Points, Section
-from reliab.report.kinds.discrepancy.location import location_section
-from reliab.report.kinds.discrepancy.missing_effects import missing_effects_section
-from reliab.report.kinds.discrepancy.proof import proof_section
+from reliab.discrepancy.result import BlockDiagnosis, Diagnosis, MissingEffect, Remainder, Unknown, Verdict
+from reliab.report.document import Block, Column, Document, Paragraph, Points, Section, Table
+from reliab.report.kinds.discrepancy.figures import (
+    block_figure,
+    drawn,
+    gap_figure,
+    histories_figure,
+    posterior_figure,
+    state_plane_figure,
+    time_frequency_figure,
+)
+from reliab.report.numbers import Fixed, Significant
 from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
 from reliab.report.wording import percent, spelled_out
+from reliab.significant import significant
 
 _CLOSED, _WHOLLY = 0.9, 0.995
 
@@ -143,3 +155,239 @@ def _method(remarks: Sequence[Prose]) -> Section:
     if remarks:
         blocks.append(Points(items=tuple(remarks)))
     return Section(title="How it was found, and what to know", blocks=tuple(blocks))
+
+
+def location_section(diagnosis: Diagnosis) -> Section:
+    """Show the block that fails, and what its residuals vary with.
+
+    Returns the loop, the findings as a list and as a table, residuals over frequency and state.
+    """
+    blocks: list[Block] = [*drawn("the loop", partial(block_figure, diagnosis))]
+    if diagnosis.where:
+        blocks.append(Points(items=tuple(dict.fromkeys(finding.detail for finding in diagnosis.where))))
+        rows = [{**finding.to_dict(), "block": str(finding.block)} for finding in diagnosis.where]
+        columns = (
+            Column(key="block", heading="Block"),
+            Column(key="kind", heading="Varies with"),
+            Column(key="test", heading="Most in"),
+            Column(
+                key="share_of_residual", heading="Share", unit="%", number=Fixed(decimals=0, factor=100.0)
+            ),
+            Column(key="p_value", heading="p", number=Significant(digits=2)),
+        )
+        frame = pd.DataFrame(rows).assign(kind=lambda table: table["kind"].map(spelled_out))
+        caption = "What the residual of the calibrated model varies with; p is corrected for all trials."
+        blocks.append(Table(frame=frame, columns=columns, caption=caption, label="tab:where"))
+    else:
+        noise = "The residual of the calibrated model does not differ from noise."
+        open_question = (
+            "The residual of the calibrated model varies with no quantity of the motion that was tried."
+        )
+        blocks.append(Paragraph(text=noise if diagnosis.is_explained else open_question))
+    for diagnosed in diagnosis.blocks:
+        if diagnosed.findings:
+            blocks += drawn("residuals over frequency", partial(time_frequency_figure, diagnosed))
+            blocks += drawn("residuals over the state plane", partial(state_plane_figure, diagnosed))
+    return Section(title="Where the model fails", blocks=tuple(blocks))
+
+
+def missing_effects_section(diagnosis: Diagnosis, sampled: Mapping[str, Posterior]) -> Section:
+    """Name the effects that the model lacks.
+
+    Returns parameters of the effects, their rivals, what no known effect explains, and the calibration.
+    """
+    effects = (*diagnosis.effects, *diagnosis.doubtful)
+    blocks: list[Block] = []
+    if effects:
+        blocks.append(_parameters(diagnosis))
+        blocks += [Paragraph(text=_sentence(effect)) for effect in effects]
+        for name, posterior in sampled.items():
+            blocks += drawn("the posterior", partial(posterior_figure, diagnosis, name, posterior))
+    blocks += [
+        Paragraph(text=_unknown(diagnosed.unknown))
+        for diagnosed in diagnosis.blocks
+        if diagnosed.unknown is not None
+    ]
+    if any(diagnosed.calibration for diagnosed in diagnosis.blocks):
+        blocks.append(_calibration(diagnosis))
+    return Section(title="What is missing", blocks=tuple(blocks) or (Paragraph(text="Nothing."),))
+
+
+def _parameters(diagnosis: Diagnosis) -> Table:
+    rows = []
+    for diagnosed in diagnosis.blocks:
+        for effect in (*diagnosed.effects, *diagnosed.doubtful):
+            for estimate in effect.estimates:
+                low, high = estimate.interval or (np.nan, np.nan)
+                mark = " (on a bound)" if estimate.name in effect.on_bounds else ""
+                rows.append(
+                    {
+                        "effect": spelled_out(effect.name),
+                        "probability": effect.probability,
+                        "parameter": f"{estimate.name} [{estimate.units}]{mark}",
+                        "value": estimate.value,
+                        "sd": estimate.sd,
+                        "low": low,
+                        "high": high,
+                    }
+                )
+    digits = Significant(digits=4)
+    columns = (
+        Column(key="effect", heading="Effect"),
+        Column(key="probability", heading="Probability", number=Fixed(decimals=3)),
+        Column(key="parameter", heading="Parameter"),
+        Column(key="value", heading="Value", number=digits),
+        Column(key="sd", heading="± sd", number=Significant(digits=2)),
+        Column(key="low", heading="from", number=digits, group="90 % interval"),
+        Column(key="high", heading="to", number=digits, group="90 % interval"),
+    )
+    return Table(
+        frame=pd.DataFrame(rows),
+        columns=columns,
+        caption="Effects with the most probable values of their parameters.",
+    )
+
+
+def _sentence(effect: MissingEffect) -> Prose:
+    name, description = spelled_out(effect.name), effect.effect.description
+    listed = "; ".join(
+        f"{spelled_out(rival.name)} (probability {significant(rival.probability, 2)}, error "
+        f"{significant(rival.held_out_nrmse)})"
+        for rival in effect.rivals
+    )
+    alternatives = f"Alternatives, with their errors on held-out tests: {listed}."
+    others = alternatives if listed else "No alternative remains."
+    return prose(
+        "*{name}*{position}: {description}. With it {after} of the signal remain on held-out tests, without "
+        "it {before}. {others}",
+        name=name,
+        position=f" ({effect.effect.position})" if effect.effect.position else "",
+        description=description,
+        after=percent(effect.error_with),
+        before=percent(effect.error_without),
+        others=others,
+    )
+
+
+def _unknown(unknown: Unknown) -> Prose:
+    text = "In the {block}: {description}. "
+    if unknown.expression:
+        text += (
+            "An expression for it is {expression}; with it {error} of the signal remain on held-out tests."
+        )
+    else:
+        text += "It is {error} of the signal on held-out tests."
+    return prose(
+        text,
+        block=unknown.block,
+        description=unknown.description,
+        expression=unknown.expression,
+        error=percent(unknown.held_out_nrmse),
+    )
+
+
+def _calibration(diagnosis: Diagnosis) -> Table:
+    rows = [
+        {
+            "block": str(diagnosed.block.block),
+            "parameter": e.name,
+            "value": e.value,
+            "sd": e.sd,
+            "units": e.units,
+        }
+        for diagnosed in diagnosis.blocks
+        for e in diagnosed.calibration
+    ]
+    columns = (
+        Column(key="block", heading="Block"),
+        Column(key="parameter", heading="Calibrated"),
+        Column(key="value", heading="Value", number=Significant(digits=4)),
+        Column(key="sd", heading="± sd", number=Significant(digits=2)),
+        Column(key="units", heading="Unit"),
+    )
+    return Table(
+        frame=pd.DataFrame(rows),
+        columns=columns,
+        caption="Parameters of the model that were calibrated together with the effects.",
+    )
+
+
+def proof_section(diagnosis: Diagnosis) -> Section:
+    """Show how much of the gap between model and measurement closes on held-out tests."""
+    rows = [
+        {
+            **diagnosed.gap.to_dict(),
+            "closed": np.nan if diagnosed.gap.stated_share is None else diagnosed.gap.stated_share,
+            "noise_floor": np.nan if diagnosed.gap.floor is None else diagnosed.gap.floor,
+        }
+        for diagnosed in diagnosis.blocks
+    ]
+    size = Significant(digits=3)
+    columns = (
+        Column(key="channel", heading="Channel"),
+        Column(key="nrmse_before", heading="Before", number=size),
+        Column(key="nrmse_after", heading="After", number=size),
+        Column(key="noise_floor", heading="Noise", number=size),
+        Column(key="closed", heading="Gap closed", unit="%", number=Fixed(decimals=1, factor=100.0)),
+    )
+    caption = "Difference between model and measurement on held-out tests, RMS over that of the signal."
+    table = Table(frame=pd.DataFrame(rows), columns=columns, caption=caption)
+    blocks: list[Block] = [Paragraph(text=_floor(diagnosed)) for diagnosed in diagnosis.blocks]
+    blocks += [table, _errors_by_test(diagnosis), *drawn("the gap", partial(gap_figure, diagnosis))]
+    for diagnosed in diagnosis.blocks:
+        blocks += drawn("histories and loops", partial(histories_figure, diagnosed))
+    return Section(title="The proof on held-out tests", blocks=tuple(blocks))
+
+
+def _floor(diagnosed: BlockDiagnosis) -> Prose:
+    """Sentence on what no model could explain, and what is the model's own error."""
+    gap = diagnosed.gap
+    match gap.remainder:
+        case Remainder.AT_NOISE:
+            text = "{channel}: what remains, {after} of the signal, is at the noise, {floor} by the {source}."
+        case Remainder.ABOVE_NOISE:
+            text = (
+                "{channel}: judged by the {source}, {floor} of the signal is noise that no model explains. "
+                "What remains above it, {left} of the signal, is an error of the model."
+            )
+        case Remainder.NOT_KNOWN if gap.floors:
+            text = (
+                "{channel}: how much of the error is noise is not known; the {others} seemed to show more "
+                "noise than the model leaves. What remains is {after} of the signal."
+            )
+        case Remainder.NOT_KNOWN:
+            text = (
+                "{channel}: the recordings do not show how much of the error is noise (no repeated tests or "
+                "cycles, no rest, no white band above the motion). What remains is {after} of the signal."
+            )
+    return prose(
+        text,
+        channel=gap.channel,
+        after=percent(gap.after),
+        floor="" if gap.floor is None else percent(gap.floor),
+        source=gap.source or "",
+        left=percent(gap.model_error),
+        others=", ".join(gap.floors),
+    )
+
+
+def _errors_by_test(diagnosis: Diagnosis) -> Table:
+    rows = [
+        {
+            "channel": diagnosed.gap.channel,
+            "test": file,
+            "before": diagnosed.gap.tests_before[file],
+            "after": after,
+        }
+        for diagnosed in diagnosis.blocks
+        for file, after in diagnosed.gap.tests_after.items()
+    ]
+    size = Significant(digits=3)
+    columns = (
+        Column(key="channel", heading="Channel"),
+        Column(key="test", heading="Held-out test"),
+        Column(key="before", heading="Before", number=size),
+        Column(key="after", heading="After", number=size),
+    )
+    caption = "The same for each held-out test by itself."
+    return Table(frame=pd.DataFrame(rows), columns=columns, caption=caption)

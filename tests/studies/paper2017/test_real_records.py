@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from reliab_studies.paper2017 import audit
+from reliab_studies.validation.motion_terms import gain_of_terms
 
 from reliab.boundary.first_order import first_order_ellipse
 from reliab.criterion.methods.hierarchical import hierarchical_model
@@ -14,7 +15,6 @@ from reliab.simulation.excitation import Excitation
 from reliab.structures.structure import Structure
 from reliab.sweep import EllipseRequest, trace_ellipses
 from reliab.validation.law_comparison import compare_laws
-from reliab.validation.motion_terms import gain_of_terms
 
 pytestmark = pytest.mark.slow
 

@@ -81,25 +81,25 @@ def _scores(
     values: NDArray[np.float64], designs: list[NDArray[np.float64]], events: NDArray[np.str_]
 ) -> NDArray[np.float64]:
     """Held-out log-densities, shape (motions, F, X); motions without an ellipse are left out as NaN."""
-    known = np.isfinite(values).all(axis=-1)
-    score = np.full(known.shape, np.nan)
+    finite = np.isfinite(values).all(axis=-1)
+    score = np.full(finite.shape, np.nan)
     for held_out in leave_one_event_out(events):
-        learned = known & ~held_out[:, None, None]
+        learned = finite & ~held_out[:, None, None]
         residual = np.empty_like(values)
         for k, design in enumerate(designs):
             fitted = np.linalg.lstsq(design[learned], values[..., k][learned], rcond=None)[0]
             residual[..., k] = values[..., k] - design @ fitted
         covariance = np.cov(residual[learned].T, bias=True)
-        judged = known & held_out[:, None, None]
+        judged = finite & held_out[:, None, None]
         score[judged] = scipy.stats.multivariate_normal([0.0, 0.0], covariance).logpdf(residual[judged])
     return score
 
 
 def _explained(values: NDArray[np.float64], term: NDArray[np.float64]) -> NDArray[np.float64]:
     """Squared correlation over motions at each structure, shape (F, X, 2)."""
-    known = np.isfinite(values)
+    finite = np.isfinite(values)
     deviations = [
-        np.where(known, array - np.nanmean(np.where(known, array, np.nan), axis=0), 0.0)
+        np.where(finite, array - np.nanmean(np.where(finite, array, np.nan), axis=0), 0.0)
         for array in (values, term)
     ]
     product, own_power, term_power = (

@@ -72,7 +72,7 @@ class Coverage:
         return float(self.contents.mean())
 
     @property
-    def kept(self) -> float:
+    def kept_share(self) -> float:
         """Share of suites whose limits contain at least the stated share."""
         return float((self.contents >= self.confidence).mean())
 
@@ -126,7 +126,7 @@ def coverage_table(
         for confidence in confidences
     ]
     rows = []
-    for done, (method, joint, truth, confidence) in enumerate(combinations, start=1):
+    for count, (method, joint, truth, confidence) in enumerate(combinations, start=1):
         coverage = simulate_coverage(method, truth, confidence, joint=joint, suites=suites)
         rows.append(
             {
@@ -138,8 +138,8 @@ def coverage_table(
                 "skewness": truth.skewness,
                 "confidence": confidence,
                 "content": coverage.mean,
-                "kept": coverage.kept,
+                "kept": coverage.kept_share,
             }
         )
-        progress(done, len(combinations))
+        progress(count, len(combinations))
     return pd.DataFrame(rows)

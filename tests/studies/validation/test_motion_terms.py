@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from reliab_studies.validation.motion_terms import gain_of_terms
 
 from reliab.criterion.population import Population
 from reliab.errors import InputError
-from reliab.validation.motion_terms import gain_of_terms
 
 
 @pytest.fixture

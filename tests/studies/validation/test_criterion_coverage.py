@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from reliab_studies.validation.criterion_coverage import Truth, coverage_table, simulate_coverage
 from scipy import stats
 
 from reliab.criterion.methods import METHODS, BoundMethod, Quantile, method_of
-from reliab.validation.criterion_coverage import Truth, coverage_table, simulate_coverage
 
 BOUND_METHODS = [name for name, method in METHODS.items() if issubclass(method, BoundMethod)]
 
@@ -34,9 +34,9 @@ def test_methods_that_promise_an_average_keep_it(name, confidence, count):
 def test_methods_that_promise_an_assurance_keep_it(name, confidence, count):
     found = simulate_coverage(method_of(name), INDEPENDENT, confidence, suites=count)
     slack = 4.0 * np.sqrt(0.05 * 0.95 / count)
-    assert found.kept >= 0.95 - slack
+    assert found.kept_share >= 0.95 - slack
     if name != "order_statistic":  # whose ranks are whole numbers
-        assert found.kept <= 0.95 + slack
+        assert found.kept_share <= 0.95 + slack
 
 
 def test_the_plug_in_quantile_falls_short_with_few_motions():
@@ -67,8 +67,8 @@ def test_the_conformal_bound_promises_no_more_than_it_can(count):
 @pytest.mark.parametrize("count", [80, pytest.param(300, marks=pytest.mark.slow)])
 def test_earthquakes_weaken_the_assurance_of_the_tolerance_bound_and_the_bootstrap_sees_them(count):
     alike = Truth(n_events=19, motions_per_event=5, event_share=0.5)
-    blind = simulate_coverage(method_of("tolerance"), alike, 0.9, suites=count).kept
-    seeing = simulate_coverage(method_of("bootstrap"), alike, 0.9, suites=count).kept
+    blind = simulate_coverage(method_of("tolerance"), alike, 0.9, suites=count).kept_share
+    seeing = simulate_coverage(method_of("bootstrap"), alike, 0.9, suites=count).kept_share
     assert blind < 0.88
     assert seeing > blind
 
@@ -90,3 +90,10 @@ def test_the_table_has_one_row_for_each_combination():
     )
     assert len(table) == 2 * 2 * len(BOUND_METHODS)
     assert table["content"].between(0.5, 1.0).all()
+
+
+def test_a_table_reports_each_of_its_rows():
+    truth, reports = Truth(n_events=8, motions_per_event=1, event_share=0.0), []
+    methods, confidences = [(method_of("quantile"), False)], (0.5, 0.8, 0.9)
+    coverage_table(methods, [truth], confidences, suites=1, progress=lambda *numbers: reports.append(numbers))
+    assert reports == [(1, 3), (2, 3), (3, 3)]

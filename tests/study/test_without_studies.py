@@ -1,0 +1,48 @@
+"""The product answers where the studies were taken away."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import reliab
+
+ASKED = """
+import sys
+from reliab.cli import run
+asked = (
+    ["run", "--list"],
+    ["criterion", "--ellipses", "real_suite", "--f", "1", "--xi", "0.02"],
+    ["assess", "sample_test", "--f", "1", "--xi", "0.02"],
+    ["run"],
+)
+print([run(arguments) for arguments in asked], file=sys.stderr)
+"""
+
+
+@pytest.fixture(scope="module")
+def answered(tmp_path_factory):
+    """What four commands say in a checkout that has no folder of studies."""
+    checkout, product = tmp_path_factory.mktemp("checkout"), Path(reliab.__file__).parent
+    for folder in (product, product.parent / "datasets"):
+        (checkout / folder.name).symlink_to(folder)
+    return subprocess.run(  # noqa: S603 - our own words
+        [sys.executable, "-W", "error", "-c", ASKED],
+        cwd=checkout,
+        env={**os.environ, "PYTHONPATH": str(checkout)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_criteria_and_assessments_need_no_study(answered):
+    assert answered.stderr.splitlines()[-1] == "[0, 0, 0, 2]"
+    assert "reliable" in answered.stdout
+
+
+def test_a_run_says_that_no_study_ships_and_what_to_name_instead(answered):
+    assert "none ships" in answered.stderr
+    assert "folder with study.toml" in answered.stderr
