@@ -68,7 +68,7 @@ class RunFolder:
         strangers = [file for file in path.iterdir() if not file.name.startswith(UNFINISHED)]
         if not (path / MANIFEST).exists() and strangers:
             raise InputError(
-                "A run folder is new, empty or that of an earlier run",
+                "The folder for the results must be new or empty, or hold an earlier run of a study",
                 value=f"{path} holds other files",
                 remedy="Name another folder",
             )

@@ -267,7 +267,7 @@ class Search:
     def _least_promise(self) -> float:
         """Gain to first order below which an effect is not fitted.
 
-        Where errors judge, the first order says little of what a large change of the model will gain.
+        Where models are compared by their plain error, the first-order estimate is too rough to exclude any.
         """
         return 0.0 if self.problem.flat else COST
 
@@ -335,7 +335,7 @@ class Search:
         return search
 
     def tempered(self) -> "Search":
-        """Search again in the channel's own unit, where what the best model leaves is no noise.
+        """Fit the models again by the plain error of the channel, since the best one leaves more than noise.
 
         The likelihood is that of as many observations as there are swings of the motion, few from each test.
         """
