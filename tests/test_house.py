@@ -59,7 +59,7 @@ SHARE_OF_VAGUE_NAMES = 0.002
 
 MORE_VAGUE_NAMES = {
     "beside the rooms": 0.016,
-    "api": 0.026,
+    "api": 0.031,
     "assessment": 0.016,
     "cli": 0.044,
     "criterion": 0.016,

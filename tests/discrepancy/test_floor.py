@@ -58,7 +58,7 @@ def test_repeated_cycles_tell_and_their_harmonics_are_no_noise():
 
 def test_rest_before_the_motion_tells():
     late = np.where(TIME > 4.0, waves(1) * np.clip(TIME - 4.0, 0.0, 1.0), 0.0)
-    assert floors_of(recorded(late, 1))[Source.REST] == pytest.approx(NOISE, rel=0.1)
+    assert floors_of(recorded(late, 1))[Source.AT_REST] == pytest.approx(NOISE, rel=0.1)
 
 
 @pytest.mark.parametrize("floor", [0.0, 0.05, 0.2, 0.5])

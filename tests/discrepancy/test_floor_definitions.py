@@ -93,7 +93,7 @@ def test_rest_at_both_ends_counts_from_a_quarter_of_a_second():
     command = np.zeros(TIME.size)
     command[130:-99] = np.sin(3.0 * TIME[130:-99]) + 2.0
     noise = noise_of(TIME.size)
-    floor = found(driven(command, command + noise), highest=199.0)[Source.REST]
+    floor = found(driven(command, command + noise), highest=199.0)[Source.AT_REST]
     ramp = np.polyfit(np.arange(130), noise[:130], 1)
     assert floor == pytest.approx(np.var(noise[:130] - np.polyval(ramp, np.arange(130))))
 
@@ -106,7 +106,7 @@ def test_rest_lasts_until_a_five_hundredth_of_the_range_is_reached():
     assert still > 203
     noise = noise_of(TIME.size)
     ramp = np.polyfit(np.arange(still), noise[:still], 1)
-    floor = found(driven(command, command + noise), highest=199.0)[Source.REST]
+    floor = found(driven(command, command + noise), highest=199.0)[Source.AT_REST]
     expected = np.var(noise[:still] + command[:still] - np.polyval(ramp, np.arange(still)))
     assert floor == pytest.approx(expected, rel=1e-3)
 

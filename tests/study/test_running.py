@@ -169,7 +169,7 @@ def test_results_keep_the_day_and_the_packages_with_which_they_were_made(finishe
     document = KINDS["criterion"].report(small_study, finished)
     assert document.provenance["packages"] == "numpy 1.2.3"
     (finished / "criteria.json").unlink()
-    monkeypatch.setattr("reliab.study.running._report", lambda _, folder: (folder / "report.pdf").touch())
+    monkeypatch.setattr("reliab.study.running.write_pdf", lambda _, path, **_options: path.touch())
     run_study(small_study, finished)
     assert set(stages.made_with(finished)["packages"]) == {
         "simulate",
