@@ -8,6 +8,7 @@ from .api import (
     follow_test as follow_test,
     judge_paper_cases as judge_paper_cases,
     perform_study as perform_study,
+    record as record,
     simulate as simulate,
     simulate_suite as simulate_suite,
     trace_boundaries as trace_boundaries,

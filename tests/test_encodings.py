@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
-from reliab.api.followed_rows import rows_of
 from reliab.criterion import read_ellipses
 from reliab.discrepancy.campaign.channels import read_channels
 from reliab.encodings import as_cell, of_cell, pieces_as_utf8
 from reliab.motions import load_motions
-from reliab.recordings import StatedChannels, read_test
+from reliab.recordings import StatedChannels, read_test, rows_as_written
 
 ENCODINGS = ("utf-8", "utf-8-sig", "utf-16", "utf-16-le with a mark", "utf-16-be with a mark")
 HEADER = "# units: m/s2\r\n# time_step: 0.01\r\n# event: Köln\r\n"
@@ -61,7 +60,7 @@ def test_tables_of_ellipses(tmp_path, encoding):
 def test_a_running_test_in_pieces(tmp_path, encoding, size):
     content = written(TEST, encoding, tmp_path / "a.csv").read_bytes()
     pieces = [content[k : k + size] for k in range(0, len(content), size)]
-    rows = rows_of(iter([*pieces, b"", *pieces]), name="a.csv", declared={}, units=None)
+    rows = rows_as_written(iter([*pieces, b"", *pieces]), name="a.csv", stated={})
     measured = np.concatenate([row.measured for row in rows])
     np.testing.assert_array_equal(measured, np.tile(np.arange(80) % 5, 2))
 

@@ -30,6 +30,7 @@ from .rebuilt_errors import (
     RebuiltErrorValidation as RebuiltErrorValidation,
     validate_rebuilt_error as validate_rebuilt_error,
 )
+from .records import Record as Record, check_records as check_records, record as record
 from .simulation import Simulation as Simulation, simulate as simulate, simulate_suite as simulate_suite
 from .studies import (
     PerformedStudy as PerformedStudy,

@@ -2,7 +2,7 @@
 
 import warnings
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TypedDict, Unpack, overload
 
@@ -15,7 +15,7 @@ from reliab.criterion import Criterion
 from reliab.errors import InputError
 from reliab.motions import Motion, read_motion
 from reliab.progress import Progress, silent
-from reliab.recordings import Recording, read_recording
+from reliab.recordings import Recording, read_recording, read_tests
 from reliab.shipped import or_shipped
 from reliab.simulation.frames import FrameUnderTest, read_frame
 from reliab.simulation.hybrid_test import UpdatedModel, read_model
@@ -29,6 +29,7 @@ Test = str | Path | pd.DataFrame | Recording
 Judge = Callable[[Recording], Assessment | FrameAssessment]
 """Judges a test."""
 
+_ALL_TESTS = "all"
 _OF_THE_STRUCTURE = ("f", "xi", "alpha")
 _ASSUMED_DAMPING = StatedValue(0.02)
 _ASSUMED = (
@@ -75,6 +76,8 @@ class Stated(Former, total=False):
     units: str | None
     time_units: str | None
     delimiter: str | None
+    test_name: str | None
+    channels: str | Path | None
     progress: Progress
 
 
@@ -117,6 +120,8 @@ def assess(
     units: str | None = None,
     time_units: str | None = None,
     delimiter: str | None = None,
+    test_name: str | None = None,
+    channels: str | Path | None = None,
     progress: Progress = silent,
     **former: Unpack[Former],
 ) -> Assessment | FrameAssessment | Assessments:
@@ -158,6 +163,10 @@ def assess(
         Unit of both displacements and of the time, where the file states none.
     delimiter : str, optional
         What separates the columns of a text.
+    test_name : str, optional
+        Which test, where a file holds several; "all" for all of them.
+    channels : str or pathlib.Path, optional
+        File `channels.toml` in which a laboratory states its channels.
     progress : callable, optional
         Called after each of several tests.
     **former
@@ -192,7 +201,7 @@ def assess(
         metric=metric,
         former=_accepted(former),
     ).judge()
-    channels = _Channels(
+    reading = _Channels(
         command=command,
         measured=measured,
         time=time,
@@ -200,10 +209,14 @@ def assess(
         units=units,
         time_units=time_units,
         delimiter=delimiter,
+        test_name=test_name,
+        channels=channels,
     )
+    if isinstance(test, str | Path) and test_name == _ALL_TESTS:
+        return _assess_several(reading.read_all(test), _NOTHING_STATED, judge, progress)
     if isinstance(test, Test):
-        return judge(channels.read(test))
-    return _assess_several(test, channels, judge, progress)
+        return judge(reading.read(test))
+    return _assess_several(test, reading, judge, progress)
 
 
 def _accepted(former: Former) -> Former:
@@ -223,13 +236,21 @@ def _accepted(former: Former) -> Former:
 class _Channels:
     """What is stated of a test's file; see `reliab.assess`."""
 
-    command: str | None
-    measured: str | None
-    time: str | None
-    rate: float | None
-    units: str | None
-    time_units: str | None
-    delimiter: str | None
+    command: str | None = None
+    measured: str | None = None
+    time: str | None = None
+    rate: float | None = None
+    units: str | None = None
+    time_units: str | None = None
+    delimiter: str | None = None
+    test_name: str | None = None
+    channels: str | Path | None = None
+
+    def read_all(self, test: str | Path) -> list[Recording]:
+        """Read all tests of a file."""
+        path = or_shipped(Path(test), "datasets", "test.csv")
+        names = [columns.test for columns in read_tests(path, delimiter=self.delimiter)]
+        return [replace(self, test_name=name or None).read(test) for name in names]
 
     def read(self, test: Test) -> Recording:
         """Read a test."""
@@ -244,8 +265,9 @@ class _Channels:
                 value=float(self.rate),
                 remedy="Give the samples in a second",
             )
-        if isinstance(test, pd.DataFrame) and self.delimiter is not None:
-            raise unused("delimiter", "beside a data frame")
+        for name in ("delimiter", "test_name") if isinstance(test, pd.DataFrame) else ():
+            if getattr(self, name) is not None:
+                raise unused(name, "beside a data frame")
         return read_recording(
             test if isinstance(test, pd.DataFrame) else or_shipped(Path(test), "datasets", "test.csv"),
             command=self.command,
@@ -255,7 +277,12 @@ class _Channels:
             units=self.units,
             time_units=self.time_units,
             delimiter=self.delimiter,
+            test=self.test_name,
+            channels=self.channels,
         )
+
+
+_NOTHING_STATED = _Channels()
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,7 +13,6 @@ from typing import BinaryIO
 
 from reliab.errors import InputError
 from reliab.files import ordinary
-from reliab.recordings import Part, Rows, rows_as_written, stated_by_options
 
 _POLL = 0.05  # s between two looks at a file that does not grow
 _BYTES = 1 << 16
@@ -77,10 +76,3 @@ def _rotated(path: Path, stream: BinaryIO) -> bool:
         return False  # between two names; it will come
     here = os.fstat(stream.fileno())
     return now.st_ino != here.st_ino or now.st_size < stream.tell()
-
-
-def rows_of(
-    pieces: Iterator[bytes], *, name: str, declared: dict[Part, str], units: str | None
-) -> Iterator[Rows]:
-    """Rows of a text that comes in pieces, with the names of columns and the unit of options."""
-    return rows_as_written(pieces, name=name, stated=stated_by_options({}, declared, units))

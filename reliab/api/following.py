@@ -9,10 +9,17 @@ from typing import Any
 import numpy as np
 
 from reliab.api.arguments import Quantity, require_positive, stated_values
-from reliab.api.followed_rows import chunks_of_text, rows_of
+from reliab.api.followed_rows import chunks_of_text
 from reliab.assessment.rebuilt_error import DRAWS, ErrorSoFar, Monitor, Tolerances
 from reliab.errors import InputError
-from reliab.recordings import Part, Rows
+from reliab.recordings import (
+    Part,
+    Rows,
+    StatedChannels,
+    read_channels_file,
+    rows_as_written,
+    stated_by_options,
+)
 from reliab.shipped import or_shipped
 from reliab.stated_value import StatedValue
 from reliab.structures import Structure
@@ -67,6 +74,7 @@ def follow_test(
     time: str | None = None,
     rate: float | None = None,
     units: str | None = None,
+    channels: str | Path | None = None,
     every: float = 0.5,
     wait: float = 10.0,
     start_within: float = 600.0,
@@ -93,6 +101,8 @@ def follow_test(
         Sampling rate [Hz]; by default read from the times.
     units : str, optional
         Unit of both displacements.
+    channels : str or pathlib.Path, optional
+        File `channels.toml` in which a laboratory states its channels.
     every : float, optional
         Time of the test between two updates [s].
     wait, start_within : float, optional
@@ -125,14 +135,14 @@ def follow_test(
             raise InputError(f"`{name}` must be positive", value=number)
     columns = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
     path = str(source) if str(source) == "-" else str(or_shipped(Path(source), "datasets", "test.csv"))
-    rows = rows_of(
+    said = StatedChannels() if channels is None else read_channels_file(channels)
+    rows = rows_as_written(
         chunks_of_text(path, wait, start_within, say),
         name="standard input" if path == "-" else Path(path).name,
-        declared={part: name for part, name in columns.items() if name is not None},
-        units=units,
+        stated=stated_by_options(said.stated, columns, units),
     )
     watch = _Watch(stated=stated, threshold=threshold, metric=Metric.parse(metric), every=every)
-    return watch.follow(rows, rate)
+    return watch.follow(rows, rate or said.rate_hz)
 
 
 def _stated(**quantities: Quantity | None) -> dict[str, StatedValue]:

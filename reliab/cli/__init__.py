@@ -23,6 +23,7 @@ from reliab.cli import (
     info,
     monitor,
     motions,
+    record,
     report,
     run as run_command,
     samples,
@@ -53,6 +54,7 @@ app.command("simulate", epilog=example_of("simulate"))(simulate.simulate)
 app.command("ellipses", epilog=example_of("ellipses"))(ellipses.ellipses)
 app.command("criterion", epilog=example_of("criterion"))(criterion.criterion)
 app.command("assess", epilog=example_of("assess"))(assess.assess)
+app.command("record", epilog=example_of("record"))(record.record)
 app.command("monitor", epilog=example_of("monitor"))(monitor.monitor)
 app.command("explore", epilog=example_of("explore"))(explore.explore)
 app.command("fetch", epilog=example_of("fetch"))(fetch.fetch)

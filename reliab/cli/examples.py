@@ -7,6 +7,7 @@ EXAMPLES: Final = {
     "ellipses": "reliab ellipses --motions records --f 1 --xi 0.02 --out ellipses.nc",
     "criterion": "reliab criterion --ellipses real_suite --f 1 --xi 0.02 --confidence 0.95",
     "assess": "reliab assess sample_test --f 1±0.01 --xi 0.02",
+    "record": "reliab record sample_test --out test.nc",
     "monitor": "reliab monitor sample_test --f 1 --xi 0.02",
     "explore": "reliab explore --out criterion.html",
     "validate": "reliab validate --rebuilt-error --f 1 --xi 0.02 --trials 1",

@@ -114,6 +114,24 @@ Column = Annotated[str | None, typer.Option(metavar="NAME", help="Name of the co
 Units = Annotated[
     str | None, typer.Option("--units", metavar="m|mm|in...", help="Unit of both displacements.")
 ]
+TimeUnits = Annotated[str | None, typer.Option("--time-units", metavar="s|ms", help="Unit of the time.")]
+Rate = Annotated[
+    float | None, typer.Option("--rate", metavar="HZ", help="Sampling rate, if there is no time column.")
+]
+Delimiter = Annotated[
+    str | None, typer.Option("--delimiter", metavar="SIGN", help="What separates columns of a text.")
+]
+TestName = Annotated[
+    str | None, typer.Option("--test", metavar="NAME", help="Which test, if the file holds several.")
+]
+ChannelsFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--channels",
+        metavar="CHANNELS.toml",
+        help="Names, units, signs, zeros and scales of your laboratory's channels.",
+    ),
+]
 
 OF_REPORT = ("title", "date", "paper", "laboratory", "logo")
 """Options about how a report is set; they need a report."""

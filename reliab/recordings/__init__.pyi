@@ -7,6 +7,7 @@ from .channels_file import (
 )
 from .following import Rows as Rows, rows_as_written as rows_as_written
 from .naming import page_words as page_words
+from .readers import read_tests as read_tests
 from .reading import (
     Histories as Histories,
     histories_of as histories_of,

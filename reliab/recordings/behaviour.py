@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 
 from reliab.arrays import Array
+from reliab.recordings.recording import LARGEST_READING
 
 _MOST_SAMPLES: Final = 1 << 16  # that are looked at, where the first history moves most
 _LONGEST_LAG: Final = 0.125  # of them
@@ -32,15 +33,13 @@ class Likeness:
 
 def moves(values: Array) -> bool:
     """Whether a history of numbers moves."""
-    numbers = values[np.isfinite(values)]
+    numbers = values[np.abs(values) < LARGEST_READING]
     return bool(numbers.size and np.ptp(numbers) > 1e-9 * np.abs(numbers).max())
 
 
 def compare(first: Array, second: Array) -> Likeness:
-    """Compare two histories, shape (n,), of equal steps; missing values count as no motion."""
-    first, second = _strongest(first, second)
-    x, y = (np.where(np.isfinite(values), values, np.nanmean(values)) for values in (first, second))
-    x, y = x - x.mean(), y - y.mean()
+    """Compare two histories, shape (n,), of equal steps; values that are no readings count as no motion."""
+    x, y = (_centred(values) for values in _strongest(first, second))
     sizes = [float(np.sqrt(np.mean(values**2))) for values in (x, y)]
     if min(sizes) <= 0.0 or x.size < _FEWEST:
         return Likeness(correlation=0.0, lag=0.0, ratio=np.inf, noise_ratio=1.0, copies=False)
@@ -57,7 +56,7 @@ def compare(first: Array, second: Array) -> Likeness:
 
 def explained(force: Array, displacement: Array) -> float:
     """Share of a force that its displacement, velocity and acceleration explain linearly."""
-    force, displacement = _strongest(force, displacement)
+    force, displacement = (_centred(values) for values in _strongest(force, displacement))
     velocity = np.gradient(displacement)
     motion = np.column_stack([np.ones(force.size), displacement, velocity, np.gradient(velocity)])
     scales = np.abs(motion).max(axis=0)
@@ -67,13 +66,20 @@ def explained(force: Array, displacement: Array) -> float:
     return 1.0 - float(np.var(remainder)) / spread if spread > 0.0 else 0.0
 
 
+def _centred(values: Array) -> Array:
+    """Take the mean from readings; zero stands where a value is none."""
+    are_readings = np.abs(values) < LARGEST_READING
+    mean = float(values[are_readings].mean()) if are_readings.any() else 0.0
+    return np.where(are_readings, values - mean, 0.0)
+
+
 def _strongest(first: Array, second: Array) -> tuple[Array, Array]:
     """Take the part of two histories in which the first moves most."""
     size = min(first.size, second.size)
     first, second = first[:size], second[:size]
     if size <= _MOST_SAMPLES:
         return first, second
-    moved = np.abs(np.nan_to_num(np.diff(first))).cumsum()
+    moved = np.abs(np.diff(_centred(first))).cumsum()
     begin = int(np.argmax(moved[_MOST_SAMPLES:] - moved[:-_MOST_SAMPLES]))
     return first[begin : begin + _MOST_SAMPLES], second[begin : begin + _MOST_SAMPLES]
 

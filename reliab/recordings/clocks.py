@@ -16,7 +16,7 @@ from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.recordings.channel import Channel
 from reliab.recordings.readers import Columns
-from reliab.recordings.recording import FEWEST_SAMPLES
+from reliab.recordings.recording import FEWEST_SAMPLES, LARGEST_READING
 from reliab.recordings.units import TIMES, unit_of
 from reliab.recordings.words import Quantity
 
@@ -60,13 +60,16 @@ class Clock:
 
 def finite(columns: Columns, name: str) -> Array:
     """Take the samples of a column, all of which must be finite numbers."""
-    values = columns.values[name]
-    wrong = np.flatnonzero(~np.isfinite(values))
+    return _readings(columns, name, columns.values[name])
+
+
+def _readings(columns: Columns, name: str, values: Array) -> Array:
+    wrong = np.flatnonzero(~(np.abs(values) < LARGEST_READING))
     if wrong.size:
+        first = values[wrong[0]]
         raise InputError(
-            "Every value must be a finite number",
-            value=f"{'an empty cell or NaN' if np.isnan(values[wrong[0]]) else values[wrong[0]]}, "
-            f"{wrong.size} in all",
+            f"Every value must be a finite number below {LARGEST_READING:g}",
+            value=f"{'an empty cell or NaN' if np.isnan(first) else first}, {wrong.size} in all",
             remedy="Repair the recording; a gap cannot be left empty",
             where=columns.place(int(wrong[0]), name),
         )
@@ -89,13 +92,11 @@ def at_one_clock(
         key: finite(columns, channel.column) for key, channel in channels.items() if channel is not time
     }
     first = next(iter(histories))
+    size = (histories[first] if time is None else columns.values[time.column]).size
     shared = (
         None if rate_hz is not None and time is None else _shared_clock(columns, time, rate_hz, time_units)
     )
-    clocks = {
-        key: _clock_of(columns, channels[key].column, shared, histories[first].size, rate_hz)
-        for key in histories
-    }
+    clocks = {key: _clock_of(columns, channels[key].column, shared, size, rate_hz) for key in histories}
     lead, notes = clocks[first], []
     if lead.times is not None:
         notes.append(
@@ -158,8 +159,7 @@ def _common(columns: Columns, lead: Clock, size: int, begin: float, end: float) 
 def _clock_of(columns: Columns, name: str, shared: Clock | None, size: int, rate_hz: float | None) -> Clock:
     """Clock of a column: its own times, else those of the test."""
     if name in columns.clocks:
-        times = columns.clocks[name]
-        return _clock(columns, name, times, 1.0)
+        return _clock(columns, name, _readings(columns, name, columns.clocks[name]), 1.0)
     count = columns.values[name].size
     if count != size:
         raise InputError(

@@ -140,7 +140,7 @@ def _layout(above: list[str], line: str, delimiter: str, name: str, stated: Mapp
         raise InputError(
             "A test that is followed must be of one actuator",
             value=" and ".join(repr(channel.column) for channel in recognised if channel.actuator),
-            remedy="Choose a pair with --command and --measured",
+            remedy="Choose a pair with `command` and `measured`",
             where=name,
         )
     wanted = {channel.part: channel for channel in recognised if channel.part in {Part.TIME, *DISPLACEMENTS}}

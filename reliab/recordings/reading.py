@@ -117,7 +117,7 @@ def one_test(tests: Sequence[Columns], name: str | None) -> Columns:
         raise InputError(
             "One test of the file must be chosen",
             value=", ".join(names[:20]) + (" …" if len(names) > 20 else ""),  # noqa: PLR2004
-            remedy=f"Choose one with --test {names[0]!r}",
+            remedy="Choose one with `test_name`, or all of them with `test_name=all`",
             where=tests[0].path.name,
         )
     return tests[0]
@@ -143,7 +143,7 @@ def histories_of(
         channels=keyed,
         values={key: keyed[key].in_si(values) for key, values in read.items()},
         time_step=step,
-        notes=(*notes, *clock_notes),
+        notes=(*columns.notes, *notes, *clock_notes),
     )
 
 
@@ -155,7 +155,7 @@ def recording_of(histories: Histories) -> Recording:
         raise InputError(
             "A test must be of one actuator",
             value=f"those of {', '.join(numbers)}: {' and '.join(map(repr, commands))}",
-            remedy="Choose a pair with --command and --measured; `reliab record` keeps all of them",
+            remedy="Choose a pair with `command` and `measured`; `reliab record` keeps all of them",
             where=histories.columns.where,
         )
     values, columns = histories.values, histories.columns

@@ -331,9 +331,7 @@ class _Search:
         if motion is None or not self._histories:
             return list(forces)
         values = self._columns.values
-        shares = [
-            explained(np.nan_to_num(values[what.column]), np.nan_to_num(values[motion])) for what in forces
-        ]
+        shares = [explained(values[what.column], values[motion]) for what in forces]
         order = np.argsort(shares)
         clear = shares[order[-1]] - shares[order[-2]] > _CLEAR_SHARE
         return [forces[int(order[-1])]] if clear else list(forces)
@@ -360,7 +358,7 @@ class _Search:
         return InputError(
             f"One column must be the {part}",
             value=" and ".join(repr(what.column) for what in candidates),
-            remedy=f"Choose one with --{part}",
+            remedy=f"Choose one with `{part}`" if part in DISPLACEMENTS else "State it in `channels`",
             where=self._columns.where,
         )
 
@@ -368,7 +366,7 @@ class _Search:
         return InputError(
             "Command and measured displacement must be told from each other",
             value=f"{' and '.join(repr(name) for name in names)}, which {why}",
-            remedy="Say which is which with --command and --measured",
+            remedy="Say which is which with `command` and `measured`",
             where=self._columns.where,
         )
 
@@ -385,5 +383,5 @@ class _Search:
         for name in self._columns.values:
             candidates = {plain(name), *words_of(name)}
             if any(get_close_matches(word, words, n=1, cutoff=_SIMILAR) for word in candidates):
-                return f"Did you mean {name!r}? Then rename it to {part}, or give --{part} {name!r}"
-        return f"Name the column {part}, or say which it is with --{part}"
+                return f"Did you mean {name!r}? Then rename it to {part}, or give `{part}={name}`"
+        return f"Name the column {part}, or say which it is with `{part}`"

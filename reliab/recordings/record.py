@@ -69,6 +69,7 @@ def record_test(
     said: StatedChannels | None = None,
     test: str | None = None,
     about: About | None = None,
+    time_units: str | None = None,
     delimiter: str | None = None,
 ) -> tuple["xr.Dataset", Histories]:
     """Make the record of a test.
@@ -83,8 +84,8 @@ def record_test(
         Which test, where the file holds several.
     about : About, optional
         What else is stated of the test.
-    delimiter : str, optional
-        What separates the columns of a text.
+    time_units, delimiter : str, optional
+        Unit of the time, where the file states none, and what separates the columns of a text.
 
     Returns
     -------
@@ -99,7 +100,7 @@ def record_test(
         As of :func:`read_recording`.
     """
     columns = read_test(path, test, delimiter=delimiter)
-    histories = histories_of(columns, said or StatedChannels())
+    histories = histories_of(columns, said or StatedChannels(), time_units=time_units)
     return _as_dataset(histories, Path(path), about or About()), histories
 
 
@@ -150,9 +151,8 @@ def check_record(path: str | Path) -> list[str]:
     InputError
         If it is no NetCDF file.
     """
-    path = ordinary(path)
     with decoding("A record must be a NetCDF file", remedy="Make it with `reliab record`", where=path):
-        require_small(path, _MOST_BYTES, remedy="Cut the test")
+        require_small(ordinary(path), _MOST_BYTES, remedy="Cut the test")
         with opened_hdf5(path) as file:
             if sum(int(getattr(item, "nbytes", 0)) for _, item in objects_of(file)) > _MOST_BYTES:
                 raise ValueError(f"more than {_MOST_BYTES} bytes declared")
@@ -288,7 +288,7 @@ def _faults_of_variable(
 
 
 def _faults_of_time(file: "h5py.File") -> Iterator[str]:
-    times, step = file["time"][()], float(file.attrs["time_step_s"])
+    times, step = file["time"][()], float(np.ravel(file.attrs["time_step_s"])[0])
     if not step > 0.0:
         yield "The attribute `time_step_s` must be a positive number."
     elif times.size < FEWEST_SAMPLES or not np.abs(np.diff(times) / step - 1.0).max() <= _EVEN:

@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reliab.api.followed_rows import chunks_of_text, rows_of
+from reliab.api.followed_rows import chunks_of_text
 from reliab.assessment.rebuilt_error import rebuild
 from reliab.cli import run
-from reliab.recordings import read_recording
+from reliab.recordings import read_recording, rows_as_written
 from reliab.simulation.actuator import Actuator
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
 from reliab.structures.structure import Structure
@@ -182,7 +182,7 @@ def rows_while(path: Path, change) -> np.ndarray:
             yield piece
             next(steps, None)
 
-    rows = rows_of(pieces(), name="test.csv", declared={}, units=None)
+    rows = rows_as_written(pieces(), name="test.csv", stated={})
     return np.concatenate([part.time for part in rows])
 
 

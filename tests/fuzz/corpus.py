@@ -16,6 +16,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 from motions.conftest import AT2, RECORDS
+from recordings.layouts import LAYOUTS, record
 from scipy.io import netcdf_file, savemat
 
 from reliab.criterion import derive_criterion, published_criterion
@@ -90,6 +91,30 @@ def tests() -> list[Case]:
         {"test.csv": _classic_netcdf(columns)},
         {"test.csv": pickle.dumps(_Canary())},
     ]
+
+
+@cache
+def recordings() -> list[Case]:
+    """Files of laboratories in all layouts."""
+    cases = []
+    for write in LAYOUTS:
+        with tempfile.TemporaryDirectory() as folder:
+            write(Path(folder))
+            cases += [{"test": content} for content in read_back(Path(folder)).values()][-1:]
+    return cases
+
+
+@cache
+def records() -> list[Case]:
+    with tempfile.TemporaryDirectory() as folder:
+        return [{"test": (record(Path(folder))).read_bytes()}]
+
+
+@cache
+def channels() -> list[Case]:
+    text = '[channels.command]\ncolumn = ["a", "b"]\nunit = "mm"\nsign = -1\nzero = 0.5\n'
+    text += "[sampling]\nrate_hz = 100\n"
+    return [{"channels.toml": text.encode()}]
 
 
 class _Canary:

@@ -29,7 +29,8 @@ _READERS = (
         "reliab.motions.loading",
         "reliab.motions.checking",
     ),
-    *("reliab.recordings.readers", "reliab.recordings.reading"),
+    *("reliab.recordings.readers", "reliab.recordings.reading", "reliab.recordings.recognition"),
+    *("reliab.recordings.naming", "reliab.recordings.clocks", "reliab.recordings.record"),
     *("reliab.discrepancy.campaign", "reliab.study.reading", "reliab.study.description", "reliab.files"),
     *(
         "reliab.criterion.ellipse_csv",

@@ -25,6 +25,7 @@ from reliab.discrepancy import read_campaign
 from reliab.errors import IncompleteError, InputError
 from reliab.files import ordinary
 from reliab.motions import check_folder, load_motions
+from reliab.recordings import check_record, read_channels_file, read_recording
 from reliab.sampling.ensembles import draw
 from reliab.simulation.frames.frame_file import read_frame
 from reliab.simulation.hybrid_test.model_file import read_model
@@ -167,6 +168,13 @@ def _monitor(folder: Path) -> None:
     )
 
 
+def _recording(folder: Path) -> None:
+    test = read_recording(folder / "test")
+    assert np.isfinite(test.command).all()
+    assert np.isfinite(test.measured).all()
+    json.dumps([channel.summary() for channel in test.channels], allow_nan=False)
+
+
 def _campaign(folder: Path) -> None:
     campaign = read_campaign(folder)
     for test in campaign.tests:
@@ -239,6 +247,11 @@ TARGETS = {
     "catalogue": Target(seeds=corpus.catalogue, read=_catalogue),
     "assess": Target(seeds=corpus.tests, read=_assess),
     "monitor": Target(seeds=lambda: corpus.tests()[:3], read=_monitor),
+    "recording": Target(seeds=corpus.recordings, read=_recording),
+    "record": Target(seeds=corpus.records, read=lambda folder: check_record(folder / "test")),
+    "channels": Target(
+        seeds=corpus.channels, read=lambda folder: read_channels_file(folder / "channels.toml")
+    ),
     "campaign": Target(seeds=corpus.campaign, read=_campaign),
     "study": Target(seeds=corpus.studies, read=lambda folder: read_study(folder / "study.toml")),
     "ellipse_table": Target(seeds=corpus.ellipse_tables, read=_criterion_of("ellipses.csv")),

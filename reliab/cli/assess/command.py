@@ -10,7 +10,19 @@ import typer
 
 from reliab.cli.completion import metrics, samples
 from reliab.cli.demand import takes
-from reliab.cli.options import OF_REPORT, Column, JsonTarget, Reported, StructureFile
+from reliab.cli.options import (
+    OF_REPORT,
+    ChannelsFile,
+    Column,
+    Delimiter,
+    JsonTarget,
+    Rate,
+    Reported,
+    StructureFile,
+    TestName,
+    TimeUnits,
+    Units,
+)
 from reliab.errors import InputError
 
 if TYPE_CHECKING:
@@ -28,8 +40,8 @@ class AssessDemand(Reported):
         typer.Argument(
             metavar="[TEST]...",
             autocompletion=samples,
-            help="Command and measured displacement: CSV, MATLAB, HDF5, NetCDF; or sample_test, which ships. "
-            "Several give a table.",
+            help="Command and measured displacement: text, MATLAB, HDF5, TDMS, NetCDF; or sample_test, "
+            "which ships. Several give a table.",
         ),
     ] = None
     f: Annotated[
@@ -121,18 +133,12 @@ class AssessDemand(Reported):
     command: Column = None
     measured: Column = None
     time: Column = None
-    rate: Annotated[
-        float | None, typer.Option("--rate", metavar="HZ", help="Sampling rate, if there is no time column.")
-    ] = None
-    units: Annotated[
-        str | None, typer.Option("--units", metavar="m|mm|in...", help="Unit of both displacements.")
-    ] = None
-    time_units: Annotated[
-        str | None, typer.Option("--time-units", metavar="s|ms", help="Unit of the time.")
-    ] = None
-    delimiter: Annotated[
-        str | None, typer.Option("--delimiter", metavar="SIGN", help="What separates columns of a text.")
-    ] = None
+    rate: Rate = None
+    units: Units = None
+    time_units: TimeUnits = None
+    delimiter: Delimiter = None
+    test_name: TestName = None
+    channels: ChannelsFile = None
     design: Annotated[
         bool,
         typer.Option(

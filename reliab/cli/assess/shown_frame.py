@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+from reliab.cli.assess.shown_channels import show_channels
 from reliab.cli.output import console, table
 from reliab.significant import significant
 
@@ -20,6 +21,7 @@ def show_frame(assessment: "FrameAssessment") -> None:
         terminal.print(sentence, markup=False, highlight=False)
     for warning in content["warnings"]:
         terminal.print(f"Warning: {warning}", style="yellow", markup=False, highlight=False)
+    show_channels(content["recording"]["channels"])
     for note in content["notes"]:
         terminal.print(f"Note: {note}", markup=False, highlight=False)
 

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+from reliab.cli.assess.shown_channels import show_channels
 from reliab.cli.output import console, table
 from reliab.significant import significant
 from reliab.vocabulary import PERCENT
@@ -29,6 +30,7 @@ def show_assessment(assessment: "Assessment") -> None:
         terminal.print(sentence, highlight=False, markup=False)
     for warning in summary["warnings"]:
         terminal.print(f"Warning: {warning}", style="yellow", markup=False, highlight=False)
+    show_channels(summary["recording"]["channels"])
     for note in summary["notes"]:
         terminal.print(f"Note: {note}", markup=False, highlight=False)
 

@@ -11,7 +11,7 @@ import typer
 
 from reliab.cli.completion import samples
 from reliab.cli.demand import Demand, takes
-from reliab.cli.options import Column, MetricName
+from reliab.cli.options import ChannelsFile, Column, MetricName
 from reliab.cli.output import console
 from reliab.cli.printable import printable
 from reliab.errors import InputError
@@ -69,6 +69,7 @@ class MonitorDemand(Demand):
     units: Annotated[
         str | None, typer.Option("--units", metavar="m|mm|in...", help="Unit of both displacements.")
     ] = None
+    channels: ChannelsFile = None
     every: Annotated[
         float, typer.Option("--every", metavar="SECONDS", help="Time of the test between two messages.")
     ] = 0.5

@@ -26,6 +26,7 @@ class Columns:
     parts: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     lines: NDArray[np.int64] | None = None  # Line of each row in a text file, counted from 1
     named: bool = True  # Whether the columns have names of their own
+    notes: tuple[str, ...] = ()  # What is said of the file, in sentences
     test: str = ""  # Name of the test, where the file holds several
 
     def place(self, row: int, name: str = "") -> str:

@@ -1,5 +1,7 @@
 """LabVIEW TDMS files, through npTDMS; the properties of a waveform give unit, begin and step."""
 
+import logging
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -13,6 +15,7 @@ from reliab.recordings.recording import require_few_samples
 
 _SIGNATURE: Final = b"TDSm"
 _UNIT_NAMES: Final = ("unit_string", "NI_UnitDescription", "Unit", "unit", "Units", "units")
+_INCOMPLETE: Final = "The file ends within its last segment, as after a logger that was stopped."
 _MOST_BYTES: Final = 2_000_000_000  # of all numbers together, as they are read
 
 
@@ -25,6 +28,7 @@ def read_tdms(path: Path, _delimiter: str | None = None) -> list[Columns]:
     """Read the groups of a TDMS file."""
     try:
         from nptdms import TdmsFile
+        from nptdms.log import log_manager
     except ModuleNotFoundError:
         raise InputError(
             "A TDMS file needs the library npTDMS",
@@ -32,13 +36,16 @@ def read_tdms(path: Path, _delimiter: str | None = None) -> list[Columns]:
             remedy='Install it with pip install "reliab[recordings]", or export the test as text',
             where=path.name,
         ) from None
+    log_manager.set_level(logging.CRITICAL)  # what npTDMS notices of a file becomes a note or an error
     with path.open("rb") as file, TdmsFile.open(file) as content:
         groups = content.groups()
         _require_bounded([channel for group in groups for channel in group.channels()], path)
         tree: dict[str, Tree] = {}
         for group in groups:
             tree[group.name] = _group(group)
-        return tests_of_tree(path, tree if len(tree) != 1 else next(iter(tree.values())))
+        tests = tests_of_tree(path, tree if len(tree) != 1 else next(iter(tree.values())))
+        incomplete = content.file_status.incomplete_final_segment
+    return [replace(test, notes=(_INCOMPLETE,)) for test in tests] if incomplete else tests
 
 
 def _require_bounded(channels: list[Any], path: Path) -> None:

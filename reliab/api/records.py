@@ -1,0 +1,166 @@
+"""`reliab.record`: a laboratory's file as one open record."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from reliab.api.arguments import Quantity, stated_values
+from reliab.errors import InputError
+from reliab.recordings import (
+    About,
+    Histories,
+    Part,
+    StatedChannels,
+    check_record,
+    read_channels_file,
+    record_test,
+    stated_by_options,
+    write_csv,
+    write_record,
+)
+from reliab.shipped import or_shipped
+
+
+@dataclass(frozen=True, kw_only=True)
+class Record:
+    """A record that was made: what was recognised in a file, and what was written."""
+
+    source: Path
+    files: tuple[Path, ...]
+    histories: Histories
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        columns = self.histories.columns
+        return {
+            "source": str(self.source),
+            "files": [str(path) for path in self.files],
+            "test": columns.test,
+            "rate_hz": 1.0 / self.histories.time_step,
+            "samples": int(next(iter(self.histories.values.values())).size),
+            "recording": {"channels": [channel.summary() for channel in self.histories.channels.values()]},
+            "left": [name for name in columns.values if name not in self._used],
+            "notes": list(self.histories.notes),
+        }
+
+    @property
+    def _used(self) -> set[str]:
+        return {channel.column for channel in self.histories.channels.values()}
+
+
+def record(
+    source: str | Path,
+    out: str | Path | None = None,
+    *,
+    csv: str | Path | None = None,
+    test_name: str | None = None,
+    channels: str | Path | None = None,
+    command: str | None = None,
+    measured: str | None = None,
+    time: str | None = None,
+    rate: float | None = None,
+    units: str | None = None,
+    time_units: str | None = None,
+    delimiter: str | None = None,
+    f: Quantity | None = None,
+    xi: Quantity | None = None,
+    alpha: Quantity | None = None,
+    mass: Quantity | None = None,
+    specimen: str = "",
+    rig: str = "",
+    operator: str = "",
+    date: str = "",
+    attributes: Mapping[str, str] | None = None,
+) -> Record:
+    """Recognise the channels of a test, and write them as one open record.
+
+    Parameters
+    ----------
+    source : str or pathlib.Path
+        File of a laboratory, in any format that `reliab.assess` reads.
+    out, csv : str or pathlib.Path, optional
+        NetCDF file of the record; and a CSV of the recognised channels in SI units, which the page of
+        `reliab explore` reads.
+    test_name : str, optional
+        Which test, where the file holds several.
+    channels : str or pathlib.Path, optional
+        File `channels.toml` in which a laboratory states its channels.
+    command, measured, time, rate, units, time_units, delimiter
+        As for `reliab.assess`.
+    f, xi, alpha, mass : float, str or StatedValue, optional
+        The structure: natural frequency [Hz], damping ratio [-], share in the laboratory [-] and mass [kg].
+    specimen, rig, operator, date : str, optional
+        What was tested, on what, by whom and when.
+    attributes : mapping of str to str, optional
+        Further attributes.
+
+    Returns
+    -------
+    Record
+        What was recognised, with the reasons, and the files that were written.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, its channels cannot be told from each other, or a file cannot be written.
+    """
+    path = or_shipped(Path(source), "datasets", "test.csv")
+    said = StatedChannels() if channels is None else read_channels_file(channels)
+    names = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
+    stated = stated_values(f=f, xi=xi, alpha=alpha, mass=mass)
+    about = About(
+        **{name: str(value) for name, value in stated.items()},
+        specimen=specimen,
+        rig=rig,
+        operator=operator,
+        date=date,
+        further=dict(attributes or {}),
+    )
+    dataset, histories = record_test(
+        path,
+        said=StatedChannels(
+            stated=stated_by_options(said.stated, names, units), rate_hz=rate or said.rate_hz
+        ),
+        test=test_name,
+        about=about,
+        time_units=time_units,
+        delimiter=delimiter,
+    )
+    written = []
+    try:
+        if out is not None:
+            write_record(dataset, out)
+            written.append(Path(out))
+        if csv is not None:
+            write_csv(histories, csv)
+            written.append(Path(csv))
+    except OSError as error:
+        raise InputError(
+            "The record must be writable",
+            value=error.strerror,
+            remedy="Name another file",
+            where=str(out or csv),
+        ) from error
+    return Record(source=path, files=tuple(written), histories=histories)
+
+
+def check_records(sources: list[Path]) -> dict[str, list[str]]:
+    """Examine records; return what is wrong with each, in sentences.
+
+    Parameters
+    ----------
+    sources : list of pathlib.Path
+        NetCDF files.
+
+    Returns
+    -------
+    dict of str to list of str
+        Faults by file; none for a sound record.
+
+    Raises
+    ------
+    InputError
+        If a file is no NetCDF file.
+    """
+    return {str(path): check_record(path) for path in sources}

@@ -1,0 +1,153 @@
+"""`reliab record`: any laboratory's file as one open record, or what is wrong with one."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, ClassVar
+
+import typer
+
+from reliab.cli.demand import Demand, takes
+from reliab.cli.options import (
+    ChannelsFile,
+    Column,
+    Delimiter,
+    JsonTarget,
+    Rate,
+    TestName,
+    TimeUnits,
+    Units,
+)
+from reliab.cli.output import console, table, write_json
+from reliab.errors import InputError
+
+if TYPE_CHECKING:
+    from reliab.api import Record
+
+_COLUMNS = {"channel": "left", "column": "left", "unit": "left", "factor to SI": "right", "reason": "left"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecordDemand(Demand):
+    """Options of `reliab record`, arguments of `reliab.record`."""
+
+    sources: Annotated[
+        list[Path],
+        typer.Argument(metavar="FILE...", help="Files of a laboratory; with --check records."),
+    ]
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="TEST.nc", help="The record; of several files a folder of records."),
+    ] = None
+    csv: Annotated[
+        Path | None,
+        typer.Option("--csv", metavar="TEST.csv", help="The recognised channels as CSV, in SI units."),
+    ] = None
+    test_name: TestName = None
+    channels: ChannelsFile = None
+    command: Column = None
+    measured: Column = None
+    time: Column = None
+    rate: Rate = None
+    units: Units = None
+    time_units: TimeUnits = None
+    delimiter: Delimiter = None
+    f: Annotated[str | None, typer.Option("--f", metavar="HZ", help="Natural frequency, 1 or 1±0.01.")] = None
+    xi: Annotated[str | None, typer.Option("--xi", metavar="RATIO", help="Damping ratio, 0.02.")] = None
+    alpha: Annotated[
+        str | None, typer.Option("--alpha", metavar="SHARE", help="Share of the stiffness in the laboratory.")
+    ] = None
+    mass: Annotated[str | None, typer.Option("--mass", metavar="KG", help="Mass of the structure.")] = None
+    specimen: Annotated[str, typer.Option("--specimen", metavar="TEXT", help="What was tested.")] = ""
+    rig: Annotated[str, typer.Option("--rig", metavar="TEXT", help="On which rig.")] = ""
+    operator: Annotated[str, typer.Option("--operator", metavar="TEXT", help="By whom.")] = ""
+    date: Annotated[str, typer.Option("--date", metavar="DATE", help="When.")] = ""
+    attribute: Annotated[
+        list[str] | None,
+        typer.Option("--attribute", metavar="NAME=TEXT...", help="Further attributes of the record."),
+    ] = None
+    check: Annotated[
+        bool, typer.Option("--check", help="Examine records; exit with code 1 unless all are sound.")
+    ] = False
+    json_target: JsonTarget = None
+
+    belongs_to: ClassVar[Mapping[str, str]] = {}
+
+
+@takes(RecordDemand)
+def record(demand: RecordDemand) -> None:
+    """Recognise the channels of a laboratory's file, and keep them as one open record."""
+    if demand.check:
+        _check(demand)
+        return
+    if demand.csv is not None and len(demand.sources) > 1:
+        raise InputError("A CSV is of one test", value=f"{len(demand.sources)} files", remedy="Name one file")
+    records = [_record(source, demand) for source in demand.sources]
+    contents = [record.to_dict() for record in records]
+    if not write_json(contents[0] if len(contents) == 1 else contents, demand.json_target):
+        for made in records:
+            _show(made)
+
+
+def _record(source: Path, demand: RecordDemand) -> "Record":
+    from reliab import api
+
+    out = demand.out
+    if out is not None and len(demand.sources) > 1:
+        out.mkdir(parents=True, exist_ok=True)
+        out = out / f"{source.stem}.nc"
+    return demand.ask(
+        api.record,
+        *("sources", "attribute", "json_target"),
+        source=source,
+        out=out,
+        attributes=dict(map(_attribute, demand.attribute or [])),
+    )
+
+
+def _attribute(text: str) -> tuple[str, str]:
+    name, sign, value = text.partition("=")
+    if not sign or not name.isidentifier():
+        raise InputError(
+            "An attribute must be written as NAME=TEXT", value=text, remedy="Write specimen_grade=S355"
+        )
+    return name, value
+
+
+def _check(demand: RecordDemand) -> None:
+    from reliab.api import check_records
+
+    demand.refuse_all_but(("sources", "check", "json_target"), "beside `check`")
+    faults = check_records(demand.sources)
+    if not write_json(faults, demand.json_target):
+        for file, sentences in faults.items():
+            console().print(
+                f"{file}: {'a sound record' if not sentences else 'not a sound record'}", markup=False
+            )
+            for sentence in sentences:
+                console().print(f"  {sentence}", markup=False, highlight=False)
+    if any(faults.values()):
+        raise typer.Exit(1)
+
+
+def _show(record: "Record") -> None:
+    """Print what was recognised, and where it was written."""
+    content, screen = record.to_dict(), console()
+    rows = table(
+        f"{content['source']}: {content['samples']:,} samples at {content['rate_hz']:.6g} Hz", _COLUMNS
+    )
+    for channel in content["recording"]["channels"]:
+        rows.add_row(
+            channel["channel"],
+            channel["column"],
+            channel["unit"],
+            f"{channel['factor']:.6g}",
+            channel["reason"],
+        )
+    screen.print(rows)
+    if content["left"]:
+        screen.print(f"Not used: {', '.join(content['left'])}.", markup=False, highlight=False)
+    for note in content["notes"]:
+        screen.print(f"Note: {note}", markup=False, highlight=False)
+    for path in content["files"]:
+        screen.print(f"Written: {path}", markup=False, highlight=False)

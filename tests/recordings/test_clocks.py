@@ -1,0 +1,59 @@
+"""Channels of several rates and jittering clocks are brought to one clock; gaps are refused."""
+
+import h5py
+import numpy as np
+import pandas as pd
+import pytest
+from layouts import COMMAND, MEASURED, RATE, TIME
+
+from reliab.errors import InputError
+from reliab.recordings import read_recording
+
+
+def smooth(time):
+    return 0.01 * np.sin(2.0 * np.pi * 0.7 * time)
+
+
+def test_a_jittering_clock_is_interpolated_and_said():
+    jitter = np.random.default_rng(1).uniform(-0.2, 0.2, TIME.size) / RATE
+    times = TIME + jitter
+    test = read_recording(
+        pd.DataFrame({"time_s": times, "command_m": smooth(times), "measured_m": smooth(times - 0.01)})
+    )
+    at = times[0] + test.time_step * np.arange(test.command.size)
+    np.testing.assert_allclose(test.command[5:-5], smooth(at)[5:-5], atol=1e-7)
+    assert any("jitters" in note for note in test.notes)
+
+
+def test_a_gap_is_refused():
+    times = TIME.copy()
+    times[1000:] += 2.0 / RATE
+    with pytest.raises(InputError, match="equal steps"):
+        read_recording(pd.DataFrame({"time_s": times, "command_m": COMMAND, "measured_m": MEASURED}))
+
+
+def test_channels_of_two_rates_and_begins_are_brought_to_the_clock_of_the_command(tmp_path):
+    slow = 0.05 + np.arange(780) / 100.0
+    with h5py.File(tmp_path / "t.h5", "w") as file:
+        file["controller/time"], file["controller/command_m"] = TIME, smooth(TIME)
+        file["logger/time"], file["logger/measured_m"] = slow, smooth(slow - 0.01)
+    test = read_recording(tmp_path / "t.h5")
+    assert test.time_step == pytest.approx(1.0 / RATE)
+    lag = np.argmax(np.correlate(test.measured, test.command, "full")) - (test.command.size - 1)
+    assert lag == round(0.01 * RATE)
+    assert any("recorded at 100 Hz and interpolated at the 256 Hz" in note for note in test.notes)
+
+
+def test_channels_that_share_half_of_their_time_are_refused(tmp_path):
+    with h5py.File(tmp_path / "t.h5", "w") as file:
+        file["controller/time"], file["controller/command_m"] = TIME, COMMAND
+        file["logger/time"], file["logger/measured_m"] = TIME + 4.0, MEASURED
+    with pytest.raises(InputError, match="recorded at the same time"):
+        read_recording(tmp_path / "t.h5")
+
+
+def test_times_without_a_unit_that_may_be_milliseconds_are_asked_about():
+    table = {"time": 4.0 * np.arange(TIME.size), "command_m": COMMAND, "measured_m": MEASURED}
+    with pytest.raises(InputError, match="Times must state their unit"):
+        read_recording(pd.DataFrame(table))
+    assert read_recording(pd.DataFrame(table), time_units="ms").time_step == pytest.approx(4e-3)

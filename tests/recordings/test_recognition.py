@@ -1,0 +1,103 @@
+"""Channels are told from each other by name, unit and what they do; what is too close is asked about."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from layouts import COMMAND, FORCE, MEASURED, TIME, VALVE
+
+from reliab.errors import InputError
+from reliab.recordings import read_recording
+
+
+def columns_of(table):
+    return {str(channel.part): channel.column for channel in read_recording(pd.DataFrame(table)).channels}
+
+
+@pytest.mark.parametrize(
+    ("command", "measured"),
+    [
+        ("Dis command", "Dis feedback"),
+        ("x_d", "x_m"),
+        ("disp_c", "disp_m"),
+        ("targDsp", "measDsp"),
+        ("Sollweg", "Istweg"),
+        ("Riferimento", "Spostamento misurato"),
+        ("mubiao weiyi", "shice weiyi"),
+        ("SetPoint", "ActDisp"),
+        ("xref", "dmeas"),
+        ("Consigna", "LVDT"),
+    ],
+)
+def test_words_of_laboratories_name_the_channels_in_any_order(command, measured):
+    table = {"Voltage command": VALVE, measured: MEASURED, "Load cell": FORCE, command: COMMAND, "t": TIME}
+    assert columns_of(table) == {
+        "command": command, "measured": measured, "force": "Load cell", "time": "t"
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "rival", ["Compensated command (mm)", "Disp error (mm)", "Valve command (V)", "Command velocity (mm/s)"]
+)
+def test_changed_channels_errors_voltages_and_velocities_are_not_the_command(rival):
+    table = {"Time": TIME, rival: np.roll(COMMAND, -3), "Command (m)": COMMAND, "Actual (m)": MEASURED}
+    assert columns_of(table)["command"] == "Command (m)"
+
+
+def test_target_and_command_that_differ_are_asked_about():
+    table = {"Time": TIME, "Target": COMMAND, "Command": np.roll(COMMAND, 3), "Measured": MEASURED}
+    with pytest.raises(InputError, match="'Target' and 'Command'.*Choose one with `command`"):
+        columns_of(table)
+    table["Command"] = COMMAND
+    assert columns_of(table)["command"] == "Target"
+
+
+def test_the_one_that_follows_is_measured_where_units_alone_speak():
+    table = {"Time": TIME, "Ch2 [mm]": 1e3 * MEASURED, "Ch1 [mm]": 1e3 * COMMAND, "Ch3 [kN]": 1e-3 * FORCE}
+    assert columns_of(table) == {
+        "command": "Ch1 [mm]", "measured": "Ch2 [mm]", "force": "Ch3 [kN]", "time": "Time"
+    }  # fmt: skip
+
+
+def test_two_sensors_that_follow_the_command_are_asked_about():
+    table = {
+        "t": TIME,
+        "cmd (mm)": COMMAND,
+        "LVDT A (mm)": MEASURED,
+        "LVDT B (mm)": 0.9 * np.roll(MEASURED, 1),
+    }
+    with pytest.raises(InputError, match=r"'LVDT A \(mm\)' and 'LVDT B \(mm\)'"):
+        columns_of(table)
+
+
+def test_names_that_say_nothing_without_units_are_asked_about():
+    with pytest.raises(InputError, match="must have a column of the command"):
+        columns_of({"time": TIME, "a": COMMAND, "b": MEASURED})
+
+
+def test_early_measurement_without_names_is_never_taken_for_the_command(tmp_path):
+    """An overcompensated actuator leads; its noise contradicts, and the user is asked."""
+    early = np.roll(MEASURED, -5)
+    np.savetxt(tmp_path / "t.csv", np.column_stack([TIME, early, COMMAND]), delimiter=",")
+    with pytest.raises(InputError, match="must be told from each other"):
+        read_recording(tmp_path / "t.csv")
+
+
+def test_one_displacement_in_metres_beside_one_in_unstated_millimetres_is_asked_about():
+    table = {"time": TIME, "command_m": COMMAND, "measured": 1e3 * MEASURED}
+    with pytest.raises(InputError, match="Both displacements must state their units"):
+        columns_of(table)
+
+
+def test_force_is_the_one_that_the_motion_explains():
+    noise = np.random.default_rng(2).normal(size=TIME.size)
+    table = {"t": TIME, "cmd_m": COMMAND, "meas_m": MEASURED, "Load A (N)": 50.0 * noise, "Load B (N)": FORCE}
+    assert columns_of(table)["force"] == "Load B (N)"
+
+
+def test_pairs_of_several_actuators_are_asked_about_by_a_test_of_one():
+    table = {"t": TIME, "cmd_1": COMMAND, "meas_1": MEASURED, "cmd_2": 2 * COMMAND, "meas_2": 2 * MEASURED}
+    with pytest.raises(InputError, match="of one actuator; found those of 1, 2"):
+        columns_of(table)
+    assert (
+        read_recording(pd.DataFrame(table), command="cmd_2", measured="meas_2").command[9] == 2 * COMMAND[9]
+    )
