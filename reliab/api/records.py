@@ -133,7 +133,7 @@ def record(
             write_record(dataset, out)
             written.append(Path(out))
         if csv is not None:
-            write_csv(histories, csv)
+            write_csv(dataset, histories, csv)
             written.append(Path(csv))
     except OSError as error:
         raise InputError(

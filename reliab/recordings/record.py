@@ -19,7 +19,7 @@ from reliab.files import decoding, ordinary, require_small, written_whole
 from reliab.received import objects_of, opened_hdf5
 from reliab.recordings.channel import Channel, Part
 from reliab.recordings.channels_file import StatedChannels
-from reliab.recordings.readers.recorded import text_of
+from reliab.recordings.readers.recorded import STATED, text_of
 from reliab.recordings.reading import Histories, histories_of, read_test, stated_in
 from reliab.recordings.recording import FEWEST_SAMPLES
 from reliab.version import __version__
@@ -119,7 +119,7 @@ def write_record(record: "xr.Dataset", path: str | Path) -> None:
         file.write_bytes(record.to_netcdf(engine="h5netcdf", encoding=packed))
 
 
-def write_csv(histories: Histories, path: str | Path) -> None:
+def write_csv(record: "xr.Dataset", histories: Histories, path: str | Path) -> None:
     """Write the recognised channels as CSV with names and units that every reader understands."""
     names, values = ["time_s"], [histories.time_step * np.arange(_size(histories))]
     endings = {Part.COMMAND: "m", Part.MEASURED: "m", Part.FORCE: "n", Part.GROUND: "mps2"}
@@ -127,7 +127,7 @@ def write_csv(histories: Histories, path: str | Path) -> None:
         if key in histories.values:
             names.append(f"{key.replace(' ', '_')}_{endings[channel.part]}")
             values.append(histories.values[key])
-    stated = [f"# {name} = {value}\n" for name, value in stated_in(histories.columns).items()]
+    stated = [f"# {name} = {record.attrs[name]}\n" for name in STATED if name in record.attrs]
     with written_whole(path) as place, place.open("w", encoding="utf-8", newline="\n") as file:
         file.write("".join(stated) + ",".join(names) + "\n")
         np.savetxt(file, np.column_stack(values), fmt="%.17g", delimiter=",")

@@ -45,7 +45,7 @@ def test_changed_channels_errors_voltages_and_velocities_are_not_the_command(riv
 
 def test_target_and_command_that_differ_are_asked_about():
     table = {"Time": TIME, "Target": COMMAND, "Command": np.roll(COMMAND, 3), "Measured": MEASURED}
-    with pytest.raises(InputError, match="'Target' and 'Command'.*Choose one with `command`"):
+    with pytest.raises(InputError, match=r"'Target' and 'Command'.*Choose one with `command`"):
         columns_of(table)
     table["Command"] = COMMAND
     assert columns_of(table)["command"] == "Target"

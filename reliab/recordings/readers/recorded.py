@@ -19,7 +19,8 @@ _PARTS: Final = {
     "force": "force",
     "ground_acceleration": "ground acceleration",
 }
-_STATED: Final = ("f", "xi", "alpha", "mass", "scale")
+STATED: Final = ("f", "xi", "alpha", "mass", "scale")
+"""Attributes that state the structure and the sensor."""
 
 
 def is_record(file: "h5py.File") -> bool:
@@ -47,7 +48,7 @@ def columns_of_record(file: "h5py.File", path: Path) -> Columns:
             values[column], units[column] = row, text_of(item.attrs.get("units", ""))
             if name in _PARTS:
                 parts[column] = (_PARTS[name], number)
-    stated = {name: text_of(file.attrs[name]) for name in _STATED if name in file.attrs}
+    stated = {name: text_of(file.attrs[name]) for name in STATED if name in file.attrs}
     return Columns(path=path, values=values, units=units, parts=parts, header=stated)
 
 
