@@ -1,9 +1,11 @@
 """The same test comes back from every layout, and what was recognised is stated."""
 
+import h5py
 import numpy as np
 import pytest
-from layouts import COMMAND, FORCE, LAYOUTS, MEASURED, RATE, dspace
+from layouts import COMMAND, FORCE, LAYOUTS, MEASURED, RATE, TIME, dspace, mts_793
 
+from reliab.errors import InputError
 from reliab.recordings import read_recording
 
 PRECISION = {dspace: 1e-9}
@@ -22,3 +24,32 @@ def test_a_test_in_any_layout_is_read_without_an_option(tmp_path, write):
     parts = [str(channel.part) for channel in test.channels]
     assert parts[:2] == ["command", "measured"]
     assert all(channel.reason for channel in test.channels)
+
+
+def test_blocks_of_one_acquisition_are_joined_and_others_are_tests(tmp_path):
+    content = mts_793(tmp_path).read_text(encoding="utf-8")
+    rows = content.splitlines()
+    names = next(place for place, line in enumerate(rows) if line.startswith("Time\t"))
+    above, table = rows[names - 2 : names + 2], rows[names + 2 :]
+    whole = [*rows[: names + 2], *table[:1000], *above, *table[1000:]]
+    (tmp_path / "t.dat").write_text("\n".join(whole), encoding="utf-8")
+    np.testing.assert_allclose(read_recording(tmp_path / "t.dat").command, COMMAND, atol=1e-12)
+    apart = [*rows[: names + 2], *table[:1000], *above, *table[:900]]
+    (tmp_path / "t.dat").write_text("\n".join(apart), encoding="utf-8")
+    with pytest.raises(InputError, match="One test of the file must be chosen; found 1, 2"):
+        read_recording(tmp_path / "t.dat")
+    assert read_recording(tmp_path / "t.dat", test="2").command.size == 900
+
+
+def test_groups_of_the_same_names_are_tests(tmp_path):
+    with h5py.File(tmp_path / "t.h5", "w") as file:
+        for name, factor in (("run 1", 1.0), ("run 2", 2.0)):
+            for channel, values in (
+                ("time", TIME),
+                ("command", factor * COMMAND),
+                ("measured", factor * MEASURED),
+            ):
+                file[f"{name}/{channel}"] = values
+    with pytest.raises(InputError, match="found run 1, run 2"):
+        read_recording(tmp_path / "t.h5")
+    np.testing.assert_array_equal(read_recording(tmp_path / "t.h5", test="run 2").command, 2.0 * COMMAND)

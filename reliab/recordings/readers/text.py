@@ -19,8 +19,10 @@ from numpy.typing import NDArray
 from reliab.encodings import decoded, encoding_of
 from reliab.errors import InputError
 from reliab.files import require_small
+from reliab.recordings.naming import describe
 from reliab.recordings.readers.columns import Columns
 from reliab.recordings.units import unit_of
+from reliab.recordings.words import Quantity
 
 COMMENTS: Final = ("#", "%", "//", "!")
 TOO_LARGE: Final = "Leave columns out, resample the test, or cut it where everything stands still"
@@ -41,6 +43,7 @@ _FEWEST_COLUMNS = 2
 _LONGEST_PREAMBLE = 5_000_000  # characters
 _HEADER_LINES = 8
 _DAY = 86400.0
+_HALF = 0.5
 _LETTERS: Final = frozenset("acfk-")  # ampere, degrees and kelvin, or names of columns
 
 
@@ -102,7 +105,33 @@ def tables_of(lines: Sequence[str], path: Path, delimiter: str | None = None) ->
             where=path.name,
         )
     long = [table for table in tables if next(iter(table.values.values())).size > 1] or tables
-    return long if len(long) == 1 else [_as_test(table, number) for number, table in enumerate(long, start=1)]
+    joined = _joined(long)
+    return joined if len(joined) == 1 else [_as_test(table, place) for place, table in enumerate(joined, 1)]
+
+
+def _joined(tables: Sequence[Columns]) -> list[Columns]:
+    """Join tables that go on one another: the same columns, and a first time one step after the last."""
+    joined = [tables[0]]
+    for table in tables[1:]:
+        before = joined[-1]
+        if not _goes_on(before, table):
+            joined.append(table)
+            continue
+        values = {name: np.concatenate([before.values[name], table.values[name]]) for name in table.values}
+        lines = [part.lines for part in (before, table) if part.lines is not None]
+        joined[-1] = replace(before, values=values, lines=np.concatenate(lines))
+    return joined
+
+
+def _goes_on(before: Columns, table: Columns) -> bool:
+    if list(before.values) != list(table.values) or dict(before.units) != dict(table.units):
+        return False
+    described = describe(list(table.values), table.units)
+    time = next((name for name, what in described.items() if what.quantity is Quantity.TIME), None)
+    if time is None or before.values[time].size < _FEWEST_COLUMNS:
+        return False
+    step = float(np.median(np.diff(before.values[time])))
+    return bool(abs(table.values[time][0] - before.values[time][-1] - step) < _HALF * abs(step))
 
 
 def _as_test(table: Columns, number: int) -> Columns:
