@@ -85,8 +85,8 @@ def record(demand: RecordDemand) -> None:
     records = [_record(source, demand) for source in demand.sources]
     contents = [record.to_dict() for record in records]
     if not write_json(contents[0] if len(contents) == 1 else contents, demand.json_target):
-        for made in records:
-            _show(made)
+        for answer in records:
+            _show(answer)
 
 
 def _record(source: Path, demand: RecordDemand) -> "Record":

@@ -69,8 +69,10 @@ def explained(force: Array, displacement: Array) -> float:
 def _centred(values: Array) -> Array:
     """Take the mean from readings; zero stands where a value is none."""
     are_readings = np.abs(values) < LARGEST_READING
-    mean = float(values[are_readings].mean()) if are_readings.any() else 0.0
-    return np.where(are_readings, values - mean, 0.0)
+    centred = np.zeros(values.shape)
+    if are_readings.any():
+        centred[are_readings] = values[are_readings] - values[are_readings].mean()
+    return centred
 
 
 def _strongest(first: Array, second: Array) -> tuple[Array, Array]:

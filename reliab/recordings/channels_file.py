@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated, Final, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -34,9 +34,7 @@ class ChannelTable(_Table):
         default=[], description="Name of the column, or several of which the first that a file holds counts"
     )
     unit: Annotated[str, Field(max_length=20)] = Field(default="", description="Unit, in place of the file's")
-    sign: Annotated[float, Field(ge=-1.0, le=1.0)] = Field(
-        default=1.0, description="1, or -1 where the channel is reversed"
-    )
+    sign: Literal[-1, 1] = Field(default=1, description="1, or -1 where the channel is reversed")
     scale: Annotated[float, Field(gt=0.0, le=1e30)] = Field(
         default=1.0, description="What readings are multiplied by"
     )
@@ -47,18 +45,17 @@ class ChannelTable(_Table):
     def stated(self) -> Stated:
         """Return the same for the recognition."""
         columns = (self.column,) if isinstance(self.column, str) else tuple(self.column)
-        sign = -1.0 if self.sign < 0.0 else 1.0
-        return Stated(columns=columns, unit=self.unit, sign=sign, scale=self.scale, zero=self.zero)
+        return Stated(columns=columns, unit=self.unit, sign=self.sign, scale=self.scale, zero=self.zero)
 
 
 class ChannelTables(_Table):
     """The channels of a test."""
 
-    time: ChannelTable | None = None
-    command: ChannelTable | None = None
-    measured: ChannelTable | None = None
-    force: ChannelTable | None = None
-    ground: ChannelTable | None = None
+    time: ChannelTable | None = Field(default=None, description="Times of the samples")
+    command: ChannelTable | None = Field(default=None, description="Commanded displacement")
+    measured: ChannelTable | None = Field(default=None, description="Measured displacement")
+    force: ChannelTable | None = Field(default=None, description="Restoring force of the specimen")
+    ground: ChannelTable | None = Field(default=None, description="Ground acceleration")
 
 
 class SamplingTable(_Table):

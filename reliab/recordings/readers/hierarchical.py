@@ -152,7 +152,7 @@ class _Contents:
         unit = next((text_of(item.attrs[name]) for name in _UNIT_NAMES if name in item.attrs), "")
         flat = values.squeeze()
         if unit and flat.ndim == 1 and flat.size > 1 and np.issubdtype(flat.dtype, np.number):
-            return Series(values=flat.astype(np.float64), unit=unit)
+            return Series(values=np.asarray(flat, dtype=np.float64), unit=unit)
         return values
 
     def _referred(self, item: "h5py.Dataset", depth: int) -> list[Tree]:

@@ -430,7 +430,7 @@ def _columns_of(tree: Tree) -> list[NDArray[np.float64]]:
         return []
     values = np.asarray(tree).squeeze()
     if values.ndim == 1 and values.size > 1:
-        return [values.astype(np.float64)]
+        return [np.asarray(values, dtype=np.float64)]
     if values.ndim == _MATRIX and min(values.shape) <= _WIDEST and max(values.shape) >= _FEWEST_SAMPLES:
         long = values if values.shape[0] >= values.shape[1] else values.T
         return [np.ascontiguousarray(column, dtype=np.float64) for column in long.T]

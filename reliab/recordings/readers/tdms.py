@@ -92,7 +92,7 @@ def _series(channel: Any) -> Series | None:  # noqa: ANN401
         return None
     step, begin = _number(stated.get("wf_increment")), _number(stated.get("wf_start_offset"))
     times = None if not step else (begin or 0.0) + step * np.arange(values.size, dtype=np.float64)
-    return Series(values=values.astype(np.float64), unit=unit, times=times)
+    return Series(values=np.asarray(values, dtype=np.float64), unit=unit, times=times)
 
 
 def _number(value: object) -> float | None:
