@@ -1,0 +1,48 @@
+"""`reliab record`: what it prints, writes and examines."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from reliab.cli import run
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "recordings"))
+
+from layouts import COMMAND, MEASURED, TIME, csv_with_units_in_brackets, dspace, tdms
+
+
+def test_a_record_is_written_shown_and_sound(tmp_path, capsys):
+    source, out = csv_with_units_in_brackets(tmp_path), tmp_path / "t.nc"
+    assert run(["record", str(source), "--out", str(out), "--attribute", "grade=S355"]) == 0
+    printed = capsys.readouterr().out
+    assert "Dis command (mm)" in printed
+    assert "Not used: Voltage command" in printed
+    assert run(["record", str(out), "--check", "--json", "-"]) == 0
+    assert json.loads(capsys.readouterr().out) == {str(out): []}
+
+
+def test_several_files_become_a_folder_of_records(tmp_path, capsys):
+    sources = [str(dspace(tmp_path)), str(tdms(tmp_path))]
+    assert run(["record", *sources, "--out", str(tmp_path / "records"), "--json", "-"]) == 0
+    assert len(json.loads(capsys.readouterr().out)) == 2
+    assert sorted(path.name for path in (tmp_path / "records").iterdir()) == ["rths_001.nc", "t.nc"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code"),
+    [(["--check"], 2), (["--check", "--rig", "3"], 2), (["--attribute", "grade"], 2), (["--units", "kN"], 2)],
+)
+def test_what_cannot_be_answered_is_refused(tmp_path, arguments, code, capsys):
+    source = csv_with_units_in_brackets(tmp_path)
+    assert run(["record", str(source), *arguments]) == code
+    assert capsys.readouterr().err.startswith("Error: ")
+
+
+def test_the_option_that_decides_is_named(tmp_path, capsys):
+    table = np.column_stack([TIME, COMMAND, np.roll(COMMAND, 3), MEASURED])
+    np.savetxt(tmp_path / "t.csv", table, delimiter=",", header="Time,Target,Command,Measured", comments="")
+    assert run(["assess", str(tmp_path / "t.csv"), "--f", "1", "--xi", "0.02"]) == 2
+    assert "'Target' and 'Command'. Choose one with --command." in capsys.readouterr().err
