@@ -164,6 +164,7 @@ def _assess(folder: Path) -> None:
 def _monitor(folder: Path) -> None:
     _command(
         *("monitor", folder / "test.csv", "--f", "1", "--xi", "0.02", "--wait", "0.01", "--every", "2"),
+        *("--start-within", "0.1"),
         *("--json", "-"),
     )
 
