@@ -1,6 +1,7 @@
 """What no criterion can be derived from is refused, by its own rule."""
 
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from reliab.criterion import derive_criterion, read_ellipses
 from reliab.criterion.ellipse_sample import EllipseSample
 from reliab.criterion.laws.checks import checked_coefficients, checked_grid
 from reliab.criterion.methods import Quantile
-from reliab.criterion.methods.hierarchical.fit import hierarchical_model
+from reliab.criterion.methods.hierarchical.fit import HierarchicalFit, hierarchical_model
 from reliab.criterion.population import Population
 from reliab.errors import InputError
 
@@ -110,3 +111,19 @@ def test_motions_without_an_ellipse_somewhere_do_not_count_in_the_hierarchical_m
     )
     with pytest.raises(InputError, match="with an ellipse everywhere; found 2"):
         hierarchical_model(gaps)
+
+
+def test_what_lacks_an_ellipse_is_counted_and_named_once():
+    """Of five motions one has no ellipse at one of two structures and one has none at all."""
+    values = np.arange(10.0).reshape(5, 2, 1)
+    values[0, 0], values[1] = np.nan, np.nan
+    gaps = SimpleNamespace(log_alpha=values, log_beta=2.0 * values)
+    said = {}
+    for kept in (4, 5):
+        model = SimpleNamespace(values=np.zeros((kept, 2, 1, 2)))
+        grid = SimpleNamespace(population=gaps)
+        fitted = HierarchicalFit(grid=grid, method="", assurance=None, model=model, posterior=None)
+        said[kept] = fitted._imputed  # noqa: SLF001 - one of the cautions
+    assert said[4].startswith("2 of 5 motions have no ellipse at some structure, 30.0% of all values;")
+    assert said[4].endswith("; 1 with none at all were left out.")
+    assert said[5] == said[4].replace("; 1 with none at all were left out", "")

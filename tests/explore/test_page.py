@@ -81,6 +81,16 @@ def test_settings_that_the_ellipses_do_not_hold_are_refused(small, settings):
         render(pack(small), settings, source="a test")
 
 
+def test_settings_at_the_ends_of_the_ellipses_are_within_them_in_spite_of_rounding(shipped_ellipses):
+    packed = pack({"record": shipped_ellipses["record"].isel(f=[3, 4], xi=[0])})
+    for f in packed["frequencies"]:
+        for rounded in (f * (1.0 - 1e-12), f, f * (1.0 + 1e-12)):
+            assert f'"frequency": {rounded}' in render(packed, Settings(frequency=rounded), source="a test")
+    for f in (min(packed["frequencies"]) * (1.0 - 1e-6), max(packed["frequencies"]) * (1.0 + 1e-6)):
+        with pytest.raises(InputError, match="in the range of the ellipses"):
+            render(packed, Settings(frequency=f), source="a test")
+
+
 def test_page_opens_at_a_structure_of_its_ellipses(small):
     moved = small["record"].assign_coords(f=[0.4], xi=[0.07])
     page = render(pack({"record": moved}), Settings(), source="a test")
