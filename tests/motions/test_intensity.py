@@ -128,3 +128,9 @@ def test_scaling_a_record_scales_only_its_strength(samples: list[float], scale: 
     assert other.arias_intensity == pytest.approx(scale**2 * one.arias_intensity)
     assert other.significant_duration == pytest.approx(one.significant_duration, rel=1e-6, abs=1e-7)
     assert other.mean_period == pytest.approx(one.mean_period)
+
+
+@pytest.mark.parametrize("size", [1e-180, 1e180])
+def test_the_mean_period_has_no_size(size):
+    shaken = np.random.default_rng(5).standard_normal(2000)
+    assert mean_period(size * shaken, 0.01) == pytest.approx(mean_period(shaken, 0.01), rel=1e-12)

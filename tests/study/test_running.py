@@ -4,6 +4,7 @@ import csv
 import datetime as dt
 import json
 import shutil
+from contextlib import contextmanager
 
 import pytest
 
@@ -21,9 +22,20 @@ pytestmark = pytest.mark.usefixtures("blank_figures")
 
 
 @pytest.fixture(scope="module")
-def finished_once(tmp_path_factory, small_study):
+def shown():
+    """Tasks that a run has shown, with the calls of the progress of each."""
+    return {}
+
+
+@pytest.fixture(scope="module")
+def finished_once(tmp_path_factory, small_study, shown):
+    @contextmanager
+    def show(task):
+        calls = shown.setdefault(task, [])
+        yield lambda *call: calls.append(call)
+
     folder = tmp_path_factory.mktemp("finished") / "run"
-    run_study(small_study, folder)
+    run_study(small_study, folder, show=show)
     return folder
 
 
@@ -36,6 +48,14 @@ def stages_of(study, folder):
     done = {}
     run_study(study, folder, tell=done.__setitem__)
     return {name for name, worked in done.items() if worked}
+
+
+@pytest.mark.usefixtures("finished_once")
+def test_every_long_task_is_shown_in_words_and_to_its_end(shown):
+    assert "Cross-validating, k fold" in shown
+    assert not [task for task in shown if "_" in task]
+    assert all(calls[-1][0] == calls[-1][1] > 0 for calls in shown.values() if calls)
+    assert shown["Cross-validating, k fold"]
 
 
 def test_a_finished_study_is_not_run_again(finished, small_study):
