@@ -25,6 +25,7 @@ _LARGEST_JITTER: Final = 0.5
 _FEW: Final = 0.01  # share of unusual steps up to which they are faults, and not the rounding of the times
 _LEAST_SHARED: Final = 0.9
 _DIGITS: Final = 9
+_ROUNDED: Final = 1e-9  # relative
 _LARGEST_RATIO: Final = 20.0  # of two rates
 _SLOWEST: Final = 0.5  # s, from which a step without a unit may be one of milliseconds or samples
 _STEP_NAMES: Final = frozenset(
@@ -239,7 +240,7 @@ def _clock(columns: Columns, name: str, times: Array, scale: float) -> Clock:
     if off.mean() > _FEW:  # the step is no multiple of what the times are rounded to
         off = np.abs(steps - mean) > 1.01 * _rounding(times) + _JITTER * abs(mean)
     if not off.any() and mean > 0.0:
-        return Clock(begin=scale * float(times[0]), step=scale * mean, times=None)
+        return Clock(begin=scale * float(times[0]), step=_of_whole_rate(scale * mean), times=None)
     jitters = mean > 0.0 and off.mean() > _FEW and (np.abs(steps - mean) <= _LARGEST_JITTER * mean).all()
     if jitters and _jitter(times, mean) <= 1.0:
         return Clock(begin=scale * float(times[0]), step=scale * mean, times=scale * times)
@@ -250,6 +251,12 @@ def _clock(columns: Columns, name: str, times: Array, scale: float) -> Clock:
         remedy="Resample the test, or cut it where samples are missing",
         where=columns.place(row, name),
     )
+
+
+def _of_whole_rate(step: float) -> float:
+    """Step [s], without the rounding of the times where it is that of a whole number of hertz."""
+    rate = round(1.0 / step)
+    return 1.0 / rate if rate > 0 and abs(rate * step - 1.0) < _ROUNDED else step
 
 
 def _jitter(times: Array, step: float) -> float:

@@ -23,6 +23,7 @@ from reliab.recordings.ranking import (
     votes,
 )
 from reliab.recordings.readers import Columns
+from reliab.recordings.recording import LARGEST_READING
 from reliab.recordings.units import UNITS, Unit, unit_of
 from reliab.recordings.words import ROLES, Quantity, Role
 
@@ -351,6 +352,8 @@ class _Search:
     def _rises(self, column: str) -> bool:
         """Whether a column rises by steps that are not whole numbers, which a counter has."""
         values = self._columns.values[column]
+        if not (np.abs(values) < LARGEST_READING).all():
+            return False
         steps = np.diff(values)
         return bool(steps.size and steps.mean() > 0.0 and (steps >= 0.0).all() and steps.mean() != 1.0)
 

@@ -52,6 +52,8 @@ CHOICES = {
     "units": ("mm", "furlong"),
     "time_units": ("ms", "h"),
     "delimiter": ("|", ";"),
+    "test_name": ("1", "other"),
+    "channels": ("missing.toml", "frame.toml"),
 }
 OFTEN = {"f": 0.9, "xi": 0.7}
 
@@ -90,7 +92,8 @@ def drawn(number):
 
 
 def by_command(capsys, tests, stated):
-    options = [text for name, value in stated.items() for text in (f"--{name.replace('_', '-')}", str(value))]
+    flags = {name: f"--{name.replace('_', '-')}" for name in stated} | {"test_name": "--test"}
+    options = [text for name, value in stated.items() for text in (flags[name], str(value))]
     code = cli.run(["assess", *tests, *options, "--json", "-"])
     out, err = capsys.readouterr()
     return code, json.loads(out) if out else None, err.strip()

@@ -213,7 +213,8 @@ def _answer_tests(demand: AssessDemand) -> bool:
     from reliab.cli.output import progress_bar
 
     files = demand.files
-    if demand.report is not None and len(files) > 1:
+    several = len(files) != 1 or demand.test_name == "all"
+    if demand.report is not None and several and files:
         raise api.unused("report", "beside several tests, since it is the report of one")
     with progress_bar("tests") as progress:
         verdicts: Any = demand.ask(
@@ -225,7 +226,7 @@ def _answer_tests(demand: AssessDemand) -> bool:
             confidence=_only_value(demand.confidence, "confidence"),
             progress=progress,
         )
-    if len(files) != 1:
+    if several:
         _write_several(verdicts, demand)
         return bool(verdicts.reliable)
     _write_one(verdicts, files[0], demand)
