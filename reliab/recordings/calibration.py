@@ -1,0 +1,358 @@
+"""What two displacement channels do to one motion: skew, relative scale, hysteresis, resolution and noise.
+
+Both channels record the same motion x(t), in a test made for it: an actuator without a specimen, or one
+signal on both channels. The measured one then reads
+
+    y(t) = offset + drift t + s [x − Σⱼ wⱼ stop(x; rⱼ)](t − δ) + noise,
+
+with the skew δ, the scale s and a hysteresis of plays (Prandtl–Ishlinskii: x − stop(x; r) is a play of half
+width r). For a given δ this is linear, with weights wⱼ that are not negative; δ minimises what is left.
+Standard deviations are those of estimates from stretches of the test.
+"""
+
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from reliab.arrays import Array
+from reliab.compiled import compiled
+from reliab.errors import InputError
+from reliab.recordings.recording import Recording
+from reliab.signals import converter_step, low_pass, smoothed
+from reliab.stated_value import StatedValue
+from reliab.vocabulary import MILLI
+
+_RADII = np.geomspace(3e-4, 0.08, 16)  # half widths of the plays over half the range of the motion
+_STRETCHES = 8  # each gives an estimate of its own
+_SPACING, _SKEWS = 1.25e-3, 40  # s and their number on both sides, about which skews are looked for
+_AT_REST = 0.01  # of the command's range: a measured channel that moves less is locked
+_LEAST_CORRELATION = 0.9
+_ALWAYS_LEFT = 1e-4  # of half the range
+_BEYOND_NOISE = 1.3  # times its noise: what is left where the channels hold more than the model
+_HARMONICS = 6.0  # of the motion's highest frequency, by which a play shows itself
+_SAMPLES_OF_EDGE = 12.0  # in a period of the highest frequency that passes
+_MOST_SAMPLES, _FEW_SAMPLES = 8_000, 1_000  # of an estimate, and of where to look for it
+_ABOVE_NOISE = 30.0  # times the mean power of the noise: no noise reaches it
+_PASSED = 1.0 - 1e-9  # of the command's energy, which the filter against its noise lets through
+_SHORTEST_REST = 0.2  # s
+_STILL = 1e-4  # of the command's range
+_WINDOW = 0.06  # s, over which the path between rests is averaged
+# what the filter and interpolation may add, seen on simulated calibrations
+_OF_A_SAMPLE, _OF_SCALE, _OF_HYSTERESIS = 0.03, 3e-5, 0.03
+_SHARE_UNSURE, _LEAST_UNSURE = 0.3, 5e-4
+_FEWEST_LEVELS = 3  # of rests in steps
+_SHARE_OF_RESTS = 0.4
+
+_HOLDS_DELAY = (
+    "The skew holds the actuator's own delay, which no test without a third channel tells from it: give "
+    "`actuator_delay_ms` where one signal was not fed to both channels."
+)
+_LOCKED = "The measured channel does not move: only its noise and resolution follow from this test."
+_ACTUATOR_MOVES = (
+    "The measured displacement differs from the command by more than skew, scale, hysteresis and noise: the "
+    "actuator's own motion is in it. Scale and hysteresis are those of the samples at rest; the skew does "
+    "not follow."
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChannelCalibration:
+    """What the measured channel adds to a motion that the command's channel records as well.
+
+    Parameters
+    ----------
+    skew_ms : StatedValue or None
+        Time by which the measured channel is late against the command's [ms]; None where it does not follow.
+    scale : StatedValue or None
+        Reading of the measured channel over that of the command's [-]; None where it did not move.
+    hysteresis : StatedValue or None
+        Difference of two readings at one place that is reached from two sides, over the range of the motion
+        [-].
+    noise_m, command_noise_m : float
+        Root mean square of the noise of the measured and of the command's channel [m].
+    resolution_m : float
+        Step between readings of the measured channel [m]; 0 where there is none.
+    notes : tuple of str
+        What limits these statements, in sentences.
+    """
+
+    skew_ms: StatedValue | None
+    scale: StatedValue | None
+    hysteresis: StatedValue | None
+    noise_m: float
+    command_noise_m: float
+    resolution_m: float
+    notes: tuple[str, ...] = ()
+
+    def to_dict(self) -> dict[str, object]:
+        """Return values and notes by their names; a stated value with its standard deviation "sd"."""
+        content: dict[str, object] = {}
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if isinstance(value, StatedValue):
+                value = {"value": value.value, "sd": value.deviation}
+            content[field.name] = list(value) if isinstance(value, tuple) else value
+        return content
+
+
+def calibrate_channels(
+    recording: Recording, *, actuator_delay_ms: StatedValue | None = None
+) -> ChannelCalibration:
+    """Measure what the measured channel adds to a motion that both channels record.
+
+    Parameters
+    ----------
+    recording : Recording
+        A test in which the measured displacement is the command but for the channels: sines, sweeps or steps
+        with rests of an actuator without a specimen, or one signal on both channels. With a locked actuator
+        only noise and resolution follow.
+    actuator_delay_ms : StatedValue, optional
+        Delay of the actuator in this test [ms], which is taken off the lag between the channels.
+
+    Returns
+    -------
+    ChannelCalibration
+        Skew, scale, hysteresis, noise and resolution.
+
+    Raises
+    ------
+    InputError
+        If the measured displacement moves, but not as the command does, or the test never rests although an
+        actuator's own motion is in it.
+
+    Examples
+    --------
+    >>> time = np.arange(0.0, 20.0, 0.001)
+    >>> command, late = 0.02 * np.sin(6.0 * time), 0.02 * np.sin(6.0 * (time - 4e-4))
+    >>> measured = calibrate_channels(Recording(command=command, measured=1.01 * late, time_step=0.001))
+    >>> round(measured.skew_ms.value, 3), round(measured.scale.value, 4)
+    (0.4, 1.01)
+    """
+    noise, command_noise = _noise_of(recording.measured), _noise_of(recording.command)
+    resolution = converter_step(recording.measured)
+    calibration = ChannelCalibration(
+        skew_ms=None,
+        scale=None,
+        hysteresis=None,
+        noise_m=noise,
+        command_noise_m=command_noise,
+        resolution_m=resolution,
+        notes=(_LOCKED,),
+    )
+    if np.ptp(recording.measured) < _AT_REST * np.ptp(recording.command):
+        return calibration
+    _require_one_motion(recording)
+    rests = _rests(recording, command_noise)
+    at_rest = _estimate_at_rest(recording, rests) if rests else None
+    channels = _Channels(recording, rests, None if at_rest is None else at_rest.weights)
+    white = float(np.linalg.norm([noise, command_noise, resolution / np.sqrt(12.0)]))
+    skew, scale, hysteresis, remainder = channels.estimate()
+    if remainder > _BEYOND_NOISE * channels.noise_gain * white + _ALWAYS_LEFT * channels.half_range:
+        if at_rest is None:
+            raise _never_rests(recording, remainder / channels.half_range)
+        hysteresis = StatedValue(at_rest.hysteresis.value, _unsure(at_rest.hysteresis))
+        return replace(calibration, scale=at_rest.scale, hysteresis=hysteresis, notes=(_ACTUATOR_MOVES,))
+    deviations = channels.deviations(skew, scale, hysteresis)
+    delay = actuator_delay_ms or StatedValue(0.0)
+    deviation = float(np.hypot(MILLI * deviations[0], delay.deviation))
+    return replace(
+        calibration,
+        skew_ms=StatedValue(MILLI * skew - delay.value, deviation),
+        scale=at_rest.scale if at_rest else StatedValue(scale, float(deviations[1])),
+        hysteresis=at_rest.hysteresis if at_rest else StatedValue(hysteresis, float(deviations[2])),
+        notes=() if actuator_delay_ms else (_HOLDS_DELAY,),
+    )
+
+
+def _unsure(hysteresis: StatedValue) -> float:
+    """Deviation of a hysteresis [-] whose path between rests is the actuator's, which overshoots."""
+    return float(np.linalg.norm([hysteresis.deviation, _SHARE_UNSURE * hysteresis.value, _LEAST_UNSURE]))
+
+
+def _never_rests(recording: Recording, remainder: float) -> InputError:
+    return InputError(
+        "Without rests the measured displacement must differ by skew, scale and hysteresis only",
+        value=f"{remainder:.2%} of the motion's amplitude beyond its noise",
+        remedy=f"Feed one signal to both channels, or move in steps with rests above {_SHORTEST_REST:g} s",
+        where=recording.name,
+    )
+
+
+def _require_one_motion(recording: Recording) -> None:
+    correlation = float(np.corrcoef(recording.command, recording.measured)[0, 1])
+    if correlation < _LEAST_CORRELATION:
+        raise InputError(
+            "In a calibration the measured displacement must be the command but for the channels",
+            value=f"a correlation of {correlation:.2f}",
+            remedy="Feed one signal to both channels, or move the actuator slowly and without a specimen",
+            where=recording.name,
+        )
+
+
+def _noise_of(values: Array) -> float:
+    """Root mean square of white noise, from fourth differences, in which no motion is left; shape (n,)."""
+    return float(np.median(np.abs(np.diff(values, 4)))) / (0.6745 * np.sqrt(70.0))
+
+
+class _Channels:
+    """The two channels of a test, with the plays of its motion, without noise above the motion."""
+
+    def __init__(self, recording: Recording, rests: list[NDArray[np.intp]], weights: Array | None) -> None:
+        rate = 1.0 / recording.time_step
+        edge, coefficients = _filter_of(recording.command, rate)
+        motion = _flattened(smoothed(recording.command, coefficients), rests)
+        self.half_range = 0.5 * float(np.ptp(motion))
+        stops = _stops(motion, self.half_range)
+        if weights is not None:
+            motion, stops = motion - weights @ stops, stops[:0]
+        self.radii = self.half_range * _RADII[: len(stops)]
+        self.noise_gain = float(np.linalg.norm(coefficients))
+        # near its ends the filtered motion is a guess, and the plays have not turned yet
+        within = slice(coefficients.size // 2, motion.size - coefficients.size // 2)
+        every = max(int(rate / (_SAMPLES_OF_EDGE * edge)), 1)
+        filtered = np.stack([smoothed(values, coefficients) for values in (recording.measured, *stops)])
+        self.time_step = recording.time_step
+        self.times = recording.time_step * np.arange(motion.size)[within][::every]
+        self.measured = filtered[0][within][::every]
+        basis = np.vstack([motion, filtered[1:]]).T[within][::every]
+        self.path = scipy.interpolate.make_interp_spline(self.times, basis)
+
+    def estimate(self) -> tuple[float, float, float, float]:
+        """Estimate skew [s], scale, hysteresis and the RMS of what is left [m]."""
+        samples = np.arange(self.times.size)
+        skews = _SPACING * np.arange(-_SKEWS, _SKEWS + 1)
+        few = samples[:: 1 + samples.size // _FEW_SAMPLES]
+        remainders = np.array([self._fit(few, skew)[2] for skew in skews])
+        lowest = sorted(scipy.signal.argrelmin(remainders)[0], key=remainders.__getitem__)[:3]
+        near = skews[lowest or [int(remainders.argmin())]]
+        return min((self._refine(samples, float(skew)) for skew in near), key=lambda values: values[3])
+
+    def deviations(self, *values: float) -> Array:
+        """Return standard deviations of skew [s], scale and hysteresis, by estimates from stretches."""
+        parts = np.array_split(np.arange(self.times.size), _STRETCHES)
+        estimates = np.array([self._refine(part, values[0])[:3] for part in parts])
+        # weights that are not negative bias the estimates, those of stretches √8 times as much
+        biases = (estimates.mean(axis=0) - values) / (np.sqrt(_STRETCHES) - 1.0)
+        scatter = estimates.std(axis=0, ddof=1) / np.sqrt(_STRETCHES)
+        floors = np.array([_OF_A_SAMPLE * self.time_step, _OF_SCALE, _OF_HYSTERESIS * values[2]])
+        return np.asarray(np.linalg.norm([scatter, biases, floors], axis=0))
+
+    def _refine(self, samples: NDArray[np.intp], near: float) -> tuple[float, float, float, float]:
+        part = samples[:: 1 + samples.size // _MOST_SAMPLES]
+        skew = scipy.optimize.minimize_scalar(
+            lambda skew: self._fit(part, skew)[2],
+            bounds=(near - _SPACING, near + _SPACING),
+            method="bounded",
+            options={"xatol": 1e-8},
+        ).x
+        scale, weights, remainder = self._fit(part, float(skew))
+        return float(skew), scale, float(weights @ _RADII[: weights.size]), remainder
+
+    def _fit(self, samples: NDArray[np.intp], skew: float) -> tuple[float, Array, float]:
+        """Fit scale [-] and weights of the plays; returns them with the RMS of what is left [m]."""
+        times = self.times[samples]
+        basis = self.path(np.clip(times - skew, self.times[0], self.times[-1]))
+        return _fit_plays(times, basis[:, 0], basis[:, 1:], self.measured[samples], self.radii)
+
+
+def _fit_plays(
+    times: Array, motion: Array, stops: Array, reading: Array, radii: Array
+) -> tuple[float, Array, float]:
+    """Fit offset, drift, scale and plays to a reading [m], shape (n,); stops [m] of shape (n, radii)."""
+    free, triangle = np.linalg.qr(np.stack([np.ones_like(times), times, motion], axis=1))
+    of_reading, of_plays = free.T @ reading, -free.T @ stops
+    plays = (-stops - free @ of_plays) / radii  # columns of one size
+    remainder = reading - free @ of_reading
+    if not radii.size:
+        scale = float(np.linalg.solve(triangle, of_reading)[2])
+        return scale, radii, float(np.sqrt(np.mean(remainder**2)))
+    root = scipy.linalg.cholesky(plays.T @ plays + 1e-12 * times.size * np.eye(radii.size))
+    target = scipy.linalg.solve_triangular(root, plays.T @ remainder, trans="T")
+    weights = scipy.optimize.nnls(root, target)[0]
+    scale = float(np.linalg.solve(triangle, of_reading - of_plays @ (weights / radii))[2])
+    left = float(np.sqrt(np.mean((remainder - plays @ weights) ** 2)))
+    return scale, weights / radii / scale, left
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _AtRest:
+    scale: StatedValue  # [-]
+    hysteresis: StatedValue  # [-]
+    weights: Array  # of the plays [-], shape (radii,)
+
+
+def _estimate_at_rest(recording: Recording, rests: list[NDArray[np.intp]]) -> _AtRest:
+    """Estimate scale and plays from the second halves of the rests of a test, by the path between them."""
+    command, reading = (
+        np.array([values[rest].mean() for rest in rests])
+        for values in (recording.command, recording.measured)
+    )
+    half_range = 0.5 * float(np.ptp(recording.command))
+    window = np.hanning(max(round(_WINDOW / recording.time_step), 1) | 1)  # steps do not ring in it
+    path = _flattened(smoothed(recording.measured, window / window.sum()), rests)
+    stops = _stops(path, half_range)[:, [rest[-1] for rest in rests]].T
+    times = np.array([rest.mean() for rest in rests])
+
+    def estimate(used: NDArray[np.bool_]) -> tuple[float, Array]:
+        values = (values[used] for values in (times, command, stops, reading))
+        return _fit_plays(*values, half_range * _RADII)[:2]
+
+    places = np.arange(len(rests)) % _STRETCHES
+    without = [estimate(places != place) for place in range(_STRETCHES)]
+    jackknife = np.std([(scale, weights @ _RADII) for scale, weights in without], axis=0)
+    deviations = jackknife * np.sqrt(_STRETCHES - 1.0)
+    scale, weights = estimate(places >= 0)
+    hysteresis = float(weights @ _RADII)
+    return _AtRest(
+        scale=StatedValue(scale, float(np.hypot(deviations[0], _OF_SCALE))),
+        hysteresis=StatedValue(hysteresis, float(np.hypot(deviations[1], _OF_HYSTERESIS * hysteresis))),
+        weights=weights,
+    )
+
+
+def _filter_of(command: Array, rate: float) -> tuple[float, Array]:
+    """Design the filter that lets the command's motion through [Hz], shape (odd,)."""
+    size = command.size
+    spectrum = np.fft.rfft((command - command.mean()) * scipy.signal.windows.hann(size))
+    noise_power = 0.375 * size * _noise_of(command) ** 2
+    energy = np.cumsum(np.maximum(np.abs(spectrum) ** 2 - _ABOVE_NOISE * noise_power, 0.0))
+    edge = _HARMONICS * float(np.searchsorted(energy, _PASSED * energy[-1])) * rate / size
+    return edge, low_pass(edge, rate)
+
+
+def _stops(motion: Array, half_range: float) -> Array:
+    """Answers of stops (elastic, perfectly plastic) of all radii to a motion [m], shape (radii, n)."""
+    stops = np.zeros((_RADII.size, motion.size))
+    _follow(motion, half_range * _RADII, stops)
+    return stops
+
+
+@compiled
+def _follow(motion: Array, radii: Array, stops: Array) -> None:
+    for j in range(radii.size):
+        for i in range(1, motion.size):
+            value = stops[j, i - 1] + motion[i] - motion[i - 1]
+            stops[j, i] = min(max(value, -radii[j]), radii[j])
+
+
+def _rests(recording: Recording, noise: float) -> list[NDArray[np.intp]]:
+    """Find the samples of the second half of each rest of a command in steps; `noise` [m] is its own."""
+    reach = max(round(0.25 * _SHORTEST_REST / recording.time_step), 1)
+    command = np.pad(recording.command, reach, mode="edge")
+    still = np.abs(command[2 * reach :] - command[: -2 * reach]) <= 8.0 * noise + _STILL * np.ptp(command)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]]).astype(np.int8)))
+    spans = zip(edges[::2], edges[1::2], strict=True)
+    rests = [np.arange((begin + end) // 2, end) for begin, end in spans if end - begin >= 4 * reach]
+    levels = {round(2.0 * float(recording.command[rest].mean() / np.ptp(command)), 1) for rest in rests}
+    in_steps = still.mean() > _SHARE_OF_RESTS and len(levels) >= _FEWEST_LEVELS and len(rests) >= _STRETCHES
+    return rests if in_steps else []
+
+
+def _flattened(motion: Array, rests: list[NDArray[np.intp]]) -> Array:
+    """Take the noise from the rests of a motion, which would move its plays, shape (n,)."""
+    flat = motion.copy()
+    for rest in rests:
+        flat[rest] = motion[rest].mean()
+    return flat

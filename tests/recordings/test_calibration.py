@@ -1,0 +1,147 @@
+"""Calibrations simulated by a play, a shift on a finer grid and noise of the tests' own."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+import scipy
+
+from reliab.errors import InputError
+from reliab.recordings import Recording
+from reliab.recordings.calibration import calibrate_channels
+from reliab.stated_value import StatedValue
+
+FINER = 8
+
+
+@dataclass(frozen=True, kw_only=True)
+class Truth:
+    skew_ms: float
+    scale: float
+    hysteresis: float
+
+
+def through_play(motion, half_width):
+    reading, value = np.empty_like(motion), motion[0]
+    for i, place in enumerate(motion):
+        value = min(max(value, place - half_width), place + half_width)
+        reading[i] = value
+    return reading
+
+
+def sine(time, rng):
+    return np.sin(2.0 * np.pi * rng.uniform(0.5, 3.0) * time) * np.minimum(time, 1.0)
+
+
+def sweep(time, _rng):
+    return np.sin(2.0 * np.pi * (0.1 * time + 2.45 / time[-1] * time**2))
+
+
+def steps(time, _rng):
+    levels = np.array([0, 1, 0, -1, 0, 0.5, 1, 0.5, 0, -0.5, -1, -0.5, 0] * 2)
+    stepped = levels[np.minimum((time / time[-1] * levels.size).astype(int), levels.size - 1)]
+    window = np.hanning(round(0.15 / time[1]))
+    return np.convolve(stepped, window / window.sum(), "same")
+
+
+def calibration(shape, seed, *, rate=1024.0, actuator=None):
+    rng = np.random.default_rng(seed)
+    time = np.arange(round(rng.uniform(15.0, 30.0) * rate) * FINER) / (rate * FINER)
+    amplitude = rng.uniform(0.005, 0.05)
+    command = amplitude * shape(time, rng)
+    motion = command if actuator is None else actuator(time, command)
+    shift = int(rng.integers(-2 * FINER, 2 * FINER + 1))
+    truth = Truth(
+        skew_ms=1e3 * shift / (rate * FINER),
+        scale=1.0 + 0.01 * rng.normal(),
+        hysteresis=rng.uniform(0.001, 0.01),
+    )
+    reading = truth.scale * through_play(motion, truth.hysteresis * amplitude)
+    reading = np.interp(np.arange(time.size) - shift, np.arange(time.size), reading)
+    noise = 10.0 ** (-rng.uniform(42.0, 60.0) / 20.0) * command.std()
+    size = command[::FINER].size
+    return truth, Recording(
+        command=command[::FINER] + noise * rng.integers(0, 2) * rng.normal(size=size),
+        measured=reading[::FINER] + noise * rng.normal(size=size) + 0.02 * amplitude * rng.normal(),
+        time_step=1.0 / rate,
+    )
+
+
+@pytest.mark.parametrize("shape", [sine, sweep, steps])
+def test_skew_scale_and_hysteresis_come_back(shape):
+    truth, recording = calibration(shape, seed=3)
+    measured = calibrate_channels(recording)
+    assert measured.skew_ms.value == pytest.approx(truth.skew_ms, abs=0.1 / 1.024)
+    assert measured.scale.value == pytest.approx(truth.scale, abs=5e-4)
+    assert measured.hysteresis.value == pytest.approx(truth.hysteresis, rel=0.2)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("shape", [sine, sweep])
+def test_a_hundred_calibrations(shape):
+    errors = []
+    for seed in range(100):
+        rate = (256.0, 512.0, 1024.0, 2048.0)[seed % 4]
+        truth, recording = calibration(shape, seed=1000 + seed, rate=rate)
+        measured = calibrate_channels(recording)
+        errors.append(
+            (
+                (measured.skew_ms.value - truth.skew_ms) * 1e-3 * rate / 0.05,
+                (measured.scale.value - truth.scale) / 5e-4,
+                (measured.hysteresis.value / truth.hysteresis - 1.0) / 0.2,
+            )
+        )
+    assert (np.abs(errors) < 1.0).mean(axis=0) == pytest.approx([1.0, 1.0, 1.0], abs=0.05)
+
+
+def test_steps_of_an_actuator_give_scale_and_hysteresis_but_no_skew():
+    omega = 2.0 * np.pi * 8.0
+
+    def actuator(time, command):
+        return scipy.signal.lsim(([omega**2], [1.0, 2.0 * omega, omega**2]), command, time)[1]
+
+    truth, recording = calibration(steps, seed=8, actuator=actuator)
+    measured = calibrate_channels(recording)
+    assert measured.skew_ms is None
+    assert "actuator's own motion" in measured.notes[0]
+    assert measured.scale.value == pytest.approx(truth.scale, abs=5e-4)
+    assert abs(measured.hysteresis.value - truth.hysteresis) < 3.0 * measured.hysteresis.deviation
+
+
+def test_an_actuator_that_never_rests_and_lags_by_its_own_motion_is_refused():
+    def actuator(time, command):
+        omega = 2.0 * np.pi * 12.0
+        return scipy.signal.lsim(([omega**2], [1.0, 1.2 * omega, omega**2]), command, time)[1]
+
+    _, recording = calibration(sweep, seed=4, actuator=actuator)
+    with pytest.raises(InputError, match=r"Feed one signal to both channels, or move in steps"):
+        calibrate_channels(recording)
+
+
+def test_a_locked_actuator_gives_noise_and_resolution():
+    rng = np.random.default_rng(7)
+    time = np.arange(0.0, 10.0, 1e-3)
+    noise = 3e-6 * rng.normal(size=time.size)
+    step = 1e-6
+    measured = calibrate_channels(
+        Recording(command=0.01 * np.sin(time), measured=step * np.round(noise / step), time_step=1e-3)
+    )
+    assert measured.skew_ms is None
+    assert measured.scale is None
+    assert measured.resolution_m == pytest.approx(step)
+    assert measured.noise_m == pytest.approx(3e-6, rel=0.1)
+
+
+def test_a_channel_that_does_something_else_is_refused():
+    time = np.arange(0.0, 10.0, 1e-3)
+    with pytest.raises(InputError, match="must be the command but for the channels"):
+        calibrate_channels(Recording(command=np.sin(time), measured=np.cos(3.0 * time), time_step=1e-3))
+
+
+def test_a_stated_delay_of_the_actuator_is_taken_off_the_lag():
+    _, recording = calibration(sweep, seed=5)
+    whole = calibrate_channels(recording)
+    without = calibrate_channels(recording, actuator_delay_ms=StatedValue(0.4, 0.3))
+    assert without.skew_ms.value == pytest.approx(whole.skew_ms.value - 0.4)
+    assert without.skew_ms.deviation > 0.3
+    assert (len(whole.notes), len(without.notes)) == (1, 0)
