@@ -24,12 +24,12 @@ from reliab.signals import converter_step, low_pass, smoothed
 from reliab.stated_value import StatedValue
 from reliab.vocabulary import MILLI
 
-_RADII = np.geomspace(3e-4, 0.08, 16)  # half widths of the plays over half the range of the motion
+_RADII = np.geomspace(3e-4, 0.05, 32)  # half widths of the plays over half the range of the motion
 _STRETCHES = 8  # each gives an estimate of its own
 _SPACING, _SKEWS = 1.25e-3, 40  # s and their number on both sides, about which skews are looked for
 _AT_REST = 0.01  # of the command's range: a measured channel that moves less is locked
 _LEAST_CORRELATION = 0.9
-_ALWAYS_LEFT = 1e-4  # of half the range
+_ALWAYS_LEFT = 3e-4  # of half the range
 _BEYOND_NOISE = 1.3  # times its noise: what is left where the channels hold more than the model
 _HARMONICS = 6.0  # of the motion's highest frequency, by which a play shows itself
 _SAMPLES_OF_EDGE = 12.0  # in a period of the highest frequency that passes
