@@ -1,3 +1,8 @@
+from .calibration import (
+    ChannelCalibration as ChannelCalibration,
+    calibrate_channels as calibrate_channels,
+    calibration_in_toml as calibration_in_toml,
+)
 from .channel import Channel as Channel, Part as Part
 from .channels_file import (
     ChannelTables as ChannelTables,

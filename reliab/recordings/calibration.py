@@ -10,6 +10,7 @@ width r). For a given δ this is linear, with weights wⱼ that are not negative
 Standard deviations are those of estimates from stretches of the test.
 """
 
+import re
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -44,6 +45,10 @@ _OF_A_SAMPLE, _OF_SCALE, _OF_HYSTERESIS = 0.03, 3e-5, 0.03
 _SHARE_UNSURE, _LEAST_UNSURE = 0.3, 5e-4
 _FEWEST_LEVELS = 3  # of rests in steps
 _SHARE_OF_RESTS = 0.4
+
+_UNSURE = (("skew_ms", "skew_sd_ms"), ("scale", "scale_sd"), ("hysteresis", "hysteresis_sd"))
+_PLAIN = ("resolution_m", "noise_m", "command_noise_m")
+_FORMER = re.compile(r"^\[calibration\].*?(?=^\[|\Z)", re.MULTILINE | re.DOTALL)
 
 _HOLDS_DELAY = (
     "The skew holds the actuator's own delay, which no test without a third channel tells from it: give "
@@ -178,6 +183,53 @@ def _never_rests(recording: Recording, remainder: float) -> InputError:
         remedy=f"Feed one signal to both channels, or move in steps with rests above {_SHORTEST_REST:g} s",
         where=recording.name,
     )
+
+
+def calibration_in_toml(calibration: ChannelCalibration, described: str, source: str) -> str:
+    """Write a calibration as the table of a file `channels.toml`, after what the file states of channels.
+
+    Parameters
+    ----------
+    calibration : ChannelCalibration
+        What was measured.
+    described : str
+        Content of a file `channels.toml`, of which a former calibration is left out; may be empty.
+    source : str
+        From what it was measured, for a comment.
+
+    Returns
+    -------
+    str
+        Content of the new file.
+
+    Examples
+    --------
+    >>> locked = ChannelCalibration(
+    ...     skew_ms=None, scale=None, hysteresis=None, noise_m=2e-6, command_noise_m=0.0, resolution_m=0.0
+    ... )
+    >>> print(calibration_in_toml(locked, "", "locked.csv"))
+    [calibration]  # measured by `reliab calibrate` from locked.csv
+    resolution_m = 0
+    noise_m = 2e-06
+    command_noise_m = 0
+    <BLANKLINE>
+    """
+    lines = [f"[calibration]  # measured by `reliab calibrate` from {_in_a_comment(source)}"]
+    for name, deviation in (
+        ("skew_ms", "skew_sd_ms"),
+        ("scale", "scale_sd"),
+        ("hysteresis", "hysteresis_sd"),
+    ):
+        value = getattr(calibration, name)
+        if value is not None:
+            lines += [f"{name} = {value.value:.6g}", f"{deviation} = {value.deviation:.3g}"]
+    lines += [f"{name} = {getattr(calibration, name):.6g}" for name in _PLAIN]
+    kept = _FORMER.sub("", described).rstrip()
+    return "\n".join([*([kept, ""] if kept else []), *lines, ""])
+
+
+def _in_a_comment(text: str) -> str:
+    return "".join(character for character in text if character.isprintable())
 
 
 def _require_one_motion(recording: Recording) -> None:

@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from reliab.described_files import described, read_toml
 from reliab.recordings.channel import Part, Stated
+from reliab.stated_value import StatedValue
 
 _RULE: Final = "The channels of a laboratory must be described in TOML"
 _REMEDY: Final = "Compare with the page on recordings of the documentation"
@@ -21,6 +22,7 @@ _PARTS: Final = {
 }
 _Name = Annotated[str, Field(min_length=1, max_length=200)]
 _Reading = Annotated[float, Field(ge=-1e30, le=1e30)]
+_NotNegative = Annotated[float, Field(ge=0.0, le=1e30)]
 
 
 class _Table(BaseModel):
@@ -66,6 +68,43 @@ class SamplingTable(_Table):
     )
 
 
+class CalibrationTable(_Table):
+    """What the measured channel adds to a motion, as `reliab calibrate` measures it."""
+
+    skew_ms: Annotated[float, Field(ge=-1e4, le=1e4)] | None = Field(
+        default=None, description="Time by which the measured channel is late [ms]"
+    )
+    skew_sd_ms: _NotNegative = Field(default=0.0, description="Its standard deviation [ms]")
+    scale: Annotated[float, Field(gt=0.0, le=1e3)] | None = Field(
+        default=None, description="Reading of the measured channel over that of the command's"
+    )
+    scale_sd: _NotNegative = Field(default=0.0, description="Its standard deviation")
+    hysteresis: _NotNegative | None = Field(
+        default=None,
+        description="Difference of two readings at one place that is reached from two sides, over the range",
+    )
+    hysteresis_sd: _NotNegative = Field(default=0.0, description="Its standard deviation")
+    resolution_m: _NotNegative | None = Field(default=None, description="Step between readings [m]")
+    noise_m: _NotNegative | None = Field(default=None, description="Noise of the measured channel, RMS [m]")
+    command_noise_m: _NotNegative | None = Field(
+        default=None, description="Noise of the command's channel, RMS [m]"
+    )
+
+    def stated(self) -> dict[str, StatedValue]:
+        """Return skew [ms], scale, hysteresis [-] and resolution [m], as far as they are stated."""
+        values = {
+            "skew": (self.skew_ms, self.skew_sd_ms),
+            "scale": (self.scale, self.scale_sd),
+            "hysteresis": (self.hysteresis, self.hysteresis_sd),
+            "resolution": (self.resolution_m, 0.0),
+        }
+        return {
+            name: StatedValue(value, deviation)
+            for name, (value, deviation) in values.items()
+            if value is not None
+        }
+
+
 class ChannelsDescription(_Table):
     """A laboratory's file `channels.toml`."""
 
@@ -73,6 +112,9 @@ class ChannelsDescription(_Table):
         default=ChannelTables(), description="Names, units, signs, zeros and scales"
     )
     sampling: SamplingTable = Field(default=SamplingTable(), description="Sampling of all tests")
+    calibration: CalibrationTable = Field(
+        default=CalibrationTable(), description="What the measured channel adds to a motion"
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,13 +123,19 @@ class StatedChannels:
 
     stated: Mapping[Part, Stated] = field(default_factory=dict)
     rate_hz: float | None = None  # Sampling rate [Hz], where a file holds no time
+    # Skew [ms], scale, hysteresis [-] and resolution [m] of the measured channel, as calibrated
+    calibration: Mapping[str, StatedValue] = field(default_factory=dict)
 
 
 def read_channels_file(path: str | Path) -> StatedChannels:
     """Read a file `channels.toml`."""
     content = read_toml(path, rule=_RULE, remedy=_REMEDY)
     tables = described(ChannelsDescription, content, rule=_RULE, remedy=_REMEDY, where=str(path))
-    return StatedChannels(stated=stated_by_tables(tables.channels), rate_hz=tables.sampling.rate_hz)
+    return StatedChannels(
+        stated=stated_by_tables(tables.channels),
+        rate_hz=tables.sampling.rate_hz,
+        calibration=tables.calibration.stated(),
+    )
 
 
 def stated_by_tables(tables: ChannelTables) -> dict[Part, Stated]:

@@ -1,0 +1,99 @@
+"""`reliab calibrate`: what the two displacement channels add to a motion."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from reliab.cli.demand import Demand, takes
+from reliab.cli.options import (
+    ChannelsFile,
+    Column,
+    Delimiter,
+    JsonTarget,
+    Rate,
+    TestName,
+    TimeUnits,
+    Units,
+)
+from reliab.cli.output import console, table, write_json
+from reliab.significant import significant
+
+if TYPE_CHECKING:
+    from reliab.recordings import ChannelCalibration
+    from reliab.stated_value import StatedValue
+
+
+@dataclass(frozen=True, kw_only=True)
+class CalibrateDemand(Demand):
+    """Options of `reliab calibrate`, arguments of `reliab.calibrate`."""
+
+    test: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE",
+            help="One motion on both channels: a sine, a sweep or steps with rests, without a specimen.",
+        ),
+    ]
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", metavar="CHANNELS.toml", help="File for --channels of the commands that read tests."
+        ),
+    ] = None
+    actuator_delay: Annotated[
+        str | None,
+        typer.Option(
+            "--actuator-delay",
+            metavar="MS",
+            help="Delay of the actuator in this test [ms], 12±0.5; 0 where both channels record one signal.",
+        ),
+    ] = None
+    channels: ChannelsFile = None
+    test_name: TestName = None
+    command: Column = None
+    measured: Column = None
+    time: Column = None
+    rate: Rate = None
+    units: Units = None
+    time_units: TimeUnits = None
+    delimiter: Delimiter = None
+    json_target: JsonTarget = None
+
+
+@takes(CalibrateDemand)
+def calibrate(demand: CalibrateDemand) -> None:
+    """Measure skew, scale, hysteresis, noise and resolution of the two displacement channels."""
+    from reliab import api
+
+    calibration = demand.ask(api.calibrate, "json_target")
+    if not write_json(calibration.to_dict(), demand.json_target):
+        _show(calibration)
+        for note in calibration.notes:
+            console().print(f"Note: {demand.in_options(note)}", markup=False, highlight=False)
+
+
+def _show(calibration: "ChannelCalibration") -> None:
+    shown = table(
+        "What the measured channel adds to the motion", {"": "left", "value": "right", "± 1 sd": "right"}
+    )
+    for name, quantity in (
+        ("late against the command's [ms]", calibration.skew_ms),
+        ("scale against the command's [-]", calibration.scale),
+        ("hysteresis over the range of the motion [-]", calibration.hysteresis),
+    ):
+        shown.add_row(name, *_cells(quantity))
+    for name, metres in (
+        ("noise of the measured channel, RMS [m]", calibration.noise_m),
+        ("noise of the command's channel, RMS [m]", calibration.command_noise_m),
+        ("step between readings [m]", calibration.resolution_m),
+    ):
+        shown.add_row(name, significant(metres) if metres else "0", "")
+    console().print(shown)
+
+
+def _cells(quantity: "StatedValue | None") -> tuple[str, str]:
+    if quantity is None:
+        return "does not follow", ""
+    return f"{quantity.value:.5g}", significant(quantity.deviation)
