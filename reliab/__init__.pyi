@@ -1,5 +1,6 @@
 from .api import (
     assess as assess,
+    calibrate as calibrate,
     calibrate_probabilities as calibrate_probabilities,
     derive_criteria as derive_criteria,
     design_test as design_test,

@@ -6,6 +6,7 @@ from .assessment_files import (
     write_verdicts as write_verdicts,
 )
 from .boundaries import ellipses as ellipses
+from .calibration import calibrate as calibrate
 from .criteria import Criteria as Criteria, derive_criteria as derive_criteria
 from .design import Design as Design, design_test as design_test
 from .diagnosis import diagnose_campaign as diagnose_campaign, report_diagnosis as report_diagnosis

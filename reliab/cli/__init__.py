@@ -15,6 +15,7 @@ import typer
 
 from reliab.cli import (
     assess,
+    calibrate,
     criterion,
     diagnose,
     ellipses,
@@ -55,6 +56,7 @@ app.command("ellipses", epilog=example_of("ellipses"))(ellipses.ellipses)
 app.command("criterion", epilog=example_of("criterion"))(criterion.criterion)
 app.command("assess", epilog=example_of("assess"))(assess.assess)
 app.command("record", epilog=example_of("record"))(record.record)
+app.command("calibrate", epilog=example_of("calibrate"))(calibrate.calibrate)
 app.command("monitor", epilog=example_of("monitor"))(monitor.monitor)
 app.command("explore", epilog=example_of("explore"))(explore.explore)
 app.command("fetch", epilog=example_of("fetch"))(fetch.fetch)

@@ -8,6 +8,7 @@ EXAMPLES: Final = {
     "criterion": "reliab criterion --ellipses real_suite --f 1 --xi 0.02 --confidence 0.95",
     "assess": "reliab assess sample_test --f 1±0.01 --xi 0.02",
     "record": "reliab record sample_test --out test.nc",
+    "calibrate": "reliab calibrate sine.csv --actuator-delay 0 --out channels.toml",
     "monitor": "reliab monitor sample_test --f 1 --xi 0.02",
     "explore": "reliab explore --out criterion.html",
     "validate": "reliab validate --rebuilt-error --f 1 --xi 0.02 --trials 1",

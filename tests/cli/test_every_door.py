@@ -23,6 +23,7 @@ SERVICES = {
     "simulate": [api.simulate_suite],
     "ellipses": [api.trace_boundaries],
     "criterion": [api.derive_criteria],
+    "calibrate": [api.calibrate],
     "monitor": [api.follow_test],
     "explore": [api.write_explorer],
     "fetch": [api.fetch_dataset],
