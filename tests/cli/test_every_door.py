@@ -26,6 +26,7 @@ SERVICES = {
     "calibrate": [api.calibrate],
     "monitor": [api.follow_test],
     "explore": [api.write_explorer],
+    "record": [api.record],
     "fetch": [api.fetch_dataset],
     "samples": [api.copy_samples],
     "validate": [
@@ -44,7 +45,8 @@ SERVICES = {
     "motions synthesize": [api.synthesize_motions],
 }
 OF_REPORT = {"title", "date", "paper", "laboratory", "logo"}
-CHOOSE_A_SERVICE = {"list_all", "calibration", "rebuilt_error"}
+CHOOSE_A_SERVICE = {"list_all", "calibration", "rebuilt_error", "check"}
+OF_SEVERAL = {"sources": "source", "attribute": "attributes"}
 OF_PYTHON = {"show", "tell", "say", "addition"}
 
 
@@ -66,7 +68,8 @@ def test_every_command_but_assess_is_compared():
 
 @pytest.mark.parametrize("name", SERVICES)
 def test_every_option_is_an_argument_and_every_argument_an_option(name):
-    options = {parameter.name for parameter in command_of(name).params} - {"help", "json_target"}
+    names = {parameter.name for parameter in command_of(name).params} - {"help", "json_target"}
+    options = {OF_SEVERAL.get(option, option) if name == "record" else option for option in names}
     arguments = set().union(*(inspect.signature(service).parameters for service in SERVICES[name]))
     stated = arguments - OF_PYTHON - {"setting"}
     assert stated <= options
