@@ -224,8 +224,8 @@ def calibration_in_toml(calibration: ChannelCalibration, described: str, source:
         if value is not None:
             lines += [f"{name} = {value.value:.6g}", f"{deviation} = {value.deviation:.3g}"]
     lines += [f"{name} = {getattr(calibration, name):.6g}" for name in _PLAIN]
-    kept = _FORMER.sub("", described).rstrip()
-    return "\n".join([*([kept, ""] if kept else []), *lines, ""])
+    remaining = _FORMER.sub("", described).rstrip()
+    return "\n".join([*([remaining, ""] if remaining else []), *lines, ""])
 
 
 def _in_a_comment(text: str) -> str:

@@ -90,7 +90,7 @@ class CalibrationTable(_Table):
         default=None, description="Noise of the command's channel, RMS [m]"
     )
 
-    def stated(self) -> dict[str, StatedValue]:
+    def quantities(self) -> dict[str, StatedValue]:
         """Return skew [ms], scale, hysteresis [-] and resolution [m], as far as they are stated."""
         values = {
             "skew": (self.skew_ms, self.skew_sd_ms),
@@ -134,7 +134,7 @@ def read_channels_file(path: str | Path) -> StatedChannels:
     return StatedChannels(
         stated=stated_by_tables(tables.channels),
         rate_hz=tables.sampling.rate_hz,
-        calibration=tables.calibration.stated(),
+        calibration=tables.calibration.quantities(),
     )
 
 
