@@ -106,7 +106,7 @@ def record(
         If the file cannot be read, its channels cannot be told from each other, or a file cannot be written.
     """
     path = or_shipped(Path(source), "datasets", "test.csv")
-    said = StatedChannels() if channels is None else read_channels_file(channels)
+    laboratory = StatedChannels() if channels is None else read_channels_file(channels)
     names = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
     stated = stated_values(f=f, xi=xi, alpha=alpha, mass=mass)
     about = About(
@@ -119,8 +119,8 @@ def record(
     )
     dataset, histories = record_test(
         path,
-        said=StatedChannels(
-            stated=stated_by_options(said.stated, names, units), rate_hz=rate or said.rate_hz
+        laboratory=StatedChannels(
+            stated=stated_by_options(laboratory.stated, names, units), rate_hz=rate or laboratory.rate_hz
         ),
         test=test_name,
         about=about,

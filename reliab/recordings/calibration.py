@@ -324,8 +324,8 @@ def _fit_plays(
     target = scipy.linalg.solve_triangular(root, plays.T @ remainder, trans="T")
     weights = scipy.optimize.nnls(root, target)[0]
     scale = float(np.linalg.solve(triangle, of_reading - of_plays @ (weights / radii))[2])
-    left = float(np.sqrt(np.mean((remainder - plays @ weights) ** 2)))
-    return scale, weights / radii / scale, left
+    rms = float(np.sqrt(np.mean((remainder - plays @ weights) ** 2)))
+    return scale, weights / radii / scale, rms
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -163,8 +163,8 @@ def _with_unit(quantity: Quantity | None, unit: Unit | None) -> Quantity | None:
 
 
 def _quantity(words: Sequence[str]) -> Quantity | None:
-    said = {_QUANTITY_OF[word] for word in words if word in _QUANTITY_OF}
-    return next((quantity for quantity in _PRECEDENCE if quantity in said), None)
+    quantities = {_QUANTITY_OF[word] for word in words if word in _QUANTITY_OF}
+    return next((quantity for quantity in _PRECEDENCE if quantity in quantities), None)
 
 
 def _role(words: Sequence[str], around: Sequence[str]) -> tuple[Role | None, bool]:
@@ -174,11 +174,11 @@ def _role(words: Sequence[str], around: Sequence[str]) -> tuple[Role | None, boo
         (around, _ROLE_OF, False),
         (words, _WEAK_ROLE_OF, True),
     ):
-        said = {meanings[word] for word in part if word in meanings}
-        said -= {Role.GROUND} if len(said) > 1 else set()  # "table displacement command"
-        if len(said) == 1:
-            return said.pop(), weak
-        if said:
+        roles = {meanings[word] for word in part if word in meanings}
+        roles -= {Role.GROUND} if len(roles) > 1 else set()  # "table displacement command"
+        if len(roles) == 1:
+            return roles.pop(), weak
+        if roles:
             return None, False  # "command feedback"
     return None, False
 

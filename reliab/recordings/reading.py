@@ -85,12 +85,14 @@ def read_recording(
         With file, line, rule and remedy, if a column is missing or two are too close, times do not follow at
         equal steps, a value is missing or a history is constant.
     """
-    said = StatedChannels() if channels is None else read_channels_file(channels)
+    laboratory = StatedChannels() if channels is None else read_channels_file(channels)
     names = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
     table = read_frame(path) if isinstance(path, pd.DataFrame) else read_test(path, test, delimiter=delimiter)
     histories = histories_of(
         table,
-        StatedChannels(stated=stated_by_options(said.stated, names, units), rate_hz=rate_hz or said.rate_hz),
+        StatedChannels(
+            stated=stated_by_options(laboratory.stated, names, units), rate_hz=rate_hz or laboratory.rate_hz
+        ),
         time_units=time_units,
     )
     return recording_of(histories)
@@ -125,19 +127,19 @@ def one_test(tests: Sequence[Columns], name: str | None) -> Columns:
 
 def histories_of(
     columns: Columns,
-    said: StatedChannels,
+    laboratory: StatedChannels,
     *,
     needed: Iterable[Part] = DISPLACEMENTS,
     time_units: str | None = None,
 ) -> Histories:
     """Recognise the channels of a test, and bring them to SI units and one clock."""
-    completed, notes = _with_units(columns, recognise(columns, said.stated, needed=needed))
+    completed, notes = _with_units(columns, recognise(columns, laboratory.stated, needed=needed))
     keyed = {_key(channel): channel for channel in sorted(completed, key=_order)}
     if not any(channel.part is not Part.TIME for channel in keyed.values()):
         raise InputError(
             "A test's file must hold a channel of the test", value=columns.listed, where=columns.where
         )
-    read, step, clock_notes = at_one_clock(columns, keyed, rate_hz=said.rate_hz, time_units=time_units)
+    read, step, clock_notes = at_one_clock(columns, keyed, rate_hz=laboratory.rate_hz, time_units=time_units)
     return Histories(
         columns=columns,
         channels=keyed,

@@ -158,17 +158,17 @@ class _Search:
 
     def _channel(self, part: Part, what: Named, reason: str, actuator: str = "") -> Channel:
         """Take a column as a part, in the unit that is stated, else in that of the file."""
-        said = self._stated.get(part, Stated())
-        unit = self._unit(part, said.unit) if said.unit else what.unit
+        laboratory = self._stated.get(part, Stated())
+        unit = self._unit(part, laboratory.unit) if laboratory.unit else what.unit
         if unit is not None and unit.quantity is not QUANTITY_OF[part]:
             unit = None
         return Channel(
             part=part,
             column=what.column,
             unit="" if unit is None else unit.text,
-            factor=said.sign * said.scale * (1.0 if unit is None else unit.factor),
+            factor=laboratory.sign * laboratory.scale * (1.0 if unit is None else unit.factor),
             reason=reason,
-            zero=said.zero,
+            zero=laboratory.zero,
             actuator=actuator,
         )
 

@@ -66,7 +66,7 @@ class About:
 def record_test(
     path: str | Path,
     *,
-    said: StatedChannels | None = None,
+    laboratory: StatedChannels | None = None,
     test: str | None = None,
     about: About | None = None,
     time_units: str | None = None,
@@ -78,7 +78,7 @@ def record_test(
     ----------
     path : str or pathlib.Path
         File of a laboratory, in any format that is read.
-    said : StatedChannels, optional
+    laboratory : StatedChannels, optional
         What is stated of its channels.
     test : str, optional
         Which test, where the file holds several.
@@ -100,7 +100,7 @@ def record_test(
         As of :func:`read_recording`.
     """
     columns = read_test(path, test, delimiter=delimiter)
-    histories = histories_of(columns, said or StatedChannels(), time_units=time_units)
+    histories = histories_of(columns, laboratory or StatedChannels(), time_units=time_units)
     return _as_dataset(histories, Path(path), about or About()), histories
 
 
